@@ -1,0 +1,1 @@
+"""The exact stick-slip block, its FMI face and the packer that makes the FMU of them."""

@@ -1,0 +1,316 @@
+"""The FMI 2.0 co-simulation face of the block, for pythonfmu's wrapper.
+
+The wrapper turns every exception into a fatal status, and at each one gives away references that
+it does not own (`lifetime`). So every method that it calls ends in a value, or in one `FmuFailure`
+that `_fail` made.
+"""
+
+import functools
+import json
+import sys
+from operator import attrgetter
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+
+from pythonfmu import Fmi2Slave
+
+from .block import Block
+from .lifetime import give_reference
+from .settings import BlockError, Settings
+from .variables import VARIABLES, Variable, start_values
+
+_WARNING = 1
+# A simulator asks for the same few lists of variables again and again.
+_MOST_READERS = 256
+
+_Method = TypeVar("_Method", bound=Callable[..., Any])
+_Reader = Callable[[Block], Sequence[Any]]
+
+
+class FmuFailure(Exception):
+    """A call that failed; the text is for the user of the simulator."""
+
+
+class LogMessage(NamedTuple):
+    """What the wrapper reads off the log queue."""
+
+    status: int
+    category: str
+    msg: str
+
+
+def _entry(method: _Method) -> _Method:
+    """Make a method safe to be called by the wrapper: refuse after a failure, fail in one way."""
+
+    @functools.wraps(method)
+    def guarded(self: "StickSlip", *arguments: Any) -> Any:
+        try:
+            if self._fault is not None:
+                raise BlockError(self._fault)
+            return method(self, *arguments)
+        except BaseException as error:  # whatever it is, the importing process must survive it
+            raise self._fail(error) from None
+
+    return guarded  # type: ignore[return-value]
+
+
+class StickSlip(Fmi2Slave):  # type: ignore[misc]
+    """The stick-slip block as a slave."""
+
+    def __init__(self, **arguments: Any) -> None:
+        arguments.setdefault("instance_name", "")
+        super().__init__(**arguments)
+        self.modelName = "StickSlip"
+        self.log_queue: List[LogMessage] = []
+        self._settings = Settings(start_values())
+        self._start_time = 0.0
+        self._fault: Optional[str] = None
+        self._phase = "instantiated"
+        self._warned: Optional[Tuple[float, float]] = None
+        self._stepping = False
+        self._dirty = False
+        self._block = Block(self._settings)
+
+    # Phases.
+
+    @_entry
+    def setup_experiment(
+        self,
+        start_time: float,
+        stop_time: Optional[float] = None,
+        tolerance: Optional[float] = None,
+    ) -> None:
+        """Take the start time, which dates the events; stop time and tolerance mean nothing here."""
+        if not abs(start_time) < float("inf"):
+            raise BlockError(f"start time = {start_time!r} s is out of range: a finite number")
+        self._require("instantiated", "setupExperiment")
+        self._start_time = start_time
+        self._dirty = True
+
+    @_entry
+    def enter_initialization_mode(self) -> None:
+        """Let the outputs follow what is set."""
+        self._require("instantiated", "enterInitializationMode")
+        self._phase = "initialization"
+
+    @_entry
+    def exit_initialization_mode(self) -> None:
+        """Start the block from what was set; refuse values that do not go together."""
+        self._require("initialization", "exitInitializationMode")
+        self._block = Block(self._settings, self._start_time)
+        self._dirty = False
+        self._phase = "stepping"
+        self._stepping = True
+        self._warn_of_clamp()
+
+    @_entry
+    def terminate(self) -> None:
+        """End the simulation; the outputs stay readable."""
+        self._stepping = False
+        self._phase = "terminated"
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Advance the block by one communication step."""
+        try:
+            if not self._stepping:
+                self._refuse_step()
+            self._block.advance(current_time, step_size)
+        except BaseException as error:  # whatever it is, the importing process must survive it
+            raise self._fail(error) from None
+        return True
+
+    # Values.
+
+    @_entry
+    def get_real(self, vrs: List[int]) -> List[float]:
+        """Return Real values by value reference."""
+        return self._read("Real", vrs)
+
+    @_entry
+    def get_integer(self, vrs: List[int]) -> List[int]:
+        """Return Integer values by value reference."""
+        return self._read("Integer", vrs)
+
+    @_entry
+    def get_boolean(self, vrs: List[int]) -> List[bool]:
+        """Return Boolean values by value reference."""
+        return self._read("Boolean", vrs)
+
+    @_entry
+    def get_string(self, vrs: List[int]) -> List[str]:
+        """Refuse: there are no strings."""
+        return self._read("String", vrs)
+
+    @_entry
+    def set_real(self, vrs: List[int], values: List[float]) -> None:
+        """Set parameters and inputs; in a running simulation they act from the next step on."""
+        for reference, value in zip(vrs, values):
+            variable = _variable("Real", reference)
+            objection = self._objection(variable, value)
+            if objection is not None:
+                raise BlockError(objection)
+            setattr(self._settings, variable.name, value)
+            if self._phase == "stepping":
+                self._block.set(variable.name, value)
+            else:
+                self._dirty = True
+        if self._phase == "stepping":
+            self._settings.normal_force()
+            self._warn_of_clamp()
+
+    @_entry
+    def set_integer(self, vrs: List[int], values: List[int]) -> None:
+        """Refuse: no Integer can be set."""
+        self._refuse_setting("Integer", vrs)
+
+    @_entry
+    def set_boolean(self, vrs: List[int], values: List[bool]) -> None:
+        """Refuse: no Boolean can be set."""
+        self._refuse_setting("Boolean", vrs)
+
+    @_entry
+    def set_string(self, vrs: List[int], values: List[str]) -> None:
+        """Refuse: there are no strings."""
+        self._refuse_setting("String", vrs)
+
+    # State.
+
+    @_entry
+    def _get_fmu_state(self) -> Dict[str, Any]:
+        return {
+            "block": self._block.save(),
+            "settings": self._settings.as_dict(),
+            "start_time": self._start_time,
+            "phase": self._phase,
+            "dirty": self._dirty,
+        }
+
+    @_entry
+    def _set_fmu_state(self, state: Dict[str, Any]) -> None:
+        if not isinstance(state, dict) or "block" not in state:
+            raise BlockError("the state to set is none that this FMU handed out")
+        self._settings = Settings(state["settings"])
+        self._start_time = state["start_time"]
+        self._phase = state["phase"]
+        self._stepping = self._phase == "stepping"
+        self._dirty = state["dirty"]
+        self._block.restore(state["block"])
+
+    # The wrapper calls the next two without an instance and could not survive an exception.
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: Any) -> bytes:
+        return json.dumps(state).encode("utf-8")
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> Any:
+        try:
+            return json.loads(state.decode("utf-8"))
+        except ValueError:
+            return None
+
+    # The model description.
+
+    def to_xml(self, model_options: Optional[Dict[str, str]] = None) -> Any:
+        """Return the model description, which the builder writes; the options are fixed."""
+        import pythonfmu  # only a build asks, and an import of the whole builder is slow
+
+        from .description import model_description
+
+        digest = __name__.split(".")[0].rpartition("_")[2]
+        return model_description(digest, f"pythonfmu {pythonfmu.__version__}")
+
+    def _read(self, kind: str, vrs: List[int]) -> List[Any]:
+        if self._dirty:
+            self._block = Block(self._settings, self._start_time)
+            self._dirty = False
+        block = self._block
+        if block.stale:
+            block.refresh()
+        key = (kind, *vrs)
+        read = _READERS.get(key)
+        if read is None:
+            read = _READERS[key] = _reader(kind, vrs)
+        return list(read(block))
+
+    def _objection(self, variable: Variable, value: float) -> Optional[str]:
+        if not variable.settable:
+            return f"{variable.name} is an output: it cannot be set"
+        fixed = variable.variability == "fixed" and self._phase not in (
+            "instantiated",
+            "initialization",
+        )
+        if fixed and value != getattr(self._settings, variable.name):
+            return f"{variable.name} is fixed: it cannot change after initialization"
+        return variable.objection(value)
+
+    def _refuse_setting(self, kind: str, vrs: List[int]) -> None:
+        for reference in vrs:
+            raise BlockError(f"{_variable(kind, reference).name} is an output: it cannot be set")
+
+    def _refuse_step(self) -> None:
+        if self._fault is not None:
+            raise BlockError(self._fault)
+        self._require("stepping", "doStep")
+
+    def _require(self, phase: str, call: str) -> None:
+        if self._phase != phase:
+            raise BlockError(f"{call} is not allowed here: the instance is in phase {self._phase}")
+
+    def _warn_of_clamp(self) -> None:
+        mu_s, mu_k = self._settings.mu_s, self._settings.mu_k
+        if mu_k <= mu_s:
+            self._warned = None
+        elif self._warned != (mu_s, mu_k):
+            self._warned = (mu_s, mu_k)
+            text = (
+                f"mu_k = {mu_k!r} is above mu_s = {mu_s!r}: "
+                "mu_k is clamped to max(mu_s - 0.01, 0), see mu_k_used"
+            )
+            self.log_queue.append(LogMessage(_WARNING, "logStatusWarning", text))
+            _tell(text)
+
+    def _fail(self, error: BaseException) -> FmuFailure:
+        """Return the exception that ends this call and, until a reset, every later one."""
+        if self._fault is None:
+            known = isinstance(error, BlockError)
+            # The log is read as a printf format.
+            text = (str(error) if known else f"internal error: {error!r}").replace("%", "%%")
+            self._fault = text
+            _tell(text)
+        self._stepping = False
+        # One reference each for the wrapper to lose.
+        for lost in (self, type(self), self.log_queue):
+            give_reference(lost)
+        return FmuFailure(self._fault)
+
+
+_READERS: Dict[Tuple[Any, ...], _Reader] = {}
+
+
+def _variable(kind: str, reference: int) -> Variable:
+    """Return the variable behind a value reference; raises BlockError where there is none."""
+    if not 0 <= reference < len(VARIABLES):
+        raise BlockError(f"there is no variable with value reference {reference}")
+    variable = VARIABLES[reference]
+    if variable.kind != kind:
+        raise BlockError(f"{variable.name} is of type {variable.kind}, not {kind}")
+    return variable
+
+
+def _reader(kind: str, vrs: List[int]) -> _Reader:
+    """Return a function that reads the variables behind these references off a block."""
+    attributes = [_variable(kind, reference).attribute for reference in vrs]
+    if len(_READERS) >= _MOST_READERS:
+        _READERS.clear()
+    if not attributes:
+        return lambda block: ()
+    if len(attributes) == 1:
+        read = attrgetter(attributes[0])
+        return lambda block: (read(block),)
+    return attrgetter(*attributes)
+
+
+def _tell(text: str) -> None:
+    """Write to standard error, where there is one: many importers drop the log."""
+    if sys.stderr is not None:
+        print(f"StickSlip: {text}", file=sys.stderr)

@@ -1,0 +1,30 @@
+"""References that pythonfmu's wrapper gives away without owning them, made up for.
+
+At every exception that escapes to it, the wrapper releases its instance, its class and its log
+queue and yet keeps using them; at every instantiation it releases the globals of the slave's
+module. Each release is met here by one more reference, so that the counts stay true: nothing is
+freed too early, and nothing is kept for ever.
+"""
+
+from typing import Any, Dict, List
+
+try:
+    import ctypes
+except ImportError:  # an embedded Python may come without it
+    ctypes = None  # type: ignore[assignment]
+
+# Where counts cannot be raised, what was given is kept alive instead, for good.
+_kept: List[Any] = []
+
+
+def give_reference(lost: Any) -> None:
+    """Raise the reference count of an object that the wrapper is about to release."""
+    if ctypes is None:
+        _kept.append(lost)
+    else:
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(lost))
+
+
+def hold(module_globals: Dict[str, Any]) -> None:
+    """Keep the globals of the module that the wrapper executes at every instantiation."""
+    give_reference(module_globals)

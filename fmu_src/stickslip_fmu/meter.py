@@ -1,0 +1,126 @@
+"""The cycle meter: what the block says of its last stick, slip and cycle. docs/theory.md (16)."""
+
+from typing import Any, Dict
+
+from .compensated import CompensatedSum
+
+
+class CycleMeter:
+    """Quantities of the last completed stick, slip and cycle.
+
+    Break-away means stick to slip. Durations are added up arc by arc and never taken as
+    differences of times, so they stay exact however long the run.
+
+    Attributes
+    ----------
+    t_stick, t_slip, T
+        Length of the last completed stick, slip, and between the last two break-aways [s].
+    delta_x, spring_drop
+        Displacement of the mass in the last completed slip, and fall of z over it [m], signed.
+    x_dot_peak
+        Velocity of largest magnitude in the last completed slip [m/s], signed.
+    n_slips
+        Completed slips.
+    t_event
+        Time of the last transition [s].
+    """
+
+    __slots__ = (
+        "T",
+        "_cycle",
+        "_displacement",
+        "_peak",
+        "_phase",
+        "_seen_break_away",
+        "_z_start",
+        "delta_x",
+        "n_slips",
+        "spring_drop",
+        "t_event",
+        "t_slip",
+        "t_stick",
+        "x_dot_peak",
+    )
+
+    def __init__(self, start_time: float) -> None:
+        self.delta_x = 0.0
+        self.spring_drop = 0.0
+        self.t_stick = 0.0
+        self.t_slip = 0.0
+        self.T = 0.0
+        self.x_dot_peak = 0.0
+        self.n_slips = 0
+        self.t_event = start_time
+        self._phase = CompensatedSum()
+        self._cycle = CompensatedSum()
+        self._seen_break_away = False
+        self._z_start = 0.0
+        self._peak = 0.0
+        self._displacement = CompensatedSum()
+
+    @property
+    def f(self) -> float:
+        """Frequency of the last cycle [Hz], 0 before there is one."""
+        return 1.0 / self.T if self.T > 0.0 else 0.0
+
+    def begin_slip(self, z: float) -> None:
+        """Open a slip at spring extension `z` [m] that nothing broke away: at the start."""
+        self._phase.clear()
+        self._z_start = z
+        self._peak = 0.0
+        self._displacement.clear()
+
+    def pass_stick(self, duration: float) -> None:
+        """Count `duration` [s] of rest."""
+        self._phase.add(duration)
+        self._cycle.add(duration)
+
+    def pass_slip(self, duration: float, displacement: float, extreme_velocity: float) -> None:
+        """Count `duration` [s] of slip, its displacement [m] and its extreme velocity [m/s]."""
+        self._phase.add(duration)
+        self._cycle.add(duration)
+        self._displacement.add(displacement)
+        if abs(extreme_velocity) > abs(self._peak):
+            self._peak = extreme_velocity
+
+    def break_away(self, z: float, time: float) -> None:
+        """Close the stick and open a slip at spring extension `z` [m] and `time` [s]."""
+        self.t_stick = self._phase.high
+        if self._seen_break_away:
+            self.T = self._cycle.high
+        self._seen_break_away = True
+        self._cycle.clear()
+        self.t_event = time
+        self.begin_slip(z)
+
+    def end_slip(self, z: float, time: float) -> None:
+        """Close the slip at spring extension `z` [m] and `time` [s]; the next phase follows."""
+        self.t_slip = self._phase.high
+        self.delta_x = self._displacement.high
+        self.spring_drop = self._z_start - z
+        self.x_dot_peak = self._peak
+        self.n_slips += 1
+        self.t_event = time
+        self.begin_slip(z)
+
+    def drop_slip(self, time: float) -> None:
+        """Forget a slip of no length that a change of input at `time` [s] keeps from starting."""
+        self.t_event = time
+        self._phase.clear()
+
+    def save(self) -> Dict[str, Any]:
+        """Return the whole meter as plain numbers and lists, for `restore`."""
+        return {
+            name: value.save() if isinstance(value, CompensatedSum) else value
+            for name in self.__slots__
+            for value in [getattr(self, name)]
+        }
+
+    def restore(self, saved: Dict[str, Any]) -> None:
+        """Take up a meter that `save` returned."""
+        for name in self.__slots__:
+            value = getattr(self, name)
+            if isinstance(value, CompensatedSum):
+                value.restore(saved[name])
+            else:
+                setattr(self, name, saved[name])
