@@ -9,9 +9,16 @@ import math
 from typing import Tuple
 
 from .oscillator import Oscillator
+from .quadrature import integral
 from .roots import falling_zero
 
 _TURN = 2.0 * math.pi
+
+# The heat of damping has a closed form, of differences that cancel while the motion has hardly
+# begun. Up to this multiple of the shortest time, and in heavy damping up to this fraction of
+# the longest one, it is integrated instead.
+_SHORT = 4.0
+_EARLY = 1e-2
 
 
 class StickArc:
@@ -31,10 +38,11 @@ class StickArc:
         External force F_ext [N].
     """
 
-    __slots__ = ("duration", "k", "mode", "v", "z_end", "z_start")
+    __slots__ = ("duration", "k", "mode", "v", "x_dot_start", "z_end", "z_start")
 
     def __init__(self, k: float, v: float, z: float, breakaway: float, external: float) -> None:
         self.mode = 0
+        self.x_dot_start = 0.0
         self.k = k
         self.v = v
         self.z_start = z
@@ -42,7 +50,7 @@ class StickArc:
             self.z_end = z
             self.duration = math.inf
         else:
-            # A rest that rounding put beyond the threshold breaks away where it stands.
+            # A rest that rounding put beyond the threshold breaks away at once.
             self.z_end = (math.copysign(breakaway, v) - external) / k
             self.duration = max((self.z_end - z) / v, 0.0)
 
@@ -59,7 +67,7 @@ class StickArc:
         return 0.0
 
     def pull_work(self, tau: float, z: float, x_dot: float) -> float:
-        """Return the work of the pulling end up to `tau`, where the state is given [J]: (15)."""
+        """Return the work of the pulling end up to `tau`, with its state [J]: (15)."""
         return self.k * (self.v * tau) * (self.z_start + 0.5 * self.v * tau)
 
     def heat(self, tau: float, z: float, displacement: float) -> float:
@@ -87,18 +95,16 @@ class SlipArc:
     """
 
     __slots__ = (
-        "_a_w",
         "_fade",
         "_from_rest",
         "_kinetic",
         "_oscillator",
         "_peak_time",
-        "_rise",
+        "_u",
         "_z_dot",
         "duration",
         "mode",
         "q",
-        "u",
         "v",
         "x_dot_start",
         "z_start",
@@ -120,15 +126,12 @@ class SlipArc:
         self.mode = mode
         self.z_start = z
         self.x_dot_start = x_dot
-        self._z_dot = z_dot = v - x_dot
+        self._z_dot = v - x_dot
         # Acceleration of the mass, and distance of the spring from the centre of the swing.
         self.q = (net - oscillator.c * x_dot) / oscillator.m
-        self.u = (net - oscillator.c * v) / oscillator.k
-        a = oscillator.a
-        # Factors of E S in velocity, acceleration and spring extension.
-        self._rise = self.q - a * z_dot
-        self._fade = oscillator.w2 * z_dot - a * self.q
-        self._a_w = z_dot + a * self.u
+        self._u = (net - oscillator.c * v) / oscillator.k
+        # Factor of the impulse response in the acceleration.
+        self._fade = oscillator.w2 * self._z_dot - 2.0 * oscillator.a * self.q
         # An undamped slip from rest to rest has its own closed form.
         self._from_rest = x_dot == 0.0 and oscillator.c == 0.0
         self._peak_time = math.inf
@@ -136,9 +139,9 @@ class SlipArc:
 
     def state(self, tau: float) -> Tuple[float, float, float]:
         """Return spring extension, velocity and displacement of the mass at `tau`."""
-        fall, sine = self._oscillator.basis(tau)
-        growth = self._a_w * sine - self.u * fall
-        x_dot = self.x_dot_start + self._z_dot * fall + self._rise * sine
+        step, impulse = self._oscillator.responses(tau)
+        growth = self._z_dot * impulse - self._u * step
+        x_dot = self.x_dot_start + self._z_dot * step + self.q * impulse
         if x_dot * self.mode < 0.0:
             # Rounding beside an end of the slip; the motion itself never turns.
             x_dot = 0.0
@@ -147,7 +150,7 @@ class SlipArc:
     def end(self) -> Tuple[float, float, float]:
         """Return spring extension, velocity and displacement of the mass at the end."""
         if self._from_rest:
-            relief = 2.0 * self.u
+            relief = 2.0 * self._u
             return self.z_start - relief, 0.0, self.v * self.duration + relief
         z, _, displacement = self.state(self.duration)
         return z, 0.0, displacement
@@ -163,28 +166,50 @@ class SlipArc:
         return max(candidates, key=abs)
 
     def pull_work(self, tau: float, z: float, x_dot: float) -> float:
-        """Return the work of the pulling end up to `tau`, where the state is given [J]: (15).
+        """Return the work of the pulling end up to `tau`, with its state [J]: (15).
 
         The spring's impulse follows from the momentum of the mass and its damping.
         """
         oscillator = self._oscillator
         impulse = (
-            oscillator.k * (self.z_start - self.u) * tau
+            oscillator.k * (self.z_start - self._u) * tau
             + oscillator.m * (x_dot - self.x_dot_start)
             - oscillator.c * (z - self.z_start)
         )
         return self.v * impulse
 
     def heat(self, tau: float, z: float, displacement: float) -> float:
-        """Return the heat of friction and damping up to `tau`, where the state is given [J]: (15)."""
+        """Return the heat of friction and damping up to `tau`, with its state [J]: (15)."""
         heat = self._kinetic * abs(displacement)
         if self._oscillator.c > 0.0:
-            v = self.v
-            squares = self._oscillator.squared(tau, self._z_dot, -self.q)
-            heat += self._oscillator.c * (
-                v * v * tau - 2.0 * v * (z - self.z_start) + squares
-            )
+            heat += self._oscillator.c * self._squared_velocity(tau, displacement)
         return heat
+
+    def _squared_velocity(self, tau: float, displacement: float) -> float:
+        """Return the integral of x_dot^2 up to `tau` [m2/s]: (15)."""
+        oscillator = self._oscillator
+        end = _SHORT / max(oscillator.w, oscillator.fast)
+        if tau <= end:
+            return integral(self._velocity_squared, 0.0, tau)
+        if oscillator.slow * tau < _EARLY and oscillator.overdamped:
+            total = integral(self._velocity_squared, 0.0, end)
+            while end < tau:
+                start, end = end, min(2.0 * end, tau)
+                total += integral(self._velocity_squared, start, end)
+            return total
+        x_dot, z_dot, q = self.x_dot_start, self._z_dot, self.q
+        of_step, of_impulse = oscillator.integrals(tau)
+        step = oscillator.responses(tau)[0]
+        return (
+            x_dot * (2.0 * displacement - x_dot * tau)
+            + z_dot * (z_dot * of_step + q * step * step / oscillator.w2)
+            + q * q * of_impulse
+        )
+
+    def _velocity_squared(self, tau: float) -> float:
+        step, impulse = self._oscillator.responses(tau)
+        x_dot = self.x_dot_start + self._z_dot * step + self.q * impulse
+        return x_dot * x_dot
 
     def _find_end(self) -> float:
         """Return when the mass first comes to rest, or infinity: (5)."""
@@ -197,7 +222,7 @@ class SlipArc:
             low, high = self._enclose_swinging()
         if self._from_rest:
             mode = self.mode
-            angle = math.atan2(oscillator.w * (mode * self.u), mode * self.v)
+            angle = math.atan2(oscillator.w * (mode * self._u), mode * self.v)
             return (_TURN - 2.0 * angle) / oscillator.w
         if high == math.inf or self._speed(high)[0] > 0.0:
             return math.inf
@@ -205,9 +230,9 @@ class SlipArc:
 
     def _speed(self, tau: float) -> Tuple[float, float]:
         """Return the speed along the slip and its slope at `tau`."""
-        fall, sine = self._oscillator.basis(tau)
-        x_dot = self.x_dot_start + self._z_dot * fall + self._rise * sine
-        x_ddot = self.q * (1.0 - fall) + self._fade * sine
+        step, impulse = self._oscillator.responses(tau)
+        x_dot = self.x_dot_start + self._z_dot * step + self.q * impulse
+        x_ddot = self.q * (1.0 - step) + self._fade * impulse
         return self.mode * x_dot, self.mode * x_ddot
 
     def _enclose_swinging(self) -> Tuple[float, float]:
@@ -216,8 +241,8 @@ class SlipArc:
         The acceleration is a damped sine: it first turns from falling to rising speed a
         quarter turn before the phase of its own maximum.
         """
-        b = self._oscillator.b
-        phase = math.atan2(self.mode * self._fade, (self.mode * self.q) * b)
+        a, b = self._oscillator.a, self._oscillator.b
+        phase = math.atan2(self.mode * (self._fade + a * self.q), self.mode * self.q * b)
         lowest = phase - 0.5 * math.pi
         if lowest <= 0.0:
             lowest += _TURN
@@ -253,10 +278,11 @@ class SlipArc:
 
     def _turning_time(self) -> float:
         """Return when the acceleration changes sign, or infinity, for a >= w."""
-        b = self._oscillator.b
-        if self._fade == 0.0 or self.q == 0.0:
+        a, b = self._oscillator.a, self._oscillator.b
+        of_sine = self._fade + a * self.q
+        if of_sine == 0.0 or self.q == 0.0:
             return math.inf
-        ratio = -self.q / self._fade
+        ratio = -self.q / of_sine
         if ratio < 0.0 or ratio * b >= 1.0:
             return math.inf
         return math.atanh(ratio * b) / b if b > 0.0 else ratio

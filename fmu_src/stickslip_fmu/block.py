@@ -54,6 +54,13 @@ class Block:
         If the settings are beyond their range together.
     """
 
+    # Set by `_place`, wherever an arc starts.
+    _arc: Union[StickArc, SlipArc]
+    _origin: List[float]
+    _duration: float
+    _elapsed: float
+    _elapsed_low: float
+
     def __init__(self, settings: Settings, start_time: float = 0.0) -> None:
         self.wanted = settings.copy()
         self._x = CompensatedSum(settings.x_start)
@@ -268,9 +275,7 @@ class Block:
         settings = self.wanted.copy()
         normal = settings.normal_force()
         self.mu_k_used = kinetic_coefficient(settings.mu_s, settings.mu_k)
-        self.F_s, self._kinetic, self._gap = friction_forces(
-            settings.mu_s, self.mu_k_used, normal
-        )
+        self.F_s, self._kinetic, self._gap = friction_forces(settings.mu_s, self.mu_k_used, normal)
         self._oscillator = Oscillator(settings.k, settings.m, settings.c)
         self._settings = settings
 
@@ -292,14 +297,11 @@ class Block:
     def _place(self, mode: int, z: float, x_dot: float, net: float) -> None:
         """Stand at the start of the arc that these four and the settings determine."""
         settings = self._settings
-        self._origin: List[float] = [mode, z, x_dot, net]
-        self._arc: Union[StickArc, SlipArc]
+        self._origin = [mode, z, x_dot, net]
         if mode == 0:
             self._arc = StickArc(settings.k, settings.v, z, self.F_s, settings.F_ext)
         else:
-            self._arc = SlipArc(
-                self._oscillator, settings.v, z, x_dot, mode, net, self._kinetic
-            )
+            self._arc = SlipArc(self._oscillator, settings.v, z, x_dot, mode, net, self._kinetic)
         self.mode = mode
         self._duration = self._arc.duration
         self._elapsed = 0.0

@@ -1,7 +1,7 @@
 """The FMI 2.0 co-simulation face of the block, for pythonfmu's wrapper.
 
 The wrapper turns every exception into a fatal status, and at each one gives away references that
-it does not own (`lifetime`). So every method that it calls ends in a value, or in one `FmuFailure`
+it does not own (`lifetime`). So every method that it calls ends in a value, or in one `FmuError`
 that `_fail` made.
 """
 
@@ -26,7 +26,7 @@ _Method = TypeVar("_Method", bound=Callable[..., Any])
 _Reader = Callable[[Block], Sequence[Any]]
 
 
-class FmuFailure(Exception):
+class FmuError(Exception):
     """A call that failed; the text is for the user of the simulator."""
 
 
@@ -79,7 +79,7 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
         stop_time: Optional[float] = None,
         tolerance: Optional[float] = None,
     ) -> None:
-        """Take the start time, which dates the events; stop time and tolerance mean nothing here."""
+        """Take the start time, which dates the events; the others mean nothing here."""
         if not abs(start_time) < float("inf"):
             raise BlockError(f"start time = {start_time!r} s is out of range: a finite number")
         self._require("instantiated", "setupExperiment")
@@ -269,7 +269,7 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
             self.log_queue.append(LogMessage(_WARNING, "logStatusWarning", text))
             _tell(text)
 
-    def _fail(self, error: BaseException) -> FmuFailure:
+    def _fail(self, error: BaseException) -> FmuError:
         """Return the exception that ends this call and, until a reset, every later one."""
         if self._fault is None:
             known = isinstance(error, BlockError)
@@ -281,7 +281,7 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
         # One reference each for the wrapper to lose.
         for lost in (self, type(self), self.log_queue):
             give_reference(lost)
-        return FmuFailure(self._fault)
+        return FmuError(self._fault)
 
 
 _READERS: Dict[Tuple[Any, ...], _Reader] = {}

@@ -11,7 +11,9 @@ from typing import Any, Dict, List
 try:
     import ctypes
 except ImportError:  # an embedded Python may come without it
-    ctypes = None  # type: ignore[assignment]
+    _counts_can_be_raised = False
+else:
+    _counts_can_be_raised = True
 
 # Where counts cannot be raised, what was given is kept alive instead, for good.
 _kept: List[Any] = []
@@ -19,10 +21,10 @@ _kept: List[Any] = []
 
 def give_reference(lost: Any) -> None:
     """Raise the reference count of an object that the wrapper is about to release."""
-    if ctypes is None:
-        _kept.append(lost)
-    else:
+    if _counts_can_be_raised:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(lost))
+    else:
+        _kept.append(lost)
 
 
 def hold(module_globals: Dict[str, Any]) -> None:

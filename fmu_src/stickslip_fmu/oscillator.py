@@ -1,28 +1,60 @@
-"""The free motion of the mass on its spring, with any damping: docs/theory.md (3)."""
+"""The mass on its spring, with any damping: its two responses. docs/theory.md (3)."""
 
 import math
 from typing import Tuple
 
-# Above this damping ratio the two exponentials are far enough apart to be integrated one by
-# one; below it they may coincide, and the integrals are taken from sine and cosine instead.
+# Above this damping ratio the two rates of decay are far enough apart to be taken one by one.
 _FAR_APART = 2.0
+
+# Below this multiple of the shortest time the step response is summed as a power series: its
+# closed form is a difference of terms that are larger by the inverse of that multiple.
+_BEGINNING = 0.25
+_NEGLIGIBLE = 2.0**-60
 
 
 class Oscillator:
-    """Rates of ``u_ddot + 2 a u_dot + w^2 u = 0`` and its two basic solutions.
+    """Rates and responses of ``m y_ddot + c y_dot + k y = 0``.
 
-    With ``E = exp(-a tau)`` and ``C, S`` the cosine and the sine over its frequency (for
-    ``a > w`` the hyperbolic ones), every solution is
+    ``impulse`` K starts at 0 with slope 1, ``step`` is ``G = w^2`` times its integral; every
+    motion is a sum of the two:
 
-    ``u = u0 E C + (u_dot0 + a u0) E S``.
+    ``E = exp(-a tau)``, ``K = E sin(b tau)/b``, ``G = 1 - E cos(b tau) - a K``
+
+    for ``a < w``, with the hyperbolic functions beyond.
 
     Parameters
     ----------
     k, m, c
         Stiffness [N/m], mass [kg] and viscous damping [N.s/m].
+
+    Attributes
+    ----------
+    w, w2
+        Undamped angular frequency [rad/s] and its square.
+    a
+        Rate of decay c/(2m) [1/s].
+    b
+        Damped angular frequency, or half the distance of the two rates of decay [1/s].
+    fast, slow
+        The two rates of decay where a >= w; else a and a.
+    overdamped
+        Whether a >= w.
     """
 
-    __slots__ = ("a", "b", "basis", "c", "k", "m", "overdamped", "w", "w2")
+    __slots__ = (
+        "_beginning",
+        "_later",
+        "a",
+        "b",
+        "c",
+        "fast",
+        "k",
+        "m",
+        "overdamped",
+        "slow",
+        "w",
+        "w2",
+    )
 
     def __init__(self, k: float, m: float, c: float) -> None:
         self.k = k
@@ -30,62 +62,77 @@ class Oscillator:
         self.c = c
         self.w2 = k / m
         self.w = math.sqrt(self.w2)
-        self.a = 0.5 * c / m
-        self.overdamped = self.a >= self.w
-        # Frequency of the damped motion, or half the distance of the two decay rates.
+        self.a = self.fast = self.slow = 0.5 * c / m
         self.b = math.sqrt(abs((self.w - self.a) * (self.w + self.a)))
-        self.basis = self._decaying if self.overdamped else self._swinging
+        self.overdamped = self.a >= self.w
+        self._later = self._swinging
+        if self.overdamped:
+            self.fast = self.a + self.b
+            self.slow = self.w2 / self.fast
+            far_apart = self.a > _FAR_APART * self.w
+            self._later = self._decaying_apart if far_apart else self._decaying
+        self._beginning = _BEGINNING / max(self.w, self.fast)
+
+    def responses(self, tau: float) -> Tuple[float, float]:
+        """Return G [1] and K [s] at `tau` [s], each to its last digits."""
+        return self._first(tau) if tau < self._beginning else self._later(tau)
+
+    def integrals(self, tau: float) -> Tuple[float, float]:
+        """Return the integrals of G^2 [s] and K^2 [s^3] from 0 to `tau`: docs/theory.md (15).
+
+        Both lose digits where G is small all the way, that is for a short `tau`.
+        """
+        a, w2 = self.a, self.w2
+        step, impulse = self.responses(tau)
+        decay = -math.expm1(-2.0 * a * tau) / (2.0 * a) if a > 0.0 else tau
+        of_impulse = (decay - impulse * (1.0 - step)) / (2.0 * w2)
+        of_step = tau - impulse * (1.0 + step) - a / w2 * step * (2.0 + step) + w2 * of_impulse
+        return of_step, of_impulse
+
+    def _first(self, tau: float) -> Tuple[float, float]:
+        """Return G and K as power series, whose terms follow from the equation of motion."""
+        damping = 2.0 * self.a * tau
+        spring = self.w2 * tau * tau
+        before, term = 0.0, 0.5 * spring
+        step = term
+        slope = 2.0 * term
+        power = 2
+        while abs(term) + spring * abs(before) > _NEGLIGIBLE * step:
+            following = -(damping * power * term + spring * before) / (power * (power + 1))
+            before, term = term, following
+            power += 1
+            step += term
+            slope += power * term
+        return step, slope / spring * tau if spring > 0.0 else tau
 
     def _swinging(self, tau: float) -> Tuple[float, float]:
-        """Return ``1 - E C`` and ``E S`` at time `tau`, for a < w.
+        """Return G and K for a < w.
 
-        The first is built without cancellation: near a whole turn both terms are small, and
-        there a slip that grazes standstill is decided.
+        The cosine is taken from the half angle: near a whole turn G is small, and there a
+        slip that grazes standstill is decided.
         """
         half = 0.5 * self.b * tau
         sine = math.sin(half)
         decay = math.exp(-self.a * tau)
+        impulse = 2.0 * decay * sine * math.cos(half) / self.b
         return (
-            2.0 * decay * sine * sine - math.expm1(-self.a * tau),
-            2.0 * decay * sine * math.cos(half) / self.b,
+            2.0 * decay * sine * sine - math.expm1(-self.a * tau) - self.a * impulse,
+            impulse,
         )
 
     def _decaying(self, tau: float) -> Tuple[float, float]:
-        """Return ``1 - E C`` and ``E S`` at time `tau`, for a >= w."""
-        fast = self.a + self.b
-        slow = self.w2 / fast
-        apart = -2.0 * self.b * tau
-        rise = -math.expm1(apart) / (2.0 * self.b) if self.b > 0.0 else tau
-        return (
-            -0.5 * (math.expm1(-slow * tau) + math.expm1(-fast * tau)),
-            math.exp(-slow * tau) * rise,
-        )
+        """Return G and K where the two rates of decay are close, or one."""
+        impulse = self._impulse(tau)
+        fallen = -0.5 * (math.expm1(-self.slow * tau) + math.expm1(-self.fast * tau))
+        return fallen - self.a * impulse, impulse
 
-    def squared(self, tau: float, u_dot: float, u_ddot: float) -> float:
-        """Return the integral of ``u_dot^2`` from 0 to `tau`: docs/theory.md (15).
+    def _decaying_apart(self, tau: float) -> Tuple[float, float]:
+        """Return G and K where the two rates of decay are far apart."""
+        slowly, fast = math.expm1(-self.slow * tau), math.expm1(-self.fast * tau)
+        return (self.slow * fast - self.fast * slowly) / (2.0 * self.b), self._impulse(tau)
 
-        Parameters
-        ----------
-        tau
-            Length of the interval [s].
-        u_dot, u_ddot
-            First and second derivative of u at its start.
-        """
-        a, b, w2 = self.a, self.b, self.w2
-        if a > _FAR_APART * self.w:
-            fast = a + b
-            slow = w2 / fast
-            of_slow = (u_ddot + fast * u_dot) / (2.0 * b)
-            of_fast = -(u_ddot + slow * u_dot) / (2.0 * b)
-            return (
-                -of_slow * of_slow * math.expm1(-2.0 * slow * tau) / (2.0 * slow)
-                - of_fast * of_fast * math.expm1(-2.0 * fast * tau) / (2.0 * fast)
-                - of_slow * of_fast * math.expm1(-2.0 * a * tau) / a
-            )
-        fall, sine = self.basis(tau)
-        ones = -math.expm1(-2.0 * a * tau) / (2.0 * a) if a > 0.0 else tau
-        sines = (ones - (1.0 - fall) * sine - a * sine * sine) / (2.0 * w2)
-        mixed = a * sines + 0.5 * sine * sine
-        cosines = ones - (w2 - a * a) * sines
-        of_sine = u_ddot + a * u_dot
-        return u_dot * u_dot * cosines + 2.0 * u_dot * of_sine * mixed + of_sine * of_sine * sines
+    def _impulse(self, tau: float) -> float:
+        """Return K for a >= w."""
+        apart = 2.0 * self.b
+        rise = -math.expm1(-apart * tau) / apart if apart > 0.0 else tau
+        return math.exp(-self.slow * tau) * rise

@@ -31,6 +31,7 @@ PACKED = (
     "lifetime.py",
     "meter.py",
     "oscillator.py",
+    "quadrature.py",
     "release.py",
     "roots.py",
     "settings.py",

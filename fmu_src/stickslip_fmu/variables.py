@@ -92,9 +92,7 @@ def _parameter(
 
 
 def _input(name: str, unit: str, start: float, description: str) -> Variable:
-    return Variable(
-        name, "Real", unit, "input", "continuous", start, description, "wanted." + name
-    )
+    return Variable(name, "Real", unit, "input", "continuous", start, description, "wanted." + name)
 
 
 def _motion(
@@ -136,9 +134,7 @@ def _state(name: str, kind: str, description: str, bounds: Optional[Tuple[int, i
     )
 
 
-def _metered(
-    name: str, unit: str, description: str, minimum: Optional[float] = None
-) -> Variable:
+def _metered(name: str, unit: str, description: str, minimum: Optional[float] = None) -> Variable:
     return Variable(
         name, "Real", unit, "output", "discrete", 0.0, description, "meter." + name, minimum
     )
@@ -213,7 +209,11 @@ VARIABLES: Tuple[Variable, ...] = (
     _account("W_k", "Energy put in by changing k"),
     _account("Q_friction", "Heat made by friction and damping", 0.0),
     _motion(
-        "mu_k_used", "1", "Kinetic friction coefficient after the clamp", ("mu_s", "mu_k"), 0.0,
+        "mu_k_used",
+        "1",
+        "Kinetic friction coefficient after the clamp",
+        ("mu_s", "mu_k"),
+        0.0,
         "discrete",
     ),
 )
