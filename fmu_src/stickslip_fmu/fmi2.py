@@ -67,8 +67,9 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
         self._phase = "instantiated"
         self._warned: Optional[Tuple[float, float]] = None
         self._stepping = False
-        self._dirty = False
         self._block = Block(self._settings)
+        # Whether the block shows what is set, and no call has failed.
+        self._settled = True
 
     # Phases.
 
@@ -84,7 +85,7 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
             raise BlockError(f"start time = {start_time!r} s is out of range: a finite number")
         self._require("instantiated", "setupExperiment")
         self._start_time = start_time
-        self._dirty = True
+        self._settled = False
 
     @_entry
     def enter_initialization_mode(self) -> None:
@@ -97,7 +98,7 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
         """Start the block from what was set; refuse values that do not go together."""
         self._require("initialization", "exitInitializationMode")
         self._block = Block(self._settings, self._start_time)
-        self._dirty = False
+        self._settled = True
         self._phase = "stepping"
         self._stepping = True
         self._warn_of_clamp()
@@ -120,10 +121,20 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
 
     # Values.
 
-    @_entry
     def get_real(self, vrs: List[int]) -> List[float]:
         """Return Real values by value reference."""
-        return self._read("Real", vrs)
+        # The call that simulators make most, so the common way is written out.
+        try:
+            if self._settled:
+                block = self._block
+                if block.stale:
+                    block.refresh()
+                read = _REAL_READERS.get(tuple(vrs))
+                if read is not None:
+                    return list(read(block))
+            return self._read("Real", vrs)
+        except BaseException as error:  # whatever it is, the importing process must survive it
+            raise self._fail(error) from None
 
     @_entry
     def get_integer(self, vrs: List[int]) -> List[int]:
@@ -149,13 +160,13 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
             if objection is not None:
                 raise BlockError(objection)
             setattr(self._settings, variable.name, value)
-            if self._phase == "stepping":
+            if self._stepping:
                 self._block.set(variable.name, value)
-            else:
-                self._dirty = True
-        if self._phase == "stepping":
+        if self._stepping:
             self._settings.normal_force()
             self._warn_of_clamp()
+        else:
+            self._settled = False
 
     @_entry
     def set_integer(self, vrs: List[int], values: List[int]) -> None:
@@ -181,19 +192,20 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
             "settings": self._settings.as_dict(),
             "start_time": self._start_time,
             "phase": self._phase,
-            "dirty": self._dirty,
+            "settled": self._settled,
         }
 
     @_entry
     def _set_fmu_state(self, state: Dict[str, Any]) -> None:
-        if not isinstance(state, dict) or "block" not in state:
-            raise BlockError("the state to set is none that this FMU handed out")
-        self._settings = Settings(state["settings"])
-        self._start_time = state["start_time"]
-        self._phase = state["phase"]
-        self._stepping = self._phase == "stepping"
-        self._dirty = state["dirty"]
-        self._block.restore(state["block"])
+        try:
+            self._settings = Settings(state["settings"])
+            self._start_time = state["start_time"]
+            self._phase = state["phase"]
+            self._stepping = self._phase == "stepping"
+            self._settled = state["settled"]
+            self._block.restore(state["block"])
+        except (KeyError, TypeError, ValueError):
+            raise BlockError("the state to set is none that this FMU handed out") from None
 
     # The wrapper calls the next two without an instance and could not survive an exception.
 
@@ -220,25 +232,22 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
         return model_description(digest, f"pythonfmu {pythonfmu.__version__}")
 
     def _read(self, kind: str, vrs: List[int]) -> List[Any]:
-        if self._dirty:
+        if self._fault is not None:
+            raise BlockError(self._fault)
+        if not self._settled:
             self._block = Block(self._settings, self._start_time)
-            self._dirty = False
+            self._settled = True
         block = self._block
         if block.stale:
             block.refresh()
-        key = (kind, *vrs)
-        read = _READERS.get(key)
-        if read is None:
-            read = _READERS[key] = _reader(kind, vrs)
-        return list(read(block))
+        return list(_reader(kind, tuple(vrs))(block))
 
     def _objection(self, variable: Variable, value: float) -> Optional[str]:
         if not variable.settable:
             return f"{variable.name} is an output: it cannot be set"
-        fixed = variable.variability == "fixed" and self._phase not in (
-            "instantiated",
-            "initialization",
-        )
+        if self._phase == "terminated":
+            return f"{variable.name} cannot be set: the simulation is terminated"
+        fixed = self._stepping and variable.variability == "fixed"
         if fixed and value != getattr(self._settings, variable.name):
             return f"{variable.name} is fixed: it cannot change after initialization"
         return variable.objection(value)
@@ -277,14 +286,36 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
             text = (str(error) if known else f"internal error: {error!r}").replace("%", "%%")
             self._fault = text
             _tell(text)
-        self._stepping = False
+        self._stepping = self._settled = False
         # One reference each for the wrapper to lose.
         for lost in (self, type(self), self.log_queue):
             give_reference(lost)
         return FmuError(self._fault)
 
 
-_READERS: Dict[Tuple[Any, ...], _Reader] = {}
+_READERS: Dict[str, Dict[Tuple[int, ...], _Reader]] = {
+    kind: {} for kind in ("Real", "Integer", "Boolean", "String")
+}
+_REAL_READERS = _READERS["Real"]
+
+
+def _reader(kind: str, references: Tuple[int, ...]) -> _Reader:
+    """Return a function that reads the variables behind these references off a block."""
+    readers = _READERS[kind]
+    read = readers.get(references)
+    if read is None:
+        attributes = [_variable(kind, reference).attribute for reference in references]
+        if len(readers) >= _MOST_READERS:
+            readers.clear()
+        read = readers[references] = _read_all(attributes)
+    return read
+
+
+def _read_all(attributes: List[str]) -> _Reader:
+    """Return a function that reads these attributes."""
+    if len(attributes) > 1:
+        return attrgetter(*attributes)
+    return lambda block: [attrgetter(name)(block) for name in attributes]
 
 
 def _variable(kind: str, reference: int) -> Variable:
@@ -295,19 +326,6 @@ def _variable(kind: str, reference: int) -> Variable:
     if variable.kind != kind:
         raise BlockError(f"{variable.name} is of type {variable.kind}, not {kind}")
     return variable
-
-
-def _reader(kind: str, vrs: List[int]) -> _Reader:
-    """Return a function that reads the variables behind these references off a block."""
-    attributes = [_variable(kind, reference).attribute for reference in vrs]
-    if len(_READERS) >= _MOST_READERS:
-        _READERS.clear()
-    if not attributes:
-        return lambda block: ()
-    if len(attributes) == 1:
-        read = attrgetter(attributes[0])
-        return lambda block: (read(block),)
-    return attrgetter(*attributes)
 
 
 def _tell(text: str) -> None:

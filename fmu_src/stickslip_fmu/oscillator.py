@@ -65,7 +65,7 @@ class Oscillator:
         self.a = self.fast = self.slow = 0.5 * c / m
         self.b = math.sqrt(abs((self.w - self.a) * (self.w + self.a)))
         self.overdamped = self.a >= self.w
-        self._later = self._swinging
+        self._later = self._undamped if c == 0.0 else self._swinging
         if self.overdamped:
             self.fast = self.a + self.b
             self.slow = self.w2 / self.fast
@@ -104,6 +104,12 @@ class Oscillator:
             step += term
             slope += power * term
         return step, slope / spring * tau if spring > 0.0 else tau
+
+    def _undamped(self, tau: float) -> Tuple[float, float]:
+        """Return G and K for a = 0."""
+        half = 0.5 * self.w * tau
+        sine = math.sin(half)
+        return 2.0 * sine * sine, 2.0 * sine * math.cos(half) / self.w
 
     def _swinging(self, tau: float) -> Tuple[float, float]:
         """Return G and K for a < w.

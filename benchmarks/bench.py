@@ -1,0 +1,196 @@
+"""What is fast, measured against what: every ratio from one run, its sides taken in turn.
+
+Run it with ``make bench``, or ``python -m benchmarks.bench [-o FILE]``.
+"""
+
+import argparse
+import json
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from benchmarks.bare import BareSlave
+from benchmarks.empty_slave import build_empty_slave
+from benchmarks.plain_cycle import plain_steady_cycle
+from rich.console import Console
+from rich.table import Table
+
+from stickslip_fmu.block import Block
+from stickslip_fmu.packer import build
+from stickslip_fmu.settings import Settings
+from stickslip_fmu.variables import VARIABLES, start_values
+from stickslip_ref import Parameters, simulate, steady_cycle
+
+ROUNDS = 15
+CALLS = 5_000
+POINTS = 1_000_000
+TEN_OUTPUTS = ["x", "x_dot", "x_pull", "z", "F", "F_friction", "F_s", "t_stick", "t_slip", "T"]
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One row: seconds per unit of ours, of the yardstick (None where there is none), limit."""
+
+    what: str
+    unit: str
+    ours: float
+    yardstick: float | None = None
+    against: str = ""
+    limit: float | None = None
+
+    @property
+    def ratio(self) -> float | None:
+        """Ours over the yardstick."""
+        return None if self.yardstick is None else self.ours / self.yardstick
+
+
+def best_of(rounds: int, *sides: Callable[[], object]) -> list[float]:
+    """Return the shortest time of each side [s], the sides taken in turn."""
+    best = [float("inf")] * len(sides)
+    for _ in range(rounds):
+        for index, side in enumerate(sides):
+            begin = time.perf_counter()
+            side()
+            best[index] = min(best[index], time.perf_counter() - begin)
+    return best
+
+
+def measure_calls(ours: Path, empty: Path) -> list[Measurement]:
+    """Time fmi2DoStep at 1 ms, alone and with fmi2GetReal of ten outputs."""
+    with BareSlave(ours, TEN_OUTPUTS) as slave, BareSlave(empty, TEN_OUTPUTS) as yardstick:
+        alone = best_of(ROUNDS, lambda: slave.step(CALLS), lambda: yardstick.step(CALLS))
+        both = best_of(
+            ROUNDS, lambda: slave.step_and_get(CALLS), lambda: yardstick.step_and_get(CALLS)
+        )
+    against = "empty pythonfmu slave"
+    return [
+        Measurement(
+            "fmi2DoStep, h = 1 ms", "call", alone[0] / CALLS, alone[1] / CALLS, against, 1.6
+        ),
+        Measurement(
+            "fmi2DoStep + fmi2GetReal of 10",
+            "pair",
+            both[0] / CALLS,
+            both[1] / CALLS,
+            against,
+            1.0,
+        ),
+    ]
+
+
+def measure_import(ours: Path, empty: Path) -> Measurement:
+    """Time a 10 s run at 1 ms through fmpy, all outputs recorded."""
+    outputs = [each.name for each in VARIABLES if each.causality == "output"]
+
+    def run(fmu: Path) -> Callable[[], object]:
+        return lambda: fmpy.simulate_fmu(
+            str(fmu), stop_time=10.0, step_size=1e-3, output_interval=1e-3, output=outputs
+        )
+
+    slave, yardstick = best_of(3, run(ours), run(empty))
+    return Measurement(
+        "fmpy.simulate_fmu, 10 s at 1 ms", "run", slave, yardstick, "empty pythonfmu slave", 1.5
+    )
+
+
+def measure_block() -> list[Measurement]:
+    """Time the block alone: event to event, and a step within an arc."""
+    block = Block(Settings(start_values()))
+    before = block.meter.n_slips
+    begin = time.perf_counter()
+    block.advance(0.0, 10_000.0)
+    events = 2 * (block.meter.n_slips - before)
+    per_event = (time.perf_counter() - begin) / events
+
+    def steps() -> None:
+        for _ in range(CALLS):
+            block.advance(0.0, 1e-7)
+
+    (per_step,) = best_of(ROUNDS, steps)
+    return [
+        Measurement("block, event to event", "event", per_event),
+        Measurement("block, step within an arc", "step", per_step / CALLS),
+    ]
+
+
+def measure_reference() -> Measurement:
+    """Time the reference's default run."""
+    (seconds,) = best_of(3, lambda: simulate(Parameters(), 10.0))
+    return Measurement("stickslip_ref.simulate, 10 s", "run", seconds)
+
+
+def measure_steady_cycle() -> Measurement:
+    """Time the steady cycle on a million points against the same formulas in plain NumPy."""
+    random = np.random.default_rng(2)
+    k = 10.0 ** random.uniform(1.0, 8.0, POINTS)
+    m = 10.0 ** random.uniform(-2.0, 4.0, POINTS)
+    v = 10.0 ** random.uniform(-6.0, 1.0, POINTS)
+    mu_s = 10.0 ** random.uniform(-2.0, 0.17, POINTS)
+    mu_k = mu_s * (1.0 - 10.0 ** random.uniform(-3.0, 0.0, POINTS))
+    parameters = Parameters(m=m, k=k, v=v, mu_s=mu_s, mu_k=mu_k)
+    ours, plain = best_of(
+        ROUNDS,
+        lambda: steady_cycle(parameters),
+        lambda: plain_steady_cycle(m, 9.81, k, mu_s, mu_k, v),
+    )
+    return Measurement(
+        "steady_cycle, 10^6 points", "point", ours / POINTS, plain / POINTS, "plain NumPy", 1.0
+    )
+
+
+def measure() -> list[Measurement]:
+    """Measure everything."""
+    with tempfile.TemporaryDirectory(prefix="stickslip-bench-") as folder:
+        ours = build(Path(folder))
+        empty = build_empty_slave(Path(folder))
+        return [
+            *measure_calls(ours, empty),
+            measure_import(ours, empty),
+            *measure_block(),
+            measure_reference(),
+            measure_steady_cycle(),
+        ]
+
+
+def _time(seconds: float) -> str:
+    units = ((1.0, "s"), (1e3, "ms"), (1e6, "µs"), (1e9, "ns"))
+    factor, unit = next((pair for pair in units if seconds * pair[0] >= 1.0), units[-1])
+    return f"{seconds * factor:.3g} {unit}"
+
+
+def as_table(measurements: list[Measurement]) -> Table:
+    """Return the measurements as a table."""
+    table = Table(title="stickslip benchmarks: best of interleaved rounds")
+    for heading in ("what", "per", "ours", "yardstick", "ratio", "limit", "against"):
+        table.add_column(heading, justify="left" if heading in ("what", "against") else "right")
+    for row in measurements:
+        table.add_row(
+            row.what,
+            row.unit,
+            _time(row.ours),
+            "" if row.yardstick is None else _time(row.yardstick),
+            "" if row.ratio is None else f"{row.ratio:.2f}",
+            "" if row.limit is None else f"{row.limit:.2f}",
+            row.against,
+        )
+    return table
+
+
+def main() -> None:
+    """Measure, print the table, write the JSON."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("-o", "--output", type=Path, default=Path("build/bench.json"))
+    target = parser.parse_args().output
+    measurements = measure()
+    Console(width=120).print(as_table(measurements))
+    target.parent.mkdir(parents=True, exist_ok=True)
+    rows = [{**asdict(row), "ratio": row.ratio} for row in measurements]
+    target.write_text(json.dumps(rows, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

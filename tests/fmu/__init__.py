@@ -1,0 +1,1 @@
+"""Tests of stickslip_fmu: the block, its face and the packer."""

@@ -1,0 +1,116 @@
+"""Blocks for the tests: made from a few values, driven over steps, read as a dictionary."""
+
+import math
+import random
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+
+from stickslip_fmu.block import Block
+from stickslip_fmu.settings import Settings
+from stickslip_fmu.variables import VARIABLES, start_values
+
+OUTPUTS = [each for each in VARIABLES if each.causality == "output"]
+
+
+def make_block(**values: float) -> Block:
+    """Return a block with these values and the table's start values for the others."""
+    return Block(Settings({**start_values(), **values}))
+
+
+def outputs(block: Block) -> dict[str, float]:
+    """Return every output of the table."""
+    block.refresh()
+    found = {}
+    for variable in OUTPUTS:
+        value: object = block
+        for part in variable.attribute.split("."):
+            value = getattr(value, part)
+        assert isinstance(value, (int, float))
+        found[variable.name] = value
+    return found
+
+
+@dataclass
+class Segment:
+    """A stretch of time that begins with changes of inputs and parameters."""
+
+    length: float
+    changes: dict[str, float] = field(default_factory=dict)
+
+
+Splitter = Callable[[float], Iterable[float]]
+
+
+def whole(length: float) -> Iterable[float]:
+    """Split nothing."""
+    return (length,)
+
+
+def uneven(generator: random.Random, most: int = 40) -> Splitter:
+    """Return a splitter into random steps, tiny ones among them, that add up to the length."""
+
+    def split(length: float) -> Iterable[float]:
+        shares = [generator.random() ** 4 + 1e-9 for _ in range(generator.randint(2, most))]
+        steps = [length * share / math.fsum(shares) for share in shares]
+        steps[-1] += math.fsum([length, *(-step for step in steps)])
+        return steps
+
+    return split
+
+
+def drive(
+    values: dict[str, float], segments: Sequence[Segment], split: Splitter = whole
+) -> list[dict[str, float]]:
+    """Return the outputs at the end of each segment."""
+    block = make_block(**values)
+    time = 0.0
+    record = []
+    for segment in segments:
+        for name, value in segment.changes.items():
+            block.set(name, value)
+        for step in split(segment.length):
+            block.advance(time, step)
+            time += step
+        record.append(outputs(block))
+    return record
+
+
+def log_uniform(generator: random.Random, low: float, high: float) -> float:
+    """Draw a number whose logarithm is uniform."""
+    return math.exp(generator.uniform(math.log(low), math.log(high)))
+
+
+def draw(generator: random.Random) -> tuple[dict[str, float], list[Segment]]:
+    """Draw a block over the whole range of use, and inputs and parameters that change."""
+    k = log_uniform(generator, 10.0, 1e8)
+    m = log_uniform(generator, 1e-2, 1e4)
+    mu_s = log_uniform(generator, 0.01, 1.5)
+    v = log_uniform(generator, 1e-6, 10.0) * generator.choice([1.0, 1.0, -1.0])
+    w = math.sqrt(k / m)
+    weight = m * 9.81
+    breakaway = mu_s * weight
+    damping = 2.0 * m * w
+    values = {
+        "m": m,
+        "k": k,
+        "mu_s": mu_s,
+        "mu_k": mu_s * (1.0 - log_uniform(generator, 1e-3, 1.0)),
+        "v": v,
+        "c": generator.choice([0.0, damping * log_uniform(generator, 1e-4, 30.0)]),
+        "z_start": generator.choice([0.0, generator.uniform(-1.5, 1.5) * breakaway / k]),
+        "x_dot_start": generator.choice([0.0, 0.0, generator.uniform(-3.0, 3.0) * v]),
+    }
+    reach = min(2.0 * breakaway / k / abs(v) + 10.0 / w, 1000.0 / w)
+    segments = []
+    for _ in range(generator.randint(1, 8)):
+        offered = {
+            "v": v * generator.choice([0.0, 1.0, -1.0, 0.3, 3.0]),
+            "load": weight * generator.uniform(-1.0, 1.0),
+            "F_ext": breakaway * generator.uniform(-2.0, 2.0),
+            "k": k * generator.uniform(0.5, 2.0),
+            "c": generator.choice([0.0, damping * log_uniform(generator, 1e-3, 10.0)]),
+            "mu_k": mu_s * generator.random(),
+        }
+        changes = {name: value for name, value in offered.items() if generator.random() < 0.3}
+        segments.append(Segment(reach * log_uniform(generator, 1e-3, 3.0), changes))
+    return values, segments

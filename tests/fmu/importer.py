@@ -1,0 +1,246 @@
+"""The FMU as an importer meets it: run as a program, in a process that cannot import the project.
+
+Called with the FMU's path and the name of one of the functions below; prints what it returns as
+JSON. The project's packages are barred, so what runs is what the FMU carries.
+"""
+
+import json
+import sys
+from importlib.abc import MetaPathFinder
+from typing import Any
+
+
+class Bar(MetaPathFinder):
+    """Refuses the project's own packages."""
+
+    def find_spec(self, name: str, path: Any, target: Any = None) -> None:
+        """Raise ImportError for a package of the project, pass on every other name."""
+        if name.split(".")[0] in (
+            "stickslip",
+            "stickslip_fmu",
+            "stickslip_ref",
+            "stickslip_verification",
+        ):
+            raise ImportError(f"{name} is barred here")
+
+
+sys.meta_path.insert(0, Bar())
+
+import fmpy  # noqa: E402 - the bar comes first
+from fmpy.fmi1 import FMICallException  # noqa: E402
+from fmpy.fmi2 import FMU2Slave  # noqa: E402
+
+
+class Importer:
+    """Instances of one FMU, their variables called by name."""
+
+    def __init__(self, fmu: str) -> None:
+        self.fmu = fmu
+        self.description = fmpy.read_model_description(fmu, validate=True)
+        self.references = {
+            each.name: each.valueReference for each in self.description.modelVariables
+        }
+        self.folder = fmpy.extract(fmu)
+
+    def instance(self, name: str = "a", *, ready: bool = True, **values: float) -> FMU2Slave:
+        """Return an instance with these values set, initialized unless told otherwise."""
+        slave = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        slave.instantiate()
+        if ready:
+            self.start(slave, **values)
+        return slave
+
+    def start(self, slave: FMU2Slave, start_time: float = 0.0, **values: float) -> None:
+        """Set values and go through initialization."""
+        slave.setupExperiment(startTime=start_time)
+        for each, value in values.items():
+            self.set(slave, each, value)
+        slave.enterInitializationMode()
+        slave.exitInitializationMode()
+
+    def set(self, slave: FMU2Slave, name: str, value: float) -> None:
+        """Set a Real by name."""
+        slave.setReal([self.references[name]], [value])
+
+    def get(self, slave: FMU2Slave, *names: str) -> list[float]:
+        """Return Reals by name."""
+        return list(slave.getReal([self.references[name] for name in names]))
+
+    def get_integer(self, slave: FMU2Slave, name: str) -> int:
+        """Return an Integer by name."""
+        return int(slave.getInteger([self.references[name]])[0])
+
+    def fails(self, call: Any, *arguments: Any) -> bool:
+        """Whether a call fails."""
+        try:
+            call(*arguments)
+        except FMICallException:
+            return True
+        return False
+
+
+def everything(importer: Importer, slave: FMU2Slave) -> list[float]:
+    """Return every Real of the FMU."""
+    reals = [each for each in importer.description.modelVariables if each.type == "Real"]
+    return list(slave.getReal([each.valueReference for each in reals]))
+
+
+def default_run(importer: Importer) -> Any:
+    """Return the default run's last row, at steps of 0.01 s and in one step."""
+    rows = [
+        fmpy.simulate_fmu(importer.fmu, stop_time=10.0, output_interval=interval)
+        for interval in (0.01, 10.0)
+    ]
+    return [dict(zip(row.dtype.names, row[-1].tolist(), strict=True)) for row in rows]
+
+
+def failures(importer: Importer) -> Any:
+    """Fail thousands of times in every way, resetting between; return what was seen."""
+    bad = {
+        "v": float("nan"),
+        "k": -1.0,
+        "m": 0.0,
+        "mu_s": -0.1,
+        "load": -1e3,
+        "F_ext": float("inf"),
+    }
+    seen = 0
+    for round_ in range(200):
+        slave = importer.instance(f"n{round_} %s %n é")
+        for name, value in bad.items():
+            slave.reset()
+            slave.setupExperiment(startTime=0.0)
+            slave.enterInitializationMode()
+            failed = importer.fails(importer.set, slave, name, value)
+            failed = importer.fails(slave.exitInitializationMode) or failed
+            seen += failed
+            # After a failure every call fails but reset and free.
+            assert importer.fails(slave.doStep, 0.0, 0.1)
+            assert importer.fails(importer.get, slave, "x")
+            assert importer.fails(slave.getFMUstate)
+            assert importer.fails(slave.terminate)
+        for step in (0.0, -1.0, float("nan"), float("inf")):
+            slave.reset()
+            importer.start(slave)
+            seen += importer.fails(slave.doStep, 0.0, step)
+        slave.reset()
+        importer.start(slave)
+        slave.doStep(0.0, 0.1)
+        assert importer.get(slave, "x_pull") == [0.1 * 0.02]
+        slave.freeInstance()
+    return seen
+
+
+def messages(importer: Importer) -> Any:
+    """Make one call fail in each way; the messages go to standard error."""
+    slave = importer.instance()
+    for name, value in (("k", -1.0), ("v", float("nan")), ("load", -10.0), ("m", 2.0), ("x", 1.0)):
+        slave.reset()
+        importer.start(slave)
+        assert importer.fails(importer.set, slave, name, value), name
+        assert importer.fails(importer.set, slave, name, value), name
+    for call, arguments in ((slave.doStep, (0.0, 0.1)), (slave.exitInitializationMode, ())):
+        slave.reset()
+        assert importer.fails(call, *arguments)
+    for reference in (4_000_000, importer.references["mode"]):
+        slave.reset()
+        importer.start(slave)
+        assert importer.fails(slave.getReal, [reference])
+    slave.freeInstance()
+    return "done"
+
+
+def clamp(importer: Importer) -> Any:
+    """Return mu_k_used where mu_k exceeds mu_s."""
+    return importer.get(importer.instance(mu_s=0.3, mu_k=0.5), "mu_k_used")
+
+
+def initialization(importer: Importer) -> Any:
+    """Return outputs that follow what is set before the first step, and those that wait."""
+    slave = importer.instance(ready=False)
+    slave.setupExperiment(startTime=5.0)
+    slave.enterInitializationMode()
+    at_once = []
+    for z_start in (0.001, 0.006):
+        importer.set(slave, "z_start", z_start)
+        at_once.append(
+            [*importer.get(slave, "F", "F_s", "t_event"), importer.get_integer(slave, "mode")]
+        )
+    slave.exitInitializationMode()
+    importer.set(slave, "k", 2000.0)
+    waiting = importer.get(slave, "k", "F")
+    slave.doStep(5.0, 1e-9)
+    return {"at_once": at_once, "waiting": waiting, "after": importer.get(slave, "F", "t_event")}
+
+
+def rollback(importer: Importer) -> Any:
+    """Roll back in mid-slip, and through bytes; return whether all outputs repeat."""
+    slave = importer.instance(c=0.5)
+    time = 0.0
+    for _ in range(57):
+        slave.doStep(time, 0.0111)
+        time += 0.0111
+    assert importer.get_integer(slave, "mode") == 1
+    importer.set(slave, "v", 0.03)
+    state = slave.getFMUstate()
+    data = slave.serializeFMUstate(state)
+    runs = []
+    for which in ("first", "rolled back", "from bytes"):
+        if which == "from bytes":
+            slave.freeFMUstate(state)
+            state = slave.deSerializeFMUstate(data)
+        if which != "first":
+            slave.setFMUstate(state)
+        run = []
+        for index in range(50):
+            slave.doStep(time + 0.02 * index, 0.02)
+            run.append(everything(importer, slave))
+        runs.append(run)
+    other = importer.instance("b")
+    other.setFMUstate(other.deSerializeFMUstate(data))
+    run = []
+    for index in range(50):
+        other.doStep(time + 0.02 * index, 0.02)
+        run.append(everything(importer, other))
+    runs.append(run)
+    broken = slave.deSerializeFMUstate(b"no state")
+    return {
+        "same": [each == runs[0] for each in runs],
+        "refused": importer.fails(slave.setFMUstate, broken),
+    }
+
+
+def many_instances(importer: Importer) -> Any:
+    """Make, run and free a thousand instances, two hundred of them at once."""
+    speeds = [0.01 + 1e-4 * index for index in range(200)]
+    together = [importer.instance(f"v{v}", v=v) for v in speeds]
+    for slave in together:
+        slave.doStep(0.0, 0.5)
+    found = [
+        importer.get(slave, "x_pull")[0] / (0.01 + 1e-4 * index)
+        for index, slave in enumerate(together)
+    ]
+    for slave in together:
+        slave.terminate()
+        slave.freeInstance()
+    for index in range(800):
+        slave = importer.instance(f"j{index}")
+        slave.doStep(0.0, 0.1)
+        slave.freeInstance()
+    return [min(found), max(found)]
+
+
+def modules(importer: Importer) -> Any:
+    """Return the modules that the FMU brought along."""
+    before = set(sys.modules)
+    importer.instance()
+    return sorted(name for name in set(sys.modules) - before)
+
+
+if __name__ == "__main__":
+    print(json.dumps(globals()[sys.argv[2]](Importer(sys.argv[1]))))

@@ -1,0 +1,358 @@
+"""The exact block against its closed forms and its invariants."""
+
+import json
+import math
+import random
+
+import pytest
+
+from stickslip_fmu.block import Block
+from stickslip_fmu.settings import BlockError
+
+from .blocks import Segment, draw, drive, log_uniform, make_block, outputs, uneven, whole
+
+# Rounding of a handful of operations.
+ROUNDING = 4e-15
+
+SEQUENCES = 300
+
+
+def cycle_after(block: Block, cycles: int) -> dict[str, float]:
+    """Drive the block until so many slips are complete, in steps of one time unit."""
+    step = 0.3 / math.sqrt(block.wanted.k / block.wanted.m)
+    time = 0.0
+    while block.meter.n_slips < cycles:
+        block.advance(time, step)
+        time += step
+    return outputs(block)
+
+
+def test_first_load_up_lasts_until_the_spring_holds_the_break_away_force() -> None:
+    """A relaxed spring loads up for exactly mu_s m g/(k v)."""
+    found = cycle_after(make_block(), 1)
+    assert found["t_stick"] == pytest.approx(0.5 * 9.81 / (1000.0 * 0.02), rel=ROUNDING)
+
+
+def test_default_cycle_is_the_closed_form() -> None:
+    """The default block's cycle is the table of the design, digit by digit."""
+    found = cycle_after(make_block(), 3)
+    delta = 0.2 * 9.81 / 1000.0
+    w = math.sqrt(1000.0)
+    ratio = w * delta / 0.02
+    t_slip = 2.0 / w * (math.pi - math.atan(ratio))
+    expected = {
+        "spring_drop": 2.0 * delta,
+        "t_slip": t_slip,
+        "t_stick": 2.0 * delta / 0.02,
+        "delta_x": 2.0 * delta + 0.02 * t_slip,
+        "T": 2.0 * delta / 0.02 + t_slip,
+        "x_dot_peak": 0.02 * (1.0 + math.sqrt(1.0 + ratio * ratio)),
+    }
+    for name, value in expected.items():
+        assert found[name] == pytest.approx(value, rel=ROUNDING), name
+
+
+def test_equality_sticks() -> None:
+    """At the very moment when the spring holds the break-away force the mass still rests."""
+    block = make_block(k=1024.0, mu_s=0.5, m=1.0, g=8.0, v=0.0078125)
+    block.advance(0.0, 0.5)
+    assert outputs(block)["F"] == outputs(block)["F_s"]
+    assert block.mode == 0
+    block.advance(0.5, 1e-9)
+    assert outputs(block)["mode"] == 1
+
+
+def test_the_step_does_not_matter() -> None:
+    """One step gives what random uneven steps give, within 1e-12 of the motion's scale."""
+    generator = random.Random(11)
+    for _ in range(SEQUENCES):
+        values, segments = draw(generator)
+        once = drive(values, segments)
+        often = drive(values, segments, uneven(generator))
+        scale = max(max(abs(row["z"]), abs(row["x"])) for row in once)
+        for one, many in zip(once, often, strict=True):
+            for name in ("x", "z", "x_pull"):
+                assert one[name] == pytest.approx(many[name], abs=1e-12 * scale, rel=0.0)
+            assert one["n_slips"] == many["n_slips"]
+
+
+def test_a_million_tiny_steps_are_one_step() -> None:
+    """A million steps of 1e-13 s lose nothing of their sum."""
+    once, often = make_block(z_start=0.004905), make_block(z_start=0.004905)
+    count, step = 1_000_000, 1e-13
+    for index in range(count):
+        often.advance(index * step, step)
+    once.advance(0.0, math.fsum([step] * count))
+    assert outputs(once)["x_pull"] == pytest.approx(outputs(often)["x_pull"], rel=1e-15)
+    assert outputs(once)["x_dot"] == pytest.approx(outputs(often)["x_dot"], rel=1e-12)
+
+
+def test_energy_is_kept() -> None:
+    """Work in, less heat out, is the change of the stored energy, whatever changes on the way."""
+    generator = random.Random(12)
+    for _ in range(SEQUENCES):
+        values, segments = draw(generator)
+        k = values["k"]
+        stored = 0.5 * values["m"] * values["x_dot_start"] ** 2 + 0.5 * k * values["z_start"] ** 2
+        terms = [stored]
+        largest = stored
+        external, x = 0.0, 0.0
+        for segment, row in zip(segments, drive(values, segments), strict=True):
+            external = segment.changes.get("F_ext", external)
+            k = segment.changes.get("k", k)
+            terms.append(external * (row["x"] - x))
+            x = row["x"]
+            stored = 0.5 * values["m"] * row["x_dot"] ** 2 + 0.5 * k * row["z"] ** 2
+            largest = max(largest, stored, abs(row["W_pull"]), row["Q_friction"])
+            gap = math.fsum([*terms, row["W_pull"], row["W_k"], -row["Q_friction"], -stored])
+            assert abs(gap) <= 1e-11 * largest
+
+
+def test_the_mirror_mirrors() -> None:
+    """With v, F_ext and start values negated the motion is negated, equal as numbers."""
+    generator = random.Random(13)
+    odd = {"v", "F_ext", "x_dot_start", "z_start", "x_start"}
+
+    def mirrored(values: dict[str, float]) -> dict[str, float]:
+        return {name: -value if name in odd else value for name, value in values.items()}
+
+    for _ in range(SEQUENCES):
+        values, segments = draw(generator)
+        turned = [Segment(each.length, mirrored(each.changes)) for each in segments]
+        for one, other in zip(
+            drive(values, segments), drive(mirrored(values), turned), strict=True
+        ):
+            for name in ("x", "x_dot", "z", "F", "F_friction", "mode", "delta_x", "spring_drop"):
+                assert one[name] == -other[name]
+            for name in ("W_pull", "Q_friction", "t_slip", "t_stick", "T", "n_slips"):
+                assert one[name] == other[name]
+
+
+def scaled(values: dict[str, float], powers: dict[str, float]) -> dict[str, float]:
+    """Return the values, each times the factor of its name."""
+    return {name: value * powers.get(name, 1.0) for name, value in values.items()}
+
+
+FOURFOLD = {"m": 4.0, "k": 4.0, "c": 4.0, "load": 4.0, "F_ext": 4.0}
+FASTER = {
+    "k": 4.0,
+    "g": 4.0,
+    "load": 4.0,
+    "F_ext": 4.0,
+    "v": 2.0,
+    "c": 2.0,
+    "x_dot_start": 2.0,
+}
+
+
+@pytest.mark.parametrize(("powers", "pace"), [(FOURFOLD, 1.0), (FASTER, 0.5)])
+def test_there_is_no_hidden_scale(powers: dict[str, float], pace: float) -> None:
+    """Other units of mass or of time change no bit of the positions."""
+    generator = random.Random(14)
+    for _ in range(SEQUENCES):
+        values, segments = draw(generator)
+        values["g"] = 9.81
+        other = [Segment(each.length * pace, scaled(each.changes, powers)) for each in segments]
+        for one, two in zip(
+            drive(values, segments), drive(scaled(values, powers), other), strict=True
+        ):
+            for name in ("x", "z", "x_pull", "delta_x", "spring_drop"):
+                assert one[name] == two[name]
+            assert one["t_slip"] * pace == two["t_slip"]
+
+
+def test_the_cycle_repeats_bit_for_bit() -> None:
+    """After 20,000 cycles t_slip, t_stick and spring_drop are those of the second."""
+    for values in ({}, {"c": 0.7}, {"v": 3.0}):
+        block = make_block(**values)
+        second = cycle_after(block, 3)
+        block.advance(0.0, 20_000 * second["T"])
+        later = outputs(block)
+        assert later["n_slips"] > 19_990
+        for name in ("t_slip", "t_stick", "spring_drop"):
+            assert later[name] == second[name]
+
+
+def test_no_grazing_re_stick_is_missed() -> None:
+    """Down to lambda = 1e-7, where the mass barely comes to rest, every cycle is exact."""
+    generator = random.Random(15)
+    for _ in range(2000):
+        k, m = log_uniform(generator, 10.0, 1e8), log_uniform(generator, 1e-2, 1e4)
+        ratio = log_uniform(generator, 1e-7, 1e-1)
+        delta = 0.2 * m * 9.81 / k
+        w = math.sqrt(k / m)
+        block = make_block(k=k, m=m, v=w * delta / ratio)
+        found = cycle_after(block, 3)
+        assert found["t_slip"] == pytest.approx(2.0 / w * (math.pi - math.atan(ratio)), rel=1e-13)
+        assert found["spring_drop"] == pytest.approx(2.0 * delta, rel=1e-13)
+
+
+def test_stick_holds_the_mass_to_the_bit() -> None:
+    """In stick x does not change by a single bit, far from the origin too."""
+    block = make_block(x_start=1.0 / 3.0, v=1e-5)
+    block.advance(0.0, 1.0)
+    rest = outputs(block)["x"]
+    for index in range(1000):
+        block.advance(1.0 + index * 0.01, 0.01)
+        assert outputs(block)["x"] == rest
+
+
+def test_without_gap_the_mass_never_waits() -> None:
+    """With mu_k = mu_s and no damping a slip lasts 2 pi/w, and the next follows at once."""
+    found = cycle_after(make_block(mu_k=0.5), 4)
+    w = math.sqrt(1000.0)
+    assert found["t_stick"] == 0.0
+    assert found["t_slip"] == pytest.approx(2.0 * math.pi / w, rel=ROUNDING)
+    assert found["T"] == found["t_slip"]
+
+
+def test_without_gap_damping_ends_the_cycle() -> None:
+    """With mu_k = mu_s and damping the first slip never ends."""
+    block = make_block(mu_k=0.5, c=0.1)
+    block.advance(0.0, 1e4)
+    found = outputs(block)
+    assert (found["mode"], found["n_slips"]) == (1, 0)
+    assert found["x_dot"] == pytest.approx(0.02, rel=1e-12)
+
+
+@pytest.mark.parametrize("values", [{"mu_s": 0.0, "mu_k": 0.0}, {"load": -9.81}])
+def test_without_friction_nothing_chatters(values: dict[str, float]) -> None:
+    """A mass without friction swings about the pulled end, one slip a period."""
+    block = make_block(**values)
+    period = 2.0 * math.pi / math.sqrt(1000.0)
+    block.advance(0.0, 100.5 * period)
+    assert block.meter.n_slips == 100
+    resting = make_block(**values, v=0.0)
+    resting.advance(0.0, 100.0)
+    assert (resting.mode, resting.meter.n_slips) == (0, 0)
+
+
+def test_pull_that_stops_arrests_the_mass() -> None:
+    """A pull that stops in mid-slip leaves a mass that comes to rest and stays."""
+    block = make_block()
+    block.advance(0.0, 0.245)
+    assert outputs(block)["mode"] == 0
+    block.advance(0.245, 0.05)
+    assert outputs(block)["mode"] == 1
+    block.set("v", 0.0)
+    block.advance(0.295, 1e6)
+    found = outputs(block)
+    assert (found["mode"], found["n_slips"], found["x_dot"]) == (0, 1, 0.0)
+
+
+def test_reversal_goes_on_without_rest() -> None:
+    """A mass let go far from rest swings to and fro, losing 2 mu_k N/k a half swing."""
+    block = make_block(v=0.0, z_start=0.05)
+    before = 0.05
+    for count in range(1, 6):
+        block.advance(0.0, math.pi / math.sqrt(1000.0))
+        found = outputs(block)
+        assert found["n_slips"] == count or found["n_slips"] == count - 1
+    block.advance(0.0, 10.0)
+    found = outputs(block)
+    loss = 2.0 * 0.3 * 9.81 / 1000.0
+    swings = int(found["n_slips"])
+    expected = before
+    for _ in range(swings):
+        expected = math.copysign(abs(expected) - loss, -expected)
+    assert abs(expected) <= 0.5 * 9.81 / 1000.0
+    assert found["z"] == pytest.approx(expected, rel=1e-13)
+    assert (found["T"], found["t_stick"]) == (0.0, 0.0)
+
+
+def test_moving_start_is_a_slip_but_no_break_away() -> None:
+    """A mass that starts moving completes a slip without having broken away."""
+    block = make_block(x_dot_start=0.5, v=0.0)
+    block.advance(0.0, 5.0)
+    found = outputs(block)
+    assert found["n_slips"] >= 1
+    assert found["t_slip"] > 0.0
+    assert found["T"] == 0.0
+
+
+def test_start_beyond_the_threshold_breaks_away_after_no_stick() -> None:
+    """A mass at rest beyond F_s at the start breaks away after a stick of length 0."""
+    block = make_block(z_start=0.006)
+    assert outputs(block)["mode"] == 1
+    block.advance(3.0, 1e-3)
+    assert (block.meter.t_stick, block.meter.t_event) == (0.0, 3.0)
+    block.advance(3.001, 2.0)
+    assert block.meter.T > 0.0
+
+
+def test_setting_the_same_value_starts_no_arc() -> None:
+    """An input set to the value it has changes not a bit."""
+    one, other = make_block(), make_block()
+    for index in range(200):
+        other.set("v", 0.02)
+        one.advance(index * 0.01, 0.01)
+        other.advance(index * 0.01, 0.01)
+    assert outputs(one) == outputs(other)
+
+
+def test_state_returns_bit_for_bit() -> None:
+    """A state that went through JSON repeats every output in every phase."""
+    generator = random.Random(16)
+    for _ in range(100):
+        values, segments = draw(generator)
+        block = make_block(**values)
+        for segment in segments:
+            for name, value in segment.changes.items():
+                block.set(name, value)
+            saved = json.loads(json.dumps(block.save()))
+            assert saved == block.save()
+            other = make_block()
+            other.restore(saved)
+            for step in whole(segment.length):
+                block.advance(1.0, step)
+                other.advance(1.0, step)
+            assert outputs(block) == outputs(other)
+
+
+@pytest.mark.parametrize("step", [0.0, -1.0, math.nan, math.inf, -math.inf])
+def test_a_step_that_is_none_is_refused(step: float) -> None:
+    """A step must be above zero and finite; the message says so."""
+    with pytest.raises(BlockError, match=r"step size h = .* above 0 and finite"):
+        make_block().advance(0.0, step)
+
+
+def test_a_step_without_end_is_refused() -> None:
+    """A step that would hold billions of transitions is refused instead of hanging."""
+    with pytest.raises(BlockError, match=r"step size h = 1e\+300 s is out of range"):
+        make_block().advance(0.0, 1e300)
+
+
+def test_a_load_that_lifts_the_mass_is_refused() -> None:
+    """The load may take off the whole weight and no more."""
+    with pytest.raises(BlockError, match=r"load = -9\.82 N is out of range: .* -9\.81 N"):
+        make_block(load=-9.82)
+    block = make_block()
+    block.set("load", -10.0)
+    with pytest.raises(BlockError, match="load"):
+        block.advance(0.0, 0.1)
+
+
+def test_clamp_leaves_a_gap() -> None:
+    """A kinetic coefficient above the static one is clamped to 0.01 below it, or to 0."""
+    assert make_block(mu_s=0.3, mu_k=0.5).mu_k_used == 0.3 - 0.01
+    assert make_block(mu_s=0.005, mu_k=0.5).mu_k_used == 0.0
+    assert make_block(mu_s=0.3, mu_k=0.3).mu_k_used == 0.3
+
+
+def test_changing_the_stiffness_keeps_the_spring_and_is_paid_for() -> None:
+    """A change of k keeps z and puts in dk z^2/2."""
+    block = make_block()
+    block.advance(0.0, 0.1)
+    before = outputs(block)
+    block.set("k", 1500.0)
+    block.advance(0.1, 1e-12)
+    after = outputs(block)
+    assert after["z"] == pytest.approx(before["z"], rel=1e-9)
+    assert after["W_k"] == pytest.approx(0.5 * 500.0 * before["z"] ** 2, rel=ROUNDING)
+
+
+def test_reversed_pull_slips_backward() -> None:
+    """A reversed pull gives a cycle of negative displacement and relief."""
+    found = cycle_after(make_block(v=-0.02), 3)
+    assert found["delta_x"] == pytest.approx(-0.02 * found["T"], rel=ROUNDING)
+    assert found["spring_drop"] == pytest.approx(-2.0 * 0.2 * 9.81 / 1000.0, rel=ROUNDING)
