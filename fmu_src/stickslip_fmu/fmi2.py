@@ -282,15 +282,14 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
         """Return the exception that ends this call and, until a reset, every later one."""
         if self._fault is None:
             known = isinstance(error, BlockError)
-            # The log is read as a printf format.
-            text = (str(error) if known else f"internal error: {error!r}").replace("%", "%%")
-            self._fault = text
-            _tell(text)
+            self._fault = str(error) if known else f"internal error: {error!r}"
+            _tell(self._fault)
         self._stepping = self._settled = False
         # One reference each for the wrapper to lose.
         for lost in (self, type(self), self.log_queue):
             give_reference(lost)
-        return FmuError(self._fault)
+        # The wrapper hands it to the log, which is read as a printf format.
+        return FmuError(self._fault.replace("%", "%%"))
 
 
 _READERS: Dict[str, Dict[Tuple[int, ...], _Reader]] = {

@@ -9,6 +9,7 @@ import os
 import sys
 import tempfile
 import zipfile
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Dict, Iterator, Mapping, Optional
 
@@ -37,6 +38,9 @@ PACKED = (
     "settings.py",
     "variables.py",
 )
+
+# The packed package is named by this and its content.
+_PACKAGE = "stickslip_fmu_"
 
 # The earliest date that an archive can bear.
 _ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
@@ -74,7 +78,7 @@ def build(destination: Path, documentation: Optional[Mapping[str, bytes]] = None
     target.parent.mkdir(parents=True, exist_ok=True)
     sources = {name: (_HERE / name).read_bytes() for name in PACKED}
     # Two FMUs in one process share their modules by name, so the name tells the content.
-    package = f"stickslip_fmu_{_digest(sources)}"
+    package = _PACKAGE + _digest(sources)
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         workshop = Path(folder)
         (workshop / package).mkdir()
@@ -83,7 +87,7 @@ def build(destination: Path, documentation: Optional[Mapping[str, bytes]] = None
         slave = workshop / f"{package}_slave.py"
         slave.write_text(_SLAVE.format(package=package), encoding="utf-8")
         raw = workshop / "raw.fmu"
-        with _imports_undone():
+        with _imports_apart():
             FmuBuilder.build_FMU(slave, raw, project_files=[workshop / package])
         entries = _entries(raw)
     entries.update({f"documentation/{name}": data for name, data in (documentation or {}).items()})
@@ -99,18 +103,27 @@ def _digest(sources: Mapping[str, bytes]) -> str:
     return digest.hexdigest()[:16]
 
 
-class _imports_undone:  # noqa: N801 - used like a function
-    """Take back what pythonfmu's builder leaves in the import system of this process."""
+@contextmanager
+def _imports_apart() -> Iterator[None]:
+    """Let pythonfmu's builder import what it packs, apart from what this process has loaded.
 
-    def __enter__(self) -> None:
-        self._path = list(sys.path)
-        self._modules = set(sys.modules)
+    It imports the slave by name and leaves it, and its folder, in the import system; and where
+    the same FMU runs in this process, that name is taken by files that may be gone.
+    """
+    path = list(sys.path)
+    loaded = {name: module for name, module in sys.modules.items() if name.startswith(_PACKAGE)}
+    _unload()
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        _unload()
+        sys.modules.update(loaded)
 
-    def __exit__(self, *error: object) -> None:
-        sys.path[:] = self._path
-        for name in set(sys.modules) - self._modules:
-            if name.startswith("stickslip_fmu_"):
-                del sys.modules[name]
+
+def _unload() -> None:
+    for name in [name for name in sys.modules if name.startswith(_PACKAGE)]:
+        del sys.modules[name]
 
 
 def _entries(archive: Path) -> Dict[str, bytes]:

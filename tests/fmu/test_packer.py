@@ -51,6 +51,14 @@ def test_start_values_are_the_defaults_of_the_reference() -> None:
         assert getattr(reference, name) == value
 
 
+def test_a_build_works_beside_the_running_fmu(fmu_path: Path, tmp_path: Path) -> None:
+    """A process that runs the FMU can build it again, and goes on running it."""
+    before = fmpy.simulate_fmu(str(fmu_path), stop_time=1.0)
+    packer.build(tmp_path)
+    after = fmpy.simulate_fmu(str(fmu_path), stop_time=1.0)
+    assert before.tolist() == after.tolist()
+
+
 def test_documentation_is_packed(tmp_path: Path) -> None:
     """Files handed to the packer stand in documentation/."""
     built = packer.build(tmp_path, {"index.html": b"<html></html>"})

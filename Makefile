@@ -1,0 +1,46 @@
+# The main job is `make verify`; `make test` runs the tests. Both set up .venv by themselves.
+
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+
+.PHONY: verify test lint prove bench docs clean
+
+verify: $(VENV)/ready
+	$(BIN)/stickslip build
+	$(BIN)/stickslip verify --fmu build/StickSlip.fmu
+
+test: $(VENV)/ready-to-test
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/ready-to-test
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+# The random sets of the specification in full; SEED and FRACTION may be set.
+SEED ?= 1
+FRACTION ?= 1
+prove: $(VENV)/ready
+	$(BIN)/stickslip prove --seed $(SEED) --fraction $(FRACTION)
+
+bench: $(VENV)/ready
+	$(BIN)/python -m benchmarks.bench
+
+# Files under docs/ that are made from the code.
+docs: $(VENV)/ready
+	$(BIN)/python -m docs.generate
+
+clean:
+	rm -rf build report $(VENV)
+
+$(VENV)/bin/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/ready: $(VENV)/bin/python pyproject.toml constraints.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable .
+	touch $@
+
+$(VENV)/ready-to-test: $(VENV)/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	touch $@

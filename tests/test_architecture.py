@@ -1,0 +1,403 @@
+"""Who imports whom, what each package needs from outside, and what travels in the FMU."""
+
+import ast
+import builtins
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from stickslip_fmu.packer import PACKED
+
+OURS = ("stickslip_fmu", "stickslip_ref", "stickslip_verification", "stickslip")
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What the modules of a package may import beside the standard library and each other."""
+
+    ours: frozenset[str] = frozenset()
+    outside: frozenset[str] = frozenset()
+
+
+RULES = {
+    "stickslip_fmu": Rule(),
+    "stickslip_ref": Rule(outside=frozenset({"numpy", "scipy"})),
+    "stickslip_verification": Rule(
+        ours=frozenset({"stickslip_ref"}),
+        outside=frozenset({"numpy", "mpmath", "fmpy", "jsonschema"}),
+    ),
+    "stickslip": Rule(
+        ours=frozenset({"stickslip_fmu", "stickslip_ref", "stickslip_verification"}),
+        outside=frozenset({"typer", "rich", "matplotlib", "numpy", "fmpy"}),
+    ),
+}
+
+# Single modules that need more from outside than the rest of their package.
+EXTRA_OUTSIDE = {
+    ("stickslip_fmu", "fmi2"): frozenset({"pythonfmu"}),
+    ("stickslip_fmu", "packer"): frozenset({"pythonfmu"}),
+    ("stickslip_fmu", "description"): frozenset({"pythonfmu"}),
+    ("stickslip_verification", "report"): frozenset({"jinja2", "matplotlib"}),
+}
+
+
+@dataclass(frozen=True)
+class Import:
+    """One imported module: where it stands and its dotted name."""
+
+    file: Path
+    line: int
+    module: str
+
+    @property
+    def top(self) -> str:
+        """The top-level package."""
+        return self.module.partition(".")[0]
+
+    def __str__(self) -> str:
+        return f"{self.file.name}:{self.line} imports {self.module}"
+
+
+def folder_of(package: str) -> Path:
+    """Give the folder of an importable package."""
+    spec = find_spec(package)
+    assert spec is not None
+    assert spec.origin is not None
+    return Path(spec.origin).parent
+
+
+def modules_of(package: str) -> list[Path]:
+    """Give the files of a package, those in its subpackages too."""
+    return sorted(folder_of(package).rglob("*.py"))
+
+
+def name_of(package: str, file: Path) -> str:
+    """Give the module's dotted name inside its package, such as `fmi2` or `sides.fmu`."""
+    return ".".join(file.relative_to(folder_of(package)).with_suffix("").parts)
+
+
+def imports_in(file: Path, tree: ast.AST, package: str) -> Iterator[Import]:
+    """Give every import of a file, wherever it stands: in functions and under conditions too."""
+    inside = (package, *name_of(package, file).split("."))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield Import(file, node.lineno, alias.name)
+        elif isinstance(node, ast.ImportFrom):
+            base = inside[: len(inside) - node.level] if node.level else ()
+            module = ".".join((*base, *([node.module] if node.module else [])))
+            for alias in node.names:
+                yield Import(file, node.lineno, f"{module}.{alias.name}")
+        elif isinstance(node, ast.Call) and called_name(node) in {"import_module", "__import__"}:
+            yield Import(file, node.lineno, imported_by_call(node, package))
+
+
+def imported_by_call(call: ast.Call, package: str) -> str:
+    """Give the module that a call of `import_module` names, as far as its text shows."""
+    match call.args:
+        case [ast.Constant(value=str(name))]:
+            return name
+        case [ast.JoinedStr(values=[ast.FormattedValue(value=ast.Name(id="__name__")), *_])]:
+            return package
+        case _:
+            return "a module with a computed name"
+
+
+def called_name(call: ast.Call) -> str:
+    """Give the last name of what is called, or nothing."""
+    if isinstance(call.func, ast.Name):
+        return call.func.id
+    return call.func.attr if isinstance(call.func, ast.Attribute) else ""
+
+
+@pytest.mark.parametrize("package", OURS)
+def test_arrows_run_downward_only(package: str) -> None:
+    """A package imports only the packages of the house and of the world that its floor allows."""
+    rule = RULES[package]
+    wrong = []
+    for file in modules_of(package):
+        extra = EXTRA_OUTSIDE.get((package, name_of(package, file)), frozenset())
+        allowed = {package} | rule.ours | rule.outside | extra | set(sys.stdlib_module_names)
+        tree = ast.parse(file.read_text(encoding="utf-8"), filename=str(file))
+        wrong += [
+            str(found) for found in imports_in(file, tree, package) if found.top not in allowed
+        ]
+    assert not wrong
+
+
+@pytest.mark.parametrize("package", OURS)
+def test_only_public_names_cross_the_floors(package: str) -> None:
+    """What a package takes from another package of the house has no leading underscore."""
+    private = []
+    for file in modules_of(package):
+        tree = ast.parse(file.read_text(encoding="utf-8"), filename=str(file))
+        private += [
+            str(found)
+            for found in imports_in(file, tree, package)
+            if found.top in OURS
+            and found.top != package
+            and any(part.startswith("_") for part in found.module.split("."))
+        ]
+    assert not private
+
+
+def test_the_verification_takes_the_reference_by_its_front_door() -> None:
+    """The first floor uses what `stickslip_ref` exports and none of its inner modules."""
+    inner = []
+    for file in modules_of("stickslip_verification"):
+        tree = ast.parse(file.read_text(encoding="utf-8"), filename=str(file))
+        inner += [
+            str(found)
+            for found in imports_in(file, tree, "stickslip_verification")
+            if found.top == "stickslip_ref" and is_module_inside(found.module)
+        ]
+    assert not inner
+
+
+def is_module_inside(dotted: str) -> bool:
+    """Tell whether `stickslip_ref.a.b` goes through a module `a` rather than a name of the door."""
+    parts = dotted.split(".")[1:]
+    return len(parts) > 1 and (folder_of("stickslip_ref") / f"{parts[0]}.py").exists()
+
+
+@pytest.mark.parametrize("package", OURS)
+def test_no_two_modules_of_a_package_import_each_other(package: str) -> None:
+    """Arrows between the files of a package make no loop."""
+    arrows: dict[str, set[str]] = {}
+    names = {name_of(package, file): file for file in modules_of(package)}
+    for name, file in names.items():
+        tree = ast.parse(file.read_text(encoding="utf-8"), filename=str(file))
+        targets = set()
+        for found in imports_in(file, tree, package):
+            if found.top == package:
+                inner = found.module.split(".")[1:]
+                candidates = [".".join(inner[:length]) for length in range(len(inner), 0, -1)]
+                targets |= {next((c for c in candidates if c in names), name)} - {name}
+        arrows[name] = targets
+    while free := {name for name, targets in arrows.items() if not targets & arrows.keys()}:
+        arrows = {name: targets for name, targets in arrows.items() if name not in free}
+    assert not arrows
+
+
+def test_what_travels_in_the_fmu_is_python_3_8() -> None:
+    """Every module in the FMU has the syntax and the library of Python 3.8."""
+    problems = []
+    for file in (folder_of("stickslip_fmu") / name for name in PACKED):
+        problems += [f"{file.name}:{text}" for text in newer_than_3_8(file.read_text("utf-8"))]
+    assert not problems
+
+
+NEWER_ATTRIBUTES = {
+    "math": {"nextafter", "ulp", "lcm", "cbrt", "exp2", "sumprod", "fma"},
+    "functools": {"cache"},
+    "itertools": {"pairwise", "batched"},
+    "typing": {"TypeAlias", "Annotated", "ParamSpec", "Concatenate", "TypeGuard", "Self", "Never",
+               "assert_never", "assert_type", "LiteralString", "NotRequired", "Required", "Unpack",
+               "override", "reveal_type"},
+    "contextlib": {"aclosing", "chdir"},
+    "datetime": {"UTC"},
+    "enum": {"StrEnum", "verify", "member", "nonmember"},
+    "random": {"randbytes"},
+    "types": {"NoneType", "EllipsisType", "UnionType", "GenericAlias"},
+}  # fmt: skip
+NEWER_MODULES = {"zoneinfo", "graphlib", "tomllib"}
+NEWER_METHODS = {"removeprefix", "removesuffix", "bit_count", "is_relative_to", "with_stem",
+                 "readlink", "hardlink_to"}  # fmt: skip
+NEWER_BUILTINS = {"aiter", "anext", "EncodingWarning", "ExceptionGroup", "BaseExceptionGroup"}
+NEWER_KEYWORDS = {("zip", "strict"), ("dataclass", "slots"), ("dataclass", "kw_only"),
+                  ("dataclass", "match_args"), ("field", "kw_only")}  # fmt: skip
+GENERIC_BUILTINS = {"list", "dict", "tuple", "set", "frozenset", "type"}
+GENERIC_ABCS = {"Callable", "Iterable", "Iterator", "Mapping", "MutableMapping", "Sequence",
+                "MutableSequence", "Generator", "Collection", "Set", "MutableSet", "deque", "Match",
+                "defaultdict", "OrderedDict", "Counter", "ChainMap", "Pattern"}  # fmt: skip
+
+
+def newer_than_3_8(source: str) -> list[str]:
+    """Give line and reason of everything in `source` that Python 3.8 lacks."""
+    try:
+        tree = ast.parse(source, feature_version=(3, 8))
+    except SyntaxError as error:
+        return [f"{error.lineno} {error.msg}"]
+    found: list[tuple[int, str]] = []
+    postponed = any(
+        isinstance(node, ast.ImportFrom)
+        and node.module == "__future__"
+        and any(alias.name == "annotations" for alias in node.names)
+        for node in tree.body
+    )
+    unevaluated = annotation_nodes(tree) if postponed else set()
+    abcs = names_from(tree, {"collections", "collections.abc", "re"})
+    for node in ast.walk(tree):
+        line = getattr(node, "lineno", 0)
+        found += [(line, text) for text in newer_syntax(node)]
+        found += [(line, text) for text in newer_library(node)]
+        if node not in unevaluated:
+            found += [(line, text) for text in newer_typing(node, abcs)]
+    return [f"{line} {text}" for line, text in sorted(found)]
+
+
+def annotation_nodes(tree: ast.AST) -> set[ast.AST]:
+    """Give every node inside an annotation."""
+    roots: list[ast.AST | None] = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            roots.append(node.returns)
+        elif isinstance(node, ast.arg | ast.AnnAssign):
+            roots.append(node.annotation)
+    return {inner for root in roots if root is not None for inner in ast.walk(root)}
+
+
+def names_from(tree: ast.AST, modules: set[str]) -> set[str]:
+    """Give the names imported from these modules."""
+    return {
+        alias.asname or alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module in modules
+        for alias in node.names
+    }
+
+
+def newer_syntax(node: ast.AST) -> Iterator[str]:
+    """Tell of the newer syntax that `ast.parse` lets pass at feature_version 3.8."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        for decorator in node.decorator_list:
+            plain = decorator.func if isinstance(decorator, ast.Call) else decorator
+            while isinstance(plain, ast.Attribute):
+                plain = plain.value
+            if not isinstance(plain, ast.Name):
+                yield "decorator that is no dotted name (3.9)"
+    elif (
+        isinstance(node, ast.Subscript)
+        and isinstance(node.slice, ast.Tuple)
+        and any(isinstance(element, ast.Starred) for element in node.slice.elts)
+    ):
+        yield "starred subscript (3.11)"
+
+
+def newer_library(node: ast.AST) -> Iterator[str]:
+    """Tell of modules, functions, methods and arguments that Python 3.8 lacks."""
+    if isinstance(node, ast.Import):
+        for alias in node.names:
+            if alias.name.partition(".")[0] in NEWER_MODULES:
+                yield f"module {alias.name} (3.9 or later)"
+    elif isinstance(node, ast.ImportFrom):
+        if (node.module or "") in NEWER_MODULES:
+            yield f"module {node.module} (3.9 or later)"
+        for alias in node.names:
+            if alias.name in NEWER_ATTRIBUTES.get(node.module or "", set()):
+                yield f"{node.module}.{alias.name} (3.9 or later)"
+    elif isinstance(node, ast.Attribute):
+        owner = node.value.id if isinstance(node.value, ast.Name) else ""
+        if node.attr in NEWER_ATTRIBUTES.get(owner, set()):
+            yield f"{owner}.{node.attr} (3.9 or later)"
+        elif node.attr in NEWER_METHODS:
+            yield f".{node.attr}() (3.9 or later)"
+    elif isinstance(node, ast.Name) and node.id in NEWER_BUILTINS:
+        yield f"{node.id} (3.10 or later)"
+    elif isinstance(node, ast.Call):
+        for keyword in node.keywords:
+            if (called_name(node), keyword.arg) in NEWER_KEYWORDS:
+                yield f"{called_name(node)}({keyword.arg}=) (3.10)"
+        if called_name(node) == "isinstance" and any(
+            isinstance(argument, ast.BinOp) for argument in node.args[1:]
+        ):
+            yield "isinstance with a union (3.10)"
+
+
+def newer_typing(node: ast.AST, abcs: set[str]) -> Iterator[str]:
+    """Tell of types that Python 3.8 cannot evaluate."""
+    if isinstance(node, ast.Subscript):
+        value = node.value
+        if isinstance(value, ast.Name):
+            if value.id in GENERIC_BUILTINS:
+                yield f"{value.id}[...] evaluated (3.9)"
+            elif value.id in GENERIC_ABCS & abcs:
+                yield f"collections.abc.{value.id}[...] evaluated (3.9)"
+    elif (
+        isinstance(node, ast.BinOp)
+        and isinstance(node.op, ast.BitOr)
+        and (is_type(node.left) or is_type(node.right))
+    ):
+        yield "union of types evaluated (3.10)"
+
+
+def is_type(node: ast.expr) -> bool:
+    """Tell whether an operand of | is a type or None, as far as its text shows."""
+    if isinstance(node, ast.Constant):
+        return node.value is None
+    if isinstance(node, ast.Name):
+        return isinstance(getattr(builtins, node.id, None), type)
+    return isinstance(node, ast.Subscript) and is_type(node.value)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "match x:\n    case 1: pass",
+        "with (open('a') as a, open('b') as b): pass",
+        "with (\n    open('a') as a,\n    open('b') as b,\n): pass",
+        "def f(x: int | None): pass",
+        "x: list[int] = []",
+        "from __future__ import annotations\nA = list[int]",
+        "from __future__ import annotations\nA = int | None",
+        "from collections.abc import Callable\ndef f(x: Callable[[], int]): pass",
+        "import math\nmath.nextafter(1.0, 2.0)",
+        "from math import ulp",
+        "from functools import cache",
+        "'ab'.removeprefix('a')",
+        "zip(a, b, strict=True)",
+        "@dataclass(slots=True)\nclass A: pass",
+        "try: pass\nexcept* ValueError: pass",
+        "@a[0].b\ndef f(): pass",
+        "isinstance(x, int | str)",
+        "import tomllib",
+    ],
+)
+def test_the_reader_of_python_3_8_knows_what_is_newer(source: str) -> None:
+    """Each of these fails on Python 3.8 and is told so."""
+    assert newer_than_3_8(source)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "if (n := 3) > 2: pass",
+        "from __future__ import annotations\ndef f(x: int | None) -> list[int]: pass",
+        "from __future__ import annotations\nx: dict[str, int] = {}",
+        "with open('a') as a, open('b') as b: pass",
+        "with (yield_one()) as a: pass",
+        "from typing import Dict\nA = Dict[str, int]",
+        "a = flags | 1",
+        "def f(a, /, b): pass",
+        "import math\nmath.comb(3, 2)",
+    ],
+)
+def test_the_reader_of_python_3_8_lets_it_pass(source: str) -> None:
+    """Each of these is Python 3.8."""
+    assert not newer_than_3_8(source)
+
+
+HEAVY = ("numpy", "scipy", "fmpy", "matplotlib", "pythonfmu", "mpmath")
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["simulate", "--help"], ["--version"]])
+def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
+    """Asking the command for help or for its version costs no numerical library."""
+    program = (
+        "import sys\n"
+        "from stickslip.cli import main\n"
+        "sys.argv = ['stickslip', *sys.argv[1:]]\n"
+        "try:\n"
+        "    main()\n"
+        "finally:\n"
+        f"    print('loaded:', *[name for name in {HEAVY!r} if name in sys.modules])\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines()[-1] == "loaded:"

@@ -1,0 +1,378 @@
+"""The command as a person meets it: what it prints, writes and answers."""
+
+import hashlib
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy.util import read_csv
+
+from stickslip import cli
+from stickslip_fmu.release import VERSION
+from stickslip_fmu.variables import VARIABLES
+
+PROGRAM = "from stickslip.cli import main; main()"
+
+
+class Answer:
+    """Exit code, standard output and standard error of one command."""
+
+    def __init__(self, code: int, out: str, err: str) -> None:
+        self.code, self.out, self.err = code, out, err
+
+
+class Command:
+    """Runs the command in an empty folder; `fmu` is one built beforehand."""
+
+    def __init__(
+        self, patch: pytest.MonkeyPatch, capture: pytest.CaptureFixture[str], fmu: Path
+    ) -> None:
+        self._patch, self._capture, self._fmu = patch, capture, fmu
+
+    def __call__(self, *arguments: object) -> Answer:
+        """Run `stickslip` with these arguments in this process."""
+        self._patch.setattr(sys, "argv", ["stickslip", *map(str, arguments)])
+        self._capture.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        said = self._capture.readouterr()
+        code = ended.value.code
+        assert isinstance(code, int)
+        return Answer(code, said.out, said.err)
+
+    def simulate(self, engine: str, *arguments: object) -> Answer:
+        """Run `stickslip simulate` with an engine; the FMU is not built again for each run."""
+        of_fmu = ["--fmu", self._fmu] if engine == "fmu" else []
+        return self("simulate", "--engine", engine, *of_fmu, *arguments)
+
+    def in_fresh_process(self, *arguments: object) -> Answer:
+        """Run `stickslip` in a process of its own: for what builds an FMU."""
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM, *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        return Answer(done.returncode, done.stdout, done.stderr)
+
+
+@pytest.fixture
+def command(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    fmu_path: Path,
+) -> Command:
+    """Give the command in an empty working folder."""
+    monkeypatch.chdir(tmp_path)
+    return Command(monkeypatch, capsys, fmu_path)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (["--k", "-1"], ["--k '-1'", "above 0"]),
+        (["--k", "nan"], ["--k 'nan'", "above 0"]),
+        (["--m", "0"], ["--m '0'", "above 0"]),
+        (["--g", "0"], ["--g '0'", "above 0"]),
+        (["--c", "-1"], ["--c '-1'", "at least 0"]),
+        (["--mu-s", "abc"], ["--mu-s 'abc'", "at least 0"]),
+        (["--mu-k", "-0.1"], ["--mu-k '-0.1'", "at least 0"]),
+        (["--v", "inf"], ["--v 'inf'", "a velocity in m/s", "finite"]),
+        (["--v", "5 N"], ["--v '5 N' is a force", "a velocity in m/s"]),
+        (["--load", "-10"], ["load = -10.0 N", ">= -m g = -9.81 N"]),
+        (["--stop-time", "-1"], ["--stop-time '-1'", "> 0 s"]),
+        (["--start-time", "2", "--stop-time", "1"], ["--stop-time '1'", "> 2 s"]),
+        (["--output-interval", "0"], ["--output-interval '0'", "above 0 s"]),
+        (["--output-interval", "1e-12"], ["--output-interval '1e-12'", "at least 1e-06 s"]),
+        (["--output-file", "missing/run.csv"], ["--output-file", "no folder missing"]),
+        (["--output-file", "."], ["--output-file", "it is a folder"]),
+        (["--plot", "run.gif"], ["--plot run.gif", ".png, .svg or .pdf"]),
+        (["--engine", "abaqus"], ["--engine", "abaqus", "fmu", "reference"]),
+        (["--fmu", "none.fmu"], ["--fmu none.fmu", "no such file"]),
+        (["--engine", "reference", "--fmu", "a.fmu"], ["--fmu", "--engine fmu only"]),
+        (["--spring", "1"], ["--spring"]),
+        (["--k"], ["--k"]),
+        (["--F_s", "1"], ["--F_s"]),
+    ],
+)
+def test_wrong_use_is_answered_in_one_line(
+    command: Command, tmp_path: Path, arguments: list[str], parts: list[str]
+) -> None:
+    """Exit code 2, one line with name, value and range, and no file."""
+    answer = command("simulate", *arguments)
+    assert answer.code == 2
+    assert answer.out == ""
+    assert answer.err.startswith("stickslip: ")
+    assert answer.err.count("\n") == 1
+    for part in parts:
+        assert part in answer.err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "arguments", [[], ["fly"], ["verify", "--cases", "none"], ["verify", "--fmu", "none.fmu"]]
+)
+def test_wrong_use_of_other_commands_is_one_line_too(
+    command: Command, arguments: list[str]
+) -> None:
+    """No command, no such command, no such case, no such FMU: exit code 2 and a reason."""
+    answer = command(*arguments)
+    assert answer.code == 2
+    assert answer.err.startswith("stickslip: ")
+    assert answer.err.count("\n") == 1
+
+
+def test_every_parameter_and_input_of_the_fmu_is_an_option(command: Command) -> None:
+    """Whatever the FMU lets a simulator set, the command lets a person set, and says its unit."""
+    said = " ".join(command("simulate", "--help").out.split())
+    for variable in VARIABLES:
+        option = "--" + variable.name.replace("_", "-")
+        if variable.settable:
+            unit = "" if variable.unit == "1" else f"[{variable.unit}]"
+            described = re.escape(option) + r"\b[^.]* VALUE .*?" + re.escape(unit)
+            assert re.search(described + rf".*?default {variable.start:g}\.", said)
+        else:
+            assert f" {option} " not in said
+
+
+def test_build_prints_path_size_and_digest(command: Command, tmp_path: Path) -> None:
+    """What is printed is what is on the disk; without -o that is build/StickSlip.fmu."""
+    answer = command.in_fresh_process("build")
+    content = (tmp_path / "build" / "StickSlip.fmu").read_bytes()
+    digest = hashlib.sha256(content).hexdigest()
+    assert answer.code == 0
+    assert answer.out.split() == [
+        "build/StickSlip.fmu", str(len(content)), "bytes", "SHA-256", digest
+    ]  # fmt: skip
+
+
+def test_build_takes_a_folder_or_a_file(command: Command, tmp_path: Path) -> None:
+    """A folder gets StickSlip.fmu, a file ending in .fmu is that file; both are the same bytes."""
+    assert command.in_fresh_process("build", "-o", "a/b").code == 0
+    assert command.in_fresh_process("build", "-o", "c/other.fmu").code == 0
+    first = tmp_path / "a" / "b" / "StickSlip.fmu"
+    assert first.read_bytes() == (tmp_path / "c" / "other.fmu").read_bytes()
+
+
+@pytest.mark.parametrize("engine", ["fmu", "reference"])
+def test_fmpy_reads_the_csv_back(command: Command, tmp_path: Path, engine: str) -> None:
+    """Every output is a column, every number comes back, and a stick is one value of x."""
+    answer = command.simulate(engine, "--stop-time", "2", "--output-file", "run.csv")
+    assert answer.code == 0, answer.err
+    table = read_csv(tmp_path / "run.csv")
+    outputs = [variable.name for variable in VARIABLES if variable.causality == "output"]
+    assert sorted(table.dtype.names) == sorted(["time", *outputs])
+    assert len(table) == 201
+    first_stick = table["x"][table["n_slips"] == 0][:20]
+    assert np.all(first_stick == 0.0)
+    # Written with all digits: 20 mm/s for 2 s, two roundings.
+    assert table["x_pull"][-1] == pytest.approx(0.04, rel=4e-16)
+
+
+def test_both_engines_write_the_same_columns_at_the_same_times(
+    command: Command, tmp_path: Path
+) -> None:
+    """The two CSV files can be compared row by row."""
+    for engine in ("fmu", "reference"):
+        assert command.simulate(engine, "--output-file", f"{engine}.csv").code == 0
+    fmu, reference = (read_csv(tmp_path / f"{engine}.csv") for engine in ("fmu", "reference"))
+    assert fmu.dtype.names == reference.dtype.names
+    # Times are sums of doubles on one side and products on the other.
+    assert fmu["time"] == pytest.approx(reference["time"], rel=1e-14, abs=1e-15)
+    # The reference integrates to about 1e-10 of the motion, over 31 cycles.
+    assert fmu["x"] == pytest.approx(reference["x"], abs=1e-9)
+
+
+@pytest.mark.parametrize("engine", ["fmu", "reference"])
+def test_units_typed_are_si_values(command: Command, tmp_path: Path, engine: str) -> None:
+    """The same quantities with and without units give the same run."""
+    with_units = ["--v", "20mm/s", "--k", "1 kN/m", "--m", "1000 g", "--stop-time", "500 ms"]
+    plain = ["--v", "0.02", "--k", "1000", "--m", "1", "--stop-time", "0.5"]
+    for name, values in (("a.csv", with_units), ("b.csv", plain)):
+        assert command.simulate(engine, *values, "--output-file", name).code == 0
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+
+
+@pytest.mark.parametrize("engine", ["fmu", "reference"])
+def test_the_table_shows_the_cycle_three_times(command: Command, engine: str) -> None:
+    """Measured, exact and simplified: the jump is 6.305 mm, the simplified one 3.924 mm."""
+    answer = command.simulate(engine)
+    assert answer.code == 0
+    jump = next(line for line in answer.out.splitlines() if "jump of the mass" in line)
+    assert jump.count("6.30536") == 2
+    assert "3.924" in jump
+    # 3.924 mm / 6.305 mm - 1
+    assert "-37.77 %" in jump
+    assert answer.err == ""
+
+
+@pytest.mark.parametrize("engine", ["fmu", "reference"])
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["--v", "0"], "the pulled end does not move"),
+        (["--c", "30", "--v", "0.1"], "above the critical velocity"),
+        (["--c", "100"], "over-damped"),
+        (["--c", "5", "--mu-k", "0.5"], "without a gap"),
+        (["--stop-time", "0.1"], "the mass never broke away"),
+        (["--stop-time", "0.4"], "the mass did not break away twice"),
+    ],
+)
+def test_where_there_is_no_cycle_the_table_says_so(
+    command: Command, engine: str, arguments: list[str], reason: str
+) -> None:
+    """An empty column is explained, and it is no error."""
+    answer = command.simulate(engine, "--stop-time", "1", *arguments)
+    assert answer.code == 0
+    assert reason in answer.out
+
+
+@pytest.mark.parametrize("engine", ["fmu", "reference"])
+def test_the_clamp_of_mu_k_is_told_once(command: Command, engine: str) -> None:
+    """mu_k above mu_s is no error: one line on standard error names both."""
+    answer = command.simulate(engine, "--mu-k", "0.6", "--stop-time", "1")
+    assert answer.code == 0
+    assert answer.err.startswith("stickslip: warning: mu_k = 0.6")
+    assert "mu_s = 0.5" in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_what_the_fmu_says_reaches_the_person(command: Command, fmu_path: Path) -> None:
+    """A failing call of the FMU ends in its own message."""
+    from stickslip.engines import experiment, simulate_fmu
+    from stickslip.errors import CommandError
+    from stickslip_fmu.variables import start_values
+
+    values = {**start_values(), "k": -1.0}
+    with pytest.raises(CommandError, match=r"k = -1\.0 N/m is out of range"):
+        simulate_fmu(experiment(values, 0.0, 1.0), fmu_path, lambda done, total: None)
+
+
+def test_a_file_that_is_no_fmu_is_refused(command: Command, tmp_path: Path) -> None:
+    """A text file under the name of an FMU: one line, exit code 2."""
+    (tmp_path / "text.fmu").write_text("no archive", encoding="utf-8")
+    answer = command("simulate", "--fmu", "text.fmu")
+    assert answer.code == 2
+    assert "--fmu text.fmu: not an FMU" in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_an_old_file_survives_a_run_that_fails(command: Command, tmp_path: Path) -> None:
+    """What was there is replaced by something whole or not at all."""
+    (tmp_path / "run.csv").write_text("old", encoding="utf-8")
+    (tmp_path / "text.fmu").write_text("no archive", encoding="utf-8")
+    assert command("simulate", "--fmu", "text.fmu", "--output-file", "run.csv").code == 2
+    assert (tmp_path / "run.csv").read_text(encoding="utf-8") == "old"
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+@pytest.mark.parametrize("engine", ["fmu", "reference"])
+def test_a_reversed_pull_is_drawn(command: Command, tmp_path: Path, engine: str) -> None:
+    """A run pulled backward, with an external force, makes a plot like any other."""
+    answer = command.simulate(engine, "--v", "-20mm/s", "--F-ext", "1 N",
+        "--stop-time", "1", "--plot", "run.svg",
+    )  # fmt: skip
+    assert answer.code == 0, answer.err
+    assert (tmp_path / "run.svg").read_text(encoding="utf-8").startswith("<?xml")
+
+
+def test_a_plot_that_lacks_events_is_told(command: Command) -> None:
+    """With a step longer than a cycle the plot is incomplete, and a line says what to do."""
+    answer = command.simulate(
+        "fmu", "--output-interval", "1", "--plot", "run.png"
+    )  # fmt: skip
+    assert answer.code == 0
+    assert "choose a shorter --output-interval" in answer.err
+
+
+def test_a_table_in_a_pipe_is_not_folded(command: Command) -> None:
+    """Every quantity stands in one line where there is no terminal to fit."""
+    lines = command.simulate("fmu").out.splitlines()
+    assert sum("period" in line for line in lines) == 1
+    assert all("…" not in line for line in lines)
+
+
+def test_verify_passes_on_our_fmu(command: Command, tmp_path: Path) -> None:
+    """Exit code 0, a table, the report where it is said to be, and the FMU in build/."""
+    answer = command.in_fresh_process("verify", "--cases", "default")
+    assert answer.code == 0, answer.err
+    assert "FAIL" not in answer.out
+    assert answer.out.splitlines()[-1] == "report/report.json"
+    report = json.loads((tmp_path / "report" / "report.json").read_text(encoding="utf-8"))
+    assert set(report) == {"summary", "checks", "provenance"}
+    assert report["summary"]["failed"] == 0
+    assert f"{report['summary']['passed']} passed, 0 failed" in answer.out
+    digest = hashlib.sha256((tmp_path / "build" / "StickSlip.fmu").read_bytes()).hexdigest()
+    assert report["provenance"]["fmu"]["sha256"] == digest
+
+
+def test_verify_fails_an_fmu_that_lacks_an_output(
+    command: Command, tmp_path: Path, fmu_path: Path
+) -> None:
+    """Exit code 1: what failed stands in the table and below it, and in the report."""
+    with zipfile.ZipFile(fmu_path) as good, zipfile.ZipFile("bad.fmu", "w") as bad:
+        for name in good.namelist():
+            content = good.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'name="delta_x"', b'name="delta_y"')
+            bad.writestr(name, content)
+    answer = command("verify", "--fmu", "bad.fmu", "--cases", "default", "-o", "bad.json")
+    assert answer.code == 1
+    assert "FAIL default / delta_x-exact (fmu)" in answer.out
+    assert answer.err == ""
+    report = json.loads((tmp_path / "bad.json").read_text(encoding="utf-8"))
+    assert report["summary"]["failed"] > 0
+    assert not (tmp_path / "build").exists()
+
+
+def test_verify_lists_its_cases(command: Command, tmp_path: Path) -> None:
+    """--list names the cases of the pattern and runs nothing."""
+    answer = command("verify", "--list", "--cases", "d*")
+    assert answer.code == 0
+    assert "default" in answer.out
+    assert "reversed-pull" not in answer.out
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_version_is_that_of_the_release(command: Command) -> None:
+    """--version prints name and number."""
+    assert command("--version").out == f"stickslip {VERSION}\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGINT cannot be sent to one process there")
+@pytest.mark.parametrize("engine", ["fmu", "reference"])
+def test_ctrl_c_ends_a_run_cleanly(tmp_path: Path, fmu_path: Path, engine: str) -> None:
+    """Exit code 130, one line, no traceback, and nothing left in the folders."""
+    scratch = tmp_path / "scratch"
+    work = tmp_path / "work"
+    scratch.mkdir()
+    work.mkdir()
+    of_fmu = ["--fmu", str(fmu_path)] if engine == "fmu" else []
+    # Long enough that nobody waits for its end: a million steps or cycles.
+    size = ["--stop-time", "10000", "--output-interval", "0.001"]
+    running = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, "simulate", "--engine", engine, *of_fmu, *size,
+         "--output-file", "run.csv"],
+        cwd=work,
+        env={**os.environ, "TMPDIR": str(scratch)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )  # fmt: skip
+    time.sleep(2.5)
+    running.send_signal(signal.SIGINT)
+    out, err = running.communicate(timeout=30)
+    assert running.returncode == 130
+    assert err == "stickslip: interrupted\n"
+    assert out == ""
+    assert not list(work.iterdir())
+    assert not list(scratch.iterdir())

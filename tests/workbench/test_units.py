@@ -1,0 +1,110 @@
+"""Quantities as people type them."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stickslip.errors import CommandError
+from stickslip.units import kind_of, parse
+
+UNITS = ("kg", "m", "s", "m/s", "m/s2", "N", "N/m", "N.s/m", "1")
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("20mm/s", "m/s", 0.02),
+        ("1e3", "N/m", 1000.0),
+        ("1 kN/m", "N/m", 1000.0),
+        ("0.5 N/um", "N/m", 5e5),
+        ("0.5 N/µm", "N/m", 5e5),
+        ("5 N", "N", 5.0),
+        ("2 kg", "kg", 2.0),
+        ("500g", "kg", 0.5),
+        ("2 t", "kg", 2000.0),
+        ("3 ms", "s", 0.003),
+        ("2 min", "s", 120.0),
+        ("1.2 m/min", "m/s", 0.02),
+        ("-3 mm", "m", -0.003),
+        ("+.5e-1cm", "m", 5e-4),
+        ("2 N.s/m", "N.s/m", 2.0),
+        ("2 N*s/m", "N.s/m", 2.0),
+        ("2 kg/s", "N.s/m", 2.0),
+        ("9.81 m/s2", "m/s2", 9.81),
+        ("9.81 m/s^2", "m/s2", 9.81),
+        ("9.81m/s²", "m/s2", 9.81),
+        ("50 %", "1", 0.5),
+        (" 7 ", "1", 7.0),
+    ],
+)
+def test_a_quantity_is_the_nearest_double_in_si(text: str, unit: str, value: float) -> None:
+    """What a person types with a unit is, to the last bit, what they would type in SI."""
+    assert parse(text, unit, "--option") == value
+
+
+@given(st.floats(-1e300, 1e300), st.sampled_from(UNITS))
+def test_a_plain_number_is_si(value: float, unit: str) -> None:
+    """A number without a unit is taken as it is."""
+    assert parse(repr(value), unit, "--option") == value
+
+
+@given(st.integers(), st.sampled_from([("mm", "e-3"), ("um", "e-6"), ("km", "e3")]))
+def test_a_prefix_is_a_power_of_ten_written_out(number: int, prefix: tuple[str, str]) -> None:
+    """20mm is the same double as 20e-3: scaling adds no rounding of its own."""
+    unit, power = prefix
+    assert parse(f"{number}{unit}", "m", "--option") == float(f"{number}{power}")
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "reason"),
+    [
+        ("5 N", "m/s", "is a force; expected a velocity in m/s"),
+        ("20mm/s", "m", "is a velocity; expected a length in m"),
+        ("3 kN.m", "N", "has the unit 'kN.m'; expected a force in N"),
+        ("5 mm", "1", "is a length; expected a plain number"),
+        ("5 parsec", "m", "has the unknown unit 'parsec'"),
+        ("5 kmin", "s", "has the unknown unit 'kmin'"),
+        ("3 N/", "N", "has the unknown unit 'N/'"),
+        ("1 2", "1", "has the unknown unit '2'"),
+        ("1,5", "1", "has a comma where the decimal point is expected"),
+        ("abc", "1", "is not a finite number"),
+        ("", "kg", "is not a finite number"),
+        ("nan", "N/m", "is not a finite number; expected a stiffness in N/m"),
+        ("inf", "N/m", "is not a finite number"),
+        ("-inf", "N/m", "is not a finite number"),
+        ("1e400", "m", "is larger than a double can hold"),
+        ("1e307 km", "m", "is larger than a double can hold"),
+        ("1e999999999 mm", "m", "is larger than a double can hold"),
+    ],
+)
+def test_what_is_no_such_quantity_is_refused(text: str, unit: str, reason: str) -> None:
+    """The refusal names option, value and what is expected, in one line."""
+    with pytest.raises(CommandError) as refusal:
+        parse(text, unit, "--option", "(above 0)")
+    message = str(refusal.value)
+    assert message.startswith(f"--option {text!r} {reason}")
+    assert message.endswith(f"(above 0), such as {kind_of(unit).example}")
+    assert "\n" not in message
+
+
+def test_a_number_too_small_for_a_double_is_zero() -> None:
+    """An exponent of a billion digits neither hangs nor overflows."""
+    assert parse("1e-999999999mm", "m", "--option") == 0.0
+
+
+@given(st.text(max_size=20), st.sampled_from(UNITS))
+def test_no_text_gives_anything_but_a_number_or_a_refusal(text: str, unit: str) -> None:
+    """Whatever is typed, the answer is a finite double or a `CommandError`."""
+    try:
+        value = parse(text, unit, "--option")
+    except CommandError:
+        return
+    assert math.isfinite(value)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_an_example_in_a_message_is_right(unit: str) -> None:
+    """The example that a message gives is accepted."""
+    assert parse(kind_of(unit).example, unit, "--option") > 0.0

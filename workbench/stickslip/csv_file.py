@@ -1,0 +1,38 @@
+"""Samples as a CSV file in fmpy's format, which `fmpy.util.read_csv` reads back."""
+
+from pathlib import Path
+
+import numpy as np
+from fmpy.util import write_csv as _fmpy_write_csv
+from numpy.typing import NDArray
+
+from stickslip.files import replacing
+
+
+def write_csv(samples: NDArray[np.void], target: Path, option: str) -> None:
+    """Write samples to `target`, whole or not at all.
+
+    fmpy writes a Boolean as ``True``, which its own reader refuses, so Booleans become 0 and 1.
+
+    Parameters
+    ----------
+    samples
+        Structured array, shape (n,): ``time`` [s] and outputs, SI.
+    target
+        The file.
+    option
+        The option that named it, for the message.
+
+    Raises
+    ------
+    CommandError
+        If the file cannot be written.
+    """
+    numeric = np.dtype(
+        [
+            (name, np.int8 if samples.dtype[name] == np.bool_ else samples.dtype[name])
+            for name in samples.dtype.names or ()
+        ]
+    )
+    with replacing(target, option) as temporary:
+        _fmpy_write_csv(temporary, samples.astype(numeric))
