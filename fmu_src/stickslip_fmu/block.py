@@ -6,7 +6,7 @@ parameter took another value; nothing else re-bases the motion.
 """
 
 import math
-from typing import Any, Dict, List, Union
+from typing import Any, Dict, List, Tuple, Union
 
 from .arcs import SlipArc, StickArc
 from .compensated import CompensatedSum, add
@@ -240,13 +240,16 @@ class Block:
         state = arc.state(tau)
         # A slip of no length has not begun, so the rest test decides anew whether it does.
         at_rest = mode == 0 or (tau == 0.0 and state[1] == 0.0)
-        self._bank(tau, *state)
-        k_before = self._settings.k
+        before = self._slip_terms()
         self._adopt_settings()
-        z, x_dot = self.z, self.x_dot
-        dk = self._settings.k - k_before
-        self._W_k.add(0.5 * (dk * z) * z)
         self._changed = False
+        if not at_rest and self._slip_terms() == before:
+            # What changed is not in the equation of slip, so the arc stays whole.
+            return
+        self._bank(tau, *state)
+        z, x_dot = self.z, self.x_dot
+        dk = self._settings.k - before[0]
+        self._W_k.add(0.5 * (dk * z) * z)
         if not at_rest:
             self._slip_on(mode, z, x_dot)
             return
@@ -256,6 +259,11 @@ class Block:
                 self.meter.break_away(z, time)
             else:
                 self.meter.drop_slip(time)
+
+    def _slip_terms(self) -> Tuple[float, ...]:
+        """Return what the equation of slip is made of, beside mass and direction: (3)."""
+        settings = self._settings
+        return settings.k, settings.c, settings.v, settings.F_ext, self._kinetic
 
     def _bank(self, tau: float, z: float, x_dot: float, displacement: float) -> None:
         """Add what the arc gave up to `tau`, where the state is given, to the block's sums."""
