@@ -29,7 +29,7 @@ bench: $(VENV)/ready
 
 # Files under docs/ that are made from the code.
 docs: $(VENV)/ready
-	$(BIN)/python -m docs.generate
+	$(BIN)/python docs/generate.py
 
 clean:
 	rm -rf build report $(VENV)

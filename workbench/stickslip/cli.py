@@ -216,6 +216,47 @@ def verify(
         raise typer.Exit(1)
 
 
+@app.command()
+def prove(
+    fmu: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="The FMU to prove; default: build/StickSlip.fmu, built anew."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Names the random sets.")] = 1,
+    fraction: Annotated[
+        float, typer.Option(help="Share of the full sets, above 0 and at most 1.")
+    ] = 1.0,
+) -> None:
+    """Hold FMU and reference against random sets; exit 0 if every statement holds, 1 if not."""
+    from stickslip.progress import Meter, deferred_interrupt
+    from stickslip.proof_table import proof_table
+    from stickslip_verification import FmuError
+    from stickslip_verification import prove as prove_all
+
+    if not 0.0 < fraction <= 1.0:
+        raise CommandError(f"--fraction {fraction!r}: must be above 0 and at most 1")
+    if fmu is None:
+        fmu = _build(DEFAULT_FMU, "--fmu")
+    with Meter("Proving") as meter, deferred_interrupt() as interrupted:
+
+        def show(what: str, done: int, total: int) -> None:
+            if interrupted():
+                raise KeyboardInterrupt
+            meter.advance(done, total or None, what)
+
+        try:
+            # What the FMU warns of belongs to the draws; here it would cut the progress.
+            with contextlib.redirect_stderr(io.StringIO()):
+                results = prove_all(fmu, seed, fraction, show)
+        except FmuError as error:
+            raise CommandError(str(error)) from error
+    _console().print(proof_table(results))
+    if not all(each.passed for each in results):
+        raise typer.Exit(1)
+
+
 def main() -> None:
     """Run the command and exit: 0 done, 1 a check failed, 2 wrong use, 130 interrupted."""
     sys.exit(_exit_code())

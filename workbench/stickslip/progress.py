@@ -46,8 +46,8 @@ class Meter:
                 self._progress.stop()
                 self._progress = None
 
-    def advance(self, done: float, total: float, description: str | None = None) -> None:
-        """Say how far the work is: `done` of `total`, in any unit, and on what it is now."""
+    def advance(self, done: float, total: float | None, description: str | None = None) -> None:
+        """Say how far the work is: `done` of `total` if known, and on what it is now."""
         with self._lock:
             self._done, self._total = done, total
             self._description = description or self._description
