@@ -1,0 +1,1 @@
+"""Facts about the verification: its truth, its cases, its checks, its proofs."""

@@ -1,0 +1,107 @@
+"""The verdict's JSON: its layout, its numbers, and how it is written."""
+
+import hashlib
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stickslip_verification import CheckResult, Verdict, provenance, write_json
+
+LAYOUT = [
+    "case",
+    "check",
+    "quantity",
+    "unit",
+    "truth",
+    "side",
+    "expected",
+    "got",
+    "error",
+    "tolerance",
+    "because",
+    "passed",
+]
+
+
+def result(**values: Any) -> CheckResult:
+    """Make a passed result, but for `values`."""
+    usual: dict[str, Any] = {
+        "case": "default",
+        "check": "t_slip-exact",
+        "quantity": "t_slip",
+        "unit": "s",
+        "truth": "closed_form",
+        "side": "fmu",
+        "expected": 0.1,
+        "got": 0.1,
+        "error": 0.0,
+        "tolerance": 1e-12,
+        "because": "rounding",
+        "passed": True,
+    }
+    return CheckResult(**{**usual, **values})
+
+
+def refuse(constant: str) -> None:
+    """Fail on the names that Python's reader takes for numbers and JSON does not."""
+    raise AssertionError(f"{constant} is not JSON")
+
+
+def test_the_report_has_the_agreed_layout(tmp_path: Path) -> None:
+    """The file holds summary, checks and provenance, and each check exactly the agreed keys."""
+    file = tmp_path / "new" / "report.json"
+    verdict = Verdict([result(), result(side="reference", passed=False)], {"git": None})
+    write_json(verdict, file)
+    report = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)
+    assert list(report) == ["summary", "checks", "provenance"]
+    assert report["summary"] == {"passed": 1, "failed": 1}
+    assert all(list(row) == LAYOUT for row in report["checks"])
+    assert report["provenance"] == {"git": None}
+    assert [path.name for path in file.parent.iterdir()] == ["report.json"]
+
+
+def test_what_is_not_a_number_is_null(tmp_path: Path) -> None:
+    """No NaN and no infinity reaches the file, and a failure without numbers tells its reason."""
+    file = tmp_path / "report.json"
+    broken = result(got=math.nan, error=math.inf, passed=False)
+    crashed = result(got=None, error=None, passed=False, failure="FmuError: it refused")
+    write_json(Verdict([broken, crashed]), file)
+    rows = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)["checks"]
+    assert [(row["got"], row["error"]) for row in rows] == [(None, None), (None, None)]
+    assert rows[1]["because"] == "FmuError: it refused (the tolerance: rounding)"
+
+
+def test_a_failed_write_leaves_the_old_report(tmp_path: Path) -> None:
+    """A report that cannot be written whole does not touch what was there."""
+    file = tmp_path / "report.json"
+    file.write_text("old", encoding="utf-8")
+    with pytest.raises(TypeError):
+        write_json(Verdict([result()], {"versions": {1, 2}}), file)
+    assert file.read_text(encoding="utf-8") == "old"
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_verdict_without_checks_does_not_pass() -> None:
+    """Nothing checked is nothing proven."""
+    assert not Verdict([]).passed
+    assert Verdict([result()]).passed
+    assert not Verdict([result(), result(passed=False)]).passed
+
+
+def test_the_provenance_names_the_bytes_that_were_judged(tmp_path: Path) -> None:
+    """The SHA-256 is that of the FMU file, and every version is told."""
+    fmu = tmp_path / "some.fmu"
+    fmu.write_bytes(b"some bytes")
+    told = provenance.collect(fmu)
+    assert told["fmu"] == {"file": "some.fmu", "sha256": hashlib.sha256(b"some bytes").hexdigest()}
+    assert {"python", "stickslip", "numpy", "scipy", "mpmath", "fmpy"} <= set(told["versions"])
+    assert told["platform"]
+    json.dumps(told, allow_nan=False)
+
+
+def test_the_revision_is_that_of_our_own_source(tmp_path: Path) -> None:
+    """A package outside our working copy, in another one or in none, has no revision."""
+    assert provenance._git(tmp_path / "stickslip_verification") is None

@@ -1,0 +1,321 @@
+"""Verification cases: data files, read, checked and turned into frozen objects.
+
+A case is one TOML file under `case.schema.json`. Everything that can be wrong with it is told
+with the file, the field and the reason before anything runs.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+import itertools
+import json
+import math
+import random
+import re
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+
+from stickslip_verification.formulas import FORMULAS
+from stickslip_verification.quantities import QUANTITIES
+
+HERE = Path(__file__).parent
+CASES_FOLDER = HERE / "cases"
+SIDES = ("fmu", "reference")
+
+SAME_POINT = 1e-9
+"""A change is at a communication point if it is within this fraction of the mean step: the sum of
+many steps differs from the number written in the file by rounding, never by that much."""
+
+
+class CaseError(ValueError):
+    """A case file cannot be used; one line with the file, the line or field, and the reason."""
+
+    def __init__(self, file: Path, where: str, reason: str) -> None:
+        self.file = file
+        self.where = where
+        self.reason = reason
+        super().__init__(": ".join(part for part in (str(file), where, reason) if part))
+
+
+@dataclass(frozen=True)
+class CommunicationStep:
+    """One step of ``h`` [s]; ``changes`` (name to value, SI) are set just before it."""
+
+    h: float
+    changes: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class At:
+    """Where a check looks: ``kind`` is end, every_point, cycle or event, the last two by number."""
+
+    kind: str
+    number: int = 0
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.number}" if self.number else self.kind
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Where the expected value comes from.
+
+    ``kind`` is the class of truth, ``source`` the equation number in docs/theory.md, ``formula`` a
+    name in `FORMULAS`, or None for the exact motion in high precision.
+    """
+
+    kind: str
+    source: int
+    formula: str | None
+
+
+@dataclass(frozen=True)
+class Check:
+    """One comparison, judged on each side with that side's tolerance.
+
+    ``measure`` is relative (of the expected value), of_scale (of the largest magnitude that the
+    exact motion gives this quantity at any communication point) or absolute (in ``unit``).
+    """
+
+    id: str
+    quantity: str
+    unit: str
+    truth: Truth
+    at: At
+    measure: str
+    tolerance: Mapping[str, float]
+    because: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One motion and what is checked on it.
+
+    ``parameters`` holds only what the case sets (SI); everything else stays at the default of
+    each side, so that the defaults are verified too.
+    """
+
+    id: str
+    title: str
+    about: str
+    parameters: Mapping[str, float]
+    steps: tuple[CommunicationStep, ...]
+    checks: tuple[Check, ...]
+    file: Path
+
+    @property
+    def times(self) -> tuple[float, ...]:
+        """Communication points after the start [s]: each the correctly rounded sum of steps."""
+        return _points(step.h for step in self.steps)
+
+    @property
+    def stop_time(self) -> float:
+        """The last communication point [s]."""
+        return self.times[-1]
+
+
+def load_cases(pattern: str | None = None, folder: Path | None = None) -> list[Case]:
+    """Read the cases of a folder, in the order of their names.
+
+    Parameters
+    ----------
+    pattern
+        Shell pattern on the ids (``damped-*``); None takes all.
+    folder
+        Where the TOML files are; None takes the suite's own.
+
+    Raises
+    ------
+    CaseError
+        A file is broken (also one that the pattern leaves out), two share an id, or none matches.
+    """
+    folder = CASES_FOLDER if folder is None else folder
+    if not folder.is_dir():
+        raise CaseError(folder, "", "no such folder of cases")
+    cases = [load_case(file) for file in sorted(folder.glob("*.toml"))]
+    seen: dict[str, Path] = {}
+    for case in cases:
+        if case.id in seen:
+            raise CaseError(case.file, "id", f"{case.id!r} is taken by {seen[case.id].name}")
+        seen[case.id] = case.file
+    chosen = [c for c in cases if pattern is None or fnmatch.fnmatchcase(c.id, pattern)]
+    if not chosen:
+        raise CaseError(folder, "", f"no case matches {pattern or '*.toml'!r}")
+    return chosen
+
+
+def load_case(file: Path) -> Case:
+    """Read one case file; `CaseError` names what is wrong with it and where."""
+    try:
+        data = tomllib.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise CaseError(file, "", error.strerror or str(error)) from None
+    except UnicodeDecodeError as error:
+        raise CaseError(file, "", f"is not UTF-8: {error.reason}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise CaseError(file, *_line_and_reason(str(error))) from None
+    _validate(file, data)
+    steps = _steps(file, data["experiment"])
+    checks = tuple(_check(file, n, entry) for n, entry in enumerate(data["checks"]))
+    for n, check in enumerate(checks):
+        if any(check.id == other.id for other in checks[:n]):
+            raise CaseError(file, f"checks[{n}].id", f"{check.id!r} is taken by another check")
+    return Case(
+        id=data["id"],
+        title=data["title"],
+        about=data["about"].strip(),
+        parameters={name: float(value) for name, value in data.get("parameters", {}).items()},
+        steps=steps,
+        checks=checks,
+        file=file,
+    )
+
+
+def _line_and_reason(message: str) -> tuple[str, str]:
+    place = re.search(r" \(at (line \d+)[^)]*\)$", message)
+    return (place[1], message[: place.start()]) if place else ("", message)
+
+
+@cache
+def _validator() -> Any:
+    schema = json.loads((HERE / "case.schema.json").read_text(encoding="utf-8"))
+    return jsonschema.Draft202012Validator(schema)
+
+
+def _validate(file: Path, data: Mapping[str, Any]) -> None:
+    error = jsonschema.exceptions.best_match(_validator().iter_errors(data))
+    if error is not None:
+        raise CaseError(file, _field(error.absolute_path), error.message)
+    for field, number in _numbers(data, ()):
+        if not math.isfinite(number):
+            raise CaseError(file, _field(field), f"{number} is not a finite number")
+
+
+def _numbers(node: Any, path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str | int, ...], Any]]:
+    if isinstance(node, Mapping):
+        for key, value in node.items():
+            yield from _numbers(value, (*path, key))
+    elif isinstance(node, list):
+        for n, value in enumerate(node):
+            yield from _numbers(value, (*path, n))
+    elif isinstance(node, float):
+        yield path, node
+
+
+def _field(path: Sequence[str | int]) -> str:
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
+    return text
+
+
+def _points(lengths: Iterator[float] | Sequence[float]) -> tuple[float, ...]:
+    """Partial sums, each correctly rounded (Neumaier's compensation), starting at 0."""
+    total = carry = 0.0
+    points = []
+    for h in lengths:
+        bigger = total + h
+        carry += (total - bigger) + h if abs(total) >= abs(h) else (h - bigger) + total
+        total = bigger
+        points.append(total + carry)
+    return tuple(points)
+
+
+def _steps(file: Path, experiment: Mapping[str, Any]) -> tuple[CommunicationStep, ...]:
+    stop_time = float(experiment["stop_time"])
+    changes = experiment.get("changes", [])
+    for n, change in enumerate(changes):
+        where = f"experiment.changes[{n}].time"
+        if change["time"] >= stop_time:
+            raise CaseError(file, where, f"{change['time']} is not before stop_time {stop_time}")
+        if n and change["time"] <= changes[n - 1]["time"]:
+            raise CaseError(file, where, "the changes are not in the order of time")
+    marks = [float(change["time"]) for change in changes]
+    lengths = _lengths(file, experiment["steps"], stop_time, marks)
+    points = _points(lengths)
+    near = SAME_POINT * stop_time / len(lengths)
+    if abs(points[-1] - stop_time) > near:
+        reason = f"the steps end at {points[-1]}, not at stop_time {stop_time}"
+        raise CaseError(file, "experiment.steps", reason)
+    settings: dict[int, dict[str, float]] = {}
+    for n, mark in enumerate(marks):
+        index = min(range(len(points)), key=lambda i: abs(points[i] - mark))
+        if abs(points[index] - mark) > near:
+            reason = f"{mark} is not at a communication point; the nearest is {points[index]}"
+            raise CaseError(file, f"experiment.changes[{n}].time", reason)
+        settings[index + 1] = {name: float(value) for name, value in changes[n]["set"].items()}
+    return tuple(CommunicationStep(h, settings.get(n, {})) for n, h in enumerate(lengths))
+
+
+def _lengths(
+    file: Path, steps: Mapping[str, Any], stop_time: float, marks: Sequence[float]
+) -> list[float]:
+    if "list" in steps:
+        return [float(h) for h in steps["list"]]
+    if "fixed" in steps:
+        h = float(steps["fixed"])
+        return [h] * max(1, round(stop_time / h))
+    shortest, longest = float(steps["shortest"]), float(steps["longest"])
+    if shortest > longest:
+        raise CaseError(file, "experiment.steps.shortest", f"{shortest} is above longest {longest}")
+    draw = random.Random(steps["seed"])
+    lengths = []
+    for begin, end in zip((0.0, *marks), (*marks, stop_time), strict=True):
+        points = [begin]
+        while (left := end - points[-1]) > 0.0:
+            h = shortest * (longest / shortest) ** draw.random()
+            points.append(end if h >= left else points[-1] + h)
+        lengths += [b - a for a, b in itertools.pairwise(points)]
+    return lengths
+
+
+def _check(file: Path, n: int, entry: Mapping[str, Any]) -> Check:
+    here = f"checks[{n}]"
+    quantity = QUANTITIES.get(entry["quantity"])
+    if quantity is None:
+        known = ", ".join(QUANTITIES)
+        reason = f"{entry['quantity']!r} is not a known quantity: {known}"
+        raise CaseError(file, f"{here}.quantity", reason)
+    if entry["unit"] != quantity.unit:
+        reason = f"{quantity.name} is in {quantity.unit!r}, not {entry['unit']!r}"
+        raise CaseError(file, f"{here}.unit", reason)
+    name = entry["truth"].get("formula")
+    source = entry["truth"]["source"]
+    if name is not None:
+        if name not in FORMULAS:
+            reason = f"{name!r} is not a known formula: {', '.join(FORMULAS)}"
+            raise CaseError(file, f"{here}.truth.formula", reason)
+        formula = FORMULAS[name]
+        if source != formula.equation:
+            reason = f"{name} is equation ({formula.equation}), not ({source})"
+            raise CaseError(file, f"{here}.truth.source", reason)
+        if formula.unit != quantity.unit:
+            reason = f"{name} is in {formula.unit!r}, {quantity.name} in {quantity.unit!r}"
+            raise CaseError(file, f"{here}.truth.formula", reason)
+    at = entry["at"]
+    place = At(at) if isinstance(at, str) else At(*next(iter(at.items())))
+    measure = entry["tolerance"]["measure"]
+    if measure == "relative" and place.kind == "every_point":
+        reason = "relative makes no sense over all points, where a value may cross zero: of_scale"
+        raise CaseError(file, f"{here}.tolerance.measure", reason)
+    if quantity.discrete and (
+        measure != "absolute" or any(entry["tolerance"][side] != 0 for side in SIDES)
+    ):
+        reason = f"{quantity.name} is discrete: measure absolute, tolerance 0 on both sides"
+        raise CaseError(file, f"{here}.tolerance", reason)
+    return Check(
+        id=entry["id"],
+        quantity=quantity.name,
+        unit=quantity.unit,
+        truth=Truth(entry["truth"]["kind"], source, name),
+        at=place,
+        measure=measure,
+        tolerance={side: float(entry["tolerance"][side]) for side in SIDES},
+        because={side: " ".join(entry["because"][side].split()) for side in SIDES},
+    )

@@ -1,0 +1,273 @@
+"""Proofs about input sequences: splitting of steps, exactness, energy, scaling and mirror."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from random import Random
+
+from stickslip_verification import draws, truth
+from stickslip_verification.draws import Interval
+from stickslip_verification.fmu_file import FmuError
+from stickslip_verification.motion import Mover, State
+from stickslip_verification.proof import ProofResult, Tally
+from stickslip_verification.quantities import OUTPUT_NAMES, QUANTITIES
+
+SEQUENCES = 5000
+SPLIT_BOUND = 1e-12
+TRUTH_BOUND = 1e-10
+ENERGY_BOUND = 1e-11
+SMALLEST_MARGIN = 1e-9
+"""Draws that pass an event by less, relative to scale, are decided by rounding: left out."""
+MANY = 1_000_000
+
+LENGTHS = ("x", "x_pull", "z", "delta_x", "spring_drop")
+SPEEDS = ("x_dot", "x_dot_peak")
+FORCES = ("F", "F_friction", "F_s")
+TIMES = ("t_stick", "t_slip", "T", "t_event")
+ENERGIES = ("W_pull", "W_k", "Q_friction")
+DIRECTED = ("x", "x_dot", "x_pull", "z", "F", "F_friction", "mode", "delta_x", "spring_drop")
+DIRECTED_VALUES = ("v", "F_ext", "x_start", "x_dot_start", "z_start")
+MEASURED = (*LENGTHS, *SPEEDS, *FORCES, *TIMES, *ENERGIES)
+COUNTED = tuple(name for name in OUTPUT_NAMES if QUANTITIES[name].discrete)
+
+Factors = Mapping[str, float]
+
+
+def split_and_truth(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None]:
+    """Prove that one step and the same split give one motion, and that it is the exact one.
+
+    Yields None after each draw, and the two results at last.
+    """
+    splitting = Tally(
+        "one step or many",
+        "fmu",
+        "1e-12 of the motion's scale, steps down to 1e-13 s",
+        seed,
+        most_left_out=0.01,
+    )
+    exactness = Tally(
+        "any input sequence", "fmu", "1e-10 of the motion's scale", seed, most_left_out=0.01
+    )
+    with Mover(fmu, OUTPUT_NAMES) as mover:
+        for n in range(_share(SEQUENCES, fraction)):
+            draw = Random(f"sequence {n} of {seed}")
+            motion = draws.sequence(draw, tunable=False)
+            exact = None if _crept_out(motion) else _exact(motion.parameters, motion.intervals)
+            if exact is None or exact.margin < SMALLEST_MARGIN:
+                splitting.leave_out()
+                exactness.leave_out()
+                yield None
+                continue
+            samples = [{k: float(v) for k, v in sample.items()} for sample in exact.samples]
+            scale = scales(motion, samples)
+            pieces = [draws.split(draw, interval.h) for interval in motion.intervals]
+            if n == 0:
+                longest = max(range(len(pieces)), key=lambda i: motion.intervals[i].h)
+                pieces[longest] = draws.split(
+                    draw, motion.intervals[longest].h, _share(MANY, fraction)
+                )
+            try:
+                whole = _run(mover, motion, [[interval.h] for interval in motion.intervals])
+                cut = _run(mover, motion, pieces)
+            except FmuError as error:
+                splitting.refuse(str(error), motion)
+                exactness.refuse(str(error), motion)
+            else:
+                splitting.judge(apart(cut, whole, scale, SPLIT_BOUND), motion)
+                exactness.judge(apart(whole, samples, scale, TRUTH_BOUND), motion)
+            yield None
+    yield splitting.result()
+    yield exactness.result()
+
+
+def energy(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None]:
+    """Prove that the energy account closes while inputs and tunable parameters change."""
+    tally = Tally(
+        "energy account", "fmu", "1e-11 of the largest of |W_pull|, Q_friction, stored", seed
+    )
+    with Mover(fmu, OUTPUT_NAMES) as mover:
+        for n in range(_share(SEQUENCES, fraction)):
+            draw = Random(f"tuned sequence {n} of {seed}")
+            motion = draws.sequence(draw, tunable=True)
+            pieces = [
+                [interval.h / 7] * 7 if draw.random() < 0.5 else [interval.h]
+                for interval in motion.intervals
+            ]
+            try:
+                tally.judge({"balance": _imbalance(mover, motion, pieces)}, motion)
+            except FmuError as error:
+                tally.refuse(str(error), motion)
+            yield None
+    yield tally.result()
+
+
+def no_hidden_scale(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None]:
+    """Prove that mirror, forces times 4 and time halved give the same motion bit for bit."""
+    mirrored = dict.fromkeys(DIRECTED_VALUES, -1.0)
+    mirror = dict.fromkeys((*DIRECTED, "x_dot_peak"), -1.0)
+    heavier = dict.fromkeys(("m", "k", "c", "load", "F_ext"), 4.0)
+    forces = dict.fromkeys((*FORCES, *ENERGIES), 4.0)
+    quicker = dict.fromkeys(("k", "g", "load", "F_ext"), 4.0) | dict.fromkeys(
+        ("v", "c", "x_dot_start"), 2.0
+    )
+    rates = forces | dict.fromkeys((*SPEEDS, "f"), 2.0) | dict.fromkeys(TIMES, 0.5)
+    symmetries: tuple[tuple[str, Factors, float, Factors], ...] = (
+        ("mirror", mirrored, 1.0, mirror),
+        ("m, k, c, load, F_ext times 4", heavier, 1.0, forces),
+        ("k, g, load, F_ext times 4, v, c, x_dot_start times 2, time halved", quicker, 0.5, rates),
+    )
+    tallies = [Tally(name, "fmu", "equal bit for bit", seed) for name, _, _, _ in symmetries]
+    with Mover(fmu, OUTPUT_NAMES) as mover:
+        for n in range(_share(SEQUENCES, fraction)):
+            draw = Random(f"scaled sequence {n} of {seed}")
+            motion = draws.sequence(draw, tunable=True)
+            pieces = [draws.split(draw, interval.h)[:20] for interval in motion.intervals]
+            for tally, (_, values, pace, outputs) in zip(tallies, symmetries, strict=True):
+                try:
+                    plain = _run(mover, motion, pieces)
+                    changed = _run(
+                        mover,
+                        _scaled(motion, values, pace),
+                        [[h * pace for h in steps] for steps in pieces],
+                    )
+                except FmuError as error:
+                    tally.refuse(str(error), motion)
+                else:
+                    tally.judge(_unequal(changed, plain, outputs), motion)
+            yield None
+    for tally in tallies:
+        yield tally.result()
+
+
+def scales(motion: draws.Sequence, samples: Sequence[State]) -> dict[str, float]:
+    """Give the scale of each measured output: the largest magnitude of its kind over the motion."""
+
+    def largest(names: Sequence[str]) -> float:
+        return max(abs(sample[name]) for sample in samples for name in names)
+
+    speeds = [abs(motion.parameters["v"])]
+    speeds += [abs(i.changes["v"]) for i in motion.intervals if "v" in i.changes]
+    elapsed = math.fsum(interval.h for interval in motion.intervals)
+    groups = (
+        (LENGTHS, largest(LENGTHS)),
+        (SPEEDS, max(largest(SPEEDS), *speeds)),
+        (FORCES, largest(FORCES)),
+        (TIMES, elapsed),
+        (ENERGIES, largest(ENERGIES)),
+    )
+    return {name: size for names, size in groups for name in names}
+
+
+def apart(
+    got: Sequence[State], expected: Sequence[State], scale: Mapping[str, float], bound: float
+) -> dict[str, float]:
+    """Give the distance of two motions over the bound, per output; infinity where counts differ."""
+    ratios = dict.fromkeys((*MEASURED, *COUNTED), 0.0)
+    for one, other in zip(got, expected, strict=True):
+        for name in MEASURED:
+            distance = abs(one[name] - other[name])
+            ratio = distance / (bound * scale[name]) if distance else 0.0
+            ratios[name] = max(ratios[name], math.inf if math.isnan(ratio) else ratio)
+        for name in COUNTED:
+            if one[name] != other[name]:
+                ratios[name] = math.inf
+    return ratios
+
+
+def _share(whole: int, fraction: float) -> int:
+    return max(1, round(whole * fraction))
+
+
+def _exact(parameters: Mapping[str, float], intervals: Sequence[Interval]) -> truth.Run:
+    return truth.run(parameters, [truth.Step(i.h, dict(i.changes)) for i in intervals])
+
+
+def _crept_out(motion: draws.Sequence) -> bool:
+    """Whether a change meets a mass that creeps slower than `SMALLEST_MARGIN` of the speeds.
+
+    Over-damped and with the pull at rest it slows down without end and never stops: once what is
+    left of its speed is lost in rounding, only rounding decides whether the next change finds it
+    moving or at rest.
+    """
+    p = motion.parameters
+    if p.get("c", 0.0) ** 2 < 4.0 * p["k"] * p["m"]:
+        return False
+    v = p["v"]
+    fastest = abs(v)
+    for n, interval in enumerate(motion.intervals[:-1]):
+        v = interval.changes.get("v", v)
+        fastest = max(fastest, abs(v))
+        if v == 0.0:
+            left = abs(_exact(p, motion.intervals[: n + 1]).samples[-1]["x_dot"])
+            if 0.0 < left < SMALLEST_MARGIN * fastest:
+                return True
+    return False
+
+
+def _run(mover: Mover, motion: draws.Sequence, pieces: Sequence[Sequence[float]]) -> list[State]:
+    run = mover.begin(motion.parameters)
+    states = []
+    for interval, steps in zip(motion.intervals, pieces, strict=True):
+        run.advance(steps, interval.changes)
+        states.append(run.state())
+    return states
+
+
+def _scaled(motion: draws.Sequence, values: Factors, pace: float) -> draws.Sequence:
+    def scaled(setting: Mapping[str, float]) -> dict[str, float]:
+        return {name: value * values.get(name, 1.0) for name, value in setting.items()}
+
+    return draws.Sequence(
+        scaled(motion.parameters),
+        tuple(Interval(i.h * pace, scaled(i.changes)) for i in motion.intervals),
+    )
+
+
+def _unequal(
+    changed: Sequence[State], plain: Sequence[State], factors: Factors
+) -> dict[str, float]:
+    ratios = dict.fromkeys(OUTPUT_NAMES, 0.0)
+    for one, other in zip(changed, plain, strict=True):
+        for name in OUTPUT_NAMES:
+            if one[name] != other[name] * factors.get(name, 1.0):
+                ratios[name] = math.inf
+    return ratios
+
+
+def _imbalance(mover: Mover, motion: draws.Sequence, pieces: Sequence[Sequence[float]]) -> float:
+    """Largest gap in the energy account over its bound; every sum is compensated."""
+    values = dict(motion.parameters)
+    run = mover.begin(motion.parameters)
+    before = run.state()
+    stored_at_start = _stored(values, before)
+    pushed: list[float] = []
+    largest = max(stored_at_start)
+    worst = 0.0
+    for interval, steps in zip(motion.intervals, pieces, strict=True):
+        values |= interval.changes
+        changes = interval.changes
+        for h in steps:
+            run.advance([h], changes)
+            changes = {}
+            after = run.state()
+            push = values.get("F_ext", 0.0)
+            pushed += [push * after["x"], -push * before["x"]]
+            stored = _stored(values, after)
+            gap = math.fsum(
+                [after["W_pull"], after["W_k"], -after["Q_friction"], *pushed]
+                + [-energy for energy in stored]
+                + list(stored_at_start)
+            )
+            largest = max(largest, abs(after["W_pull"]), after["Q_friction"], *stored)
+            if gap:
+                worst = max(worst, abs(gap) / (ENERGY_BOUND * largest) if largest else math.inf)
+            if math.isnan(gap):
+                return math.inf
+            before = after
+    return worst
+
+
+def _stored(values: Mapping[str, float], state: State) -> tuple[float, float]:
+    return 0.5 * values["k"] * state["z"] ** 2, 0.5 * values["m"] * state["x_dot"] ** 2

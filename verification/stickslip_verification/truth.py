@@ -1,0 +1,134 @@
+"""The truth: the exact solution of the model in high precision, for the very numbers given.
+
+Written from docs/theory.md alone. It knows neither the block nor the reference, so it can
+contradict both. `run` follows any sequence of steps and changes, `steady_cycle` gives the cycle in
+closed form (damped: with one root), `critical_lambda` the edge of its existence.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from stickslip_verification.truth_cycle import critical_lambda, steady_cycle
+from stickslip_verification.truth_motion import Event, Motion
+from stickslip_verification.truth_parameters import (
+    CHANGEABLE,
+    START_VALUES,
+    Number,
+    complete,
+    high_precision,
+)
+
+__all__ = [
+    "CHANGEABLE",
+    "START_VALUES",
+    "Event",
+    "Run",
+    "Step",
+    "critical_lambda",
+    "run",
+    "steady_cycle",
+]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One communication step.
+
+    h [s] > 0; changes: inputs (v, load, F_ext) and tunable parameters (k, c, mu_s, mu_k) by name,
+    SI, that act from the start of this step on.
+    """
+
+    h: float
+    changes: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Run:
+    """The exact course of a run.
+
+    Attributes
+    ----------
+    initial
+        Every output at the start, after the rest test there, by name.
+    samples
+        Every output at the end of each step, by name: x, x_dot, x_pull, z, F, F_friction, F_s,
+        sticking, mode, delta_x, spring_drop, t_stick, t_slip, T, f, x_dot_peak, n_slips, t_event,
+        W_pull, W_k, Q_friction, mu_k_used. High-precision numbers in SI; mode and n_slips are
+        int, sticking is bool.
+    times
+        The times of the samples [s], start_time plus the exact sum of the steps.
+    events
+        All transitions in order of time.
+    margin
+        How near the run came to another course, relative, +inf if no number decided anything.
+        The smallest of: | |k z + F_ext| - F_s | over |k z| + |F_ext| + F_s at each rest test (at
+        the end of a slip: the distance from F_s on the far side, the only one in question), exact
+        ties to within 2^-52 left out since the slack of the test decides them; and
+        |x_dot| / (|v| + |x_dot - v|) at each least speed of a slip that was stopped at, or passed
+        by, left out where structure decides (undamped from rest with nothing changed on the
+        way, undamped or under-damped against the pull). With over-damping and v = 0 the second
+        is instead the share of the slow part in the start of the slip. Times of events near the
+        ends of steps are not in it.
+    """
+
+    initial: Mapping[str, Number]
+    samples: tuple[Mapping[str, Number], ...]
+    times: tuple[Number, ...]
+    events: tuple[Event, ...]
+    margin: Number
+
+
+def run(
+    parameters: Mapping[str, float],
+    steps: Iterable[Step],
+    *,
+    digits: int = 50,
+    start_time: float = 0.0,
+) -> Run:
+    """Return the exact course of the block through `steps`, docs/theory.md (1) to (6), (15), (16).
+
+    Parameters
+    ----------
+    parameters
+        m g k c mu_s mu_k v load F_ext x_start x_dot_start z_start, SI; what is missing takes its
+        start value. Doubles, taken as the exact binary numbers they are.
+    steps
+        Communication steps; each gives one sample.
+    digits
+        Decimal digits that the results carry.
+    start_time
+        Time of the start [s].
+
+    Raises
+    ------
+    ValueError
+        Naming the parameter, its value and its range: unknown name; NaN or infinity; m, g or k
+        not positive; c, mu_s or mu_k negative; load below -m g; h not positive; a change of what
+        is fixed.
+    """
+    context = high_precision(digits)
+    values = complete(parameters)
+    if not math.isfinite(start_time):
+        raise ValueError(f"start_time = {start_time} is not a finite number")
+    motion = Motion(context, values, start_time)
+    initial = motion.outputs()
+    samples: list[Mapping[str, Number]] = []
+    times: list[Number] = []
+    for step in steps:
+        if not (math.isfinite(step.h) and step.h > 0.0):
+            raise ValueError(f"h = {step.h} is outside h > 0")
+        if step.changes:
+            fixed = sorted(set(step.changes) - CHANGEABLE)
+            if fixed:
+                raise ValueError(
+                    f"{', '.join(fixed)} cannot change in a run; {sorted(CHANGEABLE)} can"
+                )
+            values = complete({**values, **step.changes})
+            motion.change({name: values[name] for name in step.changes})
+        motion.advance(step.h)
+        samples.append(motion.outputs())
+        times.append(motion.time)
+    return Run(initial, tuple(samples), tuple(times), tuple(motion.events), motion.margin)

@@ -1,0 +1,274 @@
+"""The mass from event to event, exactly: which arc follows which, and when.
+
+docs/theory.md (1), (4).
+
+Every choice that hangs on two numbers being equal is made on a difference that is exactly zero
+when they are (the gap between the frictions, the square under the root of a grazing stop), never
+on the sign of a rounded result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from stickslip_verification.truth_meter import Meter
+from stickslip_verification.truth_parameters import Context, Number, exact, sign
+from stickslip_verification.truth_slip import Slip
+
+
+@dataclass(frozen=True)
+class Event:
+    """A transition of the mass.
+
+    time [s]; kind "break-away", "re-stick" or "reversal"; mode after it: s, or 0 for stick;
+    x [m] and z [m] of mass and spring.
+    """
+
+    time: Number
+    kind: str
+    mode: int
+    x: Number
+    z: Number
+
+
+@dataclass(frozen=True)
+class Stick:
+    """A stick with all inputs and parameters constant.
+
+    wait [s]: time from here to break-away, None if there is none; overload [N]: by how much the
+    force exceeds F_s at that break-away, above 0 only within the rest test's rounding slack.
+    """
+
+    wait: Number | None
+    overload: Number
+
+
+class Motion:
+    """The state of one run, carried along its arcs.
+
+    Parameters
+    ----------
+    context
+        High-precision context.
+    values
+        All twelve parameters as doubles.
+    start_time
+        Time of the start [s].
+    """
+
+    def __init__(self, context: Context, values: Mapping[str, float], start_time: float) -> None:
+        self._context = context
+        self._values = dict(values)
+        self._n = exact(context, self._values)
+        # Rest test, docs/theory.md (4): beyond F_s by more than this part of the forces is larger.
+        self._slack = context.ldexp(8, -52)
+        self._tie = context.ldexp(1, -52)
+        self.time = context.mpf(start_time)
+        self.events: list[Event] = []
+        self.margin = context.inf
+        self._meter = Meter(context, self.time)
+        self._x = context.mpf(self._values["x_start"])
+        self._z = context.mpf(self._values["z_start"])
+        self._W_pull = context.zero
+        self._W_k = context.zero
+        self._Q_friction = context.zero
+        self._arc_start = self.time
+        self._arc: Slip | Stick
+        self._mode = 0
+        # A break-away or reversal that the rest test has decided and no time has followed yet.
+        self._undone = False
+        x_dot = context.mpf(self._values["x_dot_start"])
+        if x_dot:
+            self._mode = sign(x_dot)
+            self._meter.begin_slip(self.time, self._mode, self._x, self._z)
+            self._slip_on(abs(x_dot))
+        else:
+            self._rest_test()
+
+    def change(self, changes: Mapping[str, float]) -> None:
+        """Set inputs and tunable parameters now; a value that is already there changes nothing."""
+        new = {name: value for name, value in changes.items() if value != self._values[name]}
+        if not new:
+            return
+        self._values.update(new)
+        changed = exact(self._context, self._values)
+        if isinstance(self._arc, Slip) and self._arc.stays(changed, self.time - self._arc_start):
+            self._n = changed
+            return
+        speed = self._close_arc(self.time)
+        k_before = self._n.k
+        self._n = changed
+        self._W_k += (self._n.k - k_before) * self._z * self._z / 2
+        if self._mode == 0 or speed == 0:
+            self._rest_test()
+        else:
+            self._slip_on(speed)
+
+    def advance(self, h: float) -> None:
+        """Let h > 0 seconds pass."""
+        if self._undone:
+            self._break_away_done()
+        self.time += self._context.mpf(h)
+        while True:
+            arc = self._arc
+            if isinstance(arc, Stick):
+                # Would pass: at exactly the break-away time the mass still sticks.
+                if arc.wait is None or self._arc_start + arc.wait >= self.time:
+                    return
+                self._load_up_ends(self._arc_start + arc.wait, arc.overload)
+            else:
+                end = None if arc.duration is None else self._arc_start + arc.duration
+                if end is None or end > self.time:
+                    self._note_decision(arc, self.time - self._arc_start)
+                    return
+                self._slip_ends(end, arc)
+
+    def outputs(self) -> dict[str, Number]:
+        """Return every output of the block by name, SI; mode and n_slips int, sticking bool."""
+        n, z = self._n, self._z
+        elapsed = self.time - self._arc_start
+        x, x_dot = self._x, self._context.zero
+        W_pull, Q_friction = self._W_pull, self._Q_friction
+        if isinstance(self._arc, Stick):
+            W_pull = W_pull + n.v * n.k * (z + n.v * elapsed / 2) * elapsed
+            z = z + n.v * elapsed
+            F_friction = -(n.k * z + n.F_ext)
+        else:
+            speed, distance = self._arc.motion(elapsed)
+            work, heat = self._arc.work_and_heat(elapsed, speed, distance)
+            W_pull, Q_friction = W_pull + work, Q_friction + heat
+            x = x + self._mode * distance
+            z = z + n.v * elapsed - self._mode * distance
+            x_dot = self._mode * speed
+            F_friction = -(self._mode * n.F_k + n.c * x_dot)
+        return {
+            "x": x,
+            "x_dot": x_dot,
+            "x_pull": x + z,
+            "z": z,
+            "F": n.k * z,
+            "F_friction": F_friction,
+            "F_s": n.F_s,
+            "sticking": self._mode == 0,
+            "mode": self._mode,
+            **self._meter.readings,
+            "W_pull": W_pull,
+            "W_k": self._W_k,
+            "Q_friction": Q_friction,
+            "mu_k_used": n.mu_k,
+        }
+
+    def _close_arc(self, time: Number) -> Number:
+        """Move the start of what follows to `time`, energies included; return the speed there."""
+        n, arc = self._n, self._arc
+        elapsed = time - self._arc_start
+        self._arc_start = time
+        if isinstance(arc, Stick):
+            self._W_pull += n.v * n.k * (self._z + n.v * elapsed / 2) * elapsed
+            self._z += n.v * elapsed
+            return self._context.zero
+        if elapsed == 0:
+            return arc.speed
+        speed, distance = arc.motion(elapsed)
+        if arc.duration is not None and elapsed >= arc.duration:
+            speed = self._context.zero
+        work, heat = arc.work_and_heat(elapsed, speed, distance)
+        self._W_pull += work
+        self._Q_friction += heat
+        self._x += self._mode * distance
+        self._z += n.v * elapsed - self._mode * distance
+        self._meter.speed_reached(arc.top_speed(elapsed))
+        self._note_decision(arc, elapsed)
+        return speed
+
+    def _rest_test(self) -> None:
+        """Apply (4) to a mass at rest, at the start or after a change."""
+        n = self._n
+        kz = n.k * self._z
+        A = kz + n.F_ext
+        scale = abs(kz) + abs(n.F_ext) + n.F_s
+        self._note(abs(abs(A) - n.F_s), scale)
+        if abs(A) - n.F_s > self._slack * scale:
+            direction = sign(A)
+            from_stick = self._mode == 0
+            self._mode = direction
+            self._meter.begin_slip(self._arc_start, direction, self._x, self._z)
+            self._undone = self._undone or from_stick
+            self._slip_from_rest((abs(A) - n.F_k) / n.m)
+            return
+        if self._mode != 0 and not self._undone:
+            # A reversal at this very instant that the change takes back: rest begins here.
+            self._meter.begin_stick(self._arc_start)
+        self._mode = 0
+        self._undone = False
+        self._stick(n.F_s - sign(n.v) * A)
+
+    def _stick(self, way: Number) -> None:
+        """Begin a stick; `way` [N]: what the force lacks to break-away in the pull's direction."""
+        n = self._n
+        zero = self._context.zero
+        wait = max(way, zero) / (n.k * abs(n.v)) if n.v else None
+        self._arc = Stick(wait, max(-way, zero))
+
+    def _slip_from_rest(self, acceleration: Number) -> None:
+        """Begin a slip at rest with s x_ddot = `acceleration` [m/s2]."""
+        self._arc = Slip(self._context, self._n, self._mode, self._context.zero, acceleration)
+
+    def _slip_on(self, speed: Number) -> None:
+        """Begin an arc of a slip that is under way at `speed` [m/s]."""
+        n = self._n
+        force = self._mode * (n.k * self._z + n.F_ext) - n.F_k - n.c * speed
+        self._arc = Slip(self._context, n, self._mode, speed, force / n.m)
+
+    def _load_up_ends(self, time: Number, overload: Number) -> None:
+        """Break away because the pulled end has brought the force to F_s, (6)."""
+        n = self._n
+        self._close_arc(time)
+        self._mode = sign(n.v)
+        self._z = (self._mode * (n.F_s + overload) - n.F_ext) / n.k
+        self._meter.begin_slip(time, self._mode, self._x, self._z)
+        self._break_away_done()
+        self._slip_from_rest((n.gap + overload) / n.m)
+
+    def _break_away_done(self) -> None:
+        """Record a break-away at the start of the present arc."""
+        self._undone = False
+        self._meter.break_away(self._arc_start)
+        self._record("break-away")
+
+    def _slip_ends(self, time: Number, slip: Slip) -> None:
+        """End a slip: re-stick, or reverse at once if the force is beyond F_s, (1), (4)."""
+        n, direction = self._n, self._mode
+        self._close_arc(time)
+        # The balance of forces at x_dot = 0, so that a mirror-image stop is one exactly.
+        inertia = n.m * slip.end_acceleration
+        self._z = (direction * (n.F_k + inertia) - n.F_ext) / n.k
+        self._meter.end_slip(time, self._x, self._z)
+        # A stop is never beyond F_s along the slip: only the other side is a question.
+        backward = -(n.F_k + inertia)
+        scale = abs(n.k * self._z) + abs(n.F_ext) + n.F_s
+        self._note(abs(n.F_s - backward), scale)
+        if backward - n.F_s > self._slack * scale:
+            self._mode = -direction
+            self._meter.begin_slip(time, self._mode, self._x, self._z)
+            self._record("reversal")
+            self._slip_from_rest((backward - n.F_k) / n.m)
+            return
+        self._mode = 0
+        self._meter.begin_stick(time)
+        self._record("re-stick")
+        self._stick(n.gap - inertia if sign(n.v) == direction else n.F_s - backward)
+
+    def _record(self, kind: str) -> None:
+        self.events.append(Event(self._arc_start, kind, self._mode, self._x, self._z))
+
+    def _note(self, distance: Number, scale: Number) -> None:
+        """Keep the smallest distance of a force from F_s; a tie to a rounding is no near miss."""
+        if distance > self._tie * scale:
+            self.margin = min(self.margin, distance / scale)
+
+    def _note_decision(self, slip: Slip, elapsed: Number) -> None:
+        """Keep how clearly a slip ended or went on, once it has."""
+        if slip.margin is not None and elapsed >= slip.decided_after:
+            self.margin = min(self.margin, slip.margin)

@@ -1,0 +1,156 @@
+"""The numbers of one run, checked as doubles and held exactly as binary values in high precision.
+
+What a simulator was given are doubles; the exact solution is that of these very numbers, so nothing
+is read as the decimal it was typed as. docs/theory.md, the model and (2).
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import mpmath
+
+Number: TypeAlias = Any
+"""A real number of a high-precision context (mpmath ships no types)."""
+
+Context: TypeAlias = Any
+"""A context of mpmath with its own precision."""
+
+START_VALUES: Mapping[str, float] = {
+    "m": 1.0,
+    "g": 9.81,
+    "k": 1000.0,
+    "c": 0.0,
+    "mu_s": 0.5,
+    "mu_k": 0.3,
+    "v": 0.02,
+    "load": 0.0,
+    "F_ext": 0.0,
+    "x_start": 0.0,
+    "x_dot_start": 0.0,
+    "z_start": 0.0,
+}
+"""Values taken where none is given, SI: kg, m/s2, N/m, N.s/m, 1, 1, m/s, N, N, m, m/s, m."""
+
+CHANGEABLE = frozenset({"v", "load", "F_ext", "k", "c", "mu_s", "mu_k"})
+"""Inputs and tunable parameters: what may change between two steps."""
+
+_POSITIVE = frozenset({"m", "g", "k"})
+_NON_NEGATIVE = frozenset({"c", "mu_s", "mu_k"})
+
+# Twenty digits beyond those asked for: a slip a hair from critical damping (zeta - 1 down to 1e-32)
+# loses sixteen in the amplitudes of its two exponentials.
+_GUARD_DIGITS = 20
+
+# A root is done when its last step moves it by less than this many bits above the rounding: the
+# step itself still squares the error, while nearer the rounding near-double roots only jitter.
+_ROOT_BITS = 30
+
+
+@functools.cache
+def high_precision(digits: int) -> Context:
+    """Return the context that carries `digits` decimal digits and the guard digits.
+
+    Runs of the same `digits` share it, so their results mix; the global precision is left alone.
+
+    Raises
+    ------
+    ValueError
+        If `digits` is below 20, where the truth would be no better than a simulator.
+    """
+    if digits < 20:
+        raise ValueError(f"digits = {digits} is outside 20 ..")
+    context = mpmath.mp.clone()
+    context.dps = digits + _GUARD_DIGITS
+    return context
+
+
+def root_tolerance(context: Context) -> Number:
+    """Return the relative size of a last step at which a root of `context` is done."""
+    return context.ldexp(1, _ROOT_BITS - context.prec)
+
+
+def complete(given: Mapping[str, float]) -> dict[str, float]:
+    """Return all twelve parameters as doubles, those not given at their start values.
+
+    Raises
+    ------
+    ValueError
+        Naming the parameter, its value and its range: unknown name, NaN or infinity; m, g or k
+        not positive; c, mu_s or mu_k negative; load below -m g.
+    """
+    unknown = sorted(set(given) - set(START_VALUES))
+    if unknown:
+        raise ValueError(f"no parameter named {', '.join(unknown)}; there are {list(START_VALUES)}")
+    values = {name: float(given.get(name, start)) for name, start in START_VALUES.items()}
+    for name, value in values.items():
+        if not math.isfinite(value):
+            raise ValueError(f"{name} = {value} is not a finite number")
+        if name in _POSITIVE and value <= 0.0:
+            raise ValueError(f"{name} = {value!r} is outside {name} > 0")
+        if name in _NON_NEGATIVE and value < 0.0:
+            raise ValueError(f"{name} = {value!r} is outside {name} >= 0")
+    weight = values["m"] * values["g"]
+    if values["load"] + weight < 0.0:
+        raise ValueError(f"load = {values['load']!r} is outside load >= -m g = {-weight!r}")
+    return values
+
+
+def used_mu_k(mu_s: float, mu_k: float) -> float:
+    """Return the kinetic coefficient after the clamp, in doubles because an output shows it."""
+    return max(mu_s - 0.01, 0.0) if mu_k > mu_s else mu_k
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """The parameters of one arc as exact numbers, with the forces that follow from them.
+
+    m [kg], k [N/m], c [N.s/m], v [m/s], F_ext [N] as given; mu_k [1] after the clamp;
+    N [N] normal force; F_s [N] break-away force mu_s N; F_k [N] kinetic friction mu_k N;
+    gap [N] F_s - F_k, zero exactly where the two coefficients are equal or N is zero.
+    """
+
+    m: Number
+    k: Number
+    c: Number
+    v: Number
+    F_ext: Number
+    mu_k: Number
+    N: Number
+    F_s: Number
+    F_k: Number
+    gap: Number
+
+
+def exact(context: Context, values: Mapping[str, float]) -> Numbers:
+    """Return `values` (all twelve, as from `complete`) as exact numbers of `context`."""
+    exact_values = {name: context.mpf(value) for name, value in values.items()}
+    mu_s = exact_values["mu_s"]
+    mu_k = context.mpf(used_mu_k(values["mu_s"], values["mu_k"]))
+    weight = exact_values["m"] * exact_values["g"]
+    N = weight + exact_values["load"]
+    # load = -m g can be said in doubles only to a rounding of the product: it means N = 0.
+    rounding = weight * context.ldexp(1, -53)
+    if rounding >= N:
+        N = context.zero
+    return Numbers(
+        m=exact_values["m"],
+        k=exact_values["k"],
+        c=exact_values["c"],
+        v=exact_values["v"],
+        F_ext=exact_values["F_ext"],
+        mu_k=mu_k,
+        N=N,
+        F_s=mu_s * N,
+        F_k=mu_k * N,
+        gap=(mu_s - mu_k) * N,
+    )
+
+
+def sign(number: Number) -> int:
+    """Return -1, 0 or +1."""
+    return int(number > 0) - int(number < 0)
