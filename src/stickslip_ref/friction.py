@@ -51,7 +51,7 @@ class Coulomb:
 COULOMB = Coulomb()
 
 
-def breaks_away(spring_force: float, F_ext: float, F_s: float) -> bool:
+def breaks_away(spring_force: float, F_ext: float, F_s: float, uncertainty: float = 0.0) -> bool:
     """Tell whether a mass at rest is pulled by more than friction holds; docs/theory.md (4).
 
     Parameters
@@ -60,10 +60,12 @@ def breaks_away(spring_force: float, F_ext: float, F_s: float) -> bool:
         Spring force ``k z`` and external force [N].
     F_s : float
         Break-away force [N].
+    uncertainty : float
+        What is not known of the spring force [N], where it comes from an integration.
 
     Notes
     -----
     Equality sticks, and "more" means by more than rounding: 8 ulp of ``|k z| + |F_ext| + F_s``.
     """
     slack = REST_ULPS * math.ulp(abs(spring_force) + abs(F_ext) + F_s)
-    return abs(spring_force + F_ext) > F_s + slack
+    return abs(spring_force + F_ext) > F_s + slack + uncertainty

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -164,7 +165,9 @@ class Motion:
         self._open.x_dot_peak = max(self._open.x_dot_peak, slip.x_dot_peak, key=self._along)
         if not slip.stopped:
             return slip.duration, slip.sample, None
-        return slip.duration, slip.sample, self._graze if slip.grazes else self._stop_slip
+        if slip.grazes:
+            return slip.duration, slip.sample, self._graze
+        return slip.duration, slip.sample, partial(self._stop_slip, slip.uncertainty)
 
     def _advance(self, duration: float, sample: Sampling) -> None:
         """Take over the state at the end of an arc. In stick, x keeps every bit."""
@@ -201,13 +204,14 @@ class Motion:
         if self._beyond():
             self._transit("break-away", 1 if self._pull > 0.0 else -1)
 
-    def _stop_slip(self) -> None:
+    def _stop_slip(self, uncertainty: float = 0.0) -> None:
         """End a slip: stick, or slip the other way if the force is beyond F_s.
 
         It does not go on the same way: what stopped the mass is more than what pulls it onward.
+        ``uncertainty`` is what is not known of z [m].
         """
         self.x_dot = 0.0
-        if self._beyond() and self.mode * self._pull < 0.0:
+        if self._beyond(uncertainty) and self.mode * self._pull < 0.0:
             self._transit("reversal", -self.mode)
         else:
             self._transit("re-stick", 0)
@@ -241,8 +245,9 @@ class Motion:
                 f"{self.max_events}; shorten the run or raise max_events"
             )
 
-    def _beyond(self) -> bool:
-        return breaks_away(float(self.p.k) * self.z, float(self.p.F_ext), self._hold)
+    def _beyond(self, uncertainty: float = 0.0) -> bool:
+        k = float(self.p.k)
+        return breaks_away(k * self.z, float(self.p.F_ext), self._hold, k * uncertainty)
 
     def _along(self, x_dot: float) -> float:
         return self.mode * x_dot

@@ -343,13 +343,16 @@ class Slip:
 
         Halley's step, cut to bisection where it leaves the bracket or does not halve the last:
         so it ends whatever the speed does, at a grazing stop too. Inside the bracket the speed has
-        no extreme, so a step that has become small has found the zero.
+        no extreme, so a step that has become small has found the zero. Small is meant beside t
+        and, where the zero lies at the very start for all the digits there are, beside the
+        bracket.
         """
         n = self._numbers
         damping, stiffness = n.c / n.m, n.k / n.m
         tolerance = root_tolerance(self._context)
         t = (low + high) / 2
         last = high - low
+        negligible = tolerance * tolerance * last
         while True:
             rho, rate = self._velocity.at(t)
             p = self._V + rho
@@ -364,7 +367,7 @@ class Slip:
                 step = (low + high) / 2 - t
             t += step
             last = abs(step)
-            if last <= tolerance * t:
+            if last <= tolerance * t or last <= negligible:
                 return t
 
     def motion(self, t: Number) -> tuple[Number, Number]:
