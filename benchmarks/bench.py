@@ -13,12 +13,12 @@ from pathlib import Path
 
 import fmpy
 import numpy as np
-from benchmarks.bare import BareSlave
-from benchmarks.empty_slave import build_empty_slave
-from benchmarks.plain_cycle import plain_steady_cycle
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.bare import BareSlave
+from benchmarks.empty_slave import build_empty_slave
+from benchmarks.plain_cycle import plain_steady_cycle
 from stickslip_fmu.block import Block
 from stickslip_fmu.packer import build
 from stickslip_fmu.settings import Settings
