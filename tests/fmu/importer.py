@@ -4,7 +4,9 @@ Called with the FMU's path and the name of one of the functions below; prints wh
 JSON. The project's packages are barred, so what runs is what the FMU carries.
 """
 
+import atexit
 import json
+import shutil
 import sys
 from importlib.abc import MetaPathFinder
 from typing import Any
@@ -41,6 +43,7 @@ class Importer:
             each.name: each.valueReference for each in self.description.modelVariables
         }
         self.folder = fmpy.extract(fmu)
+        atexit.register(shutil.rmtree, self.folder, ignore_errors=True)
 
     def instance(self, name: str = "a", *, ready: bool = True, **values: float) -> FMU2Slave:
         """Return an instance with these values set, initialized unless told otherwise."""
