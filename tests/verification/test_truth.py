@@ -15,7 +15,7 @@ import pytest
 
 from stickslip_verification import truth
 from stickslip_verification.truth import Step, run, steady_cycle
-from stickslip_verification.truth_parameters import high_precision
+from stickslip_verification.truth.parameters import high_precision
 
 MP = high_precision(50)
 CLOSE = 1e-40

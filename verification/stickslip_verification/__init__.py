@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stickslip_verification.cases import Case, CaseError, load_cases
     from stickslip_verification.fmu_file import FmuError
-    from stickslip_verification.proving import ProofResult, prove
+    from stickslip_verification.proofs import ProofResult, prove
     from stickslip_verification.report import as_json, write_json
     from stickslip_verification.run import verify
     from stickslip_verification.verdict import CheckResult, Verdict
@@ -23,11 +23,11 @@ _HOME = {
     "CaseError": "cases",
     "CheckResult": "verdict",
     "FmuError": "fmu_file",
-    "ProofResult": "proving",
+    "ProofResult": "proofs",
     "Verdict": "verdict",
     "as_json": "report",
     "load_cases": "cases",
-    "prove": "proving",
+    "prove": "proofs",
     "verify": "run",
     "write_json": "report",
 }

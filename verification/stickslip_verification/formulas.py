@@ -1,7 +1,7 @@
 """Closed forms of the model, in high precision, each under its equation number of docs/theory.md.
 
 Every function takes all twelve values at the start of a case (SI units, as `complete` in
-`truth_parameters` gives them) and gives an mpmath number. They are written from the derivation
+`truth.parameters` gives them) and gives an mpmath number. They are written from the derivation
 and share nothing with the block or the reference. `|v|` gives durations, the sign of `v` gives
 directions.
 """

@@ -13,7 +13,7 @@ from stickslip_verification.checks import Exact, failed, judge
 from stickslip_verification.quantities import OUTPUT_NAMES
 from stickslip_verification.record import Record
 from stickslip_verification.sides import FmuSide, ReferenceSide, Side
-from stickslip_verification.truth_parameters import complete
+from stickslip_verification.truth.parameters import complete
 from stickslip_verification.verdict import CheckResult, Verdict
 
 Progress = Callable[[str, int, int], None]

@@ -7,11 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from random import Random
 
-from stickslip_verification import draws, truth
-from stickslip_verification.draws import Interval
+from stickslip_verification import truth
 from stickslip_verification.fmu_file import FmuError
-from stickslip_verification.motion import Mover, State
-from stickslip_verification.proof import ProofResult, Tally
+from stickslip_verification.proofs import draws
+from stickslip_verification.proofs.draws import Interval
+from stickslip_verification.proofs.mover import Mover, State
+from stickslip_verification.proofs.tally import ProofResult, Tally
 from stickslip_verification.quantities import OUTPUT_NAMES, QUANTITIES
 
 SEQUENCES = 5000

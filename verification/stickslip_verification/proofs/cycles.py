@@ -13,10 +13,11 @@ import numpy as np
 from mpmath import mp, mpf
 
 import stickslip_ref
-from stickslip_verification import draws, truth
+from stickslip_verification import truth
 from stickslip_verification.fmu_file import FmuError
-from stickslip_verification.motion import Motion, Mover, State
-from stickslip_verification.proof import ProofResult, Tally, relative
+from stickslip_verification.proofs import draws
+from stickslip_verification.proofs.mover import Motion, Mover, State
+from stickslip_verification.proofs.tally import ProofResult, Tally, relative
 
 CYCLE = ("t_stick", "t_slip", "T", "delta_x", "spring_drop")
 FMU_BOUND = 1e-12

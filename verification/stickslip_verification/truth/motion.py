@@ -12,9 +12,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from stickslip_verification.truth_meter import Meter
-from stickslip_verification.truth_parameters import Context, Number, exact, sign
-from stickslip_verification.truth_slip import Slip
+from stickslip_verification.truth.meter import Meter
+from stickslip_verification.truth.parameters import Context, Number, exact, sign
+from stickslip_verification.truth.slip import Slip
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from stickslip_verification.truth_parameters import Context, Number, Numbers, root_tolerance
+from stickslip_verification.truth.parameters import Context, Number, Numbers, root_tolerance
 
 
 class Fall(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from stickslip_verification.truth_parameters import (
+from stickslip_verification.truth.parameters import (
     Context,
     Number,
     complete,
@@ -13,7 +13,7 @@ from stickslip_verification.truth_parameters import (
     root_tolerance,
     sign,
 )
-from stickslip_verification.truth_slip import Slip
+from stickslip_verification.truth.slip import Slip
 
 
 def steady_cycle(parameters: Mapping[str, float], *, digits: int = 50) -> dict[str, Number] | None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from stickslip_verification import proof_cycles, proof_sequences
-from stickslip_verification.proof import ProofResult
+from stickslip_verification.proofs import cycles, sequences
+from stickslip_verification.proofs.tally import ProofResult
 
 __all__ = ["ProofResult", "prove"]
 
@@ -54,13 +54,12 @@ def _proofs(
 ) -> Iterator[tuple[str, int, Iterator[ProofResult | None]]]:
     points = round(6000 * fraction)
     damped = round(1000 * fraction)
-    sequences = round(proof_sequences.SEQUENCES * fraction)
-    cycles, motions = proof_cycles, proof_sequences
+    motions = round(sequences.SEQUENCES * fraction)
     yield "steady cycle, FMU", points, cycles.fmu_cycle(fmu, seed, fraction)
     yield "steady cycle, reference", points, cycles.reference_cycle(seed, fraction)
     yield "steady cycle, formulas", points, cycles.reference_formulas(seed, fraction)
     yield "damped cycle", damped, cycles.damped_cycle(fmu, seed, fraction)
-    yield "input sequences", sequences, motions.split_and_truth(fmu, seed, fraction)
-    yield "energy", sequences, motions.energy(fmu, seed, fraction)
-    yield "no hidden scale", sequences, motions.no_hidden_scale(fmu, seed, fraction)
+    yield "input sequences", motions, sequences.split_and_truth(fmu, seed, fraction)
+    yield "energy", motions, sequences.energy(fmu, seed, fraction)
+    yield "no hidden scale", motions, sequences.no_hidden_scale(fmu, seed, fraction)
     yield "a million cycles", 0, cycles.million_cycles(fmu, seed, fraction)

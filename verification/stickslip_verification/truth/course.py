@@ -1,9 +1,4 @@
-"""The truth: the exact solution of the model in high precision, for the very numbers given.
-
-Written from docs/theory.md alone. It knows neither the block nor the reference, so it can
-contradict both. `run` follows any sequence of steps and changes, `steady_cycle` gives the cycle in
-closed form (damped: with one root), `critical_lambda` the edge of its existence.
-"""
+"""A run of the block, exactly: steps and changes in, every output out."""
 
 from __future__ import annotations
 
@@ -11,26 +6,13 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from stickslip_verification.truth_cycle import critical_lambda, steady_cycle
-from stickslip_verification.truth_motion import Event, Motion
-from stickslip_verification.truth_parameters import (
+from stickslip_verification.truth.motion import Event, Motion
+from stickslip_verification.truth.parameters import (
     CHANGEABLE,
-    START_VALUES,
     Number,
     complete,
     high_precision,
 )
-
-__all__ = [
-    "CHANGEABLE",
-    "START_VALUES",
-    "Event",
-    "Run",
-    "Step",
-    "critical_lambda",
-    "run",
-    "steady_cycle",
-]
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ In high precision a length of time may be the difference of two times.
 
 from __future__ import annotations
 
-from stickslip_verification.truth_parameters import Context, Number
+from stickslip_verification.truth.parameters import Context, Number
 
 
 class Meter:
