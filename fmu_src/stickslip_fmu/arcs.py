@@ -6,7 +6,7 @@ on the steps that cut it. docs/theory.md (3), (5), (8).
 """
 
 import math
-from typing import Tuple
+from typing import Optional, Tuple
 
 from .oscillator import Oscillator
 from .quadrature import integral
@@ -36,11 +36,22 @@ class StickArc:
         Break-away force F_s [N].
     external
         External force F_ext [N].
+    way
+        What the force still lacks of F_s in the direction of the pull [N], where a slip left it
+        known better than as a difference; else None.
     """
 
     __slots__ = ("duration", "k", "mode", "v", "x_dot_start", "z_end", "z_start")
 
-    def __init__(self, k: float, v: float, z: float, breakaway: float, external: float) -> None:
+    def __init__(
+        self,
+        k: float,
+        v: float,
+        z: float,
+        breakaway: float,
+        external: float,
+        way: Optional[float] = None,
+    ) -> None:
         self.mode = 0
         self.x_dot_start = 0.0
         self.k = k
@@ -50,33 +61,32 @@ class StickArc:
             self.z_end = z
             self.duration = math.inf
         else:
-            # A rest that rounding put beyond the threshold breaks away at once.
             self.z_end = (math.copysign(breakaway, v) - external) / k
-            self.duration = max((self.z_end - z) / v, 0.0)
+            growth = self.z_end - z if way is None else math.copysign(way / k, v)
+            # A rest that rounding put beyond the threshold breaks away at once.
+            self.duration = max(growth / v, 0.0)
 
     def state(self, tau: float) -> Tuple[float, float, float]:
-        """Return spring extension, velocity and displacement of the mass at `tau`."""
-        return self.z_start + self.v * tau, 0.0, 0.0
+        """Return growth of the spring, velocity and displacement of the mass at `tau`."""
+        return self.v * tau, 0.0, 0.0
 
-    def end(self) -> Tuple[float, float, float]:
-        """Return spring extension, velocity and displacement of the mass at the end."""
-        return self.z_end, 0.0, 0.0
-
-    def extreme_velocity(self, tau: float) -> float:
-        """Return the velocity of largest magnitude up to `tau`: none."""
-        return 0.0
-
-    def pull_work(self, tau: float, z: float, x_dot: float) -> float:
-        """Return the work of the pulling end up to `tau`, with its state [J]: (15)."""
+    def pull_work(self, tau: float) -> float:
+        """Return the work of the pulling end up to `tau` [J]: (15)."""
         return self.k * (self.v * tau) * (self.z_start + 0.5 * self.v * tau)
 
-    def heat(self, tau: float, z: float, displacement: float) -> float:
+    def heat(self, tau: float, displacement: float) -> float:
         """Return the heat of friction and damping up to `tau` [J]: none."""
         return 0.0
 
 
 class SlipArc:
     """The mass slips one way under a constant kinetic friction.
+
+    With the responses G, K of the `Oscillator`, the integral H of G, and the net force R:
+
+    ``x_dot = x_dot_start K' + v G + R/m K``
+    ``x - x_start = x_dot_start K + v H + R/k G``
+    ``z - z_start = (v - x_dot_start) K - (R - c v)/k G``
 
     Parameters
     ----------
@@ -89,22 +99,25 @@ class SlipArc:
     mode
         +1 forward, -1 backward; `x_dot` is zero or of this sign.
     net
-        Force on the mass at the start but for the damping, k z + F_ext - mode mu_k N [N].
+        R, the force on the mass at the start but for the damping: k z + F_ext - mode mu_k N [N].
     kinetic
         Kinetic friction mu_k N [N].
     """
 
     __slots__ = (
+        "_acceleration",
         "_fade",
         "_from_rest",
         "_kinetic",
+        "_net",
         "_oscillator",
         "_peak_time",
-        "_u",
+        "_push",
+        "_reach",
+        "_swing",
         "_z_dot",
         "duration",
         "mode",
-        "q",
         "v",
         "x_dot_start",
         "z_start",
@@ -122,38 +135,61 @@ class SlipArc:
     ) -> None:
         self._oscillator = oscillator
         self._kinetic = kinetic
+        self._net = net
         self.v = v
         self.mode = mode
         self.z_start = z
         self.x_dot_start = x_dot
         self._z_dot = v - x_dot
-        # Acceleration of the mass, and distance of the spring from the centre of the swing.
-        self.q = (net - oscillator.c * x_dot) / oscillator.m
-        self._u = (net - oscillator.c * v) / oscillator.k
-        # Factor of the impulse response in the acceleration.
-        self._fade = oscillator.w2 * self._z_dot - 2.0 * oscillator.a * self.q
+        self._push = net / oscillator.m
+        self._acceleration = (net - oscillator.c * x_dot) / oscillator.m
+        self._reach = net / oscillator.k
+        # Distance of the spring from the centre of its swing.
+        self._swing = (net - oscillator.c * v) / oscillator.k
+        # Factor of K in the acceleration, whose factor of K' is that at the start.
+        self._fade = oscillator.w2 * self._z_dot
         # An undamped slip from rest to rest has its own closed form.
-        self._from_rest = x_dot == 0.0 and oscillator.c == 0.0
+        self._from_rest = x_dot == 0.0 and oscillator.c == 0.0 and mode * self._acceleration >= 0.0
         self._peak_time = math.inf
         self.duration = self._find_end()
 
     def state(self, tau: float) -> Tuple[float, float, float]:
-        """Return spring extension, velocity and displacement of the mass at `tau`."""
-        step, impulse = self._oscillator.responses(tau)
-        growth = self._z_dot * impulse - self._u * step
-        x_dot = self.x_dot_start + self._z_dot * step + self.q * impulse
+        """Return growth of the spring, velocity and displacement of the mass at `tau`."""
+        oscillator = self._oscillator
+        step, impulse, slope = oscillator.responses(tau)
+        start, v = self.x_dot_start, self.v
+        x_dot = start * slope + v * step + self._push * impulse
         if x_dot * self.mode < 0.0:
             # Rounding beside an end of the slip; the motion itself never turns.
             x_dot = 0.0
-        return self.z_start + growth, x_dot, self.v * tau - growth
+        integral_of_step = oscillator.step_integral(tau, step, impulse)
+        displacement = start * impulse + v * integral_of_step + self._reach * step
+        return self._z_dot * impulse - self._swing * step, x_dot, displacement
 
     def end(self) -> Tuple[float, float, float]:
-        """Return spring extension, velocity and displacement of the mass at the end."""
+        """Return growth of the spring, velocity (none) and displacement of the mass at the end."""
+        growth, _, displacement = self.state(self.duration)
         if self._from_rest:
-            relief = 2.0 * self._u
-            return self.z_start - relief, 0.0, self.v * self.duration + relief
-        z, _, displacement = self.state(self.duration)
-        return z, 0.0, displacement
+            growth = -2.0 * self._swing
+            if self.mode * self.v > 0.0:
+                displacement = self.v * self.duration - growth
+        return growth, 0.0, displacement
+
+    def way_to_break_away(self, gap: float) -> float:
+        """Return what the force lacks of F_s at the end, in the direction of the slip [N].
+
+        Known from the acceleration at the stop without the difference of two large forces.
+
+        Parameters
+        ----------
+        gap
+            Break-away force less kinetic friction [N].
+        """
+        if self._from_rest:
+            return gap + self.mode * self._net
+        _, impulse, slope = self._oscillator.responses(self.duration)
+        acceleration = self._acceleration * slope + self._fade * impulse
+        return gap - self.mode * self._oscillator.m * acceleration
 
     def extreme_velocity(self, tau: float) -> float:
         """Return the velocity of largest magnitude up to `tau` [m/s]: (11).
@@ -165,21 +201,16 @@ class SlipArc:
             candidates.append(self.state(self._peak_time)[1])
         return max(candidates, key=abs)
 
-    def pull_work(self, tau: float, z: float, x_dot: float) -> float:
-        """Return the work of the pulling end up to `tau`, with its state [J]: (15).
-
-        The spring's impulse follows from the momentum of the mass and its damping.
-        """
+    def pull_work(self, tau: float) -> float:
+        """Return the work of the pulling end up to `tau` [J]: (15)."""
         oscillator = self._oscillator
-        impulse = (
-            oscillator.k * (self.z_start - self._u) * tau
-            + oscillator.m * (x_dot - self.x_dot_start)
-            - oscillator.c * (z - self.z_start)
-        )
-        return self.v * impulse
+        step, impulse, _ = oscillator.responses(tau)
+        integral_of_step = oscillator.step_integral(tau, step, impulse)
+        growth = self._z_dot * step / oscillator.w2 - self._swing * integral_of_step
+        return oscillator.k * self.v * (self.z_start * tau + growth)
 
-    def heat(self, tau: float, z: float, displacement: float) -> float:
-        """Return the heat of friction and damping up to `tau`, with its state [J]: (15)."""
+    def heat(self, tau: float, displacement: float) -> float:
+        """Return the heat of friction and damping up to `tau` [J]: (15)."""
         heat = self._kinetic * abs(displacement)
         if self._oscillator.c > 0.0:
             heat += self._oscillator.c * self._squared_velocity(tau, displacement)
@@ -191,49 +222,48 @@ class SlipArc:
         end = _SHORT / max(oscillator.w, oscillator.fast)
         if tau <= end:
             return integral(self._velocity_squared, 0.0, tau)
-        if oscillator.slow * tau < _EARLY and oscillator.overdamped:
+        if oscillator.overdamped and oscillator.slow * tau < _EARLY:
             total = integral(self._velocity_squared, 0.0, end)
             while end < tau:
                 start, end = end, min(2.0 * end, tau)
                 total += integral(self._velocity_squared, start, end)
             return total
-        x_dot, z_dot, q = self.x_dot_start, self._z_dot, self.q
-        of_step, of_impulse = oscillator.integrals(tau)
-        step = oscillator.responses(tau)[0]
+        v, z_dot, acceleration = self.v, self._z_dot, self._acceleration
+        of_rest, of_impulse = oscillator.squares(tau)
+        step, _, _ = oscillator.responses(tau)
+        mixed = step * (2.0 - step) / oscillator.w2
         return (
-            x_dot * (2.0 * displacement - x_dot * tau)
-            + z_dot * (z_dot * of_step + q * step * step / oscillator.w2)
-            + q * q * of_impulse
+            v * (2.0 * displacement - v * tau)
+            + z_dot * (z_dot * of_rest - acceleration * mixed)
+            + acceleration * acceleration * of_impulse
         )
 
     def _velocity_squared(self, tau: float) -> float:
-        step, impulse = self._oscillator.responses(tau)
-        x_dot = self.x_dot_start + self._z_dot * step + self.q * impulse
+        x_dot = self._speed(tau)[0]
         return x_dot * x_dot
+
+    def _speed(self, tau: float) -> Tuple[float, float]:
+        """Return the speed along the slip and its slope at `tau`."""
+        step, impulse, slope = self._oscillator.responses(tau)
+        x_dot = self.x_dot_start * slope + self.v * step + self._push * impulse
+        x_ddot = self._acceleration * slope + self._fade * impulse
+        return self.mode * x_dot, self.mode * x_ddot
 
     def _find_end(self) -> float:
         """Return when the mass first comes to rest, or infinity: (5)."""
         oscillator = self._oscillator
-        if self.x_dot_start == 0.0 and self.mode * self.q < 0.0:
+        if self.x_dot_start == 0.0 and self.mode * self._acceleration < 0.0:
             return 0.0
         if oscillator.overdamped:
             low, high = self._enclose_decaying()
         else:
             low, high = self._enclose_swinging()
         if self._from_rest:
-            mode = self.mode
-            angle = math.atan2(oscillator.w * (mode * self._u), mode * self.v)
-            return (_TURN - 2.0 * angle) / oscillator.w
+            reach = oscillator.w * abs(self._swing)
+            return 2.0 * math.atan2(reach, -self.mode * self.v) / oscillator.w
         if high == math.inf or self._speed(high)[0] > 0.0:
             return math.inf
         return falling_zero(self._speed, low, high)
-
-    def _speed(self, tau: float) -> Tuple[float, float]:
-        """Return the speed along the slip and its slope at `tau`."""
-        step, impulse = self._oscillator.responses(tau)
-        x_dot = self.x_dot_start + self._z_dot * step + self.q * impulse
-        x_ddot = self.q * (1.0 - step) + self._fade * impulse
-        return self.mode * x_dot, self.mode * x_ddot
 
     def _enclose_swinging(self) -> Tuple[float, float]:
         """Return the interval in which the speed falls to its first minimum, for a < w.
@@ -242,7 +272,8 @@ class SlipArc:
         quarter turn before the phase of its own maximum.
         """
         a, b = self._oscillator.a, self._oscillator.b
-        phase = math.atan2(self.mode * (self._fade + a * self.q), self.mode * self.q * b)
+        of_sine = self._fade - a * self._acceleration
+        phase = math.atan2(self.mode * of_sine, self.mode * self._acceleration * b)
         lowest = phase - 0.5 * math.pi
         if lowest <= 0.0:
             lowest += _TURN
@@ -259,10 +290,9 @@ class SlipArc:
 
         There is one extreme at most, and the speed ends at that of the pulling end.
         """
-        oscillator = self._oscillator
-        rising = self.mode * self.q > 0.0 or (self.q == 0.0 and self.mode * self._fade > 0.0)
+        acceleration = self.mode * self._acceleration
         turn = self._turning_time()
-        if rising:
+        if acceleration > 0.0 or (acceleration == 0.0 and self.mode * self._fade > 0.0):
             self._peak_time = turn
             low = turn
         elif turn < math.inf:
@@ -271,18 +301,19 @@ class SlipArc:
             low = 0.0
         if low == math.inf or self.mode * self.v >= 0.0:
             return 0.0, math.inf
-        reach = 1.0 / oscillator.w
-        while self._speed(low + reach)[0] > 0.0:
+        reach = 1.0 / self._oscillator.w
+        while low + reach < math.inf and self._speed(low + reach)[0] > 0.0:
             reach *= 2.0
         return low, low + reach
 
     def _turning_time(self) -> float:
-        """Return when the acceleration changes sign, or infinity, for a >= w."""
-        a, b = self._oscillator.a, self._oscillator.b
-        of_sine = self._fade + a * self.q
-        if of_sine == 0.0 or self.q == 0.0:
+        """Return when the acceleration changes sign, or infinity, for a >= w: (5)."""
+        oscillator = self._oscillator
+        slow, fast, apart = oscillator.slow, oscillator.fast, 2.0 * oscillator.b
+        lead = slow * (self._push - slow * self.x_dot_start - fast * self.v)
+        if lead == 0.0:
             return math.inf
-        ratio = -self.q / of_sine
-        if ratio < 0.0 or ratio * b >= 1.0:
+        ratio = self._acceleration / lead
+        if ratio <= 0.0:
             return math.inf
-        return math.atanh(ratio * b) / b if b > 0.0 else ratio
+        return math.log1p(apart * ratio) / apart if apart > 0.0 else ratio

@@ -6,7 +6,7 @@ parameter took another value; nothing else re-bases the motion.
 """
 
 import math
-from typing import Any, Dict, List, Tuple, Union
+from typing import Any, Dict, List, Optional, Tuple, Union
 
 from .arcs import SlipArc, StickArc
 from .compensated import CompensatedSum, add
@@ -19,6 +19,8 @@ from .settings import BlockError, Settings
 MOST_TRANSITIONS = 2**24
 # After every so many transitions the rest of a step is estimated from the part that is done.
 _TRANSITIONS_TO_ESTIMATE = 4096
+
+_NOT_FINITE = "the motion or its forces leave the range of double-precision numbers"
 
 
 class Block:
@@ -56,7 +58,7 @@ class Block:
 
     # Set by `_place`, wherever an arc starts.
     _arc: Union[StickArc, SlipArc]
-    _origin: List[float]
+    _origin: List[Optional[float]]
     _duration: float
     _elapsed: float
     _elapsed_low: float
@@ -68,7 +70,6 @@ class Block:
         self._W_k = CompensatedSum()
         self._Q_friction = CompensatedSum()
         self.meter = CycleMeter(start_time)
-        self.meter.begin_slip(settings.z_start)
         self._started = False
         self._adopt_settings()
         if settings.x_dot_start != 0.0:
@@ -103,7 +104,7 @@ class Block:
             If the step is no such number or holds too many transitions, or if the values set
             since the last step are beyond their range together.
         """
-        if self._plain and step > 0.0:
+        if self._plain and step > 0.0 and time - time == 0.0:
             elapsed = self._elapsed
             total = elapsed + step
             if total < self._duration:
@@ -118,22 +119,24 @@ class Block:
 
     def refresh(self) -> None:
         """Compute the motion where the block stands; raises BlockError where it is not finite."""
-        z, x_dot, displacement = self._arc.state(self._elapsed)
+        arc = self._arc
+        growth, x_dot, displacement = arc.state(self._elapsed)
         settings = self._settings
-        self.z = z
+        self.z = z = arc.z_start + growth
         self.x_dot = x_dot
-        self.x = x = self._x.plus(displacement)
+        start = self._x
+        self.x = x = start.high + (start.low + displacement)
         self.x_pull = x_pull = x + z
         self.F = F = settings.k * z
-        self.mode = mode = self._arc.mode
+        self.mode = mode = arc.mode
         if mode == 0:
             self.F_friction = 0.0 - (F + settings.F_ext)
         else:
             self.F_friction = -(mode * self._kinetic + settings.c * x_dot)
         self._displacement = displacement
         self.stale = False
-        if not (math.isfinite(x_pull) and math.isfinite(F)):
-            raise BlockError("the motion has left the range of double-precision numbers")
+        if not abs(x_pull + F) < math.inf:
+            raise BlockError(_NOT_FINITE)
 
     @property
     def sticking(self) -> bool:
@@ -142,18 +145,19 @@ class Block:
 
     @property
     def W_pull(self) -> float:  # noqa: N802 - the symbol of the theory
-        """Work done by the pulling end [J], after `refresh`: docs/theory.md (15)."""
-        return self._W_pull.plus(self._arc.pull_work(self._elapsed, self.z, self.x_dot))
+        """Work done by the pulling end [J]: docs/theory.md (15)."""
+        return _finite(self._W_pull.plus(self._arc.pull_work(self._elapsed)))
 
     @property
     def W_k(self) -> float:  # noqa: N802 - the symbol of the theory
         """Energy put in by changing k [J]: docs/theory.md (15)."""
-        return self._W_k.high
+        return _finite(self._W_k.high)
 
     @property
     def Q_friction(self) -> float:  # noqa: N802 - the symbol of the theory
         """Heat made by friction and damping [J], after `refresh`: docs/theory.md (15)."""
-        return self._Q_friction.plus(self._arc.heat(self._elapsed, self.z, self._displacement))
+        heat = self._arc.heat(self._elapsed, self._displacement)
+        return _finite(self._Q_friction.plus(heat))
 
     def save(self) -> Dict[str, Any]:
         """Return the whole state as plain numbers, lists and dictionaries, for `restore`."""
@@ -192,12 +196,14 @@ class Block:
         """Move on by one step that may begin with other settings or hold transitions."""
         if not 0.0 < step < math.inf:
             raise BlockError(f"step size h = {step!r} s is out of range: above 0 and finite")
+        if not math.isfinite(time):
+            raise BlockError(f"communication point t = {time!r} s is out of range: a finite number")
         if self._changed:
             self._change_settings(time)
         if not self._started:
             self._started = True
             if self.mode != 0 and self._arc.x_dot_start == 0.0:
-                self.meter.break_away(self._arc.z_start, time)
+                self.meter.break_away(time)
         high, low = add(self._elapsed, self._elapsed_low, step)
         transitions = 0
         while high >= self._duration:
@@ -218,19 +224,23 @@ class Block:
     def _pass_event(self, time: float) -> None:
         """Go through the end of the arc, at `time` [s], into the next one."""
         arc = self._arc
-        self._bank(arc.duration, *arc.end())
-        z = self.z
-        if arc.mode == 0:
-            self.meter.break_away(z, time)
+        if isinstance(arc, StickArc):
+            self._bank(arc.duration, arc.z_end - arc.z_start, 0.0, 0.0)
+            self.z = z = arc.z_end
+            self.meter.break_away(time)
             mode = 1 if arc.v > 0.0 else -1
             self._place(mode, z, 0.0, mode * self._gap)
             return
-        self.meter.end_slip(z, time)
+        self._bank(arc.duration, *arc.end())
+        self.meter.end_slip(time)
+        z = self.z
         spring, external = self._settings.k * z, self._settings.F_ext
         if direction_from_rest(spring, external, self.F_s) == -arc.mode:
             self._slip_on(-arc.mode, z, 0.0)
+        elif arc.mode * arc.v > 0.0:
+            self._place(0, z, 0.0, arc.way_to_break_away(self._gap))
         else:
-            self._place(0, z, 0.0, 0.0)
+            self._place(0, z, 0.0, None)
 
     def _change_settings(self, time: float) -> None:
         """Start a new arc under the wanted settings, at `time` [s], where the block stands."""
@@ -247,7 +257,7 @@ class Block:
             # What changed is not in the equation of slip, so the arc stays whole.
             return
         self._bank(tau, *state)
-        z, x_dot = self.z, self.x_dot
+        z, x_dot = self.z, state[1]
         dk = self._settings.k - before[0]
         self._W_k.add(0.5 * (dk * z) * z)
         if not at_rest:
@@ -256,7 +266,7 @@ class Block:
         self._start_from_rest(z)
         if self._started and self.mode != mode:
             if mode == 0:
-                self.meter.break_away(z, time)
+                self.meter.break_away(time)
             else:
                 self.meter.drop_slip(time)
 
@@ -265,18 +275,17 @@ class Block:
         settings = self._settings
         return settings.k, settings.c, settings.v, settings.F_ext, self._kinetic
 
-    def _bank(self, tau: float, z: float, x_dot: float, displacement: float) -> None:
-        """Add what the arc gave up to `tau`, where the state is given, to the block's sums."""
+    def _bank(self, tau: float, growth: float, x_dot: float, displacement: float) -> None:
+        """Add what the arc gave up to `tau`, where its state is given, to the block's sums."""
         arc = self._arc
         self._x.add(displacement)
-        self._W_pull.add(arc.pull_work(tau, z, x_dot))
-        if arc.mode == 0:
+        self._W_pull.add(arc.pull_work(tau))
+        if isinstance(arc, StickArc):
             self.meter.pass_stick(tau)
         else:
-            self._Q_friction.add(arc.heat(tau, z, displacement))
-            self.meter.pass_slip(tau, displacement, arc.extreme_velocity(tau))
-        self.z = z
-        self.x_dot = x_dot
+            self._Q_friction.add(arc.heat(tau, displacement))
+            self.meter.pass_slip(tau, displacement, -growth, arc.extreme_velocity(tau))
+        self.z = arc.z_start + growth
 
     def _adopt_settings(self) -> None:
         """Let the wanted settings act, and derive what depends on them alone."""
@@ -284,6 +293,7 @@ class Block:
         normal = settings.normal_force()
         self.mu_k_used = kinetic_coefficient(settings.mu_s, settings.mu_k)
         self.F_s, self._kinetic, self._gap = friction_forces(settings.mu_s, self.mu_k_used, normal)
+        _finite(self.F_s)
         self._oscillator = Oscillator(settings.k, settings.m, settings.c)
         self._settings = settings
 
@@ -292,7 +302,7 @@ class Block:
         settings = self._settings
         mode = direction_from_rest(settings.k * z, settings.F_ext, self.F_s)
         if mode == 0:
-            self._place(0, z, 0.0, 0.0)
+            self._place(0, z, 0.0, None)
         else:
             self._slip_on(mode, z, 0.0)
 
@@ -302,18 +312,28 @@ class Block:
         force = settings.k * z + settings.F_ext
         self._place(mode, z, x_dot, force - mode * self._kinetic)
 
-    def _place(self, mode: int, z: float, x_dot: float, net: float) -> None:
-        """Stand at the start of the arc that these four and the settings determine."""
+    def _place(self, mode: int, z: float, x_dot: float, force: Optional[float]) -> None:
+        """Stand at the start of the arc that these four and the settings determine.
+
+        `force` is the net force of a slip, or of a stick the way to break-away where it is known.
+        """
         settings = self._settings
-        self._origin = [mode, z, x_dot, net]
-        if mode == 0:
-            self._arc = StickArc(settings.k, settings.v, z, self.F_s, settings.F_ext)
+        self._origin = [mode, z, x_dot, force]
+        if mode == 0 or force is None:
+            self._arc = StickArc(settings.k, settings.v, z, self.F_s, settings.F_ext, force)
         else:
-            self._arc = SlipArc(self._oscillator, settings.v, z, x_dot, mode, net, self._kinetic)
+            self._arc = SlipArc(self._oscillator, settings.v, z, x_dot, mode, force, self._kinetic)
         self.mode = mode
         self._duration = self._arc.duration
         self._elapsed = 0.0
         self._elapsed_low = 0.0
+
+
+def _finite(value: float) -> float:
+    """Return `value`; raises BlockError where it is none."""
+    if not math.isfinite(value):
+        raise BlockError(_NOT_FINITE)
+    return value
 
 
 def _check_pace(transitions: int, step: float, done: float) -> None:

@@ -42,7 +42,6 @@ _SHOWN_OTHERWISE = ("m", "m/s")
 
 _LOG_CATEGORIES = {
     "logStatusWarning": "A value was taken, but not as it was given.",
-    "logStatusFatal": "A call failed; the instance answers again after a reset.",
     "logAll": "All messages.",
 }
 
@@ -61,10 +60,15 @@ _EXPERIMENT = {"startTime": "0.0", "stopTime": "10.0", "stepSize": "0.01"}
 
 
 def generation_time() -> str:
-    """Return the build's date: SOURCE_DATE_EPOCH where it is set, else that of the release."""
+    """Return the build's date: SOURCE_DATE_EPOCH where it is set, else that of the release.
+
+    Raises ValueError where that variable is no whole number of seconds.
+    """
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    if epoch is None:
+    if not epoch:
         return DATE
+    if not epoch.isdecimal():
+        raise ValueError(f"SOURCE_DATE_EPOCH = {epoch!r}: expected whole seconds since 1970")
     moment = datetime.fromtimestamp(int(epoch), timezone.utc)
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
 

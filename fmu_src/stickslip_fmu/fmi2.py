@@ -5,8 +5,10 @@ it does not own (`lifetime`). So every method that it calls ends in a value, or 
 that `_fail` made.
 """
 
+import contextlib
 import functools
 import json
+import math
 import sys
 from operator import attrgetter
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
@@ -15,10 +17,12 @@ from pythonfmu import Fmi2Slave
 
 from .block import Block
 from .lifetime import give_reference
+from .meter import MOST_SLIPS
 from .settings import BlockError, Settings
-from .variables import VARIABLES, Variable, start_values
+from .variables import VARIABLES, VARIABLES_BY_NAME, Variable, start_values
 
 _WARNING = 1
+_PHASES = ("instantiated", "initialization", "stepping", "terminated")
 # A simulator asks for the same few lists of variables again and again.
 _MOST_READERS = 256
 
@@ -66,12 +70,11 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
         self._fault: Optional[str] = None
         self._phase = "instantiated"
         self._warned: Optional[Tuple[float, float]] = None
-        self._stepping = False
+        # Whether a step may go straight to the block.
+        self._ready = False
         self._block = Block(self._settings)
         # Whether the block shows what is set, and no call has failed.
         self._settled = True
-
-    # Phases.
 
     @_entry
     def setup_experiment(
@@ -100,26 +103,24 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
         self._block = Block(self._settings, self._start_time)
         self._settled = True
         self._phase = "stepping"
-        self._stepping = True
         self._warn_of_clamp()
+        self._ready = True
 
     @_entry
     def terminate(self) -> None:
         """End the simulation; the outputs stay readable."""
-        self._stepping = False
+        self._ready = False
         self._phase = "terminated"
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Advance the block by one communication step."""
         try:
-            if not self._stepping:
-                self._refuse_step()
+            if not self._ready:
+                self._prepare_step()
             self._block.advance(current_time, step_size)
         except BaseException as error:  # whatever it is, the importing process must survive it
             raise self._fail(error) from None
         return True
-
-    # Values.
 
     def get_real(self, vrs: List[int]) -> List[float]:
         """Return Real values by value reference."""
@@ -154,39 +155,41 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
     @_entry
     def set_real(self, vrs: List[int], values: List[float]) -> None:
         """Set parameters and inputs; in a running simulation they act from the next step on."""
+        stepping = self._phase == "stepping"
         for reference, value in zip(vrs, values):
-            variable = _variable("Real", reference)
-            objection = self._objection(variable, value)
-            if objection is not None:
-                raise BlockError(objection)
-            setattr(self._settings, variable.name, value)
-            if self._stepping:
-                self._block.set(variable.name, value)
-        if self._stepping:
+            variable = self._settable("Real", reference, value)
+            if variable.settable:
+                setattr(self._settings, variable.name, value)
+                if stepping:
+                    self._block.set(variable.name, value)
+        if stepping:
             self._settings.normal_force()
-            self._warn_of_clamp()
+            # Only a step shows whether mu_s and mu_k stay as they are now.
+            self._ready = False
         else:
             self._settled = False
 
     @_entry
     def set_integer(self, vrs: List[int], values: List[int]) -> None:
-        """Refuse: no Integer can be set."""
-        self._refuse_setting("Integer", vrs)
+        """Take nothing but start values before the start: no Integer is an input."""
+        self._refuse_to_set("Integer", vrs, values)
 
     @_entry
     def set_boolean(self, vrs: List[int], values: List[bool]) -> None:
-        """Refuse: no Boolean can be set."""
-        self._refuse_setting("Boolean", vrs)
+        """Take nothing: no Boolean is an input."""
+        self._refuse_to_set("Boolean", vrs, values)
 
     @_entry
     def set_string(self, vrs: List[int], values: List[str]) -> None:
         """Refuse: there are no strings."""
-        self._refuse_setting("String", vrs)
-
-    # State.
+        self._refuse_to_set("String", vrs, values)
 
     @_entry
     def _get_fmu_state(self) -> Dict[str, Any]:
+        return self._state()
+
+    def _state(self) -> Dict[str, Any]:
+        """Return everything that a later call depends on, as plain numbers, lists and texts."""
         return {
             "block": self._block.save(),
             "settings": self._settings.as_dict(),
@@ -197,30 +200,30 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
 
     @_entry
     def _set_fmu_state(self, state: Dict[str, Any]) -> None:
-        try:
-            self._settings = Settings(state["settings"])
-            self._start_time = state["start_time"]
-            self._phase = state["phase"]
-            self._stepping = self._phase == "stepping"
-            self._settled = state["settled"]
-            self._block.restore(state["block"])
-        except (KeyError, TypeError, ValueError):
-            raise BlockError("the state to set is none that this FMU handed out") from None
+        if not _is_state(state, self._state()):
+            raise BlockError("the state to set is none that this FMU handed out")
+        self._settings = Settings(state["settings"])
+        self._start_time = state["start_time"]
+        self._phase = state["phase"]
+        self._settled = state["settled"]
+        self._block.restore(state["block"])
+        self._ready = False
 
     # The wrapper calls the next two without an instance and could not survive an exception.
 
     @staticmethod
     def _fmu_state_to_bytes(state: Any) -> bytes:
-        return json.dumps(state).encode("utf-8")
+        try:
+            return json.dumps(state).encode("utf-8")
+        except Exception:
+            return b"null"
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> Any:
         try:
             return json.loads(state.decode("utf-8"))
-        except ValueError:
+        except Exception:
             return None
-
-    # The model description.
 
     def to_xml(self, model_options: Optional[Dict[str, str]] = None) -> Any:
         """Return the model description, which the builder writes; the options are fixed."""
@@ -242,24 +245,36 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
             block.refresh()
         return list(_reader(kind, tuple(vrs))(block))
 
-    def _objection(self, variable: Variable, value: float) -> Optional[str]:
-        if not variable.settable:
-            return f"{variable.name} is an output: it cannot be set"
+    def _settable(self, kind: str, reference: int, value: float) -> Variable:
+        """Return the variable that is to take `value`; raises BlockError where it cannot."""
+        variable = _variable(kind, reference)
+        objection = None
         if self._phase == "terminated":
-            return f"{variable.name} cannot be set: the simulation is terminated"
-        fixed = self._stepping and variable.variability == "fixed"
-        if fixed and value != getattr(self._settings, variable.name):
-            return f"{variable.name} is fixed: it cannot change after initialization"
-        return variable.objection(value)
+            objection = f"{variable.name} cannot be set: the simulation is terminated"
+        elif not variable.settable:
+            # Before the start an importer may write back the start values that it read.
+            if self._phase == "stepping" or variable.start is None or value != variable.start:
+                objection = f"{variable.name} is an output: it cannot be set"
+        elif self._phase == "stepping" and variable.variability == "fixed":
+            if value != getattr(self._settings, variable.name):
+                objection = f"{variable.name} is fixed: it cannot change after initialization"
+        else:
+            objection = variable.objection(value)
+        if objection is not None:
+            raise BlockError(objection)
+        return variable
 
-    def _refuse_setting(self, kind: str, vrs: List[int]) -> None:
-        for reference in vrs:
-            raise BlockError(f"{_variable(kind, reference).name} is an output: it cannot be set")
+    def _refuse_to_set(self, kind: str, vrs: List[int], values: Sequence[Any]) -> None:
+        for reference, value in zip(vrs, values):
+            self._settable(kind, reference, value)
 
-    def _refuse_step(self) -> None:
+    def _prepare_step(self) -> None:
+        """Do before a step what need not be done before each: refuse it, or warn."""
         if self._fault is not None:
             raise BlockError(self._fault)
         self._require("stepping", "doStep")
+        self._warn_of_clamp()
+        self._ready = True
 
     def _require(self, phase: str, call: str) -> None:
         if self._phase != phase:
@@ -280,14 +295,14 @@ class StickSlip(Fmi2Slave):  # type: ignore[misc]
 
     def _fail(self, error: BaseException) -> FmuError:
         """Return the exception that ends this call and, until a reset, every later one."""
+        # One reference each for the wrapper to lose, before anything else can go wrong.
+        for lost in (self, type(self), self.log_queue):
+            give_reference(lost)
         if self._fault is None:
             known = isinstance(error, BlockError)
             self._fault = str(error) if known else f"internal error: {error!r}"
             _tell(self._fault)
-        self._stepping = self._settled = False
-        # One reference each for the wrapper to lose.
-        for lost in (self, type(self), self.log_queue):
-            give_reference(lost)
+        self._ready = self._settled = False
         # The wrapper hands it to the log, which is read as a printf format.
         return FmuError(self._fault.replace("%", "%%"))
 
@@ -327,7 +342,48 @@ def _variable(kind: str, reference: int) -> Variable:
     return variable
 
 
+def _is_state(state: Any, own: Dict[str, Any]) -> bool:
+    """Whether `state` can be one that was handed out; `own` is one that was."""
+    if not _is_like(state, own):
+        return False
+    block = state["block"]
+    mode, force = block["arc"][0], block["arc"][3]
+    return (
+        state["phase"] in _PHASES
+        and mode in (-1, 0, 1)
+        and (mode == 0 or force is not None)
+        and block["elapsed"][0] >= 0.0
+        and 0 <= block["meter"]["n_slips"] <= MOST_SLIPS
+        and all(
+            VARIABLES_BY_NAME[name].objection(value) is None
+            for values in (state["settings"], block["settings"], block["wanted"])
+            for name, value in values.items()
+        )
+    )
+
+
+def _is_like(value: Any, pattern: Any, key: str = "") -> bool:
+    """Whether a value has the structure and the types of another, and finite numbers."""
+    if isinstance(pattern, dict):
+        return (
+            isinstance(value, dict)
+            and value.keys() == pattern.keys()
+            and all(_is_like(value[each], pattern[each], each) for each in pattern)
+        )
+    if key == "arc":
+        # Its last entry is a force, or None where there is none.
+        return _is_like(value, [0, 0.0, 0.0, 0.0]) or _is_like(value, [0, 0.0, 0.0, None])
+    if isinstance(pattern, list):
+        return (
+            isinstance(value, list)
+            and len(value) == len(pattern)
+            and all(map(_is_like, value, pattern))
+        )
+    return type(value) is type(pattern) and (type(value) is not float or math.isfinite(value))
+
+
 def _tell(text: str) -> None:
-    """Write to standard error, where there is one: many importers drop the log."""
-    if sys.stderr is not None:
+    """Write to standard error, where that can be done: many importers drop the log."""
+    # A message that cannot be shown must not become a failure of its own.
+    with contextlib.suppress(Exception):
         print(f"StickSlip: {text}", file=sys.stderr)

@@ -3,9 +3,12 @@
 At every exception that escapes to it, the wrapper releases its instance, its class and its log
 queue and yet keeps using them; at every instantiation it releases the globals of the slave's
 module. Each release is met here by one more reference, so that the counts stay true: nothing is
-freed too early, and nothing is kept for ever.
+freed too early, and nothing is kept for ever. It also puts the FMU's folder on the module search
+path at every instantiation, where once is enough.
 """
 
+import sys
+from pathlib import Path
 from typing import Any, Dict, List
 
 try:
@@ -28,5 +31,8 @@ def give_reference(lost: Any) -> None:
 
 
 def hold(module_globals: Dict[str, Any]) -> None:
-    """Keep the globals of the module that the wrapper executes at every instantiation."""
+    """Make up for one more execution of the slave's module, whose globals these are."""
     give_reference(module_globals)
+    folder = str(Path(module_globals["__file__"]).parent)
+    while sys.path.count(folder) > 1:
+        sys.path.remove(folder)

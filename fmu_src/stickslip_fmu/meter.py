@@ -4,6 +4,9 @@ from typing import Any, Dict
 
 from .compensated import CompensatedSum
 
+# What an FMI Integer holds; the count of slips stays there.
+MOST_SLIPS = 2**31 - 1
+
 
 class CycleMeter:
     """Quantities of the last completed stick, slip and cycle.
@@ -20,7 +23,7 @@ class CycleMeter:
     x_dot_peak
         Velocity of largest magnitude in the last completed slip [m/s], signed.
     n_slips
-        Completed slips.
+        Completed slips, up to MOST_SLIPS.
     t_event
         Time of the last transition [s].
     """
@@ -31,8 +34,8 @@ class CycleMeter:
         "_displacement",
         "_peak",
         "_phase",
+        "_relief",
         "_seen_break_away",
-        "_z_start",
         "delta_x",
         "n_slips",
         "spring_drop",
@@ -54,59 +57,64 @@ class CycleMeter:
         self._phase = CompensatedSum()
         self._cycle = CompensatedSum()
         self._seen_break_away = False
-        self._z_start = 0.0
         self._peak = 0.0
         self._displacement = CompensatedSum()
+        self._relief = CompensatedSum()
 
     @property
     def f(self) -> float:
         """Frequency of the last cycle [Hz], 0 before there is one."""
         return 1.0 / self.T if self.T > 0.0 else 0.0
 
-    def begin_slip(self, z: float) -> None:
-        """Open a slip at spring extension `z` [m] that nothing broke away: at the start."""
-        self._phase.clear()
-        self._z_start = z
-        self._peak = 0.0
-        self._displacement.clear()
-
     def pass_stick(self, duration: float) -> None:
         """Count `duration` [s] of rest."""
         self._phase.add(duration)
         self._cycle.add(duration)
 
-    def pass_slip(self, duration: float, displacement: float, extreme_velocity: float) -> None:
-        """Count `duration` [s] of slip, its displacement [m] and its extreme velocity [m/s]."""
+    def pass_slip(
+        self, duration: float, displacement: float, relief: float, extreme_velocity: float
+    ) -> None:
+        """Count `duration` [s] of slip with what it brought.
+
+        Displacement of the mass and relief of the spring [m], extreme velocity [m/s].
+        """
         self._phase.add(duration)
         self._cycle.add(duration)
         self._displacement.add(displacement)
+        self._relief.add(relief)
         if abs(extreme_velocity) > abs(self._peak):
             self._peak = extreme_velocity
 
-    def break_away(self, z: float, time: float) -> None:
-        """Close the stick and open a slip at spring extension `z` [m] and `time` [s]."""
+    def break_away(self, time: float) -> None:
+        """Close the stick and open a slip at `time` [s]."""
         self.t_stick = self._phase.high
         if self._seen_break_away:
             self.T = self._cycle.high
         self._seen_break_away = True
         self._cycle.clear()
         self.t_event = time
-        self.begin_slip(z)
+        self._open_slip()
 
-    def end_slip(self, z: float, time: float) -> None:
-        """Close the slip at spring extension `z` [m] and `time` [s]; the next phase follows."""
+    def end_slip(self, time: float) -> None:
+        """Close the slip at `time` [s]; the next phase follows."""
         self.t_slip = self._phase.high
         self.delta_x = self._displacement.high
-        self.spring_drop = self._z_start - z
+        self.spring_drop = self._relief.high
         self.x_dot_peak = self._peak
-        self.n_slips += 1
+        self.n_slips = min(self.n_slips + 1, MOST_SLIPS)
         self.t_event = time
-        self.begin_slip(z)
+        self._open_slip()
 
     def drop_slip(self, time: float) -> None:
         """Forget a slip of no length that a change of input at `time` [s] keeps from starting."""
         self.t_event = time
         self._phase.clear()
+
+    def _open_slip(self) -> None:
+        self._phase.clear()
+        self._displacement.clear()
+        self._relief.clear()
+        self._peak = 0.0
 
     def save(self) -> Dict[str, Any]:
         """Return the whole meter as plain numbers and lists, for `restore`."""

@@ -1,7 +1,9 @@
 """The mass on its spring, with any damping: its two responses. docs/theory.md (3)."""
 
 import math
-from typing import Tuple
+from typing import Iterator, Tuple
+
+from .settings import BlockError
 
 # Above this damping ratio the two rates of decay are far enough apart to be taken one by one.
 _FAR_APART = 2.0
@@ -39,10 +41,16 @@ class Oscillator:
         The two rates of decay where a >= w; else a and a.
     overdamped
         Whether a >= w.
+
+    Raises
+    ------
+    BlockError
+        If a rate is not a double-precision number above zero.
     """
 
     __slots__ = (
         "_beginning",
+        "_far_apart",
         "_later",
         "a",
         "b",
@@ -65,80 +73,115 @@ class Oscillator:
         self.a = self.fast = self.slow = 0.5 * c / m
         self.b = math.sqrt(abs((self.w - self.a) * (self.w + self.a)))
         self.overdamped = self.a >= self.w
+        self._far_apart = self.a > _FAR_APART * self.w
         self._later = self._undamped if c == 0.0 else self._swinging
         if self.overdamped:
             self.fast = self.a + self.b
-            self.slow = self.w2 / self.fast
-            far_apart = self.a > _FAR_APART * self.w
-            self._later = self._decaying_apart if far_apart else self._decaying
-        self._beginning = _BEGINNING / max(self.w, self.fast)
+            self.slow = self.w2 / self.fast if self.fast > 0.0 else 0.0
+            self._later = self._decaying
+        quickest = max(self.w, self.fast)
+        if not (self.w2 > 0.0 and quickest < math.inf and (self.slow > 0.0 or c == 0.0)):
+            raise BlockError(
+                f"k = {k!r} N/m, m = {m!r} kg, c = {c!r} N.s/m are out of range together: "
+                "their rates leave the range of double-precision numbers"
+            )
+        self._beginning = _BEGINNING / quickest
 
-    def responses(self, tau: float) -> Tuple[float, float]:
-        """Return G [1] and K [s] at `tau` [s], each to its last digits."""
+    def responses(self, tau: float) -> Tuple[float, float, float]:
+        """Return G [1], K [s] and the slope of K [1] at `tau` [s]."""
         return self._first(tau) if tau < self._beginning else self._later(tau)
 
-    def integrals(self, tau: float) -> Tuple[float, float]:
-        """Return the integrals of G^2 [s] and K^2 [s^3] from 0 to `tau`: docs/theory.md (15).
+    def step_integral(self, tau: float, step: float, impulse: float) -> float:
+        """Return H, the integral of G from 0 to `tau` [s], where G and K are given.
 
-        Both lose digits where G is small all the way, that is for a short `tau`.
+        The integral of K is G/w^2.
+        """
+        if tau < self._beginning:
+            return tau * math.fsum(term / (power + 1) for power, term in self._terms(tau))
+        if self._far_apart:
+            slow, fast = _lag(self.slow, tau), _lag(self.fast, tau)
+            return (self.fast * slow - self.slow * fast) / (2.0 * self.b)
+        return tau - impulse - 2.0 * self.a / self.w2 * step
+
+    def squares(self, tau: float) -> Tuple[float, float]:
+        """Return the integrals of (1 - G)^2 [s] and K^2 [s^3] up to `tau`: docs/theory.md (15).
+
+        For a > 0. Both lose digits where G is small all the way, that is for a short `tau`.
         """
         a, w2 = self.a, self.w2
-        step, impulse = self.responses(tau)
-        decay = -math.expm1(-2.0 * a * tau) / (2.0 * a) if a > 0.0 else tau
-        of_impulse = (decay - impulse * (1.0 - step)) / (2.0 * w2)
-        of_step = tau - impulse * (1.0 + step) - a / w2 * step * (2.0 + step) + w2 * of_impulse
-        return of_step, of_impulse
+        step, impulse, _ = self.responses(tau)
+        rest = 1.0 - step
+        decay = -math.expm1(-2.0 * a * tau) / (2.0 * a)
+        of_impulse = (decay - impulse * rest) / (2.0 * w2)
+        of_rest = impulse * rest + a / w2 * step * (1.0 + rest) + w2 * of_impulse
+        return of_rest, of_impulse
 
-    def _first(self, tau: float) -> Tuple[float, float]:
-        """Return G and K as power series, whose terms follow from the equation of motion."""
+    def _first(self, tau: float) -> Tuple[float, float, float]:
+        """Return the responses from the power series of G, for K = G'/w^2."""
+        step = slope = 0.0
+        for power, term in self._terms(tau):
+            step += term
+            slope += power * term
+        spring = self.w2 * tau * tau
+        impulse = slope / spring * tau if spring > 0.0 else tau
+        return step, impulse, 1.0 - step - 2.0 * self.a * impulse
+
+    def _terms(self, tau: float) -> Iterator[Tuple[int, float]]:
+        """Give the terms of the power series of G; each follows from the equation of motion."""
         damping = 2.0 * self.a * tau
         spring = self.w2 * tau * tau
         before, term = 0.0, 0.5 * spring
-        step = term
-        slope = 2.0 * term
+        negligible = _NEGLIGIBLE * term
         power = 2
-        while abs(term) + spring * abs(before) > _NEGLIGIBLE * step:
+        while abs(term) + spring * abs(before) > negligible:
+            yield power, term
             following = -(damping * power * term + spring * before) / (power * (power + 1))
             before, term = term, following
             power += 1
-            step += term
-            slope += power * term
-        return step, slope / spring * tau if spring > 0.0 else tau
 
-    def _undamped(self, tau: float) -> Tuple[float, float]:
-        """Return G and K for a = 0."""
+    def _undamped(self, tau: float) -> Tuple[float, float, float]:
+        """Return the responses for a = 0.
+
+        Here and in `_swinging` the cosine is taken from the half angle: near a whole turn G is
+        small, and there a slip that grazes standstill is decided.
+        """
         half = 0.5 * self.w * tau
         sine = math.sin(half)
-        return 2.0 * sine * sine, 2.0 * sine * math.cos(half) / self.w
+        step = 2.0 * sine * sine
+        return step, 2.0 * sine * math.cos(half) / self.w, 1.0 - step
 
-    def _swinging(self, tau: float) -> Tuple[float, float]:
-        """Return G and K for a < w.
-
-        The cosine is taken from the half angle: near a whole turn G is small, and there a
-        slip that grazes standstill is decided.
-        """
+    def _swinging(self, tau: float) -> Tuple[float, float, float]:
+        """Return the responses for 0 < a < w."""
         half = 0.5 * self.b * tau
         sine = math.sin(half)
         decay = math.exp(-self.a * tau)
-        impulse = 2.0 * decay * sine * math.cos(half) / self.b
-        return (
-            2.0 * decay * sine * sine - math.expm1(-self.a * tau) - self.a * impulse,
-            impulse,
-        )
+        twice = 2.0 * decay * sine
+        impulse = twice * math.cos(half) / self.b
+        along = self.a * impulse
+        fallen = twice * sine
+        return fallen - math.expm1(-self.a * tau) - along, impulse, decay - fallen - along
 
-    def _decaying(self, tau: float) -> Tuple[float, float]:
-        """Return G and K where the two rates of decay are close, or one."""
-        impulse = self._impulse(tau)
-        fallen = -0.5 * (math.expm1(-self.slow * tau) + math.expm1(-self.fast * tau))
-        return fallen - self.a * impulse, impulse
-
-    def _decaying_apart(self, tau: float) -> Tuple[float, float]:
-        """Return G and K where the two rates of decay are far apart."""
-        slowly, fast = math.expm1(-self.slow * tau), math.expm1(-self.fast * tau)
-        return (self.slow * fast - self.fast * slowly) / (2.0 * self.b), self._impulse(tau)
-
-    def _impulse(self, tau: float) -> float:
-        """Return K for a >= w."""
-        apart = 2.0 * self.b
+    def _decaying(self, tau: float) -> Tuple[float, float, float]:
+        """Return the responses for a >= w."""
+        slow, fast, apart = self.slow, self.fast, 2.0 * self.b
         rise = -math.expm1(-apart * tau) / apart if apart > 0.0 else tau
-        return math.exp(-self.slow * tau) * rise
+        impulse = math.exp(-slow * tau) * rise
+        slope = math.exp(-fast * tau) - slow * impulse
+        slowly, quickly = math.expm1(-slow * tau), math.expm1(-fast * tau)
+        if self._far_apart:
+            return (slow * quickly - fast * slowly) / apart, impulse, slope
+        return -0.5 * (slowly + quickly) - self.a * impulse, impulse, slope
+
+
+def _lag(rate: float, tau: float) -> float:
+    """Return the integral of ``1 - exp(-rate t)`` from 0 to `tau`."""
+    x = rate * tau
+    if x > _BEGINNING:
+        return tau + math.expm1(-x) / rate
+    total = 0.0
+    term, power = 0.5 * x, 2
+    while abs(term) > _NEGLIGIBLE * total:
+        total += term
+        power += 1
+        term *= -x / power
+    return tau * total

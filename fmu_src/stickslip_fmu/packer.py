@@ -73,6 +73,8 @@ def build(destination: Path, documentation: Optional[Mapping[str, bytes]] = None
     ------
     OSError
         If it cannot be written.
+    ValueError
+        If SOURCE_DATE_EPOCH is set to something else than whole seconds.
     """
     target = destination if destination.suffix == ".fmu" else destination / f"{MODEL}.fmu"
     target.parent.mkdir(parents=True, exist_ok=True)

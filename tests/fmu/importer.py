@@ -218,6 +218,102 @@ def rollback(importer: Importer) -> Any:
     }
 
 
+def bad_states(importer: Importer) -> Any:
+    """Spoil a good state in every place and restore it; return how many were refused."""
+    slave = importer.instance(c=0.5)
+    for index in range(30):
+        slave.doStep(0.02 * index, 0.02)
+    good = json.loads(slave.serializeFMUstate(slave.getFMUstate()))
+    slave.freeInstance()
+    refused = tried = 0
+    for path in leaves(good):
+        bad: Any
+        for bad in (None, "x", float("nan"), float("inf"), -1e400, [], {}, True, 10**400):
+            state = json.loads(json.dumps(good))
+            place = state
+            for key in path[:-1]:
+                place = place[key]
+            if path[-2:] == ["arc", 3] and bad is None:
+                continue
+            if isinstance(place[path[-1]], type(bad)) and isinstance(bad, (bool, str)):
+                continue
+            place[path[-1]] = bad
+            tried += 1
+            refused += refuses(importer, json.dumps(state).encode())
+    for garbage in (b"", b"{", b"[]", b"null", b"[" * 100_000, b'{"block": 1}', b"\xff"):
+        tried += 1
+        refused += refuses(importer, garbage)
+    return [tried, refused]
+
+
+def refuses(importer: Importer, state: bytes) -> bool:
+    """Whether an instance refuses a serialized state, and lives on after a reset."""
+    slave = importer.instance()
+    refused = importer.fails(slave.setFMUstate, slave.deSerializeFMUstate(state))
+    slave.reset()
+    importer.start(slave)
+    slave.doStep(0.0, 0.1)
+    slave.freeInstance()
+    return refused
+
+
+def leaves(tree: Any, path: tuple[Any, ...] = ()) -> Any:
+    """Give the path of every number, text and truth value in a state."""
+    if isinstance(tree, (dict, list)):
+        items = tree.items() if isinstance(tree, dict) else enumerate(tree)
+        for key, value in items:
+            yield from leaves(value, (*path, key))
+    else:
+        yield list(path)
+
+
+def silent(importer: Importer) -> Any:
+    """Fail, and warn, while standard error cannot be written."""
+
+    class Broken:
+        def write(self, text: str) -> int:
+            raise OSError("no such terminal")
+
+        def flush(self) -> None:
+            raise OSError("no such terminal")
+
+    for stream in (Broken(), None):
+        sys.stderr = stream
+        for _ in range(300):
+            slave = importer.instance(mu_s=0.3, mu_k=0.5)
+            slave.doStep(0.0, 0.1)
+            assert importer.fails(slave.doStep, 0.1, -1.0)
+            assert importer.fails(slave.doStep, 0.1, 0.1)
+            slave.freeInstance()
+    sys.stderr = sys.__stderr__
+    return "alive"
+
+
+def written_back(importer: Importer) -> Any:
+    """Write back every start value that the description gives, then run."""
+    slave = importer.instance(ready=False)
+    for each in importer.description.modelVariables:
+        if each.start is not None and each.type == "Real":
+            slave.setReal([each.valueReference], [float(each.start)])
+        elif each.start is not None and each.type == "Integer":
+            slave.setInteger([each.valueReference], [int(each.start)])
+    importer.start(slave)
+    slave.doStep(0.0, 10.0)
+    return importer.get(slave, "T")
+
+
+def passing_clamp(importer: Importer) -> Any:
+    """Lower both coefficients, one call each; only the pair that acts may warn."""
+    slave = importer.instance()
+    importer.set(slave, "mu_s", 0.2)
+    importer.set(slave, "mu_k", 0.1)
+    slave.doStep(0.0, 0.1)
+    importer.set(slave, "mu_k", 0.4)
+    for index in range(5):
+        slave.doStep(0.1 * (index + 1), 0.1)
+    return importer.get(slave, "mu_k_used")
+
+
 def many_instances(importer: Importer) -> Any:
     """Make, run and free a thousand instances, two hundred of them at once."""
     speeds = [0.01 + 1e-4 * index for index in range(200)]
@@ -235,7 +331,7 @@ def many_instances(importer: Importer) -> Any:
         slave = importer.instance(f"j{index}")
         slave.doStep(0.0, 0.1)
         slave.freeInstance()
-    return [min(found), max(found)]
+    return [min(found), max(found), sum(str(importer.folder) in path for path in sys.path)]
 
 
 def modules(importer: Importer) -> Any:

@@ -356,3 +356,137 @@ def test_reversed_pull_slips_backward() -> None:
     found = cycle_after(make_block(v=-0.02), 3)
     assert found["delta_x"] == pytest.approx(-0.02 * found["T"], rel=ROUNDING)
     assert found["spring_drop"] == pytest.approx(-2.0 * 0.2 * 9.81 / 1000.0, rel=ROUNDING)
+
+
+def test_the_rest_test_forgives_rounding_and_no_more() -> None:
+    """A force beyond F_s by 4 units in the last place of what is compared rests, by 16 slips."""
+    # Powers of two, so that the forces are what they seem: F_s = 0.5 N, k z + F_ext beside it.
+    settings = {"m": 1.0, "g": 1.0, "k": 1.0, "mu_s": 0.5, "mu_k": 0.25, "v": 0.0}
+    unit = 2.0**-52
+    assert make_block(**settings, z_start=0.5 + 4.0 * unit).mode == 0
+    assert make_block(**settings, z_start=0.5 + 16.0 * unit).mode == 1
+    assert make_block(**settings, z_start=-0.5 - 16.0 * unit).mode == -1
+
+
+def test_a_change_of_mu_s_leaves_the_slip_whole() -> None:
+    """What is not in the equation of slip does not touch it, not by a bit."""
+    one, other = make_block(), make_block()
+    for block in (one, other):
+        block.advance(0.0, 0.27)
+        assert outputs(block)["mode"] == 1
+    other.set("mu_s", 0.6)
+    for block in (one, other):
+        block.advance(0.27, 0.2)
+    assert outputs(one)["t_slip"] == outputs(other)["t_slip"]
+    assert outputs(one)["x"] == outputs(other)["x"]
+    assert outputs(one)["F_s"] != outputs(other)["F_s"]
+
+
+def test_a_slip_stopped_at_its_last_bit_does_not_jump() -> None:
+    """A change in the last instant of a slip, where x_dot has rounded to 0, moves nothing."""
+    generator = random.Random(17)
+    for _ in range(500):
+        m = log_uniform(generator, 0.1, 10.0)
+        z_start = 0.5 * 9.81 * m / 1000.0
+        v = log_uniform(generator, 1e-2, 1.0)
+        block = make_block(v=v, m=m, z_start=z_start)
+        w = math.sqrt(1000.0 / m)
+        t_slip = 2.0 / w * (math.pi - math.atan(w * 0.2 * 9.81 * m / 1000.0 / v))
+        block.advance(0.0, 1e-9)
+        block.advance(0.0, math.nextafter(t_slip, 0.0) - 1e-9)
+        before = outputs(block)
+        block.set("load", 0.1)
+        block.advance(0.0, 1e-9)
+        after = outputs(block)
+        assert after["x"] == pytest.approx(before["x"], abs=1e-8 * v)
+        assert after["z"] == pytest.approx(before["z"], abs=1e-8 * v)
+        assert after["Q_friction"] == pytest.approx(before["Q_friction"], rel=1e-7)
+
+
+@pytest.mark.parametrize(("c", "end"), [(1e6, None), (1e7, 1.312e-6), (5e7, 2.946e-7)])
+def test_no_stop_is_missed_in_heavy_damping(c: float, end: float | None) -> None:
+    """Damped by zeta up to 1e6, a mass shot against its spring turns round."""
+    block = make_block(c=c, v=1e-9, x_dot_start=1.0, z_start=-0.02, mu_s=0.0, mu_k=0.0)
+    block.advance(0.0, 1.0)
+    assert block.meter.n_slips == 1
+    if end is not None:
+        # The figures of the exact solution, to the digits given.
+        assert block.meter.t_slip == pytest.approx(end, rel=1e-3)
+
+
+def test_a_creep_against_the_pull_ends() -> None:
+    """Overdamped and shot against a pull of 1e-16 of its speed, the mass turns in finite time."""
+    block = make_block(
+        c=151.5169744133138, x_dot_start=1.0, v=-1e-16, mu_s=0.0, mu_k=0.0, z_start=0.1
+    )
+    block.advance(0.0, 1e3)
+    assert block.meter.n_slips == 1
+
+
+def test_the_account_of_a_long_creep_closes() -> None:
+    """The heat of a slip that has long crept out is the energy it began with."""
+    block = make_block(c=150.0, mu_s=0.0, mu_k=0.0, v=0.0, x_dot_start=1.3, z_start=0.1)
+    heat = 0.5 * 1.3**2 + 0.5 * 1000.0 * 0.1**2
+    before = 0.0
+    for step in (1.0, 1e3, 1e6, 1e9):
+        block.advance(0.0, step)
+        found = outputs(block)["Q_friction"]
+        assert found >= before
+        before = found
+    assert before == pytest.approx(heat, rel=1e-12)
+
+
+def test_work_of_a_short_arc_has_all_its_digits() -> None:
+    """Just after the start the pull has worked v times the impulse of a spring hardly moved."""
+    block = make_block(m=1000.0, x_dot_start=3.7, v=1e-3, z_start=1e-3, c=10.0)
+    step = 7e-8
+    block.advance(0.0, step)
+    # z falls from z_start by x_dot_start t; what is left out is of second order in w t = 7e-8.
+    expected = 1000.0 * 1e-3 * (1e-3 * step - 0.5 * (3.7 - 1e-3) * step**2)
+    assert outputs(block)["W_pull"] == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_nudge_against_the_pull_is_a_short_slip() -> None:
+    """A mass nudged backward by 1e-7 of F_s moves by the square over the pull, without noise."""
+    block = make_block(z_start=0.0, v=0.2, mu_k=0.5, F_ext=-4.905 * (1.0 + 1e-7))
+    block.advance(0.0, 1e-3)
+    found = outputs(block)
+    reach = 4.905e-7 / 1000.0
+    w = math.sqrt(1000.0)
+    # To first order in y = w reach/v = 8e-8: t_slip = 2 y/w and delta_x = -2 reach y^2/3.
+    y = w * reach / 0.2
+    assert found["t_slip"] == pytest.approx(2.0 * y / w, rel=1e-8)
+    assert found["delta_x"] == pytest.approx(-2.0 * reach * y * y / 3.0, rel=1e-8)
+
+
+def test_small_gaps_cost_no_digits() -> None:
+    """Gaps down to 1e-9 of mu_s: stick time and relief are exact, not differences of z."""
+    generator = random.Random(18)
+    for _ in range(200):
+        gap = log_uniform(generator, 1e-9, 1e-3)
+        mu_k = 0.5 * (1.0 - gap)
+        v = log_uniform(generator, 1e-6, 1e-1)
+        found = cycle_after(make_block(mu_k=mu_k, v=v), 3)
+        delta = (0.5 - mu_k) * 9.81 / 1000.0
+        assert found["spring_drop"] == pytest.approx(2.0 * delta, rel=ROUNDING)
+        assert found["t_stick"] == pytest.approx(2.0 * delta / v, rel=ROUNDING)
+        assert found["delta_x"] == pytest.approx(v * found["T"], rel=ROUNDING)
+
+
+@pytest.mark.parametrize("time", [math.nan, math.inf])
+def test_a_communication_point_that_is_none_is_refused(time: float) -> None:
+    """The communication point dates the events, so it must be a number."""
+    block = make_block()
+    block.advance(0.0, 0.1)
+    with pytest.raises(BlockError, match="communication point t = "):
+        block.advance(time, 0.1)
+
+
+def test_forces_beyond_all_numbers_are_refused() -> None:
+    """Neither a break-away force nor an energy is ever handed out as infinity."""
+    with pytest.raises(BlockError, match="range of double-precision"):
+        make_block(m=1.7e308)
+    block = make_block(v=1e200)
+    block.advance(0.0, 1.0)
+    with pytest.raises(BlockError, match="range of double-precision"):
+        outputs(block)

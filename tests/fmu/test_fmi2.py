@@ -44,7 +44,7 @@ def test_it_survives_every_failure(fmu_path: Path) -> None:
 @pytest.mark.parametrize(
     "line",
     [
-        "k = -1.0 N/m is out of range: it must be finite and above 0",
+        "k = -1.0 N/m is out of range: it must be finite and above 0 (at least 2.23e-308)",
         "v = nan m/s is out of range: it must be a finite number",
         "load = -10.0 N is out of range: it must be at least -m g = -9.81 N",
         "m is fixed: it cannot change after initialization",
@@ -83,9 +83,36 @@ def test_a_state_restores_everything(fmu_path: Path) -> None:
     assert found == {"same": [True] * 4, "refused": True}
 
 
+def test_a_spoilt_state_is_refused(fmu_path: Path) -> None:
+    """A state with anything but a fitting finite number in any place, or garbage, is refused."""
+    (tried, refused), errors = imported(fmu_path, "bad_states")
+    assert refused == tried > 500
+    assert "internal error" not in errors
+
+
+def test_it_survives_without_standard_error(fmu_path: Path) -> None:
+    """Where standard error cannot be written, failures stay failures and warnings harmless."""
+    alive, _ = imported(fmu_path, "silent")
+    assert alive == "alive"
+
+
+def test_start_values_may_be_written_back(fmu_path: Path) -> None:
+    """An importer that sets every start value it has read changes nothing."""
+    (period,), _ = imported(fmu_path, "written_back")
+    assert period == pytest.approx(0.31526808704944753, rel=4e-15)
+
+
+def test_only_a_clamp_that_acts_is_warned_of(fmu_path: Path) -> None:
+    """Values on their way to others warn of nothing, a clamp that acts warns once."""
+    (used,), errors = imported(fmu_path, "passing_clamp")
+    assert used == 0.2 - 0.01
+    assert errors.count("clamped") == 1
+
+
 def test_instances_are_independent(fmu_path: Path) -> None:
     """Two hundred instances at once keep to themselves, and a thousand come and go."""
-    (low, high), _ = imported(fmu_path, "many_instances")
+    (low, high, entries), _ = imported(fmu_path, "many_instances")
+    assert entries <= 1
     assert math.isclose(low, 0.5, rel_tol=1e-12)
     assert math.isclose(high, 0.5, rel_tol=1e-12)
 

@@ -314,6 +314,8 @@ def _build(target: Path, option: str) -> Path:
         except OSError as error:
             reason = error.strerror or str(error)
             raise CommandError(f"{option} {target}: cannot write the FMU: {reason}") from error
+        except ValueError as error:
+            raise CommandError(str(error)) from error
 
 
 def _check_targets(output_file: Path | None, plot: Path | None) -> None:
