@@ -1,15 +1,21 @@
-"""References that pythonfmu's wrapper gives away without owning them, made up for.
+"""What pythonfmu's wrapper releases without owning it, made up for.
 
 At every exception that escapes to it, the wrapper releases its instance, its class and its log
 queue and yet keeps using them; at every instantiation it releases the globals of the slave's
 module. Each release is met here by one more reference, so that the counts stay true: nothing is
 freed too early, and nothing is kept for ever. It also puts the FMU's folder on the module search
 path at every instantiation, where once is enough.
+
+At the end of the process it releases its hold on the interpreter twice, the second time in freed
+memory, if it is still loaded then. So it is made to let go before, while that is still sound.
 """
 
+import atexit
+import contextlib
+import os
 import sys
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Set
 
 try:
     import ctypes
@@ -20,6 +26,9 @@ else:
 
 # Where counts cannot be raised, what was given is kept alive instead, for good.
 _kept: List[Any] = []
+
+# Folders of the FMU that instances came from; each has a wrapper of its own.
+_folders: Set[Path] = set()
 
 
 def give_reference(lost: Any) -> None:
@@ -33,6 +42,24 @@ def give_reference(lost: Any) -> None:
 def hold(module_globals: Dict[str, Any]) -> None:
     """Make up for one more execution of the slave's module, whose globals these are."""
     give_reference(module_globals)
-    folder = str(Path(module_globals["__file__"]).parent)
-    while sys.path.count(folder) > 1:
-        sys.path.remove(folder)
+    resources = Path(module_globals["__file__"]).parent
+    while sys.path.count(str(resources)) > 1:
+        sys.path.remove(str(resources))
+    _folders.add(resources.parent)
+
+
+@atexit.register
+def _let_go() -> None:
+    """Make every wrapper that is still loaded release the interpreter, once and now.
+
+    Where the wrapper itself started the interpreter this runs inside that very release, and
+    leaves nothing for the second.
+    """
+    only_if_loaded = getattr(os, "RTLD_NOLOAD", None)
+    if only_if_loaded is None or not _counts_can_be_raised:
+        return
+    for folder in _folders:
+        library = folder / "binaries" / "linux64" / "StickSlip.so"
+        # It may be unloaded, or another wrapper without that function.
+        with contextlib.suppress(OSError, AttributeError):
+            ctypes.CDLL(str(library), mode=only_if_loaded).finalizePythonInterpreter()
