@@ -66,5 +66,9 @@ class BareSlave:
         trace: TracebackType | None,
     ) -> None:
         self._slave.terminate()
-        self._slave.freeInstance()
+        # The wrapper releases the interpreter twice when the process ends, unless it is made to
+        # before: the stock slave does nothing about that, and its library is never unloaded.
+        release = self._slave.dll.finalizePythonInterpreter
+        self._slave.fmi2FreeInstance(self._slave.component)
+        release()
         shutil.rmtree(self._folder, ignore_errors=True)

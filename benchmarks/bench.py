@@ -47,6 +47,11 @@ class Measurement:
         """Ours over the yardstick."""
         return None if self.yardstick is None else self.ours / self.yardstick
 
+    @property
+    def held(self) -> bool:
+        """Whether the ratio keeps its limit, where it has one."""
+        return self.limit is None or self.ratio is None or self.ratio <= self.limit
+
 
 def best_of(rounds: int, *sides: Callable[[], object]) -> list[float]:
     """Return the shortest time of each side [s], the sides taken in turn."""
@@ -174,7 +179,7 @@ def as_table(measurements: list[Measurement]) -> Table:
             _time(row.ours),
             "" if row.yardstick is None else _time(row.yardstick),
             "" if row.ratio is None else f"{row.ratio:.2f}",
-            "" if row.limit is None else f"{row.limit:.2f}",
+            "" if row.limit is None else f"{row.limit:.2f}{'' if row.held else ' exceeded'}",
             row.against,
         )
     return table
