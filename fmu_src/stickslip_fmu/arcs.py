@@ -62,7 +62,7 @@ class StickArc:
             self.duration = math.inf
         else:
             self.z_end = (math.copysign(breakaway, v) - external) / k
-            growth = self.z_end - z if way is None else math.copysign(way / k, v)
+            growth = self.z_end - z if way is None else math.copysign(1.0, v) * way / k
             # A rest that rounding put beyond the threshold breaks away at once.
             self.duration = max(growth / v, 0.0)
 

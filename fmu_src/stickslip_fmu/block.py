@@ -225,13 +225,13 @@ class Block:
         """Go through the end of the arc, at `time` [s], into the next one."""
         arc = self._arc
         if isinstance(arc, StickArc):
-            self._bank(arc.duration, arc.z_end - arc.z_start, 0.0, 0.0)
+            self._bank(arc.duration, (arc.z_end - arc.z_start, 0.0, 0.0))
             self.z = z = arc.z_end
             self.meter.break_away(time)
             mode = 1 if arc.v > 0.0 else -1
             self._place(mode, z, 0.0, mode * self._gap)
             return
-        self._bank(arc.duration, *arc.end())
+        self._bank(arc.duration, arc.end())
         self.meter.end_slip(time)
         z = self.z
         spring, external = self._settings.k * z, self._settings.F_ext
@@ -256,7 +256,7 @@ class Block:
         if not at_rest and self._slip_terms() == before:
             # What changed is not in the equation of slip, so the arc stays whole.
             return
-        self._bank(tau, *state)
+        self._bank(tau, state)
         z, x_dot = self.z, state[1]
         dk = self._settings.k - before[0]
         self._W_k.add(0.5 * (dk * z) * z)
@@ -275,9 +275,10 @@ class Block:
         settings = self._settings
         return settings.k, settings.c, settings.v, settings.F_ext, self._kinetic
 
-    def _bank(self, tau: float, growth: float, x_dot: float, displacement: float) -> None:
+    def _bank(self, tau: float, state: Tuple[float, float, float]) -> None:
         """Add what the arc gave up to `tau`, where its state is given, to the block's sums."""
         arc = self._arc
+        growth, _, displacement = state
         self._x.add(displacement)
         self._W_pull.add(arc.pull_work(tau))
         if isinstance(arc, StickArc):
