@@ -1,5 +1,11 @@
-"""Writes the documents that are made from the code: run it with ``make docs``."""
+"""Writes the documents that are made from the code: run it with ``make docs``.
 
+With ``--check`` it writes nothing, names those that are out of date, and exits 1 if there are any.
+"""
+
+import contextlib
+import io
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,16 +18,30 @@ HERE = Path(__file__).parent
 
 
 def main() -> None:
-    """Write interface.md and verdict.md beside this file."""
-    write("interface.md", interface())
-    with TemporaryDirectory() as folder:
-        write("verdict.md", verdict(build(Path(folder))))
+    """Write interface.md and verdict.md beside this file, or check them."""
+    # What the FMU warns of belongs to its cases.
+    with TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()):
+        texts = {
+            "interface.md": document(interface()),
+            "verdict.md": document(verdict(build(Path(folder)))),
+        }
+    if sys.argv[1:] == ["--check"]:
+        old = [name for name, text in texts.items() if not is_current(HERE / name, text)]
+        if old:
+            sys.exit(f"out of date, run `make docs`: {', '.join(f'docs/{name}' for name in old)}")
+        return
+    for name, text in texts.items():
+        (HERE / name).write_text(text, encoding="utf-8", newline="\n")
 
 
-def write(name: str, lines: Iterator[str]) -> None:
-    """Write one document."""
-    text = "<!-- Made by `make docs`; do not edit. -->\n" + "\n".join(lines) + "\n"
-    (HERE / name).write_text(text, encoding="utf-8")
+def is_current(file: Path, text: str) -> bool:
+    """Tell whether the file is there and holds the text."""
+    return file.is_file() and file.read_bytes() == text.encode()
+
+
+def document(lines: Iterator[str]) -> str:
+    """Give the text of one document."""
+    return "<!-- Made by `make docs`; do not edit. -->\n" + "\n".join(lines) + "\n"
 
 
 def interface() -> Iterator[str]:

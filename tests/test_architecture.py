@@ -41,8 +41,6 @@ RULES = {
 EXTRA_OUTSIDE = {
     ("stickslip_fmu", "fmi2"): frozenset({"pythonfmu"}),
     ("stickslip_fmu", "packer"): frozenset({"pythonfmu"}),
-    ("stickslip_fmu", "description"): frozenset({"pythonfmu"}),
-    ("stickslip_verification", "report"): frozenset({"jinja2", "matplotlib"}),
 }
 
 

@@ -376,3 +376,72 @@ def test_ctrl_c_ends_a_run_cleanly(tmp_path: Path, fmu_path: Path, engine: str) 
     assert out == ""
     assert not list(work.iterdir())
     assert not list(scratch.iterdir())
+
+
+def test_a_table_fits_any_code_page(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the output has no Greek letters, the table is printed all the same."""
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    answer = command.in_fresh_process("simulate", "--engine", "reference", "--stop-time", "1")
+    assert (answer.code, answer.err) == (0, "")
+
+
+def test_a_reader_that_goes_away_is_no_error(tmp_path: Path) -> None:
+    """A table whose reader closes the pipe ends without a word."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    with os.fdopen(writing, "wb") as pipe:
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM, "verify", "--list"],
+            stdout=pipe,
+            stderr=subprocess.PIPE,
+            cwd=tmp_path,
+        )
+    assert (done.returncode, done.stderr) == (1, b"")
+
+
+def test_a_fault_of_ours_is_not_wrong_use(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An internal error has an exit code of its own, and one line instead of a traceback."""
+
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError("planted")
+
+    monkeypatch.setattr(cli, "_run", broken)
+    answer = command("simulate", "--engine", "reference")
+    assert answer.code == cli.INTERNAL_ERROR == 70
+    assert answer.err.startswith("stickslip: internal error")
+    assert answer.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("subcommand", ["simulate", "verify", "prove"])
+@pytest.mark.parametrize("member", ["readme.txt", "modelDescription.xml"])
+def test_an_archive_that_is_no_fmu_is_wrong_use(
+    command: Command, tmp_path: Path, subcommand: str, member: str
+) -> None:
+    """Without a model description, or with one that is not XML, a zip is refused in one line."""
+    file = tmp_path / "broken.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr(member, "not XML")
+    answer = command(subcommand, "--fmu", file)
+    assert answer.code == 2
+    assert "not an FMU" in answer.err
+    assert answer.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("subcommand", ["simulate", "verify", "prove"])
+def test_a_damaged_fmu_is_wrong_use(
+    command: Command, fmu_path: Path, tmp_path: Path, subcommand: str
+) -> None:
+    """An FMU whose binary was damaged on the way is refused in one line."""
+    with zipfile.ZipFile(fmu_path) as archive:
+        binary = max(archive.infolist(), key=lambda member: member.compress_size)
+    content = bytearray(fmu_path.read_bytes())
+    middle = binary.header_offset + binary.compress_size // 2
+    content[middle : middle + 100] = b"\xff" * 100
+    file = tmp_path / "damaged.fmu"
+    file.write_bytes(content)
+    answer = command(subcommand, "--fmu", file)
+    assert answer.code == 2
+    assert "damaged.fmu" in answer.err
+    assert answer.err.count("\n") == 1

@@ -89,7 +89,10 @@ class FmuFile:
         self.variables: dict[str, Any] = {v.name: v for v in description.modelVariables}
         self.folder = Path(tempfile.mkdtemp(prefix="stickslip-fmu-"))
         self.close = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
-        fmpy.extract(str(path), unzipdir=str(self.folder))
+        try:
+            fmpy.extract(str(path), unzipdir=str(self.folder))
+        except Exception as error:
+            raise FmuError(f"{path}: cannot be unpacked ({_one_line(error)})") from None
 
     def has(self, name: str) -> bool:
         """Whether the FMU has a variable of this name."""

@@ -5,6 +5,7 @@ What costs time to import is imported by the command that needs it, so that help
 
 import contextlib
 import io
+import os
 import sys
 from collections.abc import Sequence
 from enum import StrEnum
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 WRONG_USE = 2
 INTERRUPTED = 130
+INTERNAL_ERROR = 70
+"""EX_SOFTWARE of sysexits.h: neither a verdict nor the person's mistake."""
 
 DEFAULT_FMU = Path("build/StickSlip.fmu")
 DEFAULT_REPORT = Path("report/report.json")
@@ -258,8 +261,23 @@ def prove(
 
 
 def main() -> None:
-    """Run the command and exit: 0 done, 1 a check failed, 2 wrong use, 130 interrupted."""
-    sys.exit(_exit_code())
+    """Run the command and exit.
+
+    The code is 0 for done, 1 for a failed check or a reader that went away, 2 for wrong use, 70
+    for an internal error, 130 for interrupted.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        # A pipe or file in a code page without Greek gets a question mark, not a crash.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+    code = _exit_code()
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Python flushes once more on its way out, and would complain of the closed pipe.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = code or 1
+    sys.exit(code)
 
 
 def _exit_code() -> int:
@@ -273,12 +291,14 @@ def _exit_code() -> int:
         return WRONG_USE
     except KeyboardInterrupt:
         code = INTERRUPTED
+    except BrokenPipeError:
+        return 1
     except OSError as error:
         _say(f"{error.filename or ''}: {error.strerror or error}".lstrip(": "))
         return WRONG_USE
     except Exception as error:
         _say(f"internal error, please report it: {type(error).__name__}: {error}")
-        return WRONG_USE
+        return INTERNAL_ERROR
     if code == INTERRUPTED:
         _say("interrupted")
     return code if isinstance(code, int) else 0
