@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify test lint prove bench docs clean
+.PHONY: verify test lint prove bench docs docs-check clean
 
 verify: $(VENV)/ready
 	$(BIN)/stickslip build
@@ -29,7 +29,11 @@ bench: $(VENV)/ready
 
 # Files under docs/ that are made from the code.
 docs: $(VENV)/ready
+	$(BIN)/stickslip simulate --stop-time 2 --plot docs/stick-slip.png
 	$(BIN)/python docs/generate.py
+
+docs-check: $(VENV)/ready
+	$(BIN)/python docs/generate.py --check
 
 clean:
 	rm -rf build report $(VENV)

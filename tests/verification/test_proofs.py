@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from random import Random
 
@@ -19,18 +20,21 @@ TENTH = 0.1
 
 Running = Iterator[ProofResult | None]
 
+FMU_PROOFS: dict[str, Callable[[Path, int, float], Running]] = {
+    "cycle": proof_cycles.fmu_cycle,
+    "damped cycle": proof_cycles.damped_cycle,
+    "million cycles": proof_cycles.million_cycles,
+    "sequences": proof_sequences.split_and_truth,
+    "tuned sequences": partial(proof_sequences.split_and_truth, tunable=True),
+    "energy": proof_sequences.energy,
+    "no hidden scale": proof_sequences.no_hidden_scale,
+}
+
 
 @pytest.mark.parametrize(
     "proof",
-    [
-        proof_cycles.fmu_cycle,
-        proof_cycles.damped_cycle,
-        proof_cycles.million_cycles,
-        proof_sequences.split_and_truth,
-        proof_sequences.energy,
-        proof_sequences.no_hidden_scale,
-    ],
-    ids=lambda proof: proof.__name__,
+    FMU_PROOFS.values(),
+    ids=FMU_PROOFS,
 )
 def test_the_fmu_holds_on_a_tenth_of_each_set(
     proof: Callable[[Path, int, float], Running], fmu_path: Path
@@ -61,7 +65,7 @@ def test_all_proofs_run_in_one_call(fmu_path: Path) -> None:
     results = prove(fmu_path, seed=2, fraction=0.001, progress=lambda name, *_: told.add(name))
     assert {result.side for result in results} == {"fmu", "reference"}
     assert len({result.name for result in results}) == len(results)
-    assert len(told) == 8
+    assert len(told) == 9
     assert all(result.passed for result in results)
     with pytest.raises(ValueError, match="fraction = 0"):
         prove(fmu_path, fraction=0.0)
@@ -69,15 +73,8 @@ def test_all_proofs_run_in_one_call(fmu_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "proof",
-    [
-        proof_cycles.fmu_cycle,
-        proof_cycles.damped_cycle,
-        proof_cycles.million_cycles,
-        proof_sequences.split_and_truth,
-        proof_sequences.energy,
-        proof_sequences.no_hidden_scale,
-    ],
-    ids=lambda proof: proof.__name__,
+    FMU_PROOFS.values(),
+    ids=FMU_PROOFS,
 )
 def test_an_fmu_that_cannot_be_asked_is_refuted(
     proof: Callable[[Path, int, float], Running], foreign_fmu: Path

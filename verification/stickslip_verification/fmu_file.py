@@ -5,8 +5,11 @@ Nothing is known of the FMU but its archive, so any FMU 2.0 for co-simulation ca
 
 from __future__ import annotations
 
+import atexit
+import contextlib
 import ctypes
 import itertools
+import os
 import shutil
 import tempfile
 import weakref
@@ -50,6 +53,24 @@ def _take_the_log() -> None:
     """
     _CALLBACKS.logger = _log
     fmpy.logging.addLoggerProxy(ctypes.byref(_CALLBACKS))
+
+
+# Libraries that were loaded; FMUs that pythonfmu wrapped stay loaded for good.
+_LOADED: set[str] = set()
+
+
+@atexit.register
+def _let_go() -> None:
+    """Make pythonfmu's wrappers release the interpreter now.
+
+    Left to themselves they do it twice when the process ends, the second time in freed memory.
+    """
+    only_if_loaded = getattr(os, "RTLD_NOLOAD", None)
+    if only_if_loaded is None:
+        return
+    for library in _LOADED:
+        with contextlib.suppress(OSError, AttributeError):
+            ctypes.CDLL(library, mode=only_if_loaded).finalizePythonInterpreter()
 
 
 class FmuError(RuntimeError):
@@ -124,6 +145,7 @@ class FmuInstance:
             )
         except Exception as error:
             raise FmuError(f"{fmu.path.name}: {_one_line(error)}") from None
+        _LOADED.add(self._slave.dll._name)
         _take_the_log()
         try:
             self._slave.instantiate(callbacks=_CALLBACKS, loggingOn=True)

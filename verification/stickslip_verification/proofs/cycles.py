@@ -20,6 +20,9 @@ from stickslip_verification.proofs.mover import Motion, Mover, State
 from stickslip_verification.proofs.tally import ProofResult, Tally, relative
 
 CYCLE = ("t_stick", "t_slip", "T", "delta_x", "spring_drop")
+POINTS = 5000
+SHALLOW_POINTS = 1000
+DAMPED_POINTS = 1000
 FMU_BOUND = 1e-12
 REFERENCE_BOUND = 1e-9
 SMALLEST_REFERENCE_LAMBDA = 1e-3
@@ -39,7 +42,7 @@ def undamped_points(seed: int, fraction: float) -> Iterator[tuple[Point, Random]
 
     With each comes a source of numbers of its own, for what else is drawn about it.
     """
-    for kind, whole in ((draws.steady_cycle, 5000), (draws.shallow_cycle, 1000)):
+    for kind, whole in ((draws.steady_cycle, POINTS), (draws.shallow_cycle, SHALLOW_POINTS)):
         for n in range(_share(whole, fraction)):
             draw = Random(f"{kind.__name__} {n} of {seed}")
             yield kind(draw), draw
@@ -118,7 +121,7 @@ def damped_points(seed: int, fraction: float) -> Iterator[tuple[Point, float, Ra
 
     From zeta = 1 on there is no cycle at any lambda: there d is -1.
     """
-    for n in range(_share(1000, fraction)):
+    for n in range(_share(DAMPED_POINTS, fraction)):
         draw = Random(f"damped_cycle {n} of {seed}")
         p, zeta = draws.damped_oscillator(draw)
         critical = _critical_lambda(zeta) if zeta < 1.0 else math.inf

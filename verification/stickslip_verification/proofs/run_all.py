@@ -52,14 +52,16 @@ def prove(
 def _proofs(
     fmu: Path, seed: int, fraction: float
 ) -> Iterator[tuple[str, int, Iterator[ProofResult | None]]]:
-    points = round(6000 * fraction)
-    damped = round(1000 * fraction)
+    points = round((cycles.POINTS + cycles.SHALLOW_POINTS) * fraction)
+    damped = round(cycles.DAMPED_POINTS * fraction)
     motions = round(sequences.SEQUENCES * fraction)
     yield "steady cycle, FMU", points, cycles.fmu_cycle(fmu, seed, fraction)
     yield "steady cycle, reference", points, cycles.reference_cycle(seed, fraction)
     yield "steady cycle, formulas", points, cycles.reference_formulas(seed, fraction)
     yield "damped cycle", damped, cycles.damped_cycle(fmu, seed, fraction)
     yield "input sequences", motions, sequences.split_and_truth(fmu, seed, fraction)
+    tuned = sequences.split_and_truth(fmu, seed, fraction, tunable=True)
+    yield "parameters changing", round(sequences.TUNED * fraction), tuned
     yield "energy", motions, sequences.energy(fmu, seed, fraction)
     yield "no hidden scale", motions, sequences.no_hidden_scale(fmu, seed, fraction)
     yield "a million cycles", 0, cycles.million_cycles(fmu, seed, fraction)

@@ -16,6 +16,7 @@ from stickslip_verification.proofs.tally import ProofResult, Tally
 from stickslip_verification.quantities import OUTPUT_NAMES, QUANTITIES
 
 SEQUENCES = 5000
+TUNED = 1000
 SPLIT_BOUND = 1e-12
 TRUTH_BOUND = 1e-10
 ENERGY_BOUND = 1e-11
@@ -36,25 +37,34 @@ COUNTED = tuple(name for name in OUTPUT_NAMES if QUANTITIES[name].discrete)
 Factors = Mapping[str, float]
 
 
-def split_and_truth(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None]:
+def split_and_truth(
+    fmu: Path, seed: int, fraction: float, *, tunable: bool = False
+) -> Iterator[ProofResult | None]:
     """Prove that one step and the same split give one motion, and that it is the exact one.
 
+    With `tunable` the parameters k, c, mu_s and mu_k change on the way as well as the inputs.
     Yields None after each draw, and the two results at last.
     """
+    what = ", parameters changing too" if tunable else ""
+    kind, whole_set = ("tuned ", TUNED) if tunable else ("", SEQUENCES)
     splitting = Tally(
-        "one step or many",
+        f"one step or many{what}",
         "fmu",
         "1e-12 of the motion's scale, steps down to 1e-13 s",
         seed,
         most_left_out=0.01,
     )
     exactness = Tally(
-        "any input sequence", "fmu", "1e-10 of the motion's scale", seed, most_left_out=0.01
+        f"any input sequence{what}",
+        "fmu",
+        "1e-10 of the motion's scale",
+        seed,
+        most_left_out=0.01,
     )
     with Mover(fmu, OUTPUT_NAMES) as mover:
-        for n in range(_share(SEQUENCES, fraction)):
-            draw = Random(f"sequence {n} of {seed}")
-            motion = draws.sequence(draw, tunable=False)
+        for n in range(_share(whole_set, fraction)):
+            draw = Random(f"{kind}sequence {n} of {seed}")
+            motion = draws.sequence(draw, tunable=tunable)
             exact = None if _crept_out(motion) else _exact(motion.parameters, motion.intervals)
             if exact is None or exact.margin < SMALLEST_MARGIN:
                 splitting.leave_out()
@@ -64,7 +74,7 @@ def split_and_truth(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResu
             samples = [{k: float(v) for k, v in sample.items()} for sample in exact.samples]
             scale = scales(motion, samples)
             pieces = [draws.split(draw, interval.h) for interval in motion.intervals]
-            if n == 0:
+            if n == 0 and not tunable:
                 longest = max(range(len(pieces)), key=lambda i: motion.intervals[i].h)
                 pieces[longest] = draws.split(
                     draw, motion.intervals[longest].h, _share(MANY, fraction)
@@ -192,16 +202,15 @@ def _crept_out(motion: draws.Sequence) -> bool:
     left of its speed is lost in rounding, only rounding decides whether the next change finds it
     moving or at rest.
     """
-    p = motion.parameters
-    if p.get("c", 0.0) ** 2 < 4.0 * p["k"] * p["m"]:
-        return False
-    v = p["v"]
-    fastest = abs(v)
+    values = dict(motion.parameters)
+    fastest = abs(values["v"])
     for n, interval in enumerate(motion.intervals[:-1]):
-        v = interval.changes.get("v", v)
-        fastest = max(fastest, abs(v))
-        if v == 0.0:
-            left = abs(_exact(p, motion.intervals[: n + 1]).samples[-1]["x_dot"])
+        values |= interval.changes
+        fastest = max(fastest, abs(values["v"]))
+        overdamped = values.get("c", 0.0) ** 2 >= 4.0 * values["k"] * values["m"]
+        if values["v"] == 0.0 and overdamped:
+            so_far = _exact(motion.parameters, motion.intervals[: n + 1])
+            left = abs(so_far.samples[-1]["x_dot"])
             if 0.0 < left < SMALLEST_MARGIN * fastest:
                 return True
     return False

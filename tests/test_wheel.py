@@ -1,0 +1,43 @@
+"""The wheel: everything that a user installs is in it."""
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def names(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
+    """Return the names of the files in the wheel of this source tree."""
+    folder = tmp_path_factory.mktemp("wheel")
+    # No isolated build: hatchling is among the tools that the tests are installed with.
+    options = ["--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder)]
+    done = subprocess.run(
+        [sys.executable, "-m", "pip", "wheel", *options, str(ROOT)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    (wheel,) = folder.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        return set(archive.namelist())
+
+
+def test_the_four_packages_are_typed(names: set[str]) -> None:
+    """Each package is in the wheel with its marker for type checkers."""
+    packages = ("stickslip", "stickslip_fmu", "stickslip_ref", "stickslip_verification")
+    assert {f"{package}/py.typed" for package in packages} <= names
+
+
+def test_the_cases_travel(names: set[str]) -> None:
+    """Every case of the source tree, and their schema, is in the wheel."""
+    folder = ROOT / "verification" / "stickslip_verification"
+    data = [folder / "case.schema.json", *(folder / "cases").glob("*.toml")]
+    assert len(data) > 40
+    assert {path.relative_to(folder.parent).as_posix() for path in data} <= names
