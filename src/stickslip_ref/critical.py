@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .parameters import FloatOrArray, Parameters, _number
+from .parameters import FloatOrArray, Parameters, plain_number
 
 _MAX_ITERATIONS = 200
 """Bisection alone needs about 60; Newton from the starts below needs 3 to 8."""
@@ -35,7 +35,7 @@ def critical_lambda(zeta: ArrayLike) -> FloatOrArray:
         bad = ratio[~((ratio >= 0.0) & (ratio < np.inf))].flat[0]
         raise ValueError(f"zeta = {float(bad)!r} is out of range; it must be finite and >= 0")
     with np.errstate(over="ignore"):
-        return _number(np.exp(_log_critical_lambda(ratio)))
+        return plain_number(np.exp(_log_critical_lambda(ratio)))
 
 
 def critical_velocity(p: Parameters) -> FloatOrArray:
@@ -57,7 +57,7 @@ def critical_velocity(p: Parameters) -> FloatOrArray:
     with np.errstate(over="ignore"):
         # exp(-ln lambda_c) is 0 where lambda_c is infinite, without a division.
         slowest = p.w * p.Delta * np.exp(-_log_critical_lambda(np.where(zeta > 0.0, zeta, 0.5)))
-    return _number(np.where(zeta > 0.0, slowest, np.inf))
+    return plain_number(np.where(zeta > 0.0, slowest, np.inf))
 
 
 def _log_critical_lambda(zeta: NDArray[np.float64]) -> NDArray[np.float64]:

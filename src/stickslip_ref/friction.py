@@ -6,14 +6,13 @@ simulation asks nothing else of it. docs/theory.md (1), (4).
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Protocol
 
 from .parameters import Parameters
 
-REST_ULPS = 8
-"""Rounding slack of the rest test, in ulp of the sum of the forces it compares; theory (4)."""
+REST_SLACK = 8.0 * 2.0**-52
+"""Rounding slack of the rest test, relative to the sum of the forces it compares; theory (4)."""
 
 
 class FrictionLaw(Protocol):
@@ -65,7 +64,8 @@ def breaks_away(spring_force: float, F_ext: float, F_s: float, uncertainty: floa
 
     Notes
     -----
-    Equality sticks, and "more" means by more than rounding: 8 ulp of ``|k z| + |F_ext| + F_s``.
+    Equality sticks, and "more" means by more than rounding: ``8 * 2**-52`` of
+    ``|k z| + |F_ext| + F_s``.
     """
-    slack = REST_ULPS * math.ulp(abs(spring_force) + abs(F_ext) + F_s)
-    return abs(spring_force + F_ext) > F_s + slack + uncertainty
+    slack = REST_SLACK * (abs(spring_force) + abs(F_ext) + F_s)
+    return abs(spring_force + F_ext) - F_s > slack + uncertainty

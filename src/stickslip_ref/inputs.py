@@ -72,19 +72,20 @@ def segments(
         If a change lies before the start, or takes a parameter out of its range.
     """
     result: list[Segment] = []
+    stop = stop_time - start_time
     for change in sorted(changes, key=lambda each: each.time):
         if change.time < start_time:
             raise ValueError(
                 f"a change at {change.time!r} s lies before the start of the run at "
                 f"{start_time!r} s"
             )
-        if change.time >= stop_time and stop_time > start_time:
-            break
         elapsed = change.time - start_time
+        if elapsed >= stop > 0.0:
+            break
         if elapsed > (result[-1].end if result else 0.0):
             result.append(Segment(elapsed, p))
         p = _changed(p, change.values)
-    result.append(Segment(stop_time - start_time, p))
+    result.append(Segment(stop, p))
     return result
 
 

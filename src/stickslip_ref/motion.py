@@ -38,11 +38,13 @@ class Account:
 class Arc:
     """A piece of motion in one mode under one set of parameters, and the state it begins with.
 
-    ``begin`` counts from the start of the run [s]. ``closed`` says that the arc ends with its
-    segment and not with an event. ``sample`` is as in `slip.Slip`, for sticks too.
+    ``begin`` and ``end`` count from the start of the run [s]; ``end`` is a number of its own since
+    ``begin + duration`` may round past it. ``closed`` says that the arc ends with its segment, at
+    the segment's very end, and not with an event. ``sample`` is as in `slip.Slip`, for sticks too.
     """
 
     begin: float
+    end: float
     duration: float
     closed: bool
     mode: int
@@ -121,8 +123,10 @@ class Motion:
         while True:
             left = max(segment.end - self.now, 0.0)
             duration, sample, event = self._slip(left) if self.mode else self._stick(left)
+            end = min(self.now + duration, segment.end) if event else segment.end
             yield Arc(
                 begin=self.now,
+                end=end,
                 duration=duration,
                 closed=event is None,
                 mode=self.mode,
@@ -133,9 +137,8 @@ class Motion:
                 n_events=len(self.events),
                 sample=sample,
             )
-            self._advance(duration, sample)
+            self._advance(duration, end, sample)
             if event is None:
-                self.now = segment.end
                 return
             event()
 
@@ -169,7 +172,7 @@ class Motion:
             return slip.duration, slip.sample, self._graze
         return slip.duration, slip.sample, partial(self._stop_slip, slip.uncertainty)
 
-    def _advance(self, duration: float, sample: Sampling) -> None:
+    def _advance(self, duration: float, end: float, sample: Sampling) -> None:
         """Take over the state at the end of an arc. In stick, x keeps every bit."""
         relief, x_dot, integral_z, heat = (float(each[0]) for each in sample(np.array([duration])))
         p, account = self.p, self.account
@@ -187,9 +190,9 @@ class Motion:
         self._open.duration += duration
         self._open.delta_x += step
         self._open.spring_drop += relief
-        if self.now + duration > self.now:
+        if end > self.now:
             self._simultaneous = 0
-            self.now += duration
+            self.now = end
 
     def _break_away(self) -> None:
         """Break away at F_s, in the direction of the pull."""

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 FloatOrArray = float | NDArray[np.float64]
 """A number, or an array of them."""
 
+_TINY, _HUGE = float(np.finfo(float).tiny), float(np.finfo(float).max)
+"""The least and the largest double with all its digits."""
+
 CLAMP_GAP = 0.01
 """How far below mu_s a mu_k that exceeds it is put [-]."""
 
@@ -85,8 +88,8 @@ class Parameters:
     Raises
     ------
     ValueError
-        If a field is no number, is out of range (the message names field, value and range), or if
-        the arrays do not broadcast.
+        If a field is no number, is out of range (the message names field, value and range), if
+        the arrays do not broadcast, or if ``k / m`` or ``(c / m)^2`` leaves double precision.
 
     Warns
     -----
@@ -112,6 +115,7 @@ class Parameters:
             object.__setattr__(self, name, _checked(name, getattr(self, name), bound))
         shape = _common_shape(self)
         _check_load(self.m, self.g, self.load)
+        _check_rates(self.k, self.m, self.c)
         object.__setattr__(self, "_shape", shape)
         object.__setattr__(self, "_mu_k_used", _clamped(self.mu_s, self.mu_k))
 
@@ -126,7 +130,8 @@ class Parameters:
     @property
     def shape(self) -> tuple[int, ...]:
         """Common shape of the fields; ``()`` where all are numbers."""
-        return self.__dict__["_shape"]  # type: ignore[no-any-return]
+        shape: tuple[int, ...] = self.__dict__["_shape"]
+        return shape
 
     @property
     def N(self) -> FloatOrArray:  # noqa: N802 - the symbol of the theory
@@ -136,7 +141,8 @@ class Parameters:
     @property
     def mu_k_used(self) -> FloatOrArray:
         """``mu_k``, but ``max(mu_s - 0.01, 0)`` where ``mu_k > mu_s`` [-]."""
-        return self.__dict__["_mu_k_used"]  # type: ignore[no-any-return]
+        used: FloatOrArray = self.__dict__["_mu_k_used"]
+        return used
 
     @property
     def F_s(self) -> FloatOrArray:  # noqa: N802 - the symbol of the theory
@@ -146,7 +152,7 @@ class Parameters:
     @property
     def w(self) -> FloatOrArray:
         """Natural frequency ``sqrt(k / m)`` [rad/s]; docs/theory.md (2)."""
-        return _number(np.sqrt(self.k / self.m))
+        return plain_number(np.sqrt(self.k / self.m))
 
     @property
     def zeta(self) -> FloatOrArray:
@@ -162,11 +168,11 @@ class Parameters:
     def lambda_(self) -> FloatOrArray:
         """``w Delta / |v|`` [-]; docs/theory.md (2). Infinite (NaN where Delta = 0) at v = 0."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return _number(np.divide(self.w * self.Delta, np.abs(self.v)))
+            return plain_number(np.divide(self.w * self.Delta, np.abs(self.v)))
 
 
-def _number(value: Any) -> FloatOrArray:
-    """Give a NumPy result back as the plain float it is where it has no shape."""
+def plain_number(value: Any) -> FloatOrArray:
+    """Return a NumPy result, as a plain float where it has no shape."""
     return float(value) if np.ndim(value) == 0 else value
 
 
@@ -223,6 +229,30 @@ def _check_load(m: FloatOrArray, g: FloatOrArray, load: FloatOrArray) -> None:
     )
 
 
+def _check_rates(k: FloatOrArray, m: FloatOrArray, c: FloatOrArray) -> None:
+    """Refuse a w^2 or (2 zeta w)^2 that overflows, or a w^2 too small for all of its digits."""
+    if not (np.size(k) and np.size(m) and np.size(c)):
+        return
+    # The extremes of the quotients, without a temporary as large as the field.
+    if _in_range(np.max(k), np.min(m), np.max(c)) and _in_range(np.min(k), np.max(m), 0.0):
+        return
+    good = _in_range(k, m, c)
+    if np.all(good):
+        return
+    where = int(np.argmin(good))
+    k_, m_, c_ = (float(np.broadcast_to(a, np.shape(good)).flat[where]) for a in (k, m, c))
+    raise ValueError(
+        f"k = {k_!r} N/m, m = {m_!r} kg and c = {c_!r} N.s/m are out of range together; "
+        f"k / m must be {_TINY:.3g} to {_HUGE:.3g} 1/s2, (c / m)^2 at most {_HUGE:.3g} 1/s2"
+    )
+
+
+def _in_range(k: FloatOrArray, m: FloatOrArray, c: FloatOrArray) -> NDArray[np.bool_]:
+    with np.errstate(over="ignore", under="ignore"):
+        stiffness, damping = np.divide(k, m), np.square(np.divide(c, m))
+    return np.asarray((stiffness >= _TINY) & (stiffness <= _HUGE) & (damping <= _HUGE))
+
+
 def _clamped(mu_s: FloatOrArray, mu_k: FloatOrArray) -> FloatOrArray:
     """Return mu_k where it does not exceed mu_s, its clamp elsewhere, and warn of the latter."""
     above = np.greater(mu_k, mu_s)
@@ -239,4 +269,4 @@ def _clamped(mu_s: FloatOrArray, mu_k: FloatOrArray) -> FloatOrArray:
         FrictionClampWarning,
         stacklevel=4,
     )
-    return _number(used)
+    return plain_number(used)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -59,12 +61,12 @@ class Sampler:
 
     def take(self, arc: Arc) -> None:
         """Sample an arc: from its beginning up to, and if it is closed with, its end."""
-        end = arc.begin + arc.duration
-        upto = int(np.searchsorted(self._wanted, end, side="right" if arc.closed else "left"))
+        side: Literal["left", "right"] = "right" if arc.closed else "left"
+        upto = int(np.searchsorted(self._wanted, arc.end, side=side))
         elapsed = self._wanted[self._taken : upto]
         self._taken = max(upto, self._taken)
         if not self._given:
-            elapsed = self._refined(elapsed, arc, end)
+            elapsed = self._refined(elapsed, arc)
         if elapsed.size:
             self._tables.append(self._table(arc, elapsed))
 
@@ -73,8 +75,8 @@ class Sampler:
         table = np.concatenate([np.empty((len(COLUMNS), 0)), *self._tables], axis=1)
         return dict(zip(COLUMNS, table, strict=True))
 
-    def _refined(self, elapsed: Floats, arc: Arc, end: float) -> Floats:
-        own = np.linspace(arc.begin, end, (SLIP_INTERVALS if arc.mode else 1) + 1)
+    def _refined(self, elapsed: Floats, arc: Arc) -> Floats:
+        own = np.linspace(arc.begin, arc.end, (SLIP_INTERVALS if arc.mode else 1) + 1)
         points = np.union1d(elapsed, own if arc.closed else own[:-1])
         points = points[points > self._last]
         if points.size:
@@ -84,12 +86,16 @@ class Sampler:
     def _table(self, arc: Arc, elapsed: Floats) -> Floats:
         p, account = arc.p, arc.account
         k, v, F_ext = float(p.k), float(p.v), float(p.F_ext)
-        local = np.clip(elapsed - arc.begin, 0.0, arc.duration)
+        # At the end of the arc its own duration counts, which the difference may miss by rounding.
+        local = np.where(
+            elapsed < arc.end, np.clip(elapsed - arc.begin, 0.0, arc.duration), arc.duration
+        )
         relief, x_dot, integral_z, heat = arc.sample(local)
         z = arc.z - relief
         step = v * local + relief if arc.mode else np.zeros_like(local)
         x = arc.x + step
-        friction = -(k * z + F_ext) if arc.mode == 0 else self._friction(arc, x_dot)
+        # Subtracted from 0.0, no force at all is 0.0 and not -0.0.
+        friction = 0.0 - (k * z + F_ext if arc.mode == 0 else self._resistance(arc, x_dot))
         rows = (
             *(elapsed, x, x_dot, x + z, z, k * z, friction),
             *(self._law.break_away_force(p), arc.mode, p.mu_k_used),
@@ -101,13 +107,13 @@ class Sampler:
         )
         return np.stack([np.broadcast_to(np.asarray(row, float), elapsed.shape) for row in rows])
 
-    def _friction(self, arc: Arc, x_dot: Floats) -> Floats:
-        """Return friction and damping on the slipping mass [N]."""
+    def _resistance(self, arc: Arc, x_dot: Floats) -> Floats:
+        """Return friction and damping of the slipping mass [N], along x."""
         if self._law.constant_in_slip:
             dry = np.full_like(x_dot, self._law.slip_friction(arc.p, 0.0))
         else:
             dry = np.array([self._law.slip_friction(arc.p, abs(each)) for each in x_dot])
-        return -arc.mode * dry - float(arc.p.c) * x_dot
+        return arc.mode * dry + float(arc.p.c) * x_dot
 
 
 def _check_times(times: Floats, start_time: float, stop_time: float) -> None:

@@ -283,9 +283,10 @@ def _solve(
         return 1.0 if from_rest and tau == 0.0 else s * problem.acceleration(y)
 
     grows_first = from_rest or turn(0.0, y) > 0.0
+    # SciPy takes an event's options as attributes of the function, which typing has no word for.
     velocity.terminal, velocity.direction = not never_ends, -1  # type: ignore[attr-defined]
     # Where s x_dot grows, its first turn is a maximum, its second the minimum that is looked for.
-    turn.terminal = False if never_ends else 1 + grows_first  # type: ignore[attr-defined]
+    turn.terminal = False if never_ends else 1 + grows_first  # type: ignore[attr-defined]  # same
     stiff = problem.stiff
     rtol = problem.tolerance(rtol)
     atol = max(ATOL * min(1.0, abs(problem.beta)), LEAST_ATOL)
