@@ -94,3 +94,34 @@ def test_equal_parameters_are_equal() -> None:
     assert Parameters(k=np.array([1.0, 2.0])) == Parameters(k=np.array([1.0, 2.0]))
     assert Parameters() != Parameters(v=0.03)
     assert hash(Parameters()) == hash(Parameters())
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"k": 1e308, "m": 1e-308},
+        {"k": 1e-300, "m": 1e300},
+        {"k": 1e-320},
+        {"c": 1e300},
+    ],
+)
+def test_rates_beyond_double_precision_are_refused(values: dict[str, float]) -> None:
+    """Stiffness, mass and damping whose rates no double holds are refused, all three named."""
+    with pytest.raises(ValueError, match="out of range together; k / m must be") as refusal:
+        Parameters(**values)
+    for name, value in ({"k": 1000.0, "m": 1.0, "c": 0.0} | values).items():
+        assert f"{name} = {value!r}" in str(refusal.value)
+
+
+def test_rates_are_checked_point_by_point() -> None:
+    """A field is refused for a pair of its points that meet, not for one that does not."""
+    k, m = np.array([1e-200, 1e200]), np.array([1e-200, 1e200])
+    assert Parameters(k=k, m=m).shape == (2,)
+    with pytest.raises(ValueError, match=r"k = 1e\+200 N/m, m = 1e-200 kg"):
+        Parameters(k=k, m=m[::-1])
+
+
+def test_a_number_without_a_unit_is_named_without_one() -> None:
+    """A friction coefficient is a number; no unit follows it."""
+    with pytest.raises(ValueError, match=r"^mu_s = -1\.0 is out of range; it must be finite"):
+        Parameters(mu_s=-1.0)

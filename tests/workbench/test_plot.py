@@ -9,7 +9,7 @@ import pytest
 from stickslip.curve import curve, stick_phases
 from stickslip.errors import CommandError
 from stickslip.plot import figure, write_plot
-from stickslip.run import sample_times
+from stickslip.run import Run, events_between, sample_times
 from stickslip.scales import FORCES, LENGTHS, scale_for
 
 from .motion_in_closed_form import ClosedForm
@@ -55,6 +55,25 @@ def test_the_overshoot_is_explained_where_it_is_seen() -> None:
     page = figure(MOTION.run(sample_times(0.0, 2.0, 0.01)))
     notes = [text.get_text() for text in page.axes[1].texts]
     assert any("0.099 N" in note and "pulled end still moves" in note for note in notes)
+
+
+def test_what_the_samples_do_not_show_is_not_drawn() -> None:
+    """With hidden events there are points, the samples, unshaded and unjoined, and a note."""
+    times = sample_times(0.0, 10.0, 0.5)
+    samples = MOTION.samples(times)
+    events, hidden = events_between(samples, 0.02)
+    run = Run("fmu", MOTION.parameters, samples, events, hidden)
+    assert hidden > 0
+    upper, lower = figure(run).axes
+    assert "points only, choose a shorter interval" in upper.get_title(loc="right")
+    assert not upper.patches
+    assert not lower.patches
+    assert not upper.collections
+    pulled_end, mass = upper.lines
+    force = lower.lines[0]
+    for line, output, size in ((pulled_end, "x_pull", 1e-3), (mass, "x", 1e-3), (force, "F", 1.0)):
+        assert line.get_linestyle() == "None"
+        assert np.array_equal(np.asarray(line.get_ydata()), samples[output] / size)
 
 
 @pytest.mark.parametrize(

@@ -42,6 +42,18 @@ def test_intervals_with_more_than_two_events_are_counted() -> None:
     assert len(found) < len(run.events)
 
 
+@pytest.mark.parametrize("interval", [0.33, 0.4, 0.5, 0.7])
+def test_an_event_beside_a_hidden_one_is_placed_exactly_or_not_at_all(interval: float) -> None:
+    """No event is placed from one that the samples do not show."""
+    run = MOTION.run(sample_times(0.0, 10.0, interval))
+    found, _ = events_between(run.samples, 0.02)
+    for event in found:
+        exact = min(run.events, key=lambda other: abs(other.time - event.time))
+        assert event.kind == exact.kind
+        assert event.time == pytest.approx(exact.time, abs=rounding(10.0))
+        assert event.x == pytest.approx(exact.x, abs=rounding(0.2))
+
+
 def test_sample_times_are_whole_intervals_and_the_stop() -> None:
     """The grid starts at the start, ends at the stop, and its last step may be shorter."""
     assert sample_times(1.0, 2.0, 0.4).tolist() == [1.0, 1.4, 1.8, 2.0]

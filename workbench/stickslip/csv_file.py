@@ -1,16 +1,17 @@
 """Samples as a CSV file in fmpy's format, which `fmpy.util.read_csv` reads back."""
 
+import os
 from pathlib import Path
 
 import numpy as np
 from fmpy.util import write_csv as _fmpy_write_csv
 from numpy.typing import NDArray
 
-from stickslip.files import replacing
+from stickslip.files import writing
 
 
 def write_csv(samples: NDArray[np.void], target: Path, option: str) -> None:
-    """Write samples to `target`, whole or not at all.
+    """Write samples to `target`; a file is written whole or not at all.
 
     fmpy writes a Boolean as ``True``, which its own reader refuses, so Booleans become 0 and 1.
 
@@ -34,5 +35,6 @@ def write_csv(samples: NDArray[np.void], target: Path, option: str) -> None:
             for name in samples.dtype.names or ()
         ]
     )
-    with replacing(target, option) as temporary:
-        _fmpy_write_csv(temporary, samples.astype(numeric))
+    with writing(target, option) as stream:
+        # fmpy opens and closes what it is given: a second descriptor of the stream.
+        _fmpy_write_csv(os.dup(stream.fileno()), samples.astype(numeric))

@@ -26,13 +26,30 @@ class Curve(NamedTuple):
     F: Floats
 
 
+def points(run: Run) -> Curve:
+    """Give the samples alone: all that is known of a run with hidden events.
+
+    Parameters
+    ----------
+    run
+        The run to draw.
+
+    Returns
+    -------
+    Curve
+        The samples, shape (n,), as `curve` gives them.
+    """
+    samples = run.samples
+    return Curve(samples["time"], samples["x"], samples["x_pull"], samples["F"])
+
+
 def curve(run: Run) -> Curve:
     """Give the curve through samples and events, exactly flat in stick.
 
     Parameters
     ----------
     run
-        The run to draw.
+        The run to draw; one without hidden events.
 
     Returns
     -------

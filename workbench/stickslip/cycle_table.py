@@ -1,17 +1,26 @@
 """The cycle of a run beside the exact steady cycle and the one that designers write."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Group, RenderableType
+from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
 import stickslip_ref
 from stickslip.run import Run
-from stickslip.scales import FORCES, FREQUENCIES, LENGTHS, TIMES, VELOCITIES, Scales, scale_for
+from stickslip.scales import (
+    FORCES,
+    FREQUENCIES,
+    LENGTHS,
+    TIMES,
+    VELOCITIES,
+    Fitted,
+    Scales,
+    scale_for,
+)
 
 _ROWS: tuple[tuple[str, str, Scales], ...] = (
     ("F_s", "break-away force", FORCES),
@@ -54,33 +63,50 @@ def cycle_rows(run: Run, p: stickslip_ref.Parameters) -> Iterator[Row]:
 
 
 def cycle_table(run: Run, p: stickslip_ref.Parameters) -> RenderableType:
-    """Make the table of the cycle, with a line that says so where there is none."""
-    table = Table(title=_title(run), title_justify="left", title_style="bold", box=SIMPLE_HEAD)
-    table.add_column("quantity")
-    table.add_column("")
-    table.add_column("unit")
+    """Make the table of the cycle, with a line that says so where there is none.
+
+    Where the line is short, what the quantities mean is left out; where it is shorter still, the
+    deviations are too.
+    """
+    rows = list(cycle_rows(run, p))
+    forms = [
+        _table(_title(run), rows, explained=explained, compared=compared)
+        for explained, compared in ((True, True), (False, True), (False, False))
+    ]
+    notes = list(_no_cycle(run, p))
+    # The break-away force is the same in all columns and needs no note.
+    if any(not math.isnan(row.simplified) for row in rows if row.name != "F_s"):
+        notes.append(
+            "simplified: as designers write it; its jump is the spring's relief, its time in stick "
+            "the first load-up, its time in slip the limit for v → 0"
+        )
+    return Fitted(forms, *(Text(note) for note in notes))
+
+
+def _table(title: str, rows: Sequence[Row], *, explained: bool, compared: bool) -> Table:
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    if explained:
+        table.add_column("quantity", overflow="fold")
+    table.add_column("" if explained else "quantity", overflow="fold")
+    table.add_column("unit", overflow="fold")
     for heading, style in (("measured", "bold"), ("exact", ""), ("simplified", "dim")):
-        table.add_column(heading, justify="right", style=style)
-        if heading != "exact":
-            table.add_column("from exact", justify="right", style=style)
-    for row in cycle_rows(run, p):
+        table.add_column(heading, justify="right", style=style, overflow="fold")
+        if compared and heading != "exact":
+            table.add_column("from exact", justify="right", style=style, overflow="fold")
+    for row in rows:
         shown = next((x for x in (row.exact, row.measured, row.simplified) if x == x), 0.0)
         scale = scale_for(shown, row.scales)
         table.add_row(
-            row.meaning,
+            *([row.meaning] if explained else []),
             row.name,
             scale.symbol,
             _number(row.measured / scale.size),
-            _deviation(row.measured, row.exact),
+            *([_deviation(row.measured, row.exact)] if compared else []),
             _number(row.exact / scale.size),
             _number(row.simplified / scale.size),
-            _deviation(row.simplified, row.exact),
+            *([_deviation(row.simplified, row.exact)] if compared else []),
         )
-    notes = [
-        "simplified: as designers write it; its jump is the spring's relief, its time in stick the "
-        "first load-up, its time in slip the limit for v → 0"
-    ]
-    return Group(table, *(Text(note) for note in [*_no_cycle(run, p), *notes]))
+    return table
 
 
 def _measured_names(run: Run) -> set[str]:

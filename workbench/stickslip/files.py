@@ -1,52 +1,71 @@
-"""Files written whole or not at all."""
+"""Files written whole or not at all, and what is no file written as it is."""
 
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import IO, Final
 
 from stickslip.errors import CommandError
 
+_MOST_LINKS: Final = 40
+"""Links in a row that Linux follows before it takes them for a circle."""
+
 
 @contextmanager
-def replacing(target: Path, option: str) -> Iterator[Path]:
-    """Give a temporary file beside `target` that takes its place when the block ends well.
+def writing(target: Path, option: str) -> Iterator[IO[bytes]]:
+    """Open `target` for writing, so that a file is there whole or as it was before.
 
-    If the block raises, the temporary file is removed and `target` is as it was before.
+    A regular file, at the end of all links, is written beside its place and put there when the
+    block ends well. Anything else (a device, a pipe, /dev/stdout) is written into directly.
 
     Parameters
     ----------
     target
-        The file to write.
+        Where to write.
     option
         The option that named it, for the message.
 
     Yields
     ------
-    Path
-        The temporary file, in the folder of `target` and with its suffix.
+    IO of bytes
+        What to write into; it may be a pipe, so it need not be seekable.
 
     Raises
     ------
     CommandError
-        If the folder is missing or the file cannot be written.
+        If the folder is missing or `target` cannot be written; it names `option` and `target`.
     """
     check_writable(target, option)
     try:
-        handle, name = tempfile.mkstemp(
-            prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent
-        )
-        os.close(handle)
-        temporary = Path(name)
-        try:
-            yield temporary
-            temporary.chmod(0o666 & ~_umask())
-            temporary.replace(target)
-        finally:
-            temporary.unlink(missing_ok=True)
+        descriptor = _own_descriptor(target)
+        if descriptor is not None:
+            # Opened by name, a redirected output would begin again at its first byte.
+            with os.fdopen(os.dup(descriptor), "wb") as stream:
+                yield stream
+        elif _is_special(target):
+            with target.open("wb") as stream:
+                yield stream
+        else:
+            with _replacing(target.resolve()) as stream:
+                yield stream
     except OSError as error:
-        raise _cannot_write(target, option, error.strerror or str(error)) from error
+        raise _cannot_write(target, option, _reason(error)) from error
+
+
+@contextmanager
+def _replacing(file: Path) -> Iterator[IO[bytes]]:
+    handle, name = tempfile.mkstemp(prefix=".stickslip-", dir=file.parent)
+    temporary = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            yield stream
+        temporary.chmod(0o666 & ~_umask())
+        temporary.replace(file)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def check_writable(target: Path, option: str) -> None:
@@ -59,12 +78,49 @@ def check_writable(target: Path, option: str) -> None:
     option
         The option that named it, for the message.
     """
+    try:
+        obstacle = _obstacle(target)
+    except OSError as error:
+        obstacle = _reason(error)
+    if obstacle is not None:
+        raise _cannot_write(target, option, obstacle)
+
+
+def _obstacle(target: Path) -> str | None:
+    descriptor = _own_descriptor(target)
+    if descriptor is not None:
+        os.fstat(descriptor)
+        return None
     if target.is_dir():
-        raise _cannot_write(target, option, "it is a folder")
-    if not target.parent.is_dir():
-        raise _cannot_write(target, option, f"there is no folder {target.parent}")
-    if not os.access(target.parent, os.W_OK | os.X_OK):
-        raise _cannot_write(target, option, f"the folder {target.parent} is not writable")
+        return "it is a folder"
+    if _is_special(target):
+        return None if os.access(target, os.W_OK) else "it is not writable"
+    folder = target.resolve().parent if target.is_symlink() else target.parent
+    if not folder.is_dir():
+        return f"there is no folder {folder}"
+    if not os.access(folder, os.W_OK | os.X_OK):
+        return f"the folder {folder} is not writable"
+    return None
+
+
+def _own_descriptor(target: Path) -> int | None:
+    """Give the descriptor of this process that a name like /dev/stdout means, else None."""
+    descriptors = (Path(f"/proc/{os.getpid()}/fd"), Path("/dev/fd"))
+    path = target
+    for _ in range(_MOST_LINKS):
+        if path.name.isdecimal() and path.parent.resolve() in descriptors:
+            return int(path.name)
+        if not path.is_symlink():
+            return None
+        path = path.parent / path.readlink()
+    return None
+
+
+def _is_special(target: Path) -> bool:
+    try:
+        return not stat.S_ISREG(target.stat().st_mode)
+    except FileNotFoundError:
+        return False
 
 
 def make_folder(folder: Path, option: str) -> None:
@@ -78,12 +134,17 @@ def make_folder(folder: Path, option: str) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise CommandError(f"{option} {folder}: cannot make the folder: {reason}") from error
+        message = f"{option} {folder}: cannot make the folder: {_reason(error)}"
+        raise CommandError(message) from error
 
 
 def _cannot_write(target: Path, option: str, reason: str) -> CommandError:
     return CommandError(f"{option} {target}: cannot write the file: {reason}")
+
+
+def _reason(error: OSError) -> str:
+    # The text of the error itself may name the temporary file.
+    return error.strerror or type(error).__name__
 
 
 def _umask() -> int:

@@ -1,13 +1,14 @@
 """A run as a picture: the mass beside the pulled end, the spring force with its break-away line."""
 
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from stickslip.curve import Curve, curve, stick_phases
+from stickslip.curve import Curve, curve, points, stick_phases
 from stickslip.errors import CommandError
-from stickslip.files import replacing
+from stickslip.files import writing
 from stickslip.run import Run
 from stickslip.scales import FORCES, LENGTHS, STIFFNESSES, TIMES, VELOCITIES, Scale, scale_for
 
@@ -22,6 +23,7 @@ _GREY: Final = "#8d939c"
 _ORANGE: Final = "#e2761b"
 _SHADE: Final = "#edf0f4"
 _INK: Final = "#2b2f36"
+_ALARM: Final = "#b3261e"
 _STYLE: Final[Any] = {
     "font.size": 10,
     "axes.edgecolor": _GREY,
@@ -41,6 +43,8 @@ _STYLE: Final[Any] = {
 
 _MOST_MARKED_EVENTS: Final = 100
 
+_POINTS_ONLY: Final = "more events than samples: points only, choose a shorter interval"
+
 _VISIBLE: Final = 0.005
 """Part of a panel's height that an eye tells from nothing: about the width of a line."""
 
@@ -54,7 +58,7 @@ def check_format(target: Path, option: str) -> None:
 
 
 def write_plot(run: Run, target: Path, option: str) -> None:
-    """Draw `run` into `target`, whole or not at all.
+    """Draw `run` into `target`; a file is written whole or not at all.
 
     Parameters
     ----------
@@ -76,21 +80,27 @@ def write_plot(run: Run, target: Path, option: str) -> None:
     suffix = target.suffix.lower().removeprefix(".")
     # The file says what was run, not when: the same run gives the same bytes.
     metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
-    with matplotlib.rc_context(_STYLE), replacing(target, option) as temporary:
-        figure(run).savefig(temporary, format=suffix, dpi=160, metadata=metadata)
+    picture = io.BytesIO()
+    with matplotlib.rc_context(_STYLE):
+        figure(run).savefig(picture, format=suffix, dpi=160, metadata=metadata)
+    with writing(target, option) as stream:
+        stream.write(picture.getvalue())
 
 
 def figure(run: Run) -> "Figure":
-    """Draw `run`: position above, spring force below, stick phases shaded, events marked."""
+    """Draw `run`: position above, spring force below, stick phases shaded, events marked.
+
+    A run with hidden events is drawn as its samples only: what lies between them is not known.
+    """
     from matplotlib.figure import Figure
 
-    drawn = curve(run)
+    drawn = points(run) if run.hidden_events else curve(run)
     start, stop = float(run.samples["time"][0]), float(run.last["time"])
     time = scale_for(max(abs(start), abs(stop)), TIMES, 0.1)
     page = Figure(figsize=(10.0, 6.4), layout="constrained")
     upper, lower = page.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     for panel in (upper, lower):
-        for begin, end in stick_phases(run):
+        for begin, end in () if run.hidden_events else stick_phases(run):
             panel.axvspan(begin / time.size, end / time.size, color=_SHADE, lw=0, zorder=0)
     _draw_motion(upper, run, drawn, time)
     _draw_force(lower, run, drawn, time)
@@ -106,14 +116,24 @@ def _draw_motion(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
 
     length = scale_for(float(np.max(np.abs([drawn.x, drawn.x_pull]))), LENGTHS, 2.0)
     t = drawn.t / time.size
-    panel.plot(
-        t, drawn.x_pull / length.size, color=_GREY, lw=1.2, label=r"pulled end $x_\mathrm{pull}$"
+    pulled_end, mass = (
+        (_points(run, 1.6), _points(run)) if run.hidden_events else ({"lw": 1.2}, {"lw": 1.8})
     )
-    panel.plot(t, drawn.x / length.size, color=_BLUE, lw=1.8, label="mass $x$")
+    panel.plot(
+        t,
+        drawn.x_pull / length.size,
+        color=_GREY,
+        label=r"pulled end $x_\mathrm{pull}$",
+        **pulled_end,
+    )
+    panel.plot(t, drawn.x / length.size, color=_BLUE, label="mass $x$", **mass)
     _mark(panel, run, time, [event.x / length.size for event in run.events], _BLUE)
     panel.set_ylabel(f"position  [{length.symbol}]")
     handles, _ = panel.get_legend_handles_labels()
-    handles.append(Patch(color=_SHADE, label="stick"))
+    if run.hidden_events:
+        panel.set_title(_POINTS_ONLY, loc="right", fontsize=10, color=_ALARM, weight="bold")
+    else:
+        handles.append(Patch(color=_SHADE, label="stick"))
     panel.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=6, borderpad=0)
 
 
@@ -121,7 +141,8 @@ def _draw_force(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
     lines = _break_away_lines(run)
     largest = float(np.max(np.abs([*drawn.F, *lines.values()])))
     force = scale_for(largest, FORCES)
-    panel.plot(drawn.t / time.size, drawn.F / force.size, color=_ORANGE, lw=1.8)
+    look = _points(run) if run.hidden_events else {"lw": 1.8}
+    panel.plot(drawn.t / time.size, drawn.F / force.size, color=_ORANGE, **look)
     for line in lines.values():
         panel.axhline(line / force.size, color=_INK, lw=1.0, ls=(0, (5, 3)), zorder=1.5)
     k = run.parameters["k"]
@@ -135,7 +156,7 @@ def _draw_force(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
     below = 0.28 if -1 in lines else 0.05
     panel.set_ylim((low - below * height) / force.size, (high + above * height) / force.size)
     for sign, line in lines.items():
-        overshoot = _overshoot(run, drawn, sign)
+        overshoot = 0.0 if run.hidden_events else _overshoot(run, drawn, sign)
         at = f"{_signed(line / force.size)} {force.symbol}"
         note = f"break-away force {_line_name(run, sign)} = {at}"
         if overshoot > _VISIBLE * height:
@@ -157,7 +178,8 @@ def _draw_force(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
 def _break_away_lines(run: Run) -> dict[int, float]:
     """Give the spring force [N] of break-away for each direction in which this run slips."""
     F_s, F_ext = float(run.last["F_s"]), run.parameters["F_ext"]
-    signs = {event.mode for event in run.events} - {0}
+    signs = {event.mode for event in run.events} | set(run.samples["mode"].tolist())
+    signs -= {0}
     signs = signs or {-1 if run.parameters["v"] < 0.0 else 1}
     return {sign: sign * F_s - F_ext for sign in sorted(signs)}
 
@@ -179,7 +201,7 @@ def _overshoot(run: Run, drawn: Curve, sign: int) -> float:
 
 
 def _mark(panel: "Axes", run: Run, time: Scale, heights: list[float], color: str) -> None:
-    if len(run.events) > _MOST_MARKED_EVENTS:
+    if run.hidden_events or len(run.events) > _MOST_MARKED_EVENTS:
         return
     size = 26.0 if len(run.events) <= 30 else 12.0
     for kind, face in (("break-away", color), ("re-stick", "white"), ("reversal", _INK)):
@@ -196,6 +218,12 @@ def _mark(panel: "Axes", run: Run, time: Scale, heights: list[float], color: str
                 clip_on=False,
                 label=kind,
             )
+
+
+def _points(run: Run, factor: float = 1.0) -> dict[str, Any]:
+    """Give the look of samples drawn as points: smaller where they are many."""
+    size = 4.0 if len(run.samples) <= 300 else 1.5
+    return {"ls": "none", "marker": "o", "ms": factor * size, "mew": 0.0}
 
 
 def _title(run: Run) -> str:

@@ -132,27 +132,34 @@ def events_between(samples: NDArray[np.void], v: float) -> tuple[tuple[Event, ..
     Returns
     -------
     tuple of Event, int
-        The transitions in order of time, and the number of intervals that hold more than two.
+        The transitions in order of time, and the number of intervals that hold more than two or
+        cannot be told for such an interval just before.
     """
     first = samples[0]
     # What an unseen or an unfinished slip began from: the first sample.
     origin = Event(float(first["time"]), "break-away", int(first["mode"]), float(first["x"]), 0.0)
+    previous: Event | None = origin
     events: list[Event] = []
     hidden = 0
     if first["mode"] != 0 and first["x_dot"] == 0.0:
-        events.append(_event(first, origin.time, "break-away", origin.x, v))
+        previous = _event(first, origin.time, "break-away", origin.x, v)
+        events.append(previous)
     changed = np.flatnonzero(
         (np.diff(samples["t_event"]) != 0.0) | (np.diff(samples["n_slips"]) != 0)
     )
     for before, after in zip(samples[changed], samples[changed + 1], strict=True):
-        found = _events_in(before, after, events[-1] if events else origin, v)
+        found = _events_in(before, after, previous, v)
         hidden += not found
         events.extend(found)
+        previous = found[-1] if found else None
     return tuple(events), hidden
 
 
-def _events_in(before: np.void, after: np.void, previous: Event, v: float) -> list[Event]:
-    """Give the one or two transitions between two samples, or nothing if there are more."""
+def _events_in(before: np.void, after: np.void, previous: Event | None, v: float) -> list[Event]:
+    """Give the one or two transitions between two samples, or nothing if they cannot be told.
+
+    That is where there are more, or where a slip ends whose beginning is hidden: `previous` None.
+    """
     time = float(after["t_event"])
     slips = int(after["n_slips"]) - int(before["n_slips"])
     was_slipping, slips_now = before["mode"] != 0, after["mode"] != 0
@@ -169,7 +176,7 @@ def _events_in(before: np.void, after: np.void, previous: Event, v: float) -> li
             _event(after, broke_away, "break-away", float(before["x"]), v, mode=mode),
             _event(after, time, "re-stick", float(after["x"]), v, mode=0),
         ]
-    if was_slipping and slips_now:
+    if was_slipping and slips_now and previous is not None:
         x = previous.x + float(after["delta_x"])
         t_stick = float(after["t_stick"])
         after_slip = time - previous.time - float(after["t_slip"])

@@ -1,54 +1,105 @@
 """The verdict as a table: one row per check, the FMU and the reference side by side."""
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Group, RenderableType
+from rich.console import RenderableType
+from rich.constrain import Constrain
 from rich.table import Table
 from rich.text import Text
 
+from stickslip.scales import Fitted
 from stickslip_verification import Case, CheckResult, Verdict
-
-_WIDE: Final = 140
-"""Characters in a line that hold all columns."""
 
 _PAIRS: Final = ("error\nFMU", "error\nref.", "tol.\nFMU", "tol.\nref.")
 
 
-def verdict_table(verdict: Verdict, width: int) -> RenderableType:
+def verdict_table(verdict: Verdict, width: int | None = None) -> RenderableType:
     """Make the table of all checks, what the failed ones mean, and the count.
+
+    Where the line cannot hold all columns, each check has one line with the worst error of each
+    side in units of its tolerance.
 
     Parameters
     ----------
     verdict
         What came out.
     width
-        Characters in a line; where they are few, the names of the checks are left out.
+        Characters in a line; those of the console if None.
     """
+    summary = verdict.summary
+    count = f"{summary['passed']} passed, {summary['failed']} failed"
+    style = "bold green" if verdict.passed else "bold red"
+    fitted = Fitted(
+        [_full_table(verdict.checks), _short_table(verdict.checks)],
+        *_failures(verdict.checks),
+        Text(count, style=style),
+    )
+    return fitted if width is None else Constrain(fitted, width)
+
+
+def _full_table(results: Sequence[CheckResult]) -> Table:
     table = Table(title="Verification", title_justify="left", title_style="bold", box=SIMPLE_HEAD)
-    named = width >= _WIDE
-    for heading in ("case", "check", "quantity") if named else ("case", "quantity"):
-        table.add_column(heading, overflow="fold")
+    for heading in ("case", "check", "quantity"):
+        table.add_column(heading, no_wrap=True)
     for heading in ("truth", "FMU", "reference", *_PAIRS):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     case = check = ""
-    for row in _rows(verdict.checks):
+    for row in _rows(results):
         first = row[0]
         same_check = (first.case, first.check) == (case, check)
         quantity = first.quantity if first.unit == "1" else f"{first.quantity} [{first.unit}]"
-        names = (first.check, quantity) if named else (quantity,)
         table.add_row(
             "" if first.case == case else first.case,
-            *(("",) * len(names) if same_check else names),
+            *(("", "") if same_check else (first.check, quantity)),
             *_cells(row),
         )
         case, check = first.case, first.check
-    summary = verdict.summary
-    count = f"{summary['passed']} passed, {summary['failed']} failed"
-    style = "bold green" if verdict.passed else "bold red"
-    return Group(table, *_failures(verdict.checks), Text(count, style=style))
+    return table
+
+
+def _short_table(results: Sequence[CheckResult]) -> Table:
+    # Without edges the longest names of checks fit 60 characters.
+    table = Table(
+        title="Verification: worst error over tolerance",
+        title_justify="left",
+        title_style="bold",
+        box=SIMPLE_HEAD,
+        show_edge=False,
+        padding=(0, 1, 0, 0),
+    )
+    table.add_column("case\n check", overflow="fold")
+    for heading in ("FMU", "ref."):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    checks: dict[tuple[str, str], list[CheckResult]] = {}
+    for result in results:
+        checks.setdefault((result.case, result.check), []).append(result)
+    shown = ""
+    for (case, check), row in checks.items():
+        if case != shown:
+            table.add_row(Text(case, style="bold"))
+            shown = case
+        ratios = (_worst(row, side) for side in ("fmu", "reference"))
+        table.add_row(Text(f" {check}"), *ratios, _passed(row))
+    return table
+
+
+def _worst(row: Sequence[CheckResult], side: str) -> str:
+    """Write the largest error of a side in units of its tolerance."""
+    ratios = [_ratio(result) for result in row if result.side == side]
+    return _number(max(ratios), ".2g") if ratios else ""
+
+
+def _ratio(result: CheckResult) -> float:
+    if result.error is None:
+        return math.inf
+    if result.tolerance == 0.0:
+        return 0.0 if result.error == 0.0 else math.inf
+    return result.error / result.tolerance
 
 
 def case_table(cases: Sequence[Case]) -> RenderableType:
@@ -61,7 +112,7 @@ def case_table(cases: Sequence[Case]) -> RenderableType:
     table.add_column("what")
     for case in cases:
         table.add_row(case.id, str(len(case.checks)), case.title)
-    return table
+    return Fitted([table])
 
 
 def _rows(results: Sequence[CheckResult]) -> Iterator[list[CheckResult]]:
@@ -85,8 +136,12 @@ def _cells(row: list[CheckResult]) -> Iterator[str | Text]:
         yield _number(result.error, ".1e") if result else ""
     for result in pair:
         yield _number(result.tolerance, ".0e") if result else ""
+    yield _passed(row)
+
+
+def _passed(row: Sequence[CheckResult]) -> Text:
     passed = all(result.passed for result in row)
-    yield Text("pass", style="green") if passed else Text("FAIL", style="bold red")
+    return Text("pass", style="green") if passed else Text("FAIL", style="bold red")
 
 
 def _failures(results: Sequence[CheckResult]) -> Iterator[Text]:

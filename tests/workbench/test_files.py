@@ -1,0 +1,86 @@
+"""Where output goes: files whole or not at all, links and pipes as what they are."""
+
+import os
+import threading
+from pathlib import Path
+
+import pytest
+
+from stickslip.errors import CommandError
+from stickslip.files import check_writable, writing
+
+
+def test_a_link_stays_a_link(tmp_path: Path) -> None:
+    """The file at the end of the link is replaced, from beside it; the link is left alone."""
+    folder = tmp_path / "far"
+    folder.mkdir()
+    real, link = folder / "run.csv", tmp_path / "run.csv"
+    real.write_bytes(b"old")
+    link.symlink_to("far/run.csv")
+    with writing(link, "--output-file") as stream:
+        stream.write(b"new")
+    assert link.is_symlink()
+    assert real.read_bytes() == b"new"
+    assert sorted(tmp_path.iterdir()) == [folder, link]
+    assert list(folder.iterdir()) == [real]
+
+
+def test_a_link_to_nothing_yet_makes_the_file(tmp_path: Path) -> None:
+    """What a dangling link names is made."""
+    link = tmp_path / "run.csv"
+    link.symlink_to(tmp_path / "real.csv")
+    with writing(link, "--output-file") as stream:
+        stream.write(b"new")
+    assert (tmp_path / "real.csv").read_bytes() == b"new"
+    assert link.is_symlink()
+
+
+def test_a_named_pipe_is_written_into(tmp_path: Path) -> None:
+    """A reader of the pipe gets the bytes, and the pipe is still one."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    got: list[bytes] = []
+    reader = threading.Thread(target=lambda: got.append(pipe.read_bytes()), daemon=True)
+    reader.start()
+    with writing(pipe, "--output-file") as stream:
+        stream.write(b"samples")
+    reader.join(10.0)
+    assert got == [b"samples"]
+    assert pipe.is_fifo()
+    assert list(tmp_path.iterdir()) == [pipe]
+
+
+def test_a_redirected_output_goes_on_where_it_was(tmp_path: Path) -> None:
+    """A name like /dev/stdout is the open file itself: nothing before or after is overwritten."""
+    link = tmp_path / "output"
+    with (tmp_path / "log").open("wb", buffering=0) as log:
+        link.symlink_to(f"/dev/fd/{log.fileno()}")
+        log.write(b"before ")
+        with writing(link, "--output-file") as stream:
+            stream.write(b"samples ")
+        log.write(b"after")
+    assert (tmp_path / "log").read_bytes() == b"before samples after"
+    assert link.is_symlink()
+
+
+def test_a_failing_write_names_the_option_and_the_path(tmp_path: Path) -> None:
+    """The temporary file is nobody's business, and it is gone."""
+    target = tmp_path / "run.csv"
+    target.write_bytes(b"old")
+    with (
+        pytest.raises(CommandError) as refusal,
+        writing(target, "--output-file") as stream,
+    ):
+        raise OSError(f"cannot write {stream.name}")
+    assert str(refusal.value) == f"--output-file {target}: cannot write the file: OSError"
+    assert list(tmp_path.iterdir()) == [target]
+    assert target.read_bytes() == b"old"
+
+
+def test_a_circle_of_links_is_refused(tmp_path: Path) -> None:
+    """Links that never end are no file, and that is known before the run."""
+    first, second = tmp_path / "a", tmp_path / "b"
+    first.symlink_to(second)
+    second.symlink_to(first)
+    with pytest.raises(CommandError, match=r"--plot .*a: cannot write the file"):
+        check_writable(first, "--plot")
