@@ -117,7 +117,7 @@ def test_rates_are_checked_point_by_point() -> None:
     """A field is refused for a pair of its points that meet, not for one that does not."""
     k, m = np.array([1e-200, 1e200]), np.array([1e-200, 1e200])
     assert Parameters(k=k, m=m).shape == (2,)
-    with pytest.raises(ValueError, match=r"k = 1e\+200 N/m, m = 1e-200 kg"):
+    with pytest.raises(ValueError, match=r"k = 1e-200 N/m, m = 1e\+200 kg"):
         Parameters(k=k, m=m[::-1])
 
 

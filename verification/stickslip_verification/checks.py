@@ -129,7 +129,8 @@ def judge(case: str, check: Check, side: str, exact: Exact, record: Record) -> C
         time = float(exact.record.times[chosen[first]])
         reason = f"{check.quantity} is {got[first]} at t = {time:.6g} s"
         return failed(case, check, side, reason, float(expected[first]))
-    worst = int(np.argmax(found))
+    # Of places that are equally bad, most of all when none is, the last tells most.
+    worst = len(found) - 1 - int(np.argmax(found[::-1]))
     return CheckResult(
         case=case,
         check=check.id,

@@ -94,7 +94,7 @@ def _load_up_over_stick(columns: Columns, start: Parameters) -> Series:
 
 def _heat_per_travel(columns: Columns, start: Parameters) -> Series:
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.divide(columns["Q_friction"], columns["x"] - start["x_start"])
+        return np.divide(columns["Q_friction"], np.abs(columns["x"] - start["x_start"]))
 
 
 def _period_beyond_phases(columns: Columns, start: Parameters) -> Series:

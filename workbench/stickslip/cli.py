@@ -6,6 +6,7 @@ What costs time to import is imported by the command that needs it, so that help
 import contextlib
 import io
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from enum import StrEnum
@@ -177,7 +178,7 @@ def simulate(
         write_plot(run, plot, "--plot")
         if run.hidden_events:
             _say(
-                "warning: more than two events between two samples; the plot lacks them: "
+                "warning: more than two events between two samples; the plot shows points only: "
                 "choose a shorter --output-interval"
             )
     _console().print(cycle_table(run, parameters))
@@ -270,6 +271,8 @@ def main() -> None:
         # A pipe or file in a code page without Greek gets a question mark, not a crash.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
+    # A request to end cleans up behind itself, as Ctrl-C does.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     code = _exit_code()
     try:
         sys.stdout.flush()

@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 import stickslip_ref
+from stickslip.fitted import Fitted
 from stickslip.run import Run
 from stickslip.scales import (
     FORCES,
@@ -17,7 +18,6 @@ from stickslip.scales import (
     LENGTHS,
     TIMES,
     VELOCITIES,
-    Fitted,
     Scales,
     scale_for,
 )

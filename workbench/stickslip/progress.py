@@ -86,7 +86,7 @@ class Meter:
 
 @contextmanager
 def deferred_interrupt() -> Iterator[Callable[[], bool]]:
-    """Turn Ctrl-C into a question that the block asks, and raise it when the block has ended.
+    """Turn Ctrl-C, or a SIGTERM, into a question, and raise it when the block has ended.
 
     An FMU whose code is Python would take a `KeyboardInterrupt` for a failure of its own. A second
     Ctrl-C is not deferred.
@@ -105,16 +105,18 @@ def deferred_interrupt() -> Iterator[Callable[[], bool]]:
         yield lambda: False
         return
     pressed = threading.Event()
-    before = signal.getsignal(signal.SIGINT)
+    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)}
 
     def note(signum: int, frame: FrameType | None) -> None:
         pressed.set()
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signum, before[signal.Signals(signum)])
 
-    signal.signal(signal.SIGINT, note)
+    for each in before:
+        signal.signal(each, note)
     try:
         yield pressed.is_set
     finally:
-        signal.signal(signal.SIGINT, before)
+        for each, handler in before.items():
+            signal.signal(each, handler)
         if pressed.is_set():
             raise KeyboardInterrupt

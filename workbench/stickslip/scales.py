@@ -1,11 +1,7 @@
-"""What a person can read: units in which a value is neither tiny nor huge, tables that fit."""
+"""Units in which a value is neither tiny nor huge."""
 
 from collections.abc import Sequence
 from typing import Final, NamedTuple, TypeAlias
-
-from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
-from rich.measure import Measurement
-from rich.segment import Segment
 
 
 class Scale(NamedTuple):
@@ -46,43 +42,3 @@ def scale_for(value: float, scales: Scales, enough: float = 1.0) -> Scale:
     if value == 0.0:
         return next(scale for scale in scales if scale.size == 1.0)
     return next((scale for scale in scales if abs(value) >= enough * scale.size), scales[-1])
-
-
-class Fitted:
-    """A table in the fullest form that fits the line, with notes below and no blanks at line ends.
-
-    Parameters
-    ----------
-    forms
-        The same table, the widest first. The last one is taken where none fits.
-    notes
-        What stands below the table.
-    """
-
-    def __init__(self, forms: Sequence[RenderableType], *notes: RenderableType) -> None:
-        self._forms, self._notes = forms, notes
-
-    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-        unbound = options.update(max_width=_UNBOUND)
-        fitting = (
-            form
-            for form in self._forms
-            if Measurement.get(console, unbound, form).maximum <= options.max_width
-        )
-        shown = Group(next(fitting, self._forms[-1]), *self._notes)
-        for line in console.render_lines(shown, options, pad=False):
-            yield from _without_blanks_at_the_end(line)
-            yield Segment.line()
-
-
-_UNBOUND: Final = 10_000
-
-
-def _without_blanks_at_the_end(line: list[Segment]) -> list[Segment]:
-    kept = list(line)
-    while kept and not kept[-1].text.strip():
-        kept.pop()
-    if kept:
-        text, style, control = kept[-1]
-        kept[-1] = Segment(text.rstrip(), style, control)
-    return kept

@@ -10,7 +10,7 @@ from rich.constrain import Constrain
 from rich.table import Table
 from rich.text import Text
 
-from stickslip.scales import Fitted
+from stickslip.fitted import Fitted
 from stickslip_verification import Case, CheckResult, Verdict
 
 _PAIRS: Final = ("error\nFMU", "error\nref.", "tol.\nFMU", "tol.\nref.")
