@@ -77,10 +77,12 @@ def simulate(
     Notes
     -----
     A slip is not lost however shallow the crossing of x_dot = 0 at its end: its turning points are
-    located and tested (docs/theory.md (5)). With the default tolerance T and delta_x of a cycle
-    are right to about 1e-13 mu_s / (mu_s - mu_k), t_slip to (1 + 1 / lambda), t_stick and
-    spring_drop to (1 + 1 / lambda^2) times that; docs/theory.md (17). From a damping ratio of 30 on
-    slips are integrated by an implicit method (Radau), to about 1e-11.
+    located and tested (docs/theory.md (5)). With the default tolerance and without damping T,
+    delta_x and x_dot_peak of a cycle are right to 3e-13 mu_s / (mu_s - mu_k) (measured: below
+    4e-14 of it), t_slip to (1 + 1 / lambda), t_stick and spring_drop to (1 + 1 / lambda^2) times
+    that; near lambda_c each to 1 / sqrt(lambda / lambda_c - 1) times more; docs/theory.md (17).
+    From a damping ratio of 30 on slips are integrated by an implicit method (Radau), to about
+    1e-11.
     """
     _check_run(p, start_time, stop_time, rtol)
     parts = segments(p, changes, start_time, stop_time)

@@ -43,7 +43,7 @@ def test_the_bad_point_of_an_array_is_named() -> None:
 def test_text_is_no_number() -> None:
     """A string is refused as such, whatever it spells."""
     with pytest.raises(ValueError, match="v = '20' is not a number"):
-        Parameters(v="20")  # type: ignore[arg-type]
+        Parameters(v="20")  # type: ignore[arg-type]  # a wrong type is the point
 
 
 def test_shapes_that_do_not_broadcast_are_named() -> None:

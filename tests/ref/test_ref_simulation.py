@@ -217,7 +217,7 @@ def test_the_start_time_dates_the_events_and_nothing_else() -> None:
 def test_bad_runs_are_refused(arguments: dict[str, object], message: str) -> None:
     """A run that makes no sense is refused with what is wrong and what would be right."""
     with pytest.raises(ValueError, match=message):
-        simulate(**({"p": Parameters(), "stop_time": 1.0} | arguments))  # type: ignore[arg-type]
+        simulate(**({"p": Parameters(), "stop_time": 1.0} | arguments))  # type: ignore[arg-type]  # wrong types are the point
 
 
 def test_too_many_events_end_the_run_with_their_number() -> None:

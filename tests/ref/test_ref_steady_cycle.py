@@ -174,7 +174,7 @@ def test_blocks_join_without_a_seam() -> None:
     cycle = steady_cycle(Parameters(v=v))
     for name in QUANTITIES:
         assert np.ptp(getattr(cycle, name)) == 0.0, name
-    assert steady_cycle(Parameters(v=np.empty(0))).T.shape == (0,)  # type: ignore[union-attr]
+    assert steady_cycle(Parameters(v=np.empty(0))).T.shape == (0,)  # type: ignore[union-attr]  # an array in, an array out
 
 
 def test_the_simplified_column_is_what_designers_write() -> None:
