@@ -58,14 +58,7 @@ class Variable(NamedTuple):
         """The range in words."""
         if self.minimum is None:
             return "a finite number"
-        return f"finite and {self.bound}"
-
-    @property
-    def bound(self) -> str:
-        """The lower bound in words."""
-        if self.minimum == _ABOVE_ZERO:
-            return f"above 0 (at least {_ABOVE_ZERO:.3g})"
-        return f"at least {self.minimum:g}"
+        return "finite and above 0" if self.minimum > 0.0 else "finite and at least 0"
 
     def objection(self, value: float) -> Optional[str]:
         """Return why `value` cannot be taken, with name, value and range; None if it can."""
@@ -73,7 +66,9 @@ class Variable(NamedTuple):
         if math.isfinite(value) and value >= low:
             return None
         unit = "" if self.unit == "1" else f" {self.unit}"
-        return f"{self.name} = {value!r}{unit} is out of range: it must be {self.range}"
+        text = f"{self.name} = {value!r}{unit} is out of range: it must be {self.range}"
+        # Numbers that close to zero have lost digits.
+        return f"{text}, at least {low:.3g}" if 0.0 < value < low else text
 
 
 def _parameter(

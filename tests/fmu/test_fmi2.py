@@ -44,7 +44,7 @@ def test_it_survives_every_failure(fmu_path: Path) -> None:
 @pytest.mark.parametrize(
     "line",
     [
-        "k = -1.0 N/m is out of range: it must be finite and above 0 (at least 2.23e-308)",
+        "k = -1.0 N/m is out of range: it must be finite and above 0",
         "v = nan m/s is out of range: it must be a finite number",
         "load = -10.0 N is out of range: it must be at least -m g = -9.81 N",
         "m is fixed: it cannot change after initialization",

@@ -400,6 +400,8 @@ def _verdict(fmu: Path | None, cases: "Sequence[Case]", output: Path) -> "Verdic
     from stickslip.progress import Meter, deferred_interrupt
     from stickslip_verification import FmuError, verify, write_json
 
+    if fmu is not None and not fmu.is_file():
+        raise CommandError(f"--fmu {fmu}: no such file")
     make_folder(output.parent, "-o")
     check_writable(output, "-o")
     if fmu is None:
