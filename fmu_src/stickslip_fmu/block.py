@@ -264,11 +264,8 @@ class Block:
             self._slip_on(mode, z, x_dot)
             return
         self._start_from_rest(z)
-        if self._started and self.mode != mode:
-            if mode == 0:
-                self.meter.break_away(time)
-            else:
-                self.meter.drop_slip(time)
+        if self._started and mode == 0 and self.mode != 0:
+            self.meter.break_away(time)
 
     def _slip_terms(self) -> Tuple[float, ...]:
         """Return what the equation of slip is made of, beside mass and direction: (3)."""

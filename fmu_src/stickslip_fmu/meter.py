@@ -105,11 +105,6 @@ class CycleMeter:
         self.t_event = time
         self._open_slip()
 
-    def drop_slip(self, time: float) -> None:
-        """Forget a slip of no length that a change of input at `time` [s] keeps from starting."""
-        self.t_event = time
-        self._phase.clear()
-
     def _open_slip(self) -> None:
         self._phase.clear()
         self._displacement.clear()
