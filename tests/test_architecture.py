@@ -29,7 +29,7 @@ RULES = {
     "stickslip_ref": Rule(outside=frozenset({"numpy", "scipy"})),
     "stickslip_verification": Rule(
         ours=frozenset({"stickslip_ref"}),
-        outside=frozenset({"numpy", "mpmath", "fmpy", "jsonschema"}),
+        outside=frozenset({"numpy", "mpmath", "fmpy", "jsonschema", "pebble"}),
     ),
     "stickslip": Rule(
         ours=frozenset({"stickslip_fmu", "stickslip_ref", "stickslip_verification"}),
@@ -41,6 +41,12 @@ RULES = {
 EXTRA_OUTSIDE = {
     ("stickslip_fmu", "fmi2"): frozenset({"pythonfmu"}),
     ("stickslip_fmu", "packer"): frozenset({"pythonfmu"}),
+    ("stickslip_verification", "claims.plots"): frozenset({"matplotlib"}),
+    ("stickslip_verification", "report.house_style"): frozenset({"matplotlib"}),
+    ("stickslip_verification", "report.html"): frozenset({"jinja2", "markupsafe"}),
+    ("stickslip_verification", "report.order_plot"): frozenset({"matplotlib"}),
+    ("stickslip_verification", "report.pdf"): frozenset({"weasyprint"}),
+    ("stickslip_verification", "report.plots"): frozenset({"matplotlib"}),
 }
 
 

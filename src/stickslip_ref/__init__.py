@@ -9,11 +9,12 @@ from .cycle import Cycle, SimplifiedCycle, simplified, steady_cycle
 from .friction import COULOMB, Coulomb, FrictionLaw
 from .inputs import Change
 from .parameters import FloatOrArray, FrictionClampWarning, Parameters
-from .simulation import simulate
+from .simulation import RTOL, simulate
 from .trajectory import Event, MeasuredCycle, Trajectory
 
 __all__ = [
     "COULOMB",
+    "RTOL",
     "Change",
     "Coulomb",
     "Cycle",

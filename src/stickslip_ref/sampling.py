@@ -60,8 +60,12 @@ class Sampler:
         self._tables: list[Floats] = []
 
     def take(self, arc: Arc) -> None:
-        """Sample an arc: from its beginning up to, and if it is closed with, its end."""
-        side: Literal["left", "right"] = "right" if arc.closed else "left"
+        """Sample an arc from its beginning on.
+
+        Its end belongs to it if it is closed, and if it is a stick: a stick ends when time passes
+        its end, a slip when time reaches it; docs/theory.md (4).
+        """
+        side: Literal["left", "right"] = "right" if arc.closed or arc.mode == 0 else "left"
         upto = int(np.searchsorted(self._wanted, arc.end, side=side))
         elapsed = self._wanted[self._taken : upto]
         self._taken = max(upto, self._taken)

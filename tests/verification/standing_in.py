@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from stickslip_verification.cases import Case, load_cases
+from stickslip_verification.checks import OURS, REFERENCE, judge
+from stickslip_verification.exact import Exact, exact_motion
 from stickslip_verification.record import Record, Series
-from stickslip_verification.run import exact_motion, judge_case
+from stickslip_verification.sides import Side
 from stickslip_verification.verdict import CheckResult
 
 Columns = dict[str, Series]
@@ -39,20 +42,11 @@ class StandIn:
     def run(self, case: Case) -> Record:
         """Give the exact motion with the fault in it."""
         parameters = {**case.parameters, **self._believed}
-        record = exact_motion(replace(case, parameters=parameters)).record
+        other = replace(case, parameters=parameters)
+        record = exact_motion(other).record if self._believed else exact_of(case.id).record
         columns = {name: np.array(samples) for name, samples in record.outputs.items()}
         self._fault(columns)
         return Record(record.times, columns, record.initial)
-
-
-class Crashing:
-    """A side that raises on every case."""
-
-    name = "fmu"
-
-    def run(self, case: Case) -> Record:
-        """Raise."""
-        raise RuntimeError(f"no idea what to do\nwith {case.id}")
 
 
 def named(case: str) -> Case:
@@ -60,6 +54,22 @@ def named(case: str) -> Case:
     return load_cases(case)[0]
 
 
-def failures(case: Case, side: StandIn | Crashing) -> dict[str, CheckResult]:
+@cache
+def exact_of(case: str) -> Exact:
+    """Return the exact motion of a case of the suite, computed once."""
+    return exact_motion(named(case))
+
+
+def judge_case(case: Case, sides: Sequence[Side]) -> list[CheckResult]:
+    """Return the result of every check of a case on every side."""
+    results = []
+    for side in sides:
+        trial = OURS if side.name == "fmu" else REFERENCE
+        record = side.run(case)
+        results += [judge(case, check, trial, exact_of(case.id), record) for check in case.checks]
+    return results
+
+
+def failures(case: Case, side: Side) -> dict[str, CheckResult]:
     """Return the failed checks of a case on one side, by check id."""
     return {result.check: result for result in judge_case(case, [side]) if not result.passed}

@@ -11,7 +11,8 @@ from stickslip_verification import CaseError, load_cases
 from stickslip_verification.cases import Case
 from stickslip_verification.checks import extract, places
 from stickslip_verification.formulas import FORMULAS
-from stickslip_verification.run import exact_motion
+
+from .standing_in import exact_of
 
 THEORY = Path(__file__).parents[2] / "docs" / "theory.md"
 CASES = load_cases()
@@ -153,7 +154,7 @@ def test_uneven_steps_are_named_by_their_seed(tmp_path: Path) -> None:
 def test_every_case_is_sound(case: Case) -> None:
     """A case bears the name of its file, and each of its checks has a place and a scale."""
     assert case.file.stem == case.id
-    exact = exact_motion(case)
+    exact = exact_of(case.id)
     for check in case.checks:
         chosen = places(check.at, exact)
         samples = extract(check.quantity, exact.record, exact.start)
@@ -167,7 +168,7 @@ def test_no_sample_hangs_on_rounding(case: Case) -> None:
     """Between a communication point and an event lie 10 ns, or the event is a change's own."""
     points = np.array((0.0, *case.times))
     changes = [t for t, step in zip(points, case.steps, strict=False) if step.changes]
-    for event in exact_motion(case).event_times:
+    for event in exact_of(case.id).event_times:
         caused = any(abs(event - time) <= 4.0 * math.ulp(time) for time in (0.0, *changes))
         assert caused or np.min(np.abs(points - event)) > 1e-8
 
@@ -190,7 +191,7 @@ def test_the_exact_motion_and_the_formulas_agree() -> None:
     """The motion followed event by event meets each closed form that is exact."""
     first_order = {"slow_slip_excess", "fast_slip_deficit"}
     for case in CASES:
-        exact = exact_motion(case)
+        exact = exact_of(case.id)
         for check in case.checks:
             if check.truth.formula is None or check.truth.formula in first_order:
                 continue

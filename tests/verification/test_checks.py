@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from stickslip_verification.cases import Case
-from stickslip_verification.run import judge_case
+from stickslip_verification.checks import FOREIGN, OURS, STRICT, judge
+from stickslip_verification.record import Record
 
-from .standing_in import Columns, Crashing, Fault, StandIn, failures, named
+from .standing_in import Columns, Fault, StandIn, exact_of, failures, named
 
 DEFAULT = named("default")
 
@@ -151,15 +152,47 @@ def test_a_nan_anywhere_fails_even_where_the_end_is_judged() -> None:
     assert set(failed) == {"T-course"}
 
 
-def test_a_crash_is_a_failed_check() -> None:
-    """A side that raises fails all checks of the case with its reason, and the other side runs."""
-    results = judge_case(DEFAULT, [Crashing(), StandIn(name="reference")])
-    crashed = [result for result in results if result.side == "fmu"]
-    assert len(crashed) == len(DEFAULT.checks)
-    assert not any(result.passed for result in crashed)
-    reason = "RuntimeError: no idea what to do with default"
-    assert {result.failure for result in crashed} == {reason}
-    assert all(result.passed for result in results if result.side == "reference")
+def test_a_foreign_fmu_is_held_to_a_numerical_solution() -> None:
+    """An error of 1e-10 fails the exact block and a strict foreign one, not a foreign one."""
+    record = StandIn(scaled("F", 1.0 + 1e-10)).run(DEFAULT)
+    check = next(check for check in DEFAULT.checks if check.id == "F-course")
+    passed = {
+        trial: judge(DEFAULT, check, trial, exact_of("default"), record).passed
+        for trial in (OURS, STRICT, FOREIGN)
+    }
+    assert passed == {OURS: False, STRICT: False, FOREIGN: True}
+
+
+def test_an_output_that_a_foreign_fmu_lacks_is_no_failure_and_no_pass() -> None:
+    """Without the output the check is not applicable to a foreign FMU, and a failure of ours."""
+    record = StandIn(dropped).run(DEFAULT)
+    check = next(check for check in DEFAULT.checks if check.id == "f-exact")
+    foreign = judge(DEFAULT, check, FOREIGN, exact_of("default"), record)
+    assert foreign.verdict == "not applicable"
+    assert foreign.not_applicable == "it has no output f"
+    assert not foreign.passed
+    assert judge(DEFAULT, check, OURS, exact_of("default"), record).verdict == "fail"
+
+
+def test_a_convention_does_not_decide_for_a_foreign_fmu() -> None:
+    """A block that clamps otherwise than ours is noted, and fails only if judged strictly."""
+    case = named("clamp")
+    record = StandIn(scaled("mu_k_used", 0.9)).run(case)
+    check = next(check for check in case.checks if check.id == "mu_k_used-course")
+
+    def verdict(trial: object) -> str:
+        assert trial in (OURS, STRICT, FOREIGN)
+        return judge(case, check, trial, exact_of("clamp"), record).verdict
+
+    assert [verdict(trial) for trial in (OURS, STRICT, FOREIGN)] == ["fail", "fail", "noted"]
+
+
+def test_too_few_samples_fail_where_they_end() -> None:
+    """A record that stops early fails every check that looks beyond its end."""
+    whole = StandIn().run(DEFAULT)
+    early = Record(whole.times[:10], {n: s[:10] for n, s in whole.outputs.items()}, whole.initial)
+    results = [judge(DEFAULT, c, OURS, exact_of("default"), early) for c in DEFAULT.checks]
+    assert not any(result.passed for result in results)
 
 
 def test_no_mass_moves_the_other_way_unseen() -> None:

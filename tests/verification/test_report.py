@@ -9,6 +9,8 @@ from typing import Any
 import pytest
 
 from stickslip_verification import CheckResult, Verdict, provenance, write_json
+from stickslip_verification.fmu import FmuFile
+from stickslip_verification.verdict import Conviction, KillMatrix, ObservedOrder, Second
 
 LAYOUT = [
     "case",
@@ -16,13 +18,20 @@ LAYOUT = [
     "quantity",
     "unit",
     "truth",
+    "class",
     "side",
+    "measure",
     "expected",
     "got",
     "error",
     "tolerance",
     "because",
     "passed",
+    "decides",
+    "verdict",
+    "failure",
+    "not_applicable",
+    "second",
 ]
 
 
@@ -51,13 +60,25 @@ def refuse(constant: str) -> None:
 
 
 def test_the_report_has_the_agreed_layout(tmp_path: Path) -> None:
-    """The file holds summary, checks and provenance, and each check exactly the agreed keys."""
+    """The file holds the agreed parts, and each check exactly the agreed keys."""
     file = tmp_path / "new" / "report.json"
     verdict = Verdict([result(), result(side="reference", passed=False)], {"git": None})
     write_json(verdict, file)
     report = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)
-    assert list(report) == ["summary", "checks", "provenance"]
-    assert report["summary"] == {"passed": 1, "failed": 1}
+    assert list(report) == [
+        "summary",
+        "passed",
+        "ours",
+        "by_kind",
+        "checks",
+        "orders",
+        "kills",
+        "provenance",
+    ]
+    counts = {"passed": 1, "failed": 1, "noted": 0, "not_applicable": 0}
+    assert report["summary"] == counts
+    assert report["by_kind"] == {"closed_form": counts}
+    assert report["kills"] is None
     assert all(list(row) == LAYOUT for row in report["checks"])
     assert report["provenance"] == {"git": None}
     assert [path.name for path in file.parent.iterdir()] == ["report.json"]
@@ -72,6 +93,24 @@ def test_what_is_not_a_number_is_null(tmp_path: Path) -> None:
     rows = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)["checks"]
     assert [(row["got"], row["error"]) for row in rows] == [(None, None), (None, None)]
     assert rows[1]["because"] == "FmuError: it refused (the tolerance: rounding)"
+
+
+def test_what_stands_behind_a_verdict_is_in_the_file(tmp_path: Path) -> None:
+    """Second values, orders and planted faults are written in plain numbers."""
+    file = tmp_path / "report.json"
+    drifted = result(second=Second(0.1, 0.2, drift=1.0, tolerance=1e-9))
+    order = ObservedOrder("default", "x", (1e-3, 1e-6), (1e-3, math.inf), (1.0,), 1.0)
+    caught = Conviction("late", "an event comes late", ("T-exact",), {"T-exact": 3}, caught=True)
+    kills = KillMatrix(("T-exact", "idle"), (caught,), {"idle": "it guards the interface"})
+    write_json(Verdict([drifted], orders=[order], kills=kills), file)
+    report = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)
+    row = report["checks"][0]
+    assert row["verdict"] == "drift"
+    assert row["second"] == {"accepted": 0.1, "got": 0.2, "drift": 1.0, "tolerance": 1e-9}
+    assert report["orders"][0]["errors"] == [1e-3, None]
+    assert report["kills"]["passed"] is True
+    assert report["kills"]["rows"][0]["failing"] == {"T-exact": 3}
+    assert report["passed"] is False
 
 
 def test_a_failed_write_leaves_the_old_report(tmp_path: Path) -> None:
@@ -91,13 +130,13 @@ def test_a_verdict_without_checks_does_not_pass() -> None:
     assert not Verdict([result(), result(passed=False)]).passed
 
 
-def test_the_provenance_names_the_bytes_that_were_judged(tmp_path: Path) -> None:
+def test_the_provenance_names_the_bytes_that_were_judged(foreign_fmu: Path) -> None:
     """The SHA-256 is that of the FMU file, and every version is told."""
-    fmu = tmp_path / "some.fmu"
-    fmu.write_bytes(b"some bytes")
-    told = provenance.collect(fmu)
-    assert told["fmu"] == {"file": "some.fmu", "sha256": hashlib.sha256(b"some bytes").hexdigest()}
+    told = provenance.collect(FmuFile(foreign_fmu), "stickslip verify")
+    assert told["fmu"]["file"] == foreign_fmu.name
+    assert told["fmu"]["sha256"] == hashlib.sha256(foreign_fmu.read_bytes()).hexdigest()
     assert {"python", "stickslip", "numpy", "scipy", "mpmath", "fmpy"} <= set(told["versions"])
+    assert told["command"] == "stickslip verify"
     assert told["platform"]
     json.dumps(told, allow_nan=False)
 

@@ -3,30 +3,73 @@
 import subprocess
 import sys
 import zipfile
+from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from stickslip_verification import FmuError, load_cases, verify
-from stickslip_verification.run import judge_case
+from stickslip_verification import CheckResult, FmuError, NameMap, Verdict, load_laws, verify
 from stickslip_verification.sides import FmuSide, ReferenceSide
+from stickslip_verification.verdict import KINDS
 
 from .standing_in import named
 
+# A few cases that try everything once: a cycle, changes, reversals, damping.
+FEW = [named(name) for name in ("one-step", "tuned", "reversals", "damped-cycle", "slow-pull")]
 
-def test_the_fmu_and_the_reference_are_exact_on_every_case(fmu_path: Path) -> None:
-    """Both sides pass every check of the suite, and progress tells each case once."""
-    cases = load_cases()
+
+@pytest.fixture(scope="module")
+def ours(fmu_path: Path) -> Verdict:
+    """Return the verdict on our FMU in a few cases."""
+    return verify(fmu_path, FEW, jobs=2)
+
+
+def wrong(verdict: Verdict) -> list[CheckResult]:
+    """Return what fails a verdict."""
+    return [result for result in verdict.checks if result.failed]
+
+
+def test_fmu_and_reference_hold_in_every_kind_of_truth(ours: Verdict) -> None:
+    """Nothing fails, nothing is left out, and each kind of truth was tried."""
+    assert wrong(ours) == []
+    assert ours.passed
+    assert ours.summary["not_applicable"] == ours.summary["noted"] == 0
+    assert set(ours.by_kind) == set(KINDS) - {"convergence"} | {"convergence"}
+
+
+def test_every_check_of_a_case_is_made_on_both_sides(ours: Verdict) -> None:
+    """Each check of each case has one result for the FMU and one for the reference."""
+    counted = Counter((r.case, r.check, r.side) for r in ours.checks)
+    assert set(counted.values()) == {1}
+    for case in FEW:
+        for check in case.checks:
+            assert (case.id, check.id, "fmu") in counted
+            assert (case.id, check.id, "reference") in counted
+
+
+def test_every_law_is_tried(ours: Verdict) -> None:
+    """No law of the suite is silently left out, but orders, which name their own cases."""
+    made = {result.check for result in ours.checks}
+    laws = load_laws()
+    tried = {law.id for law in laws} - {order.id for order in laws.orders}
+    # A break-away beyond the threshold needs a change that lets the mass go.
+    assert tried - made <= {"onset-beyond-break-away"}
+
+
+def test_progress_tells_each_case(fmu_path: Path) -> None:
+    """Progress names every case, and never more is done than there is."""
     told: list[tuple[str, int, int]] = []
-    verdict = verify(fmu_path, cases, lambda *progress: told.append(progress))
-    failed = [result for result in verdict.checks if not result.passed]
-    assert failed == []
-    assert verdict.summary["passed"] == 2 * sum(len(case.checks) for case in cases)
-    assert told == [
-        *((case.id, n, len(cases)) for n, case in enumerate(cases)),
-        ("", len(cases), len(cases)),
-    ]
+    verify(fmu_path, FEW[:2], lambda *progress: told.append(progress), jobs=1)
+    assert {what.rpartition(": ")[2] for what, _, _ in told} >= {"one-step", "tuned"}
+    assert all(done <= total for _, done, total in told)
+
+
+def test_one_process_or_two_give_the_same(fmu_path: Path) -> None:
+    """The number of processes changes nothing in the results."""
+    one, two = (verify(fmu_path, FEW[:3], jobs=jobs) for jobs in (1, 2))
+    assert one.checks == two.checks
 
 
 def test_what_is_no_fmu_is_told_in_one_line(tmp_path: Path) -> None:
@@ -46,30 +89,89 @@ def test_what_is_no_fmu_is_told_in_one_line(tmp_path: Path) -> None:
         assert "\n" not in str(caught.value)
 
 
+def test_an_fmu_without_the_variables_is_refused_by_their_names(foreign_fmu: Path) -> None:
+    """What cannot be a stick-slip block is refused before any case, with what it lacks."""
+    with pytest.raises(FmuError, match="has no variable m, mu_s, mu_k, v, x; map them"):
+        verify(foreign_fmu, [named("one-step")])
+
+
 def test_a_refusal_is_told_in_the_words_of_the_fmu(fmu_path: Path) -> None:
-    """A stiffness below zero fails the case with the FMU's own message; the next case runs."""
-    side = FmuSide(fmu_path)
-    broken = replace(named("one-step"), parameters={"k": -1.0})
-    results = judge_case(broken, [side])
-    assert all(result.failure for result in results)
+    """A stiffness below zero fails the case with the FMU's own message."""
     with pytest.raises(FmuError, match=r"k = -1"):
-        side.run(broken)
-    assert all(result.passed for result in judge_case(named("one-step"), [side]))
+        FmuSide(fmu_path).run(replace(named("one-step"), parameters={"k": -1.0}))
 
 
-def test_a_foreign_fmu_lacks_outputs_and_does_not_crash(foreign_fmu: Path) -> None:
-    """Outputs that an FMU does not have are failed checks; the others are compared."""
-    results = {r.check: r for r in judge_case(named("default"), [FmuSide(foreign_fmu)])}
-    assert results["T-exact"].failure == "no output T"
-    assert results["z-course"].failure is None
-    assert not results["z-course"].passed
+def test_an_honest_foreign_fmu_passes(slider_mm: Path, slider_mm_names: NameMap) -> None:
+    """A block with other names, in millimetres, passes; what it lacks is counted, not passed."""
+    verdict = verify(slider_mm, FEW, names=slider_mm_names)
+    assert wrong(verdict) == []
+    assert verdict.passed
+    assert not verdict.ours
+    assert verdict.summary["not_applicable"] > 0
+    reasons = {r.not_applicable for r in verdict.checks if r.not_applicable is not None}
+    assert "it has no variable c" in reasons
+    assert "it has no output W_pull" in reasons
+    assert any("cannot get and set its state" in reason for reason in reasons)
 
 
-def test_a_foreign_fmu_lacks_a_parameter(foreign_fmu: Path) -> None:
-    """A case that sets what an FMU does not have fails with the name of it."""
-    (result, *_) = judge_case(named("slow-pull"), [FmuSide(foreign_fmu)])
-    assert result.failure is not None
-    assert "has no variable v" in result.failure
+def test_an_honest_fmu_of_version_3_passes(slider_si: Path, slider_si_names: NameMap) -> None:
+    """FMI 3.0 is driven as 2.0 is, its state too."""
+    verdict = verify(slider_si, FEW, names=slider_si_names)
+    assert wrong(verdict) == []
+    rollbacks = [r for r in verdict.checks if r.check == "rollback" and r.side == "fmu"]
+    assert "pass" in {result.verdict for result in rollbacks}
+
+
+def test_a_faulty_foreign_fmu_is_convicted(slider_faulty: Path, slider_mm_names: NameMap) -> None:
+    """A static friction that is 0.5 % too high fails the first load-up and the threshold."""
+    verdict = verify(slider_faulty, FEW, names=slider_mm_names)
+    failed = {result.check for result in wrong(verdict)}
+    assert {"first-load-up", "onset-at-break-away"} <= failed
+    assert not verdict.passed
+
+
+def test_the_contract_decides_for_a_foreign_fmu_only_if_strict(
+    slider_mm: Path, slider_mm_names: NameMap
+) -> None:
+    """What a foreign FMU does not promise is noted; judged strictly it fails."""
+    lax = verify(slider_mm, FEW[:1], names=slider_mm_names)
+    strict = verify(slider_mm, FEW[:1], names=slider_mm_names, strict=True)
+    noted = {r.check for r in lax.checks if r.verdict == "noted"}
+    assert "declared-units" in noted
+    assert noted <= {result.check for result in wrong(strict)}
+
+
+def test_what_is_not_applicable_everywhere_is_no_verdict(
+    slider_poor: Path, slider_poor_names: NameMap
+) -> None:
+    """An FMU of which nothing can be judged is not green."""
+    verdict = verify(slider_poor, [named("damped-cycle")], names=slider_poor_names)
+    assert wrong(verdict) == []
+    on_fmu = [r for r in verdict.checks if r.side == "fmu" and r.truth == "closed_form"]
+    assert {result.verdict for result in on_fmu} == {"not applicable"}
+    assert not verdict.passed
+
+
+@pytest.mark.parametrize(
+    ("what", "told"),
+    [
+        ("crash", "the process crashed (SIG"),
+        ("hang", "no answer within 2 s; the process was ended"),
+        ("discard", "discarded"),
+    ],
+)
+def test_a_foreign_fmu_that_fails_takes_only_its_case_with_it(
+    misbehaving: Callable[[str], Path], what: str, told: str
+) -> None:
+    """A crash or a hang on the third step fails that case with its reason; a short one runs."""
+    cases = [named("one-step"), named("heavy")]
+    verdict = verify(misbehaving(what), cases, time_limit=2.0, jobs=2)
+    by_case = {
+        case.id: {r.failure for r in verdict.checks if r.case == case.id and r.check == "z-course"}
+        for case in cases
+    }
+    assert any(told in (reason or "") for reason in by_case["heavy"])
+    assert not any(told in (reason or "") for reason in by_case["one-step"])
 
 
 def test_the_clamp_warns_on_both_sides(fmu_path: Path) -> None:

@@ -1,8 +1,9 @@
 """Verification of the stick-slip block: exact truth, cases as data, two sides, one verdict.
 
-`load_cases` reads the cases, `verify` judges an FMU and the reference on them, `write_json` writes
-the verdict, `prove` runs the random sets. Names are resolved when they are first used, so that
-importing this package costs nothing.
+`load_cases` reads the cases, `verify` judges an FMU and the reference on them, `write_report`
+writes what came out, `accept` keeps it as second values, `lint` checks the suite itself, `prove`
+runs the random sets; `score` and `claims` are packages of their own. Names are resolved when they
+are first used, so that importing this package costs nothing.
 """
 
 from __future__ import annotations
@@ -11,39 +12,106 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stickslip_verification.cases import Case, CaseError, load_cases
-    from stickslip_verification.fmu_file import FmuError
+    from stickslip_verification.baseline import Baseline, BaselineError, compare, read_baseline
+    from stickslip_verification.cases import Case, CaseError, load_case, load_cases
+    from stickslip_verification.catalogue import meanings
+    from stickslip_verification.fmu import FmuError, NameMap, NamesError, load_names
+    from stickslip_verification.laws import LawError, load_laws
+    from stickslip_verification.linter import lint
+    from stickslip_verification.mutants import Mutant, MutantError, load_mutants
     from stickslip_verification.proofs import ProofResult, prove
-    from stickslip_verification.report import as_json, write_json
-    from stickslip_verification.run import verify
+    from stickslip_verification.report import (
+        ClaimSection,
+        PdfUnavailableError,
+        as_json,
+        check_pdf,
+        course_tolerances,
+        draw_case,
+        render,
+        write_json,
+        write_pdf,
+        write_report,
+    )
+    from stickslip_verification.second import AcceptError, accept
+    from stickslip_verification.suite import verify
     from stickslip_verification.verdict import CheckResult, Verdict
 
 _HOME = {
+    "draw_case": "report",
+    "course_tolerances": "report",
+    "check_pdf": "report",
+    "ClaimSection": "report",
+    "AcceptError": "second",
+    "Baseline": "baseline",
+    "BaselineError": "baseline",
     "Case": "cases",
     "CaseError": "cases",
     "CheckResult": "verdict",
-    "FmuError": "fmu_file",
+    "FmuError": "fmu",
+    "LawError": "laws",
+    "Mutant": "mutants",
+    "MutantError": "mutants",
+    "NameMap": "fmu",
+    "NamesError": "fmu",
+    "PdfUnavailableError": "report",
     "ProofResult": "proofs",
     "Verdict": "verdict",
+    "accept": "second",
     "as_json": "report",
+    "compare": "baseline",
+    "lint": "linter",
+    "load_case": "cases",
     "load_cases": "cases",
+    "load_laws": "laws",
+    "load_mutants": "mutants",
+    "load_names": "fmu",
+    "meanings": "catalogue",
     "prove": "proofs",
-    "verify": "run",
+    "read_baseline": "baseline",
+    "render": "report",
+    "verify": "suite",
     "write_json": "report",
+    "write_pdf": "report",
+    "write_report": "report",
 }
 
 __all__ = [
+    "AcceptError",
+    "Baseline",
+    "BaselineError",
     "Case",
     "CaseError",
     "CheckResult",
+    "ClaimSection",
     "FmuError",
+    "LawError",
+    "Mutant",
+    "MutantError",
+    "NameMap",
+    "NamesError",
+    "PdfUnavailableError",
     "ProofResult",
     "Verdict",
+    "accept",
     "as_json",
+    "check_pdf",
+    "compare",
+    "course_tolerances",
+    "draw_case",
+    "lint",
+    "load_case",
     "load_cases",
+    "load_laws",
+    "load_mutants",
+    "load_names",
+    "meanings",
     "prove",
+    "read_baseline",
+    "render",
     "verify",
     "write_json",
+    "write_pdf",
+    "write_report",
 ]
 
 

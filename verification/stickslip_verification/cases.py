@@ -13,7 +13,7 @@ import math
 import random
 import re
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -98,7 +98,8 @@ class Case:
     """One motion and what is checked on it.
 
     ``parameters`` holds only what the case sets (SI); everything else stays at the default of
-    each side, so that the defaults are verified too.
+    each side, so that the defaults are verified too. ``klass`` is contract where what happens is
+    our convention and not physics, such as the clamp.
     """
 
     id: str
@@ -108,11 +109,12 @@ class Case:
     steps: tuple[CommunicationStep, ...]
     checks: tuple[Check, ...]
     file: Path
+    klass: str = "physics"
 
     @property
     def times(self) -> tuple[float, ...]:
         """Communication points after the start [s]: each the correctly rounded sum of steps."""
-        return _points(step.h for step in self.steps)
+        return points(step.h for step in self.steps)
 
     @property
     def stop_time(self) -> float:
@@ -174,6 +176,7 @@ def load_case(file: Path) -> Case:
         steps=steps,
         checks=checks,
         file=file,
+        klass=data.get("class", "physics"),
     )
 
 
@@ -215,16 +218,16 @@ def _field(path: Sequence[str | int]) -> str:
     return text
 
 
-def _points(lengths: Iterator[float] | Sequence[float]) -> tuple[float, ...]:
+def points(lengths: Iterable[float]) -> tuple[float, ...]:
     """Partial sums, each correctly rounded (Neumaier's compensation), starting at 0."""
     total = carry = 0.0
-    points = []
+    ends = []
     for h in lengths:
         bigger = total + h
         carry += (total - bigger) + h if abs(total) >= abs(h) else (h - bigger) + total
         total = bigger
-        points.append(total + carry)
-    return tuple(points)
+        ends.append(total + carry)
+    return tuple(ends)
 
 
 def _steps(file: Path, experiment: Mapping[str, Any]) -> tuple[CommunicationStep, ...]:
@@ -238,16 +241,16 @@ def _steps(file: Path, experiment: Mapping[str, Any]) -> tuple[CommunicationStep
             raise CaseError(file, where, "the changes are not in the order of time")
     marks = [float(change["time"]) for change in changes]
     lengths = _lengths(file, experiment["steps"], stop_time, marks)
-    points = _points(lengths)
+    ends = points(lengths)
     near = SAME_POINT * stop_time / len(lengths)
-    if abs(points[-1] - stop_time) > near:
-        reason = f"the steps end at {points[-1]}, not at stop_time {stop_time}"
+    if abs(ends[-1] - stop_time) > near:
+        reason = f"the steps end at {ends[-1]}, not at stop_time {stop_time}"
         raise CaseError(file, "experiment.steps", reason)
     settings: dict[int, dict[str, float]] = {}
     for n, mark in enumerate(marks):
-        index = min(range(len(points)), key=lambda i: abs(points[i] - mark))
-        if abs(points[index] - mark) > near:
-            reason = f"{mark} is not at a communication point; the nearest is {points[index]}"
+        index = min(range(len(ends)), key=lambda i: abs(ends[i] - mark))
+        if abs(ends[index] - mark) > near:
+            reason = f"{mark} is not at a communication point; the nearest is {ends[index]}"
             raise CaseError(file, f"experiment.changes[{n}].time", reason)
         settings[index + 1] = {name: float(value) for name, value in changes[n]["set"].items()}
     return tuple(CommunicationStep(h, settings.get(n, {})) for n, h in enumerate(lengths))
@@ -267,11 +270,11 @@ def _lengths(
     draw = random.Random(steps["seed"])
     lengths = []
     for begin, end in zip((0.0, *marks), (*marks, stop_time), strict=True):
-        points = [begin]
-        while (left := end - points[-1]) > 0.0:
+        marked = [begin]
+        while (left := end - marked[-1]) > 0.0:
             h = shortest * (longest / shortest) ** draw.random()
-            points.append(end if h >= left else points[-1] + h)
-        lengths += [b - a for a, b in itertools.pairwise(points)]
+            marked.append(end if h >= left else marked[-1] + h)
+        lengths += [b - a for a, b in itertools.pairwise(marked)]
     return lengths
 
 

@@ -11,18 +11,29 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from stickslip_verification.fmu import FmuFile
+
 PACKAGES = ("stickslip", "numpy", "scipy", "mpmath", "fmpy", "pythonfmu")
 
 
-def collect(fmu: Path) -> dict[str, Any]:
+def collect(fmu: FmuFile, command: str | None = None) -> dict[str, Any]:
     """Gather the provenance of a run on `fmu`, as JSON values.
 
-    ``git`` is ``{"revision", "dirty"}`` of the working copy this package stands in, or None where
-    there is none; a version is None where the package is not installed.
+    ``command`` is what to type to get the same again. ``git`` is ``{"revision", "dirty"}`` of the
+    working copy this package stands in, or None where there is none; a version is None where the
+    package is not installed.
     """
+    names = fmu.names.file
     return {
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        "fmu": {"file": fmu.name, "sha256": hashlib.sha256(fmu.read_bytes()).hexdigest()},
+        "fmu": {
+            "file": fmu.path.name,
+            "sha256": hashlib.sha256(fmu.path.read_bytes()).hexdigest(),
+            "fmi_version": fmu.fmi_version,
+            "names": None if names is None else names.name,
+            "problems": list(fmu.problems),
+        },
+        "command": command,
         "versions": {"python": platform.python_version()} | {p: _version(p) for p in PACKAGES},
         "platform": platform.platform(),
         "git": _git(Path(__file__).resolve().parent),

@@ -1,88 +1,149 @@
-"""The run: the truth once per case, both sides, every check."""
+"""The run of an FMU: everything it is asked, and the result of every check, law and probe."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
-from stickslip_verification import provenance, truth
-from stickslip_verification.cases import Case
-from stickslip_verification.checks import Exact, failed, judge
-from stickslip_verification.quantities import OUTPUT_NAMES
+from stickslip_verification import checks, law_checks, workers
+from stickslip_verification.answer import Answer
+from stickslip_verification.cases import Check
+from stickslip_verification.checks import REFERENCE, Trial
+from stickslip_verification.fmu import NameMap
+from stickslip_verification.ground import Ground, Progress
+from stickslip_verification.laws import Laws, ResidualLaw, RunLaw
 from stickslip_verification.record import Record
-from stickslip_verification.sides import FmuSide, ReferenceSide, Side
-from stickslip_verification.truth.parameters import complete
-from stickslip_verification.verdict import CheckResult, Verdict
-
-Progress = Callable[[str, int, int], None]
-"""Called with what is being done, how much of it is done, and out of how much."""
+from stickslip_verification.verdict import CheckResult, Motion
 
 
-def verify(fmu: Path, cases: Sequence[Case], progress: Progress | None = None) -> Verdict:
-    """Judge an FMU and the reference on the cases.
+@dataclass(frozen=True)
+class Trials:
+    """What an FMU did: its plain run and its other runs of each case, and the probes' answers."""
 
-    What a side does wrong, an exception included, is a failed check. Before each case `progress`
-    is called with its id, the number of cases done and their number, and once at the end.
+    plain: Mapping[str, Answer[Record]]
+    runs: Mapping[tuple[str, str], Answer[Record]]
+    probes: Mapping[str, Answer[list[str]]]
 
-    Raises
-    ------
-    FmuError
-        The file does not exist or is not an FMU that can be driven at all.
+
+def try_out(
+    fmu: Path,
+    ground: Sequence[Ground],
+    laws: Laws,
+    jobs: int,
+    names: NameMap | None = None,
+    time_limit: float = workers.TIME_LIMIT,
+    progress: Progress | None = None,
+) -> Trials:
+    """Let an FMU do everything that it is judged by."""
+    cases = [each.case for each in ground]
+    kinds = list(dict.fromkeys(law.run for law in laws.runs))
+    asked = [(case, kind) for case in cases for kind in kinds]
+    with workers.Pool(jobs, time_limit, fmu, names) as pool:
+        plain = pool.each(workers.plain_run, [(case,) for case in cases])
+        runs = pool.each(workers.other_run, asked)
+        probes = pool.each(workers.probe, [(law,) for law in laws.probes], most=workers.PROBE_LIMIT)
+        found: dict[str, Answer[Record]] = {}
+        others: dict[tuple[str, str], Answer[Record]] = {}
+        for done, case in enumerate(cases):
+            if progress is not None:
+                progress(f"FMU: {case.id}", done, len(cases))
+            found[case.id] = next(plain)
+        for done, (case, kind) in enumerate(asked):
+            if progress is not None and done % len(kinds) == 0:
+                progress(f"FMU in other runs: {case.id}", done // len(kinds), len(cases))
+            others[case.id, kind] = next(runs)
+        answers = {law.id: next(probes) for law in laws.probes}
+    return Trials(found, others, answers)
+
+
+def judge(
+    ground: Sequence[Ground], laws: Laws, trials: Trials, trial: Trial, *, reference: bool = True
+) -> Iterator[CheckResult]:
+    """Give the result of every check, case by case, then those of the FMU as a whole.
+
+    Without `reference` only what the FMU did is judged.
     """
-    sides: tuple[Side, ...] = (FmuSide(fmu), ReferenceSide())
-    results: list[CheckResult] = []
-    for done, case in enumerate(cases):
-        if progress is not None:
-            progress(case.id, done, len(cases))
-        results += judge_case(case, sides)
-    if progress is not None:
-        progress("", len(cases), len(cases))
-    return Verdict(results, provenance.collect(fmu))
+    for each in ground:
+        yield from _judge_case(each, laws, trials, trial, reference=reference)
+    for law in laws.probes:
+        yield law_checks.judge_probe(law, trial, trials.probes[law.id])
 
 
-def judge_case(case: Case, sides: Sequence[Side]) -> list[CheckResult]:
-    """Give the result of every check of one case on every side, check by check."""
-    try:
-        exact = exact_motion(case)
-    except Exception as error:
-        reason = f"the truth cannot be computed: {_reason(error)}"
-        return [
-            failed(case.id, check, side.name, reason) for check in case.checks for side in sides
-        ]
-    judged = [list(_judge_side(case, side, exact)) for side in sides]
-    return [result for row in zip(*judged, strict=True) for result in row]
+def motions(ground: Sequence[Ground], trials: Trials) -> Iterator[Motion]:
+    """Give what each case looked like on the sides that ran."""
+    for each in ground:
+        if each.exact.value is None:
+            continue
+        sides = {"fmu": trials.plain[each.case.id].value, "reference": each.reference.value}
+        yield Motion(
+            case=each.case.id,
+            title=each.case.title,
+            about=each.case.about,
+            exact=each.exact.value.record,
+            event_times=each.exact.value.event_times,
+            records={name: record for name, record in sides.items() if record is not None},
+        )
 
 
-def exact_motion(case: Case) -> Exact:
-    """Compute the exact motion of a case in high precision, rounded to double once."""
-    steps = [truth.Step(step.h, dict(step.changes)) for step in case.steps]
-    run = truth.run(case.parameters, steps)
-    outputs = {
-        name: np.array([float(sample[name]) for sample in run.samples]) for name in OUTPUT_NAMES
-    }
-    return Exact(
-        record=Record(
-            times=np.array(case.times),
-            outputs=outputs,
-            initial={name: float(run.initial[name]) for name in OUTPUT_NAMES},
-        ),
-        start=complete(case.parameters),
-        event_times=[float(event.time) for event in run.events],
-    )
+def _judge_case(
+    ground: Ground, laws: Laws, trials: Trials, trial: Trial, *, reference: bool
+) -> Iterator[CheckResult]:
+    case = ground.case
+    plain = trials.plain[case.id]
+    sides = [(trial, plain)] + ([(REFERENCE, ground.reference)] if reference else [])
+    for check in case.checks:
+        for side, answer in sides:
+            yield _judge_side(checks.blank(case, check, side), ground, answer, check, side)
+    for law in ground.laws:
+        for side, answer in sides:
+            yield _judge_law(ground, law, answer, side)
+    for run in laws.runs:
+        yield _judge_run(ground, run, trials, trial)
+    yield from _judge_against_reference(ground, laws, trials, trial, reference=reference)
 
 
-def _judge_side(case: Case, side: Side, exact: Exact) -> Iterator[CheckResult]:
-    try:
-        record = side.run(case)
-    except Exception as error:
-        for check in case.checks:
-            yield failed(case.id, check, side.name, _reason(error))
-    else:
-        for check in case.checks:
-            yield judge(case.id, check, side.name, exact, record)
+def _judge_side(
+    empty: CheckResult, ground: Ground, answer: Answer[Record], check: Check, side: Trial
+) -> CheckResult:
+    if ground.exact.value is None:
+        return replace(empty, failure=f"the truth cannot be computed: {ground.exact.failure}")
+    if answer.value is None:
+        return replace(empty, failure=answer.failure, not_applicable=answer.not_applicable)
+    return checks.judge(ground.case, check, side, ground.exact.value, answer.value)
 
 
-def _reason(error: Exception) -> str:
-    return f"{type(error).__name__}: {' '.join(str(error).split())}"
+def _judge_law(
+    ground: Ground, law: ResidualLaw, answer: Answer[Record], side: Trial
+) -> CheckResult:
+    empty = law_checks.blank(law, ground.case.id, side)
+    if ground.exact.value is None:
+        return replace(empty, failure=f"the truth cannot be computed: {ground.exact.failure}")
+    if answer.value is None:
+        return replace(empty, failure=answer.failure, not_applicable=answer.not_applicable)
+    return law_checks.judge_residual(law, ground.case, side, ground.exact.value, answer.value)
+
+
+def _judge_run(ground: Ground, law: RunLaw, trials: Trials, trial: Trial) -> CheckResult:
+    plain = trials.plain[ground.case.id]
+    if plain.value is None:
+        empty = law_checks.blank(law, ground.case.id, trial)
+        return replace(empty, failure=plain.failure, not_applicable=plain.not_applicable)
+    other = trials.runs[ground.case.id, law.run]
+    return law_checks.judge_run(law, ground.case, trial, plain.value, other)
+
+
+def _judge_against_reference(
+    ground: Ground, laws: Laws, trials: Trials, trial: Trial, *, reference: bool
+) -> Iterator[CheckResult]:
+    case = ground.case
+    plain, exact = trials.plain[case.id], ground.exact
+    if plain.value and ground.reference.value and exact.value:
+        records = {"fmu": plain.value, "reference": ground.reference.value}
+        for law in laws.agreements:
+            result = law_checks.judge_agreement(law, case, trial, exact.value, records)
+            if result is not None:
+                yield result
+    if reference:
+        for order, seen in ground.orders:
+            yield from law_checks.judge_order(order, case.id, REFERENCE, seen)

@@ -10,12 +10,13 @@ from typing import Protocol
 import numpy as np
 
 import stickslip_ref
+from stickslip_verification import drive
 from stickslip_verification.cases import Case
-from stickslip_verification.fmu_file import FmuError, FmuFile, available
+from stickslip_verification.fmu import FmuError, FmuFile, NameMap
 from stickslip_verification.quantities import OUTPUT_NAMES
 from stickslip_verification.record import Record
 
-__all__ = ["FmuError", "FmuSide", "ReferenceSide", "Side"]
+__all__ = ["FmuError", "FmuSide", "ReferenceSide", "Side", "reference_run"]
 
 
 class Side(Protocol):
@@ -29,7 +30,7 @@ class Side(Protocol):
 
 
 class FmuSide:
-    """An FMU 2.0 for co-simulation, driven step by step; one fresh instance per case.
+    """An FMU for co-simulation, driven step by step; one fresh instance per case.
 
     Raises `FmuError` when the file is no usable FMU, and from `run` with the FMU's own message
     when it refuses a call. An output that the FMU lacks is absent from the record.
@@ -37,31 +38,12 @@ class FmuSide:
 
     name = "fmu"
 
-    def __init__(self, path: Path) -> None:
-        self.file = FmuFile(path)
+    def __init__(self, path: Path, names: NameMap | None = None) -> None:
+        self.file = FmuFile(path, names)
 
     def run(self, case: Case) -> Record:
         """Run the case: values set before initialization, changes before the step they act in."""
-        names = available(self.file, OUTPUT_NAMES)
-        with self.file.instantiate() as instance:
-            instance.start(case.parameters)
-            read = instance.reader(names)
-            initial = read()
-            rows = []
-            time = 0.0
-            for step, after in zip(case.steps, case.times, strict=True):
-                instance.set(step.changes)
-                instance.step(time, step.h)
-                rows.append(read())
-                time = after
-            messages = tuple(instance.messages)
-        columns = np.array(rows, dtype=np.float64)
-        return Record(
-            times=np.array(case.times),
-            outputs={name: columns[:, i] for i, name in enumerate(names)},
-            initial=dict(zip(names, initial, strict=True)),
-            messages=messages,
-        )
+        return drive.run_case(self.file, case)
 
 
 class ReferenceSide:
@@ -71,20 +53,10 @@ class ReferenceSide:
 
     def run(self, case: Case) -> Record:
         """Run the case; the samples are those of its communication points."""
-        changes = [
-            stickslip_ref.Change(time, dict(step.changes))
-            for step, time in zip(case.steps, (0.0, *case.times), strict=False)
-            if step.changes
-        ]
         times = np.array((0.0, *case.times))
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            trajectory = stickslip_ref.simulate(
-                stickslip_ref.Parameters(**case.parameters),
-                case.stop_time,
-                changes=changes,
-                times=times,
-            )
+            trajectory = reference_run(case)
         columns = _columns(trajectory, len(times))
         return Record(
             times=times[1:],
@@ -92,6 +64,22 @@ class ReferenceSide:
             initial={name: float(samples[0]) for name, samples in columns.items()},
             messages=tuple(str(warning.message) for warning in caught),
         )
+
+
+def reference_run(case: Case, rtol: float | None = None) -> stickslip_ref.Trajectory:
+    """Simulate a case with the reference, at its own tolerance of a step or at `rtol`."""
+    changes = [
+        stickslip_ref.Change(time, dict(step.changes))
+        for step, time in zip(case.steps, (0.0, *case.times), strict=False)
+        if step.changes
+    ]
+    return stickslip_ref.simulate(
+        stickslip_ref.Parameters(**case.parameters),
+        case.stop_time,
+        changes=changes,
+        times=np.array((0.0, *case.times)),
+        rtol=stickslip_ref.RTOL if rtol is None else rtol,
+    )
 
 
 def _columns(

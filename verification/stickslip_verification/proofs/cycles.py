@@ -14,7 +14,7 @@ from mpmath import mp, mpf
 
 import stickslip_ref
 from stickslip_verification import truth
-from stickslip_verification.fmu_file import FmuError
+from stickslip_verification.fmu import FmuError
 from stickslip_verification.proofs import draws
 from stickslip_verification.proofs.mover import Motion, Mover, State
 from stickslip_verification.proofs.tally import ProofResult, Tally, relative

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from stickslip_verification.fmu_file import FmuError, FmuFile, FmuInstance
+from stickslip_verification.fmu import FmuError, FmuFile, FmuInstance
 
 State = dict[str, float]
 

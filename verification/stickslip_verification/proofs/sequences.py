@@ -8,12 +8,23 @@ from pathlib import Path
 from random import Random
 
 from stickslip_verification import truth
-from stickslip_verification.fmu_file import FmuError
+from stickslip_verification.fmu import FmuError
 from stickslip_verification.proofs import draws
 from stickslip_verification.proofs.draws import Interval
 from stickslip_verification.proofs.mover import Mover, State
 from stickslip_verification.proofs.tally import ProofResult, Tally
 from stickslip_verification.quantities import OUTPUT_NAMES, QUANTITIES
+from stickslip_verification.symmetries import (
+    ENERGIES,
+    FORCES,
+    HEAVIER,
+    LENGTHS,
+    MIRROR,
+    QUICKER,
+    SPEEDS,
+    TIMES,
+    Symmetry,
+)
 
 SEQUENCES = 5000
 TUNED = 1000
@@ -24,17 +35,8 @@ SMALLEST_MARGIN = 1e-9
 """Draws that pass an event by less, relative to scale, are decided by rounding: left out."""
 MANY = 1_000_000
 
-LENGTHS = ("x", "x_pull", "z", "delta_x", "spring_drop")
-SPEEDS = ("x_dot", "x_dot_peak")
-FORCES = ("F", "F_friction", "F_s")
-TIMES = ("t_stick", "t_slip", "T", "t_event")
-ENERGIES = ("W_pull", "W_k", "Q_friction")
-DIRECTED = ("x", "x_dot", "x_pull", "z", "F", "F_friction", "mode", "delta_x", "spring_drop")
-DIRECTED_VALUES = ("v", "F_ext", "x_start", "x_dot_start", "z_start")
 MEASURED = (*LENGTHS, *SPEEDS, *FORCES, *TIMES, *ENERGIES)
 COUNTED = tuple(name for name in OUTPUT_NAMES if QUANTITIES[name].discrete)
-
-Factors = Mapping[str, float]
 
 
 def split_and_truth(
@@ -116,37 +118,25 @@ def energy(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None
 
 def no_hidden_scale(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None]:
     """Prove that mirror, forces times 4 and time halved give the same motion bit for bit."""
-    mirrored = dict.fromkeys(DIRECTED_VALUES, -1.0)
-    mirror = dict.fromkeys((*DIRECTED, "x_dot_peak"), -1.0)
-    heavier = dict.fromkeys(("m", "k", "c", "load", "F_ext"), 4.0)
-    forces = dict.fromkeys((*FORCES, *ENERGIES), 4.0)
-    quicker = dict.fromkeys(("k", "g", "load", "F_ext"), 4.0) | dict.fromkeys(
-        ("v", "c", "x_dot_start"), 2.0
-    )
-    rates = forces | dict.fromkeys((*SPEEDS, "f"), 2.0) | dict.fromkeys(TIMES, 0.5)
-    symmetries: tuple[tuple[str, Factors, float, Factors], ...] = (
-        ("mirror", mirrored, 1.0, mirror),
-        ("m, k, c, load, F_ext times 4", heavier, 1.0, forces),
-        ("k, g, load, F_ext times 4, v, c, x_dot_start times 2, time halved", quicker, 0.5, rates),
-    )
-    tallies = [Tally(name, "fmu", "equal bit for bit", seed) for name, _, _, _ in symmetries]
+    symmetries = (MIRROR, HEAVIER, QUICKER)
+    tallies = [Tally(each.name, "fmu", "equal bit for bit", seed) for each in symmetries]
     with Mover(fmu, OUTPUT_NAMES) as mover:
         for n in range(_share(SEQUENCES, fraction)):
             draw = Random(f"scaled sequence {n} of {seed}")
             motion = draws.sequence(draw, tunable=True)
             pieces = [draws.split(draw, interval.h)[:20] for interval in motion.intervals]
-            for tally, (_, values, pace, outputs) in zip(tallies, symmetries, strict=True):
+            for tally, symmetry in zip(tallies, symmetries, strict=True):
                 try:
                     plain = _run(mover, motion, pieces)
                     changed = _run(
                         mover,
-                        _scaled(motion, values, pace),
-                        [[h * pace for h in steps] for steps in pieces],
+                        _scaled(motion, symmetry),
+                        [[h * symmetry.pace for h in steps] for steps in pieces],
                     )
                 except FmuError as error:
                     tally.refuse(str(error), motion)
                 else:
-                    tally.judge(_unequal(changed, plain, outputs), motion)
+                    tally.judge(_unequal(changed, plain, symmetry.outputs), motion)
             yield None
     for tally in tallies:
         yield tally.result()
@@ -225,18 +215,15 @@ def _run(mover: Mover, motion: draws.Sequence, pieces: Sequence[Sequence[float]]
     return states
 
 
-def _scaled(motion: draws.Sequence, values: Factors, pace: float) -> draws.Sequence:
-    def scaled(setting: Mapping[str, float]) -> dict[str, float]:
-        return {name: value * values.get(name, 1.0) for name, value in setting.items()}
-
+def _scaled(motion: draws.Sequence, symmetry: Symmetry) -> draws.Sequence:
     return draws.Sequence(
-        scaled(motion.parameters),
-        tuple(Interval(i.h * pace, scaled(i.changes)) for i in motion.intervals),
+        symmetry.scaled(motion.parameters),
+        tuple(Interval(i.h * symmetry.pace, symmetry.scaled(i.changes)) for i in motion.intervals),
     )
 
 
 def _unequal(
-    changed: Sequence[State], plain: Sequence[State], factors: Factors
+    changed: Sequence[State], plain: Sequence[State], factors: Mapping[str, float]
 ) -> dict[str, float]:
     ratios = dict.fromkeys(OUTPUT_NAMES, 0.0)
     for one, other in zip(changed, plain, strict=True):

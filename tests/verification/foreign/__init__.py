@@ -1,0 +1,1 @@
+"""Sources of FMUs that are not ours, and what builds them."""

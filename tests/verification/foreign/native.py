@@ -1,0 +1,117 @@
+"""A foreign FMU 3.0 in C: one variable of each type of number, which keep what they are given.
+
+Its step meets an event each time, and returns after one second if it is longer.
+"""
+
+from __future__ import annotations
+
+import inspect
+import shutil
+import subprocess
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import fmpy
+import fmpy.fmi3
+
+COMPILER = shutil.which("cc")
+
+# Type to our name of the variable, its causality and its type in C.
+TYPES: Mapping[str, tuple[str, str, str]] = {
+    "Float32": ("x", "output", "float"),
+    "Float64": ("k", "parameter", "double"),
+    "Int8": ("mode", "output", "int8_t"),
+    "UInt8": ("mu_k", "parameter", "uint8_t"),
+    "Int16": ("mu_s", "parameter", "int16_t"),
+    "UInt16": ("g", "parameter", "uint16_t"),
+    "Int32": ("F", "output", "int32_t"),
+    "UInt32": ("n_slips", "output", "uint32_t"),
+    "Int64": ("v", "input", "int64_t"),
+    "UInt64": ("m", "parameter", "uint64_t"),
+    "Boolean": ("sticking", "output", "bool"),
+    "Enumeration": ("load", "input", "int64_t"),
+}
+
+HEAD = """\
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+static int instance;
+
+void *fmi3InstantiateCoSimulation(void) { return &instance; }
+
+int fmi3DoStep(void *i, double time, double h, bool no_set, bool *event, bool *terminate,
+               bool *early, double *reached) {
+    *event = true;
+    if (h > 1.0) {
+        *early = true;
+        *reached = time + 1.0;
+    }
+    return 0;
+}
+"""
+
+ACCESS = """
+static {c_type} of_{kind}[{count}];
+
+int fmi3Get{kind}(void *i, const unsigned *which, size_t n, {c_type} *values, size_t m) {{
+    for (size_t j = 0; j < n; j++) values[j] = of_{kind}[which[j]];
+    return n == m ? 0 : 3;
+}}
+
+int fmi3Set{kind}(void *i, const unsigned *which, size_t n, const {c_type} *values, size_t m) {{
+    for (size_t j = 0; j < n; j++) of_{kind}[which[j]] = values[j];
+    return n == m ? 0 : 3;
+}}
+"""
+
+
+def build(folder: Path) -> Path:
+    """Compile and pack the FMU."""
+    source, library, fmu = folder / "native.c", folder / "native.so", folder / "Native.fmu"
+    source.write_text(_source(), encoding="utf-8")
+    assert COMPILER is not None
+    subprocess.run([COMPILER, "-shared", "-fPIC", "-o", library, source], check=True)
+    with zipfile.ZipFile(fmu, "w") as archive:
+        archive.writestr("modelDescription.xml", _description())
+        suffix = fmpy.sharedLibraryExtension
+        archive.write(library, f"binaries/{fmpy.platform_tuple}/Native{suffix}")
+    return fmu
+
+
+def _source() -> str:
+    text = HEAD
+    for kind, (_, _, c_type) in TYPES.items():
+        if kind != "Enumeration":
+            text += ACCESS.format(kind=kind, c_type=c_type, count=len(TYPES) + 2)
+    functions = [name for name, _ in inspect.getmembers(fmpy.fmi3.FMU3Slave)]
+    for name in functions:
+        if name.startswith("fmi3") and f" {name}(" not in text and f"*{name}(" not in text:
+            text += f"\nint {name}(void) {{ return 0; }}\n"
+    return text
+
+
+def _description() -> str:
+    variables, outputs = "", ""
+    for reference, (kind, (name, causality, _)) in enumerate(TYPES.items(), start=1):
+        variability = "fixed" if causality == "parameter" else "discrete"
+        start = "" if causality == "output" else ' start="1"'
+        declared = ' declaredType="Choice"' if kind == "Enumeration" else ""
+        variables += (
+            f'<{kind} name="{name}" valueReference="{reference}" causality="{causality}" '
+            f'variability="{variability}"{declared}{start}/>'
+        )
+        if causality == "output":
+            outputs += f'<Output valueReference="{reference}"/>'
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>'
+        '<fmiModelDescription fmiVersion="3.0" modelName="Native" instantiationToken="1">'
+        '<CoSimulation modelIdentifier="Native"/>'
+        '<TypeDefinitions><EnumerationType name="Choice"><Item name="one" value="1"/>'
+        "</EnumerationType></TypeDefinitions><ModelVariables>"
+        '<Float64 name="time" causality="independent" valueReference="0"/>'
+        f"{variables}</ModelVariables><ModelStructure>{outputs}</ModelStructure>"
+        "</fmiModelDescription>"
+    )

@@ -1,0 +1,86 @@
+"""Records with a planted fault, and the laws that see it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from stickslip_verification.cases import CASES_FOLDER, Case, load_case
+from stickslip_verification.checks import OURS, Trial
+from stickslip_verification.exact import Exact, exact_motion
+from stickslip_verification.law_checks import applies, judge_residual
+from stickslip_verification.laws import ResidualLaw, load_laws
+from stickslip_verification.record import Record, Series
+from stickslip_verification.verdict import CheckResult
+
+LAWS: Mapping[str, ResidualLaw] = {law.id: law for law in load_laws().residuals}
+
+
+@dataclass
+class Draft:
+    """A record that a fault may write into."""
+
+    outputs: dict[str, Series]
+    initial: dict[str, float]
+
+    def scale(self, name: str, factor: float) -> None:
+        """Multiply an output, at the start too."""
+        self.outputs[name] *= factor
+        self.initial[name] *= factor
+
+    def lag(self, name: str) -> None:
+        """Show an output one step late."""
+        self.outputs[name] = np.concatenate(([self.initial[name]], self.outputs[name][:-1]))
+
+
+Fault = Callable[[Draft], None]
+
+
+@cache
+def named(name: str) -> Case:
+    """Give the suite's case of this id."""
+    return load_case(CASES_FOLDER / f"{name}.toml")
+
+
+@cache
+def exact_of(name: str) -> Exact:
+    """Give the exact motion of the suite's case of this id, rounded once."""
+    return exact_motion(named(name))
+
+
+@cache
+def believed(name: str, *values: tuple[str, float]) -> Record:
+    """Give the exact motion of a case in a world with other parameters."""
+    case = named(name)
+    return exact_motion(replace(case, parameters={**case.parameters, **dict(values)})).record
+
+
+@cache
+def laws_of(name: str) -> tuple[ResidualLaw, ...]:
+    """Give the laws on samples that the exact motion of a case has a place for."""
+    return tuple(law for law in LAWS.values() if applies(law, named(name), exact_of(name)))
+
+
+def planted(record: Record, fault: Fault) -> Record:
+    """Give a copy of a record with a fault in it."""
+    draft = Draft(
+        {name: np.array(samples) for name, samples in record.outputs.items()},
+        dict(record.initial),
+    )
+    fault(draft)
+    return Record(record.times, draft.outputs, draft.initial, record.messages)
+
+
+def judged(name: str, record: Record, trial: Trial = OURS) -> dict[str, CheckResult]:
+    """Give the results of the laws that the exact motion has a place for, by law."""
+    case, exact = named(name), exact_of(name)
+    return {law.id: judge_residual(law, case, trial, exact, record) for law in laws_of(name)}
+
+
+def seen(name: str, record: Record, trial: Trial = OURS) -> set[str]:
+    """Give the laws that a record breaks."""
+    results = judged(name, record, trial)
+    return {law for law, r in results.items() if not r.passed and r.not_applicable is None}

@@ -1,0 +1,140 @@
+"""The names file: what it may say, and what is said when it says something else."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from stickslip_verification.fmu import FmuError, FmuFile, NamesError, load_names
+from stickslip_verification.fmu.names import INPUT_UNITS, NOT_THERE, UNITS, NameMap, Target
+from stickslip_verification.quantities import OUTPUT_NAMES
+from stickslip_verification.truth.parameters import START_VALUES
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    """Return where a names file may be written."""
+    return tmp_path / "names.toml"
+
+
+def test_the_variables_of_the_suite_are_those_it_sets_and_reads() -> None:
+    """Every parameter, input and output of the suite can be named, and nothing else."""
+    assert set(INPUT_UNITS) == set(START_VALUES)
+    assert set(UNITS) == set(START_VALUES) | set(OUTPUT_NAMES)
+
+
+@pytest.mark.parametrize("head", ["", "[names]\n"])
+def test_entries_stand_at_the_top_or_in_a_table(file: Path, head: str) -> None:
+    """An entry is a name, or a name with unit and sign, in either place."""
+    text = (
+        'x = "mass.s"\nz = { name = "dz", unit = "mm", sign = -1 }\nF = { unit = "kN" }\nT = ""\n'
+    )
+    file.write_text(head + text, encoding="utf-8")
+    assert load_names(file).targets == {
+        "x": Target("mass.s"),
+        "z": Target("dz", "mm", -1),
+        "F": Target("F", "kN"),
+        "T": Target(NOT_THERE),
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "where", "reason"),
+    [
+        ('m = "a"\nx_pul = "b"', "line 2", "'x_pul' is no variable of the suite; near it: x_pull"),
+        ('MU_S = "a"', "line 1", "near it: mu_s"),
+        ('colour = "red"', "line 1", "there are m, g, k"),
+        ("[names]\ny9 = 'a'", "line 2", "'y9' is no variable of the suite"),
+        ('v = "a"\n[names]\nx = "b"', "line 1", "'v' stands beside the table [names]"),
+        ("x = 3", "line 1", "x is 3; it takes a name or { name, unit, sign }"),
+        ('\nx = ["a"]', "line 2", "x is ['a']; it takes a name"),
+        ('x = { nam = "a" }', "line 1", "x has an unknown key 'nam'; there are name, unit, sign"),
+        ("x = { name = 1 }", "line 1", "x.name is 1, not a text"),
+        ('x = { name = "a", unit = 1 }', "line 1", "x.unit is 1, not a text"),
+        ('x = { name = "a", sign = 2 }', "line 1", "x.sign is 2, not 1 or -1"),
+        ('x = { name = "a", sign = true }', "line 1", "x.sign is True, not 1 or -1"),
+        ("[x]\nsign = -2", "line 1", "x.sign is -2, not 1 or -1"),
+        ('x = "a"\nz = "a"', "line 2", "z and x are both 'a'"),
+        ('x = "a', "line 1", "Unterminated string"),
+        ('x = "a"\nx = "b"', "line 2", "Cannot overwrite a value"),
+        ("", "", "names no variable"),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_line(
+    file: Path, text: str, where: str, reason: str
+) -> None:
+    """A names file that cannot be used is refused on one line: file, line and what is wrong."""
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(NamesError) as caught:
+        load_names(file)
+    assert str(caught.value).startswith(f"{file}: {where}")
+    assert reason in caught.value.reason
+    assert "\n" not in str(caught.value)
+
+
+def test_a_names_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
+    """A file that is not there, is a folder or is no text is refused with the reason."""
+    with pytest.raises(NamesError, match="no such file"):
+        load_names(tmp_path / "none.toml")
+    with pytest.raises(NamesError, match="is a directory"):
+        load_names(tmp_path)
+    binary = tmp_path / "binary.toml"
+    binary.write_bytes(b"x = '\xff'")
+    with pytest.raises(NamesError, match="is not UTF-8"):
+        load_names(binary)
+
+
+def test_mapped_names_that_the_fmu_lacks_are_all_told(slider_mm: Path) -> None:
+    """Every name that the FMU does not have is named, with ours, and the nearest it does have."""
+    names = NameMap({"x": Target("slider.q"), "F": Target("nothing"), "v": Target("drive.speed")})
+    with pytest.raises(FmuError) as caught:
+        FmuFile(slider_mm, names)
+    assert re.fullmatch(
+        r"SliderMm\.fmu: has no variable 'slider\.q' for x \(near it: 'slider\.[sv]'\), "
+        r"'nothing' for F",
+        str(caught.value),
+    )
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        (
+            {"x": Target("spring.rate")},
+            "x ('spring.rate') must be an output, not a fixed parameter",
+        ),
+        (
+            {"v": Target("slider.v")},
+            "v ('slider.v') must be a parameter or an input, not a continuous output",
+        ),
+    ],
+)
+def test_a_variable_of_the_wrong_sort_is_refused(
+    slider_mm: Path, entry: dict[str, Target], said: str
+) -> None:
+    """What the suite sets must be settable in the FMU, what it reads must be given by it."""
+    with pytest.raises(FmuError) as caught:
+        FmuFile(slider_mm, NameMap(entry))
+    assert str(caught.value) == f"SliderMm.fmu: {said}"
+
+
+def test_without_a_map_our_own_names_count(foreign_fmu: Path) -> None:
+    """An FMU that calls its variables as we do needs no map."""
+    fmu = FmuFile(foreign_fmu)
+    assert set(fmu.variables) == {"k", "z"}
+    assert not fmu.extra_outputs
+
+
+def test_a_variable_is_never_taken_twice(foreign_fmu: Path) -> None:
+    """What the map gives to one of our names is not guessed for another."""
+    fmu = FmuFile(foreign_fmu, NameMap({"x": Target("z")}))
+    assert set(fmu.variables) == {"k", "x"}
+
+
+def test_a_variable_can_be_left_out(foreign_fmu: Path) -> None:
+    """An empty name says that a variable of our name is something else in this FMU."""
+    fmu = FmuFile(foreign_fmu, NameMap({"z": Target(NOT_THERE)}))
+    assert set(fmu.variables) == {"k"}
+    assert fmu.extra_outputs == ("z",)

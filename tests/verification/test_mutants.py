@@ -1,0 +1,284 @@
+"""Facts about the planted faults: their descriptions, and the FMUs that are made of them."""
+
+import ast
+import re
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmpy.fmi2 import FMU2Slave
+
+from stickslip_verification import load_cases
+from stickslip_verification.laws import load_laws
+from stickslip_verification.mutants import Mutant, MutantError, load_mutants, plant
+from stickslip_verification.mutants.planted import Addition, Substitution
+
+MUTANTS = load_mutants()
+PACKAGE = re.compile(r"stickslip_fmu_[0-9a-f]{16}")
+
+GOOD = """\
+id = "good"
+about = "It is enough to be read."
+convicted_by = ["F_s-course"]
+
+[[additions]]
+file = "more.py"
+text = "MORE = 1.0"
+
+[[substitutions]]
+file = "friction.py"
+find = "mu_s * normal"
+replace = "1.001 * mu_s * normal"
+"""
+
+
+def read(folder: Path, text: str) -> Mutant:
+    """Write a description and load it."""
+    (folder / "good.toml").write_text(text, encoding="utf-8")
+    return load_mutants(folder=folder)[0]
+
+
+def named(name: str) -> Mutant:
+    """Give the planted fault of this id."""
+    return next(mutant for mutant in MUTANTS if mutant.id == name)
+
+
+def texts(fmu: Path) -> dict[str, str]:
+    """Give the texts of an FMU by their names."""
+    with zipfile.ZipFile(fmu) as archive:
+        return {
+            name: archive.read(name).decode("utf-8")
+            for name in archive.namelist()
+            if name.endswith((".py", ".txt", ".xml"))
+        }
+
+
+def touched(mutant: Mutant) -> set[str]:
+    """Give the files that a fault changes or brings along."""
+    changed = {substitution.file for substitution in mutant.substitutions}
+    return changed | {addition.file for addition in mutant.additions}
+
+
+def packages(fmu: Path) -> set[str]:
+    """Give every name of the packed package that stands anywhere in an FMU."""
+    return {found for entry in texts(fmu).items() for found in PACKAGE.findall(" ".join(entry))}
+
+
+def guid(fmu: Path) -> str:
+    """Give the GUID of an FMU."""
+    return str(fmpy.read_model_description(str(fmu)).guid)
+
+
+@pytest.fixture(scope="module")
+def planted(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Return the FMU of every planted fault, by id."""
+    folder = tmp_path_factory.mktemp("mutants")
+    return {mutant.id: plant(fmu_path, mutant, folder) for mutant in MUTANTS}
+
+
+def test_there_are_enough_faults(planted: dict[str, Path]) -> None:
+    """At least 40 faults are described, and each can be planted in the FMU as it is built."""
+    assert len(planted) >= 40
+    assert all(path.name == f"{name}.fmu" for name, path in planted.items())
+
+
+def test_every_mutant_has_its_own_name_and_guid(fmu_path: Path, planted: dict[str, Path]) -> None:
+    """No two of the original and the mutants share a package name or a GUID; the old are gone."""
+    fmus = [fmu_path, *planted.values()]
+    names = [packages(fmu) for fmu in fmus]
+    assert {len(each) for each in names} == {1}
+    assert len(set.union(*names)) == len(fmus)
+    assert len({guid(fmu) for fmu in fmus}) == len(fmus)
+
+
+def test_a_mutant_differs_where_its_description_says(
+    fmu_path: Path, planted: dict[str, Path]
+) -> None:
+    """But for names and GUID a mutant is the original with the described files changed."""
+
+    def anonymous(fmu: Path) -> dict[str, str]:
+        unnamed = {PACKAGE.sub("P", name): PACKAGE.sub("P", t) for name, t in texts(fmu).items()}
+        xml = "modelDescription.xml"
+        return unnamed | {xml: re.sub('guid="[^"]*"', "", unnamed[xml])}
+
+    original = anonymous(fmu_path)
+    for mutant in MUTANTS:
+        changed = set(dict(original.items() ^ anonymous(planted[mutant.id]).items()))
+        assert {Path(name).name for name in changed} == touched(mutant), mutant.id
+
+
+def test_what_is_planted_is_python_3_8(planted: dict[str, Path]) -> None:
+    """Every module that a fault changes or brings along has the syntax of Python 3.8."""
+    for mutant in MUTANTS:
+        for name, text in texts(planted[mutant.id]).items():
+            if PACKAGE.search(name) and Path(name).name in touched(mutant):
+                ast.parse(text, filename=f"{mutant.id}: {name}", feature_version=(3, 8))
+
+
+def test_planting_is_repeatable(fmu_path: Path, tmp_path: Path) -> None:
+    """The same fault in the same FMU gives the same bytes, under any file name."""
+    mutant = named("constant-mu-s")
+    first = plant(fmu_path, mutant, tmp_path / "new" / "first.fmu")
+    second = plant(fmu_path, mutant, tmp_path)
+    assert first == tmp_path / "new" / "first.fmu"
+    assert second == tmp_path / "constant-mu-s.fmu"
+    assert first.read_bytes() == second.read_bytes()
+
+
+@contextmanager
+def running(fmu: Path, folder: Path) -> Iterator[Callable[[str], float]]:
+    """Run an FMU for one step of 1 s and hand out a function that reads a Real by name."""
+    description = fmpy.read_model_description(str(fmu), validate=True)
+    references = {each.name: each.valueReference for each in description.modelVariables}
+    slave = FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=fmpy.extract(str(fmu), unzipdir=str(folder / fmu.stem)),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName=fmu.stem,
+    )
+    slave.instantiate()
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    slave.doStep(0.0, 1.0)
+    try:
+        yield lambda name: float(slave.getReal([references[name]])[0])
+    finally:
+        slave.freeInstance()
+
+
+def test_mutants_run_beside_the_original(
+    fmu_path: Path, planted: dict[str, Path], tmp_path: Path
+) -> None:
+    """In one process the original and two mutants each run their own code."""
+    fmus = (planted["constant-mu-s"], fmu_path, planted["meter-jump-unsigned"])
+    with ExitStack() as stack:
+        reads = [stack.enter_context(running(fmu, tmp_path)) for fmu in fmus]
+        high, right, other = (read("F_s") for read in reads)
+        assert (high, right, other) == (1.001 * 0.5 * 9.81, 0.5 * 9.81, 0.5 * 9.81)
+        assert reads[0]("x") != reads[1]("x") == reads[2]("x")
+
+
+def test_every_conviction_is_by_a_check_that_exists() -> None:
+    """Each check that a description names in advance is one of a case or a law of all runs."""
+    known = {check.id for case in load_cases() for check in case.checks}
+    known |= {law.id for law in load_laws()}
+    unknown = {m.id: set(m.convicted_by) - known for m in MUTANTS if set(m.convicted_by) - known}
+    assert unknown == {}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('"good"\n', "= 5\n", "line 1: Invalid value"),
+        ('id = "good"', 'id = "no good"', "id: 'no good' does not match"),
+        ('id = "good"', 'id = "better"', "id: 'better' is not the name of the file"),
+        ('id = "good"', 'id = "good"\ncolour = 1', "Additional properties.*'colour'"),
+        ('"It is enough to be read."', '" "', "about: ' ' does not match"),
+        ('["F_s-course"]', "[]", r"convicted_by: \[\] should be non-empty"),
+        ('["F_s-course"]', '["F_s course"]', r"convicted_by\[0\]: 'F_s course' does not match"),
+        ('["F_s-course"]', '["a", "a"]', "convicted_by: .* has non-unique elements"),
+        ('"friction.py"', '"../friction.py"', r"substitutions\[0\].file: .* does not match"),
+        ('"friction.py"', '"slavemodule.txt"', r"substitutions\[0\].file: .* does not match"),
+        ('find = "mu_s * normal"', 'find = ""', r"substitutions\[0\].find: '' does not match"),
+        ('find = "mu_s * normal"\n', "", r"substitutions\[0\]: 'find' is a required property"),
+        ('"1.001 * mu_s * normal"', "1", r"substitutions\[0\].replace: 1 is not of type 'string'"),
+        (
+            '"1.001 * mu_s * normal"',
+            '"mu_s * normal"',
+            r"substitutions\[0\].replace: is what it replaces",
+        ),
+        (GOOD[GOOD.index("[[subs") :], "", "'substitutions' is a required property"),
+        ('text = "MORE = 1.0"\n', "", r"additions\[0\]"),
+        ('text = "MORE', 'source = "m.py.txt"\ntext = "MORE', r"additions\[0\]"),
+        (
+            'text = "MORE = 1.0"',
+            'source = "none.py.txt"',
+            r"additions\[0\].source: none.py.txt: No such file",
+        ),
+    ],
+)
+def test_a_broken_description_is_refused_by_file_field_and_reason(
+    tmp_path: Path, old: str, new: str, told: str
+) -> None:
+    """A description with a mistake is refused with its name, the place and the reason."""
+    assert old in GOOD
+    with pytest.raises(MutantError, match=told) as caught:
+        read(tmp_path, GOOD.replace(old, new))
+    assert str(caught.value).startswith(str(tmp_path / "good.toml"))
+    assert "\n" not in str(caught.value)
+
+
+def test_faults_are_chosen_by_pattern(tmp_path: Path) -> None:
+    """A shell pattern chooses faults; one that matches nothing is an error, not an empty run."""
+    assert {mutant.id.partition("-")[0] for mutant in load_mutants("state-*")} == {"state"}
+    with pytest.raises(MutantError, match="no planted fault matches 'nothing'"):
+        load_mutants("nothing")
+    with pytest.raises(MutantError, match="no such folder"):
+        load_mutants(folder=tmp_path / "nowhere")
+    (tmp_path / "good.toml").write_bytes(b"\xff")
+    with pytest.raises(MutantError, match=r"good.toml: is not UTF-8"):
+        load_mutants(folder=tmp_path)
+
+
+def test_faults_may_share_a_module(tmp_path: Path) -> None:
+    """A module that a fault brings along stands in its description or in a file beside it."""
+    (tmp_path / "more.py.txt").write_text("MORE = 2.0\n", encoding="utf-8")
+    shared = GOOD.replace('text = "MORE = 1.0"', 'source = "more.py.txt"')
+    assert read(tmp_path, GOOD).additions == (Addition("more.py", "MORE = 1.0"),)
+    assert read(tmp_path, shared).additions == (Addition("more.py", "MORE = 2.0\n"),)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (Substitution("friction.py", "normal", "n"), "matches 4 times in friction.py, not once"),
+        (Substitution("friction.py", "no such", "n"), "matches 0 times in friction.py, not once"),
+        (Substitution("clutch.py", "normal", "n"), "no clutch.py in the FMU"),
+        (
+            Substitution("friction.py", "return mu_s * normal", "return mu_s * *"),
+            r"friction.py: line \d+ is not Python any more",
+        ),
+    ],
+)
+def test_a_substitution_that_does_not_fit_is_refused(
+    fmu_path: Path, tmp_path: Path, change: Substitution, told: str
+) -> None:
+    """A fault is planted exactly once or not at all: no match and two matches are errors."""
+    mutant = replace(read(tmp_path, GOOD), substitutions=(change,))
+    with pytest.raises(MutantError, match=told) as caught:
+        plant(fmu_path, mutant, tmp_path / "out")
+    assert str(caught.value).startswith(str(tmp_path / "good.toml"))
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_addition_replaces_nothing(fmu_path: Path, tmp_path: Path) -> None:
+    """A module that a fault brings along cannot take the place of one that is packed."""
+    mutant = replace(read(tmp_path, GOOD), additions=(Addition("block.py", "pass"),))
+    with pytest.raises(MutantError, match=r"additions\[0\].file: block.py is packed already"):
+        plant(fmu_path, mutant, tmp_path)
+
+
+def test_a_fault_is_planted_in_our_fmu_only(foreign_fmu: Path, tmp_path: Path) -> None:
+    """What is no FMU, or one without the block's source, is refused with its name."""
+    text = tmp_path / "text.fmu"
+    text.write_text("not an FMU", encoding="utf-8")
+    for fmu, told in ((foreign_fmu, "carries no packed source"), (text, "cannot be read")):
+        with pytest.raises(MutantError, match=told) as caught:
+            plant(fmu, MUTANTS[0], tmp_path)
+        assert str(caught.value).startswith(str(fmu))
+
+
+def test_importing_the_mutants_is_cheap() -> None:
+    """The package of the planted faults imports nothing from outside before it is used."""
+    heavy = {"jsonschema", "fmpy", "numpy", "mpmath"}
+    code = (
+        f"import sys, stickslip_verification.mutants; sys.exit(bool({heavy!r} & set(sys.modules)))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

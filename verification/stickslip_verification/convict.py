@@ -1,0 +1,135 @@
+"""The suite's own trial: planted faults must each fail a check that was named in advance."""
+
+from __future__ import annotations
+
+import tempfile
+import tomllib
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from functools import cache
+from pathlib import Path
+
+from stickslip_verification.checks import OURS
+from stickslip_verification.ground import Ground, Progress
+from stickslip_verification.laws import Laws
+from stickslip_verification.mutants import Mutant, MutantError, plant
+from stickslip_verification.run import Trials, judge, try_out
+from stickslip_verification.verdict import CheckResult, Conviction, KillMatrix
+
+LONGEST = 100.0
+"""Cases of more simulated time [s] are left out: a mutant that integrates would take minutes."""
+
+TIME_LIMIT = 20.0
+"""Seconds that a mutant may take for one run of a case."""
+
+IDLE = Path(__file__).parent / "mutants" / "idle.toml"
+
+
+def convict(
+    fmu: Path,
+    mutants: Sequence[Mutant],
+    ground: Sequence[Ground],
+    laws: Laws,
+    jobs: int,
+    progress: Progress | None = None,
+) -> KillMatrix:
+    """Plant each fault in the FMU, run the mutant as any FMU is run, and see what it fails.
+
+    What a mutant fails only because it took too long does not count as failed by it.
+
+    Parameters
+    ----------
+    fmu
+        The FMU without faults.
+    mutants
+        What to plant.
+    ground
+        Of the cases to try; those of more than `LONGEST` are left out.
+    laws
+        Of the suite.
+    jobs
+        How many mutants are tried at once, each in a process of its own.
+    progress
+        Counts the mutants.
+    """
+    short = [each for each in ground if each.case.stop_time <= LONGEST]
+    rows: dict[str, Conviction] = {}
+    with (
+        tempfile.TemporaryDirectory(prefix="stickslip-mutants-") as folder,
+        ThreadPoolExecutor(jobs) as threads,
+    ):
+        futures = {
+            threads.submit(_try, fmu, mutant, short, laws, Path(folder)): mutant
+            for mutant in mutants
+        }
+        try:
+            for done, future in enumerate(as_completed(futures)):
+                row = future.result()
+                rows[row.mutant] = row
+                if progress is not None:
+                    progress(f"planted fault: {row.mutant}", done + 1, len(mutants))
+        except BaseException:
+            threads.shutdown(wait=False, cancel_futures=True)
+            raise
+    in_order = [rows[mutant.id] for mutant in mutants]
+    columns = list(_columns(short, laws))
+    killing = {check for row in in_order for check in row.failing}
+    reasons = idle_reasons()
+    idle = {check: reasons.get(check, "") for check in columns if check not in killing}
+    return KillMatrix(checks=columns, rows=in_order, idle=idle)
+
+
+@cache
+def idle_reasons(file: Path = IDLE) -> Mapping[str, str]:
+    """Read why checks that kill nothing stay, by check."""
+    reasons: dict[str, str] = tomllib.loads(file.read_text(encoding="utf-8"))["idle"]
+    return reasons
+
+
+def _try(
+    fmu: Path, mutant: Mutant, ground: Sequence[Ground], laws: Laws, folder: Path
+) -> Conviction:
+    failing: Mapping[str, int] = {}
+    broken = None
+    try:
+        planted = plant(fmu, mutant, folder)
+    except MutantError as error:
+        broken = str(error)
+    else:
+        trials = try_out(planted, ground, laws, jobs=1, time_limit=TIME_LIMIT)
+        late = set(_late(trials, laws))
+        results = judge(ground, laws, trials, OURS, reference=False)
+        failing = _count(r for r in results if not late & {(r.case, ""), (r.case, r.check)})
+        if all(answer.value is None for answer in trials.plain.values()):
+            first = next(iter(trials.plain.values()))
+            broken = f"it finished no case: {first.failure}"
+    wanted = tuple(mutant.convicted_by)
+    return Conviction(
+        mutant=mutant.id,
+        about=mutant.about,
+        wanted=wanted,
+        failing=failing,
+        caught=any(check in failing for check in wanted),
+        broken=broken,
+    )
+
+
+def _late(trials: Trials, laws: Laws) -> Iterator[tuple[str, str]]:
+    """Give what took too long: a case and the law that asked for the run, "" for the plain one."""
+    yield from ((case, "") for case, answer in trials.plain.items() if answer.late)
+    for (case, run), answer in trials.runs.items():
+        if answer.late:
+            yield from ((case, law.id) for law in laws.runs if law.run == run)
+
+
+def _count(results: Iterable[CheckResult]) -> Mapping[str, int]:
+    return Counter(result.check for result in results if result.failed)
+
+
+def _columns(ground: Sequence[Ground], laws: Laws) -> Iterable[str]:
+    """Give the checks that an FMU can fail, each once, in the order of the suite."""
+    of_cases = (check.id for each in ground for check in each.case.checks)
+    families = (laws.residuals, laws.runs, laws.agreements, laws.probes)
+    of_laws = (law.id for family in families for law in family)
+    return dict.fromkeys((*of_cases, *of_laws))

@@ -1,0 +1,57 @@
+"""Anybody's FMU as a file: its archive, its variables by our names, its instances in SI.
+
+`FmuFile` opens an FMU 2.0 or 3.0 for co-simulation, `load_names` reads the map from our names to
+its names. What stands here is resolved when it is first used, so that importing costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stickslip_verification.fmu.archive import REQUIRED, FmuFile, available, missing, require
+    from stickslip_verification.fmu.errors import FmuError
+    from stickslip_verification.fmu.instance import FmuInstance, State
+    from stickslip_verification.fmu.names import NameMap, NamesError, load_names
+    from stickslip_verification.fmu.variables import Variable
+
+_HOME = {
+    "REQUIRED": "archive",
+    "FmuError": "errors",
+    "FmuFile": "archive",
+    "FmuInstance": "instance",
+    "NameMap": "names",
+    "NamesError": "names",
+    "State": "instance",
+    "Variable": "variables",
+    "available": "archive",
+    "load_names": "names",
+    "missing": "archive",
+    "require": "archive",
+}
+
+__all__ = [
+    "REQUIRED",
+    "FmuError",
+    "FmuFile",
+    "FmuInstance",
+    "NameMap",
+    "NamesError",
+    "State",
+    "Variable",
+    "available",
+    "load_names",
+    "missing",
+    "require",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,291 @@
+"""Pure functions that judge the laws: residuals, other runs, agreement, observed orders, probes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from stickslip_verification import convergence
+from stickslip_verification.answer import Answer
+from stickslip_verification.cases import Case
+from stickslip_verification.checks import (
+    GRAIN,
+    CheckError,
+    LackingError,
+    Trial,
+    errors,
+    extract,
+    last_worst,
+    without_value,
+)
+from stickslip_verification.exact import Exact
+from stickslip_verification.laws import Agreement, Law, Order, Probe, ResidualLaw, RunLaw
+from stickslip_verification.metrics import METRICS, Course, MissingOutputError, Residual
+from stickslip_verification.metrics.course import Mask
+from stickslip_verification.quantities import OUTPUT_NAMES, QUANTITIES
+from stickslip_verification.record import Record, Series
+from stickslip_verification.verdict import CheckResult, Measured, ObservedOrder
+
+ORDER_GRAIN = 0.05
+"""What rounding between machines moves of an observed order: the finest errors by a tenth or so,
+hence a slope through four decades by a hundredth."""
+
+
+def applies(law: ResidualLaw, case: Case, exact: Exact) -> bool:
+    """Whether the exact motion has a place that the law is about."""
+    return bool(np.any(_residual(law, case, exact, exact.record).where))
+
+
+def judge_residual(
+    law: ResidualLaw, case: Case, trial: Trial, exact: Exact, record: Record
+) -> CheckResult:
+    """Judge what a law leaves over in one side's run of a case.
+
+    A run in which the law finds no place although the exact motion has one is a failure.
+    """
+    empty = replace(
+        blank(law, case.id, trial),
+        quantity=law.quantity,
+        measure="of_scale",
+        tolerance=law.tolerance[trial.column],
+        because=law.because[trial.column],
+        expected=0.0,
+    )
+    try:
+        residual = _residual(law, case, exact, record)
+        found = residual.errors
+    except (MissingOutputError, KeyError) as error:
+        name = error.args[0]
+        return without_value(empty, trial, LackingError(f"no output {name}"))
+    except ValueError as error:
+        return replace(empty, failure=f"the samples do not fit together: {error}")
+    empty = replace(empty, unit=residual.unit)
+    where = np.flatnonzero(residual.where)
+    if not len(where):
+        return replace(empty, failure="the run has no such place; the exact motion has")
+    broken = np.flatnonzero(~np.isfinite(found))
+    if len(broken):
+        time = float(record.times[where[int(broken[0])]])
+        return replace(
+            empty, failure=f"it is {residual.values[where[int(broken[0])]]} at t = {time:.6g} s"
+        )
+    worst = last_worst(found)
+    grain = min(GRAIN[trial.column], empty.tolerance)
+    return replace(
+        empty,
+        got=float(residual.values[where[worst]]),
+        error=float(found[worst]),
+        passed=bool(found[worst] <= empty.tolerance),
+        measured=Measured(float(np.mean(found)), 1.0, grain),
+    )
+
+
+def judge_run(
+    law: RunLaw, case: Case, trial: Trial, plain: Record, other: Answer[Record]
+) -> CheckResult:
+    """Judge whether another run of the FMU gave the motion of the plain one."""
+    column = "fmu" if trial.exact else "numerical"
+    bits = law.tolerance is None
+    empty = replace(
+        blank(law, case.id, trial),
+        quantity="every output",
+        unit="1",
+        measure="absolute" if bits else "of_scale",
+        tolerance=0.0 if law.tolerance is None else law.tolerance[column],
+        because=law.because,
+    )
+    if other.value is None:
+        return replace(empty, failure=other.failure, not_applicable=other.not_applicable)
+    names = [name for name in OUTPUT_NAMES if name in plain.outputs]
+    try:
+        if bits:
+            return _same_bits(empty, names, plain, other.value)
+        return _same_motion(empty, names, plain, other.value)
+    except (KeyError, ValueError) as error:
+        return replace(empty, failure=f"the runs do not fit together: {error}")
+
+
+def _same_bits(empty: CheckResult, names: list[str], plain: Record, other: Record) -> CheckResult:
+    differing = {n: int(np.sum(~_equal(plain.outputs[n], other.outputs[n]))) for n in names}
+    total = float(sum(differing.values()))
+    first = next((name for name in names if differing[name]), None)
+    return replace(
+        empty,
+        quantity="values that differ" + (f", {first} first" if first else ""),
+        expected=0.0,
+        got=total,
+        error=total,
+        passed=total == 0.0,
+        measured=Measured(total, 1.0, 0.0),
+    )
+
+
+def _same_motion(empty: CheckResult, names: list[str], plain: Record, other: Record) -> CheckResult:
+    worst = replace(empty, error=-1.0)
+    for name in names:
+        expected, got = plain.outputs[name], other.outputs[name]
+        scale = float(np.max(np.abs(expected))) if len(expected) else 0.0
+        found = errors(
+            "absolute" if QUANTITIES[name].discrete else "of_scale", got, expected, scale
+        )
+        if not np.all(np.isfinite(found)):
+            return replace(
+                empty, quantity=name, failure=f"{name} is no finite number in one of them"
+            )
+        place = last_worst(found)
+        if found[place] > (worst.error or 0.0) or worst.error == -1.0:
+            worst = replace(
+                worst,
+                quantity=name,
+                unit=QUANTITIES[name].unit,
+                expected=float(expected[place]),
+                got=float(got[place]),
+                error=float(found[place]),
+            )
+    error = worst.error or 0.0
+    return replace(
+        worst,
+        error=error,
+        passed=error <= empty.tolerance,
+        measured=Measured(error, 1.0, empty.tolerance),
+    )
+
+
+def judge_agreement(
+    law: Agreement, case: Case, trial: Trial, exact: Exact, records: Mapping[str, Record]
+) -> CheckResult | None:
+    """Hold the FMU against the reference; None where the case has no such check on both sides."""
+    checks = [
+        check
+        for check in case.checks
+        if check.quantity == law.quantity
+        and check.at.kind == "every_point"
+        and check.truth.formula is None
+    ]
+    if not checks:
+        return None
+    check = checks[0]
+    empty = replace(
+        blank(law, case.id, trial),
+        side="both",
+        quantity=law.quantity,
+        unit=check.unit,
+        measure=check.measure,
+        tolerance=check.tolerance[trial.column] + check.tolerance["reference"],
+        because=(
+            "the sum of what the case allows each of them: "
+            f"{check.because[trial.column]}; {check.because['reference']}"
+        ),
+    )
+    try:
+        expected = extract(law.quantity, records["reference"], exact.start)
+        got = extract(law.quantity, records["fmu"], exact.start)
+    except CheckError as error:
+        return without_value(empty, trial, error)
+    scale = float(np.max(np.abs(extract(law.quantity, exact.record, exact.start))))
+    found = errors(check.measure, got, expected, scale)
+    if not np.all(np.isfinite(found)):
+        return replace(empty, failure=f"{law.quantity} is no finite number on one side")
+    worst = last_worst(found)
+    return replace(
+        empty,
+        expected=float(expected[worst]),
+        got=float(got[worst]),
+        error=float(found[worst]),
+        passed=bool(found[worst] <= empty.tolerance),
+        measured=Measured(float(np.mean(found)), 1.0, min(GRAIN["reference"], empty.tolerance)),
+    )
+
+
+def judge_order(
+    law: Order, case: str, trial: Trial, seen: Answer[ObservedOrder]
+) -> Iterator[CheckResult]:
+    """Judge an observed order, and whether it was observed in the asymptotic range."""
+    empty = replace(blank(law, case, trial), quantity=f"order in {law.quantity}", unit="1")
+    rows = (
+        ("", law.order, law.tolerance, law.because["order"]),
+        ("-asymptotic", 0.0, law.halves, law.because["halves"]),
+    )
+    for suffix, expected, tolerance, because in rows:
+        row = replace(
+            empty,
+            check=law.id + suffix,
+            quantity=empty.quantity + (", coarser less finer half" if suffix else ""),
+            expected=expected,
+            tolerance=tolerance,
+            because=because,
+        )
+        if seen.value is None:
+            yield replace(row, failure=seen.failure)
+            continue
+        order = seen.value
+        got = (
+            convergence.halves(order)
+            if suffix
+            else convergence.slope(list(order.tolerances), list(order.errors))
+        )
+        if not np.isfinite(got):
+            yield replace(row, failure="an error is zero or no finite number")
+            continue
+        error = abs(got - expected)
+        yield replace(
+            row,
+            got=got,
+            error=error,
+            passed=error <= tolerance,
+            measured=Measured(got, 1.0, min(ORDER_GRAIN, tolerance)),
+        )
+
+
+def judge_probe(law: Probe, trial: Trial, answer: Answer[list[str]]) -> CheckResult:
+    """Judge the complaints of a probe."""
+    empty = replace(
+        blank(law, "", trial),
+        quantity="complaints",
+        unit="1",
+        tolerance=0.0,
+        because="the interface is kept or it is not",
+        expected=0.0,
+    )
+    if answer.value is None:
+        return replace(empty, failure=answer.failure, not_applicable=answer.not_applicable)
+    count = float(len(answer.value))
+    return replace(
+        empty,
+        got=count,
+        error=count,
+        passed=count == 0.0,
+        failure="; ".join(answer.value) or None,
+        measured=Measured(count, 1.0, 0.0),
+    )
+
+
+def blank(law: Law, case: str, trial: Trial) -> CheckResult:
+    """Give the result of a law before anything was compared."""
+    return CheckResult(
+        case=case,
+        check=law.id,
+        quantity="",
+        unit="1",
+        truth=law.kind,
+        side=trial.side,
+        expected=None,
+        got=None,
+        error=None,
+        tolerance=0.0,
+        because="",
+        passed=False,
+        klass=law.klass,
+        decides=trial.decides(law.klass),
+    )
+
+
+def _residual(law: ResidualLaw, case: Case, exact: Exact, record: Record) -> Residual:
+    with np.errstate(all="ignore"):
+        return METRICS[law.metric](Course(case, record, exact.record, np.array(exact.event_times)))
+
+
+def _equal(a: Series, b: Series) -> Mask:
+    return np.asarray((a == b) | (np.isnan(a) & np.isnan(b)))

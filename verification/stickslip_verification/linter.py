@@ -1,0 +1,163 @@
+"""The suite linted: what its data files must say beyond their schemas, and what nothing uses."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from pathlib import Path
+
+from stickslip_verification.cases import CASES_FOLDER, Case, CaseError, Check, load_case
+from stickslip_verification.convict import idle_reasons
+from stickslip_verification.formulas import FORMULAS
+from stickslip_verification.laws import LawError, Laws, load_laws
+from stickslip_verification.metrics import METRICS
+from stickslip_verification.mutants import Mutant, MutantError, load_mutants
+from stickslip_verification.probes import PROBES
+from stickslip_verification.quantities import QUANTITIES
+from stickslip_verification.runs import RUNS
+from stickslip_verification.second import Accepted, load_accepted
+
+THEORY = Path(__file__).parents[2] / "docs" / "theory.md"
+"""Where the equations stand, in a working copy; an installed suite does not carry it."""
+
+VAGUE = ("somehow", "good enough", "seems", "for now", "should work", "empirical", "tuned", "magic")
+"""Words that are no reason."""
+
+SHORTEST = 20
+"""Characters below which a reason says nothing."""
+
+
+def lint(folder: Path = CASES_FOLDER) -> list[str]:
+    """Give the findings, one line each; none if the suite is sound.
+
+    Parameters
+    ----------
+    folder
+        Where the cases are. Laws, planted faults and accepted values are those of the suite.
+    """
+    findings: list[str] = []
+    cases = []
+    for file in sorted(folder.glob("*.toml")):
+        try:
+            cases.append(load_case(file))
+        except CaseError as error:
+            findings.append(str(error))
+    try:
+        laws, mutants = load_laws(), load_mutants()
+    except (LawError, MutantError) as error:
+        return [*findings, str(error)]
+    findings += _ids(cases, laws)
+    findings += _reasons(cases, laws)
+    findings += _sources(cases, laws)
+    findings += _unused(cases, laws)
+    findings += _mutants(cases, laws, mutants)
+    if folder == CASES_FOLDER:
+        findings += _accepted(cases, laws, load_accepted())
+    return findings
+
+
+def _ids(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
+    counted = Counter(case.id for case in cases)
+    yield from (f"{name}: {n} cases have this id" for name, n in counted.items() if n > 1)
+    names = {law.id for law in laws}
+    for case in cases:
+        if case.file.stem != case.id:
+            yield f"{case.file.name}: its id is {case.id!r}, not the name of the file"
+        for check in case.checks:
+            if check.id in names:
+                yield f"{case.id} / {check.id}: a law has this id"
+    for name, n in Counter(case.title for case in cases).items():
+        if n > 1:
+            yield f"{n} cases have the title {name!r}"
+
+
+def _reasons(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
+    for case, check in _checks(cases):
+        for side, text in check.because.items():
+            yield from _reason(f"{case.id} / {check.id}: because.{side}", text)
+    for law in laws:
+        yield from _reason(f"{law.id}: means", law.means)
+        yield from _reason(f"{law.id}: look", law.look)
+        because = getattr(law, "because", {})
+        texts = {"": because} if isinstance(because, str) else because
+        for side, text in texts.items():
+            yield from _reason(f"{law.id}: because {side}".rstrip(), text)
+
+
+def _reason(where: str, text: str) -> Iterator[str]:
+    if len(text) < SHORTEST:
+        yield f"{where}: {text!r} says too little"
+    for word in VAGUE:
+        if re.search(rf"\b{word}\b", text, re.IGNORECASE):
+            yield f"{where}: {word!r} is no reason"
+
+
+def _sources(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
+    if not THEORY.is_file():
+        return
+    numbers = {int(n) for n in re.findall(r"\\tag\{(\d+)\}", THEORY.read_text(encoding="utf-8"))}
+    for case, check in _checks(cases):
+        if check.truth.source not in numbers:
+            yield f"{case.id} / {check.id}: docs/theory.md has no equation ({check.truth.source})"
+    for law in laws:
+        if law.source not in numbers:
+            yield f"{law.id}: docs/theory.md has no equation ({law.source})"
+
+
+def _unused(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
+    checks = [check for _, check in _checks(cases)]
+    quantities = {check.quantity for check in checks}
+    quantities |= {law.quantity for law in laws.agreements}
+    quantities |= {law.quantity for law in laws.orders}
+    formulas = {check.truth.formula for check in checks if check.truth.formula is not None}
+    # What the designers' slip time is held against is the difference, not the formula itself.
+    formulas.add("half_period")
+    families: tuple[tuple[str, Collection[str], set[str]], ...] = (
+        ("quantity", QUANTITIES, quantities),
+        ("formula", FORMULAS, formulas),
+        ("metric", METRICS, {law.metric for law in laws.residuals}),
+        ("run", RUNS, {law.run for law in laws.runs}),
+        ("probe", PROBES, {law.probe for law in laws.probes}),
+    )
+    for what, known, used in families:
+        for name in sorted(set(known) - used):
+            yield f"{what} {name}: nothing uses it"
+        for name in sorted(used - set(known)):
+            yield f"{what} {name}: there is no such {what}"
+    known_cases = {case.id for case in cases}
+    for order in laws.orders:
+        for name in order.cases:
+            if name not in known_cases:
+                yield f"{order.id}: there is no case {name}"
+
+
+def _mutants(cases: Sequence[Case], laws: Laws, mutants: Sequence[Mutant]) -> Iterator[str]:
+    checks = {check.id for _, check in _checks(cases)} | {law.id for law in laws}
+    for mutant in mutants:
+        for name in mutant.convicted_by:
+            if name not in checks:
+                yield f"planted fault {mutant.id}: there is no check {name}"
+    for name, reason in idle_reasons().items():
+        if name not in checks:
+            yield f"idle check {name}: there is no such check"
+        yield from _reason(f"idle check {name}", reason)
+
+
+def _accepted(cases: Sequence[Case], laws: Laws, accepted: Accepted) -> Iterator[str]:
+    held = {(case, check) for case, check, _ in accepted.values}
+    wanted = {(case.id, check.id) for case, check in _checks(cases)}
+    wanted |= {("", law.id) for law in laws.probes}
+    for case, check in sorted(wanted - held):
+        yield f"{case} / {check}: no accepted value; run stickslip verify --accept"
+    of_laws = {law.id for law in laws} | {f"{law.id}-asymptotic" for law in laws.orders}
+    known = {case.id for case in cases} | {""}
+    for case, check in sorted(held - wanted):
+        if case not in known or check not in of_laws:
+            yield f"{case} / {check}: an accepted value of no check; run stickslip verify --accept"
+
+
+def _checks(cases: Iterable[Case]) -> Iterator[tuple[Case, Check]]:
+    for case in cases:
+        for check in case.checks:
+            yield case, check

@@ -1,0 +1,75 @@
+"""The verdict as JUnit XML, in the layout that CI systems read."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Sequence
+
+from stickslip_verification.report.words import KINDS, SIDES, what_happened
+from stickslip_verification.verdict import NOTED, CheckResult, Verdict
+
+ABOUT_THE_FMU = "the FMU"
+"""Class name of the checks that belong to no case."""
+
+_NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def as_junit(verdict: Verdict) -> str:
+    """Give one test suite per case and one test case per check and side.
+
+    A failure or a drift is a failure, what does not apply is skipped, and a noted failure, which
+    does not decide, passes with its story as output. There are no times, so that the same verdict
+    gives the same file.
+    """
+    cases: dict[str, list[CheckResult]] = {}
+    for result in verdict.checks:
+        cases.setdefault(result.case or ABOUT_THE_FMU, []).append(result)
+    root = ET.Element("testsuites", {"name": "stickslip verify"} | _counts(verdict.checks))
+    for case, results in cases.items():
+        suite = ET.SubElement(root, "testsuite", {"name": _clean(case)} | _counts(results))
+        for result in results:
+            _add(suite, case, result)
+    ET.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _counts(results: Sequence[CheckResult]) -> dict[str, str]:
+    return {
+        "tests": str(len(results)),
+        "failures": str(sum(result.failed for result in results)),
+        "errors": "0",
+        "skipped": str(sum(result.not_applicable is not None for result in results)),
+    }
+
+
+def _add(suite: ET.Element, case: str, result: CheckResult) -> None:
+    name = f"{result.check} ({SIDES.get(result.side, result.side)})"
+    test = ET.SubElement(suite, "testcase", classname=_clean(case), name=_clean(name))
+    if result.not_applicable is not None:
+        ET.SubElement(test, "skipped", message=_clean(result.not_applicable))
+    elif result.failed:
+        failure = ET.SubElement(
+            test, "failure", type=result.truth, message=_clean(what_happened(result))
+        )
+        failure.text = _clean(_story(result))
+    elif result.verdict == NOTED:
+        output = ET.SubElement(test, "system-out")
+        output.text = _clean(f"noted, does not decide: {what_happened(result)}\n{_story(result)}")
+
+
+def _story(result: CheckResult) -> str:
+    return (
+        f"quantity: {result.quantity} [{result.unit}]\n"
+        f"expected: {result.expected!r}\n"
+        f"got: {result.got!r}\n"
+        f"error: {result.error!r}\n"
+        f"tolerance: {result.tolerance!r} ({result.measure.replace('_', ' ')})\n"
+        f"because: {result.because}\n"
+        f"kind of truth: {KINDS.get(result.truth, result.truth)}\n"
+    )
+
+
+def _clean(text: str) -> str:
+    """Replace what XML cannot hold: an FMU's message may contain anything."""
+    return _NOT_IN_XML.sub("\N{REPLACEMENT CHARACTER}", text)

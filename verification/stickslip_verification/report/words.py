@@ -1,0 +1,65 @@
+"""What the report says in words, and what others give it to say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from stickslip_verification.report.margin import error_text
+from stickslip_verification.verdict import DRIFT, CheckResult
+
+KINDS: Final = {
+    "closed_form": "closed form",
+    "invariant": "invariant",
+    "convergence": "convergence",
+    "cross_code": "cross-code",
+}
+
+WORTH: Final = {
+    "closed_form": "Code verification against the exact solution of the equations, by a formula or "
+    "in high precision, written apart from both sides. The strongest kind.",
+    "invariant": "Code verification against a law that every exact motion obeys, such as the "
+    "energy balance or the mirror. It needs no solution, so it also judges motions without a "
+    "formula.",
+    "convergence": "Solution verification: the numerical error must fall with the tolerance or the "
+    "step at the order that the method promises.",
+    "cross_code": "Two programs held against each other. The weaker class: both may be wrong "
+    "alike, so it alone makes nothing green.",
+}
+"""What each kind of truth is worth; in the terms of ASME V&V 10."""
+
+SIDES: Final = {"fmu": "FMU", "reference": "reference", "both": "both"}
+
+MEASURES: Final = {"relative": "of value", "of_scale": "of scale", "absolute": ""}
+"""What an error is a part of; an absolute one has the unit of its quantity."""
+
+
+@dataclass(frozen=True)
+class ClaimSection:
+    """A claim about the model that the run examined, ready to be shown.
+
+    ``verdict`` is a word or two, such as "holds" or "does not hold"; ``svg`` is a whole SVG
+    element, or "" where there is nothing to draw.
+    """
+
+    title: str
+    sentence: str
+    verdict: str
+    svg: str = ""
+
+
+def what_happened(result: CheckResult) -> str:
+    """Say in one line why a result is not a plain pass."""
+    if result.not_applicable is not None:
+        return result.not_applicable
+    if result.failure is not None:
+        return result.failure
+    if result.verdict == DRIFT and result.second is not None:
+        return (
+            f"within its tolerance, but drifted by {error_text(result.second.drift)} of scale from "
+            f"{result.second.accepted!r} {result.unit} accepted earlier; allowed "
+            f"{error_text(result.second.tolerance)}"
+        )
+    measure = MEASURES.get(result.measure, "") or (result.unit if result.unit != "1" else "")
+    allowed = f"{error_text(result.tolerance)} {measure}".strip()
+    return f"error {error_text(result.error)} is above {allowed}"

@@ -1,0 +1,48 @@
+"""Anybody's curve: a time series of the block from any tool, measured against the exact cycle.
+
+`read_curve` reads a CSV file, `score` judges a curve, `as_json` gives the verdict to machines.
+Names are resolved when they are first used, so that importing this package costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stickslip_verification.score.csv_file import read_curve
+    from stickslip_verification.score.curve import Curve, CurveError
+    from stickslip_verification.score.judge import score
+    from stickslip_verification.score.result import Cause, Compared, Score, as_json
+
+_HOME = {
+    "Cause": "result",
+    "Compared": "result",
+    "Curve": "curve",
+    "CurveError": "curve",
+    "Score": "result",
+    "as_json": "result",
+    "read_curve": "csv_file",
+    "score": "judge",
+}
+
+__all__ = [
+    "Cause",
+    "Compared",
+    "Curve",
+    "CurveError",
+    "Score",
+    "as_json",
+    "read_curve",
+    "score",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,85 @@
+"""The suite as a whole: an FMU and the reference judged, faults planted, a verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from stickslip_verification import provenance, workers
+from stickslip_verification.cases import Case
+from stickslip_verification.checks import FOREIGN, OURS, STRICT
+from stickslip_verification.convict import convict
+from stickslip_verification.drive import is_ours
+from stickslip_verification.fmu import FmuFile, NameMap, require
+from stickslip_verification.ground import Progress, lay
+from stickslip_verification.laws import load_laws
+from stickslip_verification.mutants import Mutant
+from stickslip_verification.run import judge, motions, try_out
+from stickslip_verification.second import load_accepted
+from stickslip_verification.verdict import Verdict
+
+
+def verify(
+    fmu: Path,
+    cases: Sequence[Case],
+    progress: Progress | None = None,
+    *,
+    names: NameMap | None = None,
+    strict: bool = False,
+    jobs: int | None = None,
+    time_limit: float = workers.TIME_LIMIT,
+    mutants: Sequence[Mutant] = (),
+    command: str | None = None,
+) -> Verdict:
+    """Judge an FMU and the reference.
+
+    The FMU runs in processes of its own, so a script that calls this needs the guard
+    ``if __name__ == "__main__"``.
+
+    Parameters
+    ----------
+    fmu
+        The ``.fmu`` file, FMI 2.0 or 3.0 for co-simulation.
+    cases
+        What is tried, from `load_cases`.
+    progress
+        Called with what is being done, how much of it is done, and out of how much.
+    names
+        Our names to the FMU's; given, the FMU is judged as foreign.
+    strict
+        Hold a foreign FMU to the contract and to the tolerances of the exact block too.
+    jobs
+        How many processes may work at once; None for one per processor.
+    time_limit
+        Seconds that the FMU may take for one run of a case.
+    mutants
+        Faults to plant in the FMU, which must be ours, to try the suite itself.
+    command
+        What to type to get the same again, for the provenance.
+
+    Raises
+    ------
+    FmuError
+        The file cannot be driven at all, or lacks what every case needs; whatever else the FMU
+        does wrong is a failed check.
+    """
+    file = FmuFile(fmu, names)
+    try:
+        require(file)
+        trial = OURS if is_ours(file) else STRICT if strict else FOREIGN
+        origin = provenance.collect(file, command)
+    finally:
+        file.close()
+    laws = load_laws()
+    jobs = workers.jobs_here() if jobs is None else jobs
+    ground = lay(cases, laws, jobs, progress)
+    trials = try_out(fmu, ground, laws, jobs, names, time_limit, progress)
+    kills = convict(fmu, mutants, ground, laws, jobs, progress) if mutants else None
+    return Verdict(
+        checks=load_accepted().attach(judge(ground, laws, trials, trial), fmu=trial.ours),
+        provenance=origin,
+        motions=list(motions(ground, trials)),
+        orders=[seen.value for each in ground for _, seen in each.orders if seen.value is not None],
+        kills=kills,
+        ours=trial.ours,
+    )

@@ -1,0 +1,1 @@
+"""The commands of `stickslip`, one module each: options in, tables out."""

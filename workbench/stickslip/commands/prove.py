@@ -1,0 +1,40 @@
+"""`stickslip prove`: the random sets of the specification."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stickslip.commands.shared import DEFAULT_FMU, build_fmu, console, long_work
+from stickslip.errors import CommandError
+
+
+def prove(
+    fmu: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="The FMU to prove; default: build/StickSlip.fmu, built anew."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Names the random sets.")] = 1,
+    fraction: Annotated[
+        float, typer.Option(help="Share of the full sets, above 0 and at most 1.")
+    ] = 1.0,
+) -> None:
+    """Hold FMU and reference against random sets; exit 0 if every statement holds, 1 if not."""
+    from stickslip.proof_table import proof_table
+    from stickslip_verification import FmuError
+    from stickslip_verification import prove as prove_all
+
+    if not 0.0 < fraction <= 1.0:
+        raise CommandError(f"--fraction {fraction!r}: must be above 0 and at most 1")
+    if fmu is None:
+        fmu = build_fmu(DEFAULT_FMU, "--fmu")
+    with long_work("Proving") as progress:
+        try:
+            results = prove_all(fmu, seed, fraction, progress)
+        except FmuError as error:
+            raise CommandError(str(error)) from error
+    console().print(proof_table(results))
+    if not all(each.passed for each in results):
+        raise typer.Exit(1)

@@ -1,0 +1,70 @@
+"""What the commands share: the console, the one line on standard error, the FMU of a run."""
+
+import contextlib
+import io
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stickslip.errors import CommandError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+DEFAULT_FMU = Path("build/StickSlip.fmu")
+
+Progress = Callable[[str, int, int], None]
+
+
+def say(text: str) -> None:
+    """Tell the person something that is not the result: one line on standard error."""
+    print(f"stickslip: {' '.join(text.split())}", file=sys.stderr)
+
+
+def console() -> "Console":
+    """Give the console that results go to."""
+    from rich.console import Console
+
+    # A pipe has no width of its own, and a table for a program or a log should not be folded.
+    width = None if sys.stdout.isatty() else 200
+    return Console(width=width, markup=False, highlight=False)
+
+
+def build_fmu(target: Path, option: str) -> Path:
+    """Build the FMU into a file or a folder, which `option` named; `CommandError` if it cannot."""
+    from stickslip.files import check_writable, make_folder
+    from stickslip.progress import Meter
+
+    if target.suffix == ".fmu":
+        make_folder(target.parent, option)
+        check_writable(target, option)
+    else:
+        make_folder(target, option)
+    from stickslip_fmu.packer import build
+
+    with Meter("Building the FMU"):
+        try:
+            return build(target)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise CommandError(f"{option} {target}: cannot write the FMU: {reason}") from error
+        except ValueError as error:
+            raise CommandError(str(error)) from error
+
+
+@contextlib.contextmanager
+def long_work(what: str) -> Iterator[Progress]:
+    """Show the progress of long work, and let Ctrl-C end it between two steps of it."""
+    from stickslip.progress import Meter, deferred_interrupt
+
+    with Meter(what) as meter, deferred_interrupt() as interrupted:
+
+        def show(now: str, done: int, total: int) -> None:
+            if interrupted():
+                raise KeyboardInterrupt
+            meter.advance(done, total or None, now)
+
+        # What an FMU warns of belongs to its cases; on the terminal it would cut the progress.
+        with contextlib.redirect_stderr(io.StringIO()):
+            yield show

@@ -1,0 +1,174 @@
+"""`stickslip simulate`: one run of the FMU or of the reference, as a table, a file, a plot."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from stickslip.commands.shared import build_fmu, console, say
+from stickslip.errors import CommandError
+from stickslip.quantities import help_text, option_name, read_experiment, read_values
+
+if TYPE_CHECKING:
+    from stickslip.run import Run
+    from stickslip_ref import Parameters
+
+
+class Engine(StrEnum):
+    """What simulates."""
+
+    FMU = "fmu"
+    REFERENCE = "reference"
+
+
+def _quantity(name: str, panel: str, *spellings: str) -> Any:
+    return typer.Option(
+        option_name(name),
+        *spellings,
+        help=help_text(name),
+        metavar="VALUE",
+        rich_help_panel=panel,
+        show_default=False,
+    )
+
+
+def _parameter(name: str) -> Any:
+    return _quantity(name, "Parameters (a number in SI, or with a unit: 1kN/m, 0.5 N/um, 2 kg)")
+
+
+def _input(name: str, *spellings: str) -> Any:
+    return _quantity(name, "Inputs, held over the run (20mm/s, 5 N)", *spellings)
+
+
+def simulate(
+    engine: Annotated[Engine, typer.Option(help="The FMU, or the SciPy reference.")] = Engine.FMU,
+    fmu: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="The FMU to simulate; default: one built for this run."),
+    ] = None,
+    m: Annotated[str | None, _parameter("m")] = None,
+    g: Annotated[str | None, _parameter("g")] = None,
+    k: Annotated[str | None, _parameter("k")] = None,
+    c: Annotated[str | None, _parameter("c")] = None,
+    mu_s: Annotated[str | None, _parameter("mu_s")] = None,
+    mu_k: Annotated[str | None, _parameter("mu_k")] = None,
+    x_start: Annotated[str | None, _parameter("x_start")] = None,
+    x_dot_start: Annotated[str | None, _parameter("x_dot_start")] = None,
+    z_start: Annotated[str | None, _parameter("z_start")] = None,
+    v: Annotated[str | None, _input("v")] = None,
+    load: Annotated[str | None, _input("load")] = None,
+    F_ext: Annotated[str | None, _input("F_ext", "--f-ext")] = None,
+    start_time: Annotated[str, typer.Option(metavar="TIME", help="First time [s].")] = "0",
+    stop_time: Annotated[str, typer.Option(metavar="TIME", help="Last time [s].")] = "10",
+    output_interval: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME",
+            help="Distance of the samples [s]; default 0.01, doubled until 1000 are enough, "
+            "or halved until a --plot is smooth.",
+        ),
+    ] = None,
+    output_file: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.csv", help="Write the samples of every output here."),
+    ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw position and force here: .png, .svg or .pdf."),
+    ] = None,
+) -> None:
+    """Simulate one run and print its cycle beside the exact and the simplified one."""
+    values = read_values(
+        {
+            "m": m,
+            "g": g,
+            "k": k,
+            "c": c,
+            "mu_s": mu_s,
+            "mu_k": mu_k,
+            "x_start": x_start,
+            "x_dot_start": x_dot_start,
+            "z_start": z_start,
+            "v": v,
+            "load": load,
+            "F_ext": F_ext,
+        }
+    )
+    times = read_experiment(start_time, stop_time, output_interval)
+    if fmu is not None and engine is not Engine.FMU:
+        raise CommandError("--fmu goes with --engine fmu only")
+    _check_targets(output_file, plot)
+
+    from stickslip.cycle_table import cycle_table
+
+    parameters = _checked_parameters(values)
+    run = _run(engine, fmu, values, times, drawn=plot is not None)
+    if output_file is not None:
+        from stickslip.csv_file import write_csv
+
+        write_csv(run.samples, output_file, "--output-file")
+    if plot is not None:
+        from stickslip.plot import write_plot
+
+        write_plot(run, plot, "--plot")
+        if run.hidden_events:
+            say(
+                "warning: more than two events between two samples; the plot shows points only: "
+                "choose a shorter --output-interval"
+            )
+    console().print(cycle_table(run, parameters))
+
+
+def _check_targets(output_file: Path | None, plot: Path | None) -> None:
+    """Refuse what cannot be written before the run, not after it."""
+    from stickslip.files import check_writable
+
+    if output_file is not None:
+        check_writable(output_file, "--output-file")
+    if plot is not None:
+        from stickslip.plot import check_format
+
+        check_format(plot, "--plot")
+        check_writable(plot, "--plot")
+
+
+def _checked_parameters(values: dict[str, float]) -> "Parameters":
+    """Refuse values that are each in range and do not go together."""
+    import warnings
+
+    from stickslip_ref import Parameters
+
+    with warnings.catch_warnings():
+        # The engine gives its own warnings.
+        warnings.simplefilter("ignore")
+        try:
+            return Parameters(**values)
+        except ValueError as error:
+            raise CommandError(str(error)) from error
+
+
+def _run(
+    engine: Engine,
+    fmu: Path | None,
+    values: dict[str, float],
+    times: tuple[float, float, float | None],
+    drawn: bool,
+) -> "Run":
+    import tempfile
+
+    from stickslip import engines
+    from stickslip.progress import Meter
+
+    experiment = engines.experiment(values, *times, drawn=drawn)
+    if engine is Engine.REFERENCE:
+        with Meter("Simulating the reference"):
+            run, notes = engines.simulate_reference(experiment)
+    else:
+        with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+            file = fmu or build_fmu(Path(folder), "--fmu")
+            with Meter("Simulating the FMU") as meter:
+                run, notes = engines.simulate_fmu(experiment, file, meter.advance)
+    for note in notes:
+        say(f"warning: {note}")
+    return run

@@ -1,0 +1,229 @@
+"""`stickslip verify`: an FMU and the reference judged, and the report of it."""
+
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stickslip.commands.shared import DEFAULT_FMU, build_fmu, console, long_work
+from stickslip.errors import CommandError
+
+if TYPE_CHECKING:
+    from stickslip_verification import Baseline, Case, Mutant, NameMap, Verdict
+
+DEFAULT_REPORT = Path("report")
+
+
+def verify(
+    fmu: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="The FMU to verify; default: build/StickSlip.fmu, built anew."
+        ),
+    ] = None,
+    names: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.toml", help="Our names to the FMU's, where they differ."),
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Let the contract decide for a foreign FMU too.")
+    ] = False,
+    cases: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PATTERN|DIR|FILE.toml",
+            help="Only the cases of this shell pattern ('damped-*'), or cases of your own.",
+        ),
+    ] = None,
+    list_: Annotated[bool, typer.Option("--list", help="List the cases and exit.")] = False,
+    jobs: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes at work at once; default: one per processor."),
+    ] = None,
+    time_limit: Annotated[
+        float, typer.Option(metavar="SECONDS", help="For one run of a case by the FMU.")
+    ] = 60.0,
+    mutants: Annotated[
+        bool,
+        typer.Option("--mutants", help="Plant faults too: each must fail. Takes some minutes."),
+    ] = False,
+    baseline: Annotated[
+        Path | None,
+        typer.Option(metavar="OLD.json", help="Show how margins moved since this report."),
+    ] = None,
+    accept: Annotated[
+        bool, typer.Option("--accept", help="Keep what came out as second values of the suite.")
+    ] = False,
+    pdf: Annotated[
+        Path | None, typer.Option(metavar="FILE.pdf", help="Write the report here as well.")
+    ] = None,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", metavar="DIR|FILE.json", help="Folder of the report, or JSON alone."
+        ),
+    ] = DEFAULT_REPORT,
+) -> None:
+    """Hold an FMU and the reference against the truth; exit 0 if all is well, 1 if not."""
+    from stickslip import verdict_table as tables
+
+    chosen = _cases(cases)
+    if list_:
+        console().print(tables.case_table(chosen))
+        return
+    _check(fmu, accept, names, time_limit)
+    name_map = _names(names)
+    earlier = _baseline(baseline)
+    _check_targets(output, pdf)
+    verdict = _verdict(fmu, chosen, name_map, strict, jobs, time_limit, _mutants(mutants))
+    written = _write(verdict, chosen, earlier, output, pdf)
+    screen = console()
+    screen.print(tables.verdict_table(verdict, screen.width))
+    if earlier is not None:
+        from stickslip.baseline_table import baseline_table
+        from stickslip_verification import compare
+
+        screen.print(baseline_table(compare(earlier, verdict)))
+    for file in written:
+        print(file)
+    if accept:
+        _accept(verdict)
+    elif not verdict.passed:
+        raise typer.Exit(1)
+
+
+def _cases(wanted: str | None) -> "list[Case]":
+    """Load the cases that a pattern, a folder or a file names."""
+    from stickslip_verification import CaseError, load_case, load_cases
+
+    try:
+        if wanted is not None and Path(wanted).is_dir():
+            return load_cases(folder=Path(wanted))
+        if wanted is not None and wanted.endswith(".toml"):
+            return [load_case(Path(wanted))]
+        return load_cases(wanted)
+    except CaseError as error:
+        raise CommandError(str(error)) from error
+
+
+def _check(fmu: Path | None, accept: bool, names: Path | None, time_limit: float) -> None:
+    if fmu is not None and not fmu.is_file():
+        raise CommandError(f"--fmu {fmu}: no such file")
+    if names is not None and fmu is None:
+        raise CommandError("--names goes with --fmu: our own FMU needs no map")
+    if accept and names is not None:
+        raise CommandError("--accept does not go with --names: only our own FMU is accepted")
+    if not 0.0 < time_limit < float("inf"):
+        raise CommandError(f"--time-limit {time_limit!r}: must be above 0 s and finite")
+
+
+def _names(file: Path | None) -> "NameMap | None":
+    from stickslip_verification import NamesError, load_names
+
+    if file is None:
+        return None
+    try:
+        return load_names(file)
+    except NamesError as error:
+        raise CommandError(f"--names {error}") from error
+
+
+def _baseline(file: Path | None) -> "Baseline | None":
+    from stickslip_verification import BaselineError, read_baseline
+
+    if file is None:
+        return None
+    try:
+        return read_baseline(file)
+    except BaselineError as error:
+        raise CommandError(f"--baseline {error}") from error
+
+
+def _mutants(wanted: bool) -> "Sequence[Mutant]":
+    from stickslip_verification import MutantError, load_mutants
+
+    if not wanted:
+        return ()
+    try:
+        return load_mutants()
+    except MutantError as error:
+        raise CommandError(str(error)) from error
+
+
+def _check_targets(output: Path, pdf: Path | None) -> None:
+    """Refuse what cannot be written before the run, not after it."""
+    from stickslip.files import check_writable, make_folder
+
+    if output.suffix == ".json":
+        make_folder(output.parent, "-o")
+        check_writable(output, "-o")
+    else:
+        make_folder(output, "-o")
+        for name in ("index.html", "report.json", "junit.xml"):
+            check_writable(output / name, "-o")
+    if pdf is not None:
+        from stickslip_verification import PdfUnavailableError, check_pdf
+
+        check_writable(pdf, "--pdf")
+        try:
+            check_pdf()
+        except PdfUnavailableError as error:
+            raise CommandError(f"--pdf: {error}") from error
+
+
+def _verdict(
+    fmu: Path | None,
+    cases: "Sequence[Case]",
+    names: "NameMap | None",
+    strict: bool,
+    jobs: int | None,
+    time_limit: float,
+    mutants: "Sequence[Mutant]",
+) -> "Verdict":
+    from stickslip_verification import FmuError, verify
+
+    if fmu is None:
+        fmu = build_fmu(DEFAULT_FMU, "--fmu")
+    with long_work("Verifying") as progress:
+        try:
+            return verify(
+                fmu,
+                cases,
+                progress,
+                names=names,
+                strict=strict,
+                jobs=jobs,
+                time_limit=time_limit,
+                mutants=mutants,
+                command=shlex.join(["stickslip", *sys.argv[1:]]),
+            )
+        except FmuError as error:
+            raise CommandError(str(error)) from error
+
+
+def _write(
+    verdict: "Verdict",
+    cases: "Sequence[Case]",
+    earlier: "Baseline | None",
+    output: Path,
+    pdf: Path | None,
+) -> list[Path]:
+    """Write the report, and give the files that a person may want to open."""
+    from stickslip import verdict_report
+    from stickslip.progress import Meter
+
+    with Meter("Writing the report"):
+        return verdict_report.write(verdict, cases, earlier, output, pdf)
+
+
+def _accept(verdict: "Verdict") -> None:
+    from stickslip_verification import AcceptError, accept
+
+    try:
+        count = accept(verdict)
+    except AcceptError as error:
+        raise CommandError(f"--accept: {error}") from error
+    print(f"{count} values accepted")
