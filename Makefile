@@ -4,11 +4,16 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify test lint prove bench docs docs-check clean
+.PHONY: verify convict test lint prove bench docs docs-check clean
 
 verify: $(VENV)/ready
 	$(BIN)/stickslip build
 	$(BIN)/stickslip verify --fmu build/StickSlip.fmu
+
+# The suite on trial as well: every planted fault must fail a check named in advance. Minutes.
+convict: $(VENV)/ready
+	$(BIN)/stickslip build
+	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --mutants
 
 test: $(VENV)/ready-to-test
 	$(BIN)/python -m pytest
@@ -17,6 +22,7 @@ lint: $(VENV)/ready-to-test
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	$(BIN)/stickslip lint
 
 # The random sets of the specification in full; SEED and FRACTION may be set.
 SEED ?= 1
@@ -46,5 +52,5 @@ $(VENV)/ready: $(VENV)/bin/python pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/ready-to-test: $(VENV)/ready
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,pdf]'
 	touch $@

@@ -12,18 +12,40 @@ from tempfile import TemporaryDirectory
 
 from stickslip_fmu.packer import build
 from stickslip_fmu.variables import VARIABLES, Variable
-from stickslip_verification import CheckResult, load_cases, verify
+from stickslip_verification import (
+    CheckResult,
+    Meaning,
+    load_cases,
+    load_laws,
+    load_mutants,
+    meanings,
+    verify,
+)
+from stickslip_verification.claims import pages
 
 HERE = Path(__file__).parent
 
+KINDS = {
+    "closed_form": "the exact motion in high precision, and named closed forms",
+    "invariant": "laws on the samples, energy, mirror, scaling, splitting, rollback, interface",
+    "convergence": "the observed order of the reference, in its asymptotic range",
+    "cross_code": "the FMU against the reference: the weaker kind, alone it makes nothing green",
+}
+
 
 def main() -> None:
-    """Write interface.md and verdict.md beside this file, or check them."""
+    """Write the documents beside this file, or check them.
+
+    What a plot shows is checked by its tests and not byte by byte: fonts and rounding may differ
+    from machine to machine.
+    """
     # What the FMU warns of belongs to its cases.
     with TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()):
         texts = {
             "interface.md": document(interface()),
             "verdict.md": document(verdict(build(Path(folder)))),
+            "checks.md": document(checks()),
+            **pages(),
         }
     if sys.argv[1:] == ["--check"]:
         old = [name for name, text in texts.items() if not is_current(HERE / name, text)]
@@ -31,12 +53,13 @@ def main() -> None:
             sys.exit(f"out of date, run `make docs`: {', '.join(f'docs/{name}' for name in old)}")
         return
     for name, text in texts.items():
+        (HERE / name).parent.mkdir(exist_ok=True)
         (HERE / name).write_text(text, encoding="utf-8", newline="\n")
 
 
 def is_current(file: Path, text: str) -> bool:
-    """Tell whether the file is there and holds the text."""
-    return file.is_file() and file.read_bytes() == text.encode()
+    """Tell whether the file is there and, if it is no plot, holds the text."""
+    return file.is_file() and (file.suffix == ".svg" or file.read_bytes() == text.encode())
 
 
 def document(lines: Iterator[str]) -> str:
@@ -78,7 +101,7 @@ def _range(row: Variable) -> str:
 
 
 def verdict(fmu: Path) -> Iterator[str]:
-    """Give the lines of the verdict page: the cases, and how many checks of each hold."""
+    """Give the lines of the verdict page: kinds of truth, cases, how many checks of each hold."""
     cases = load_cases()
     result = verify(fmu, cases)
     counts = result.summary
@@ -86,9 +109,19 @@ def verdict(fmu: Path) -> Iterator[str]:
     yield ""
     yield f"**{counts['passed']} passed, {counts['failed']} failed**, in {len(cases)} cases."
     yield ""
-    yield "Each check holds the FMU and the reference against the exact solution in high precision."
-    yield "`stickslip verify` prints every one with its truth, errors and tolerances; why each"
-    yield "tolerance is what it is stands in the case file and in `report/report.json`."
+    yield "Code and solution verification, in the terms of ASME V&V 10: that the FMU and the"
+    yield "reference solve the equations of [theory.md](theory.md), and how exactly. Whether these"
+    yield "equations describe a machine is validation, which needs experiments and is not done here."
+    yield ""
+    yield "| kind of truth | what it is | passed | failed |"
+    yield "|---|---|---|---|"
+    for kind, of_kind in result.by_kind.items():
+        yield f"| `{kind}` | {KINDS[kind]} | {of_kind['passed']} | {of_kind['failed']} |"
+    yield ""
+    yield "What each check means when it fails stands in [checks.md](checks.md). `stickslip verify`"
+    yield "writes every comparison with its truth, error, tolerance and reason to"
+    yield "`report/index.html`; `stickslip verify --mutants` tries the suite itself on"
+    yield f"{len(load_mutants())} planted faults, each of which must fail a check named in advance."
     yield ""
     yield "| case | what | FMU | reference |"
     yield "|---|---|---|---|"
@@ -96,6 +129,59 @@ def verdict(fmu: Path) -> Iterator[str]:
         of_case = [each for each in result.checks if each.case == case.id]
         sides = " | ".join(_holding(of_case, side) for side in ("fmu", "reference"))
         yield f"| `{case.id}` | {case.title} | {sides} |"
+    of_fmu = [each for each in result.checks if not each.case]
+    yield f"| | the FMU itself: what it declares, refuses and says | {_holding(of_fmu, 'fmu')} | |"
+
+
+def checks() -> Iterator[str]:
+    """Give the lines of the catalogue: what each check is, means, and where to look."""
+    cases, laws, faults = load_cases(), load_laws(), load_mutants()
+    known = meanings(cases, laws)
+    convicted: dict[str, int] = {}
+    for fault in faults:
+        for check in fault.convicted_by:
+            convicted[check] = convicted.get(check, 0) + 1
+    yield "# The checks"
+    yield ""
+    yield "What the failure of a check means, and where to look then. Checks of class `physics`"
+    yield "have a tolerance and decide for every FMU; those of class `contract` decide for ours, and"
+    yield "for a foreign one with `--strict`. The last column counts the planted faults that name the"
+    yield "check as one which convicts them."
+    yield ""
+    yield "## Laws, tried on every case"
+    yield ""
+    yield "| check | statement | kind, class | (eq.) | it fails: this means | look at | faults |"
+    yield "|---|---|---|---|---|---|---|"
+    for law in laws:
+        cells = (
+            f"`{law.id}`",
+            law.title,
+            f"{law.kind}, {law.klass}",
+            f"({law.source})",
+            law.means,
+            law.look,
+            str(convicted.get(law.id, "")),
+        )
+        yield "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+    yield ""
+    yield "## Checks of single cases"
+    yield ""
+    yield "Each holds one quantity against the exact motion (`-course`, at every communication"
+    yield "point), or against a closed form."
+    yield ""
+    yield "| check | cases | it fails: this means | look at | faults |"
+    yield "|---|---|---|---|---|"
+    counted: dict[str, int] = {}
+    for case in cases:
+        for each in case.checks:
+            counted[each.id] = counted.get(each.id, 0) + 1
+    for check in sorted(counted):
+        yield _catalogued(check, counted[check], known[check], convicted.get(check))
+
+
+def _catalogued(check: str, cases: int, meaning: Meaning, faults: int | None) -> str:
+    cells = (f"`{check}`", str(cases), meaning.means, meaning.look, str(faults or ""))
+    return "| " + " | ".join(cells) + " |"
 
 
 def _holding(checks: list[CheckResult], side: str) -> str:

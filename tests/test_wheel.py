@@ -35,9 +35,12 @@ def test_the_four_packages_are_typed(names: set[str]) -> None:
     assert {f"{package}/py.typed" for package in packages} <= names
 
 
-def test_the_cases_travel(names: set[str]) -> None:
-    """Every case of the source tree, and their schema, is in the wheel."""
+def test_the_data_travels(names: set[str]) -> None:
+    """Cases, laws, faults, claims, schemas, templates and accepted values are in the wheel."""
     folder = ROOT / "verification" / "stickslip_verification"
-    data = [folder / "case.schema.json", *(folder / "cases").glob("*.toml")]
-    assert len(data) > 40
+    kinds = (".toml", ".json", ".j2", ".css", ".js", ".txt")
+    data = [path for path in folder.rglob("*") if path.suffix in kinds]
+    folders = {path.parent.relative_to(folder).as_posix() for path in data}
+    assert {"cases", "laws", "mutants/faults", "claims", "report/templates"} <= folders
+    assert folder / "accepted.json" in data
     assert {path.relative_to(folder.parent).as_posix() for path in data} <= names

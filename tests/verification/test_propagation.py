@@ -37,6 +37,12 @@ def equation(zeta: float, count: int = 1) -> Slips:
     return Slips(*(wide(*[value] * count) for value in (M, K, c, V, DRIVE)))
 
 
+def reach(zeta: float) -> float:
+    """Give the largest length in play [m]: the balance is far off where damping is strong."""
+    w = math.sqrt(K / M)
+    return max(abs(Z), abs(X_DOT) / w, (2.0 * zeta * w * M * V - DRIVE) / K)
+
+
 def number(value: np.longdouble) -> mpmath.mpf:
     """Give a number of the widest format as it is."""
     high = float(value)
@@ -63,8 +69,7 @@ def test_a_step_is_a_matrix_exponential(zeta: float) -> None:
     durations = [turn / math.sqrt(K / M) for turn in TURNS]
     start = State(wide(*[Z] * len(TURNS)), wide(*[X_DOT] * len(TURNS)))
     moved = equation(zeta, len(TURNS)).move(start, wide(*durations))
-    w = math.sqrt(K / M)
-    length = max(abs(Z), abs(X_DOT) / w, abs(DRIVE) / K)
+    w, length = math.sqrt(K / M), reach(zeta)
     with mpmath.workdps(50):
         for n, duration in enumerate(durations):
             z, x_dot = exponential(zeta, duration)
@@ -76,7 +81,8 @@ def test_a_step_is_a_matrix_exponential(zeta: float) -> None:
 def test_a_step_in_slip_is_that_of_the_exact_motion(zeta: float) -> None:
     """The step agrees with the closed form that the truth is made of, which knows no matrix."""
     c = 2.0 * zeta * math.sqrt(K)
-    values = {"c": c, "x_dot_start": 2.0, "z_start": 0.003, "F_ext": 0.25}
+    # Pulled on with 200 N, it does not stop within these steps at any damping.
+    values = {"c": c, "x_dot_start": 2.0, "z_start": 0.003, "F_ext": 200.0}
     lengths = (1e-3, 4e-3, 0.011)
     case = Case(
         "slips",
@@ -108,11 +114,11 @@ def test_two_steps_are_one_step_of_both_lengths(zeta: float) -> None:
     slip = equation(zeta, 2)
     once = slip.move(start, first + second)
     twice = slip.move(slip.move(start, first), second)
-    w = math.sqrt(K / M)
+    w, length = math.sqrt(K / M), reach(zeta)
     # Squaring doubles the rounding of the widest format each time: some thousand of its units.
     rounding = 4096.0 * float(np.finfo(np.longdouble).eps)
-    assert np.max(np.abs(once.z - twice.z)) <= rounding * 0.005
-    assert np.max(np.abs(once.x_dot - twice.x_dot)) <= rounding * 0.005 * w
+    assert np.max(np.abs(once.z - twice.z)) <= rounding * length
+    assert np.max(np.abs(once.x_dot - twice.x_dot)) <= rounding * w * length
 
 
 def test_steps_of_all_lengths_go_together() -> None:

@@ -1,7 +1,6 @@
 """The command as a person meets it: what it prints, writes and answers."""
 
 import hashlib
-import json
 import os
 import re
 import signal
@@ -16,64 +15,11 @@ import pytest
 from fmpy.util import read_csv
 
 from stickslip import cli
+from stickslip.commands import simulate
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.variables import VARIABLES
 
-PROGRAM = "from stickslip.cli import main; main()"
-
-
-class Answer:
-    """Exit code, standard output and standard error of one command."""
-
-    def __init__(self, code: int, out: str, err: str) -> None:
-        self.code, self.out, self.err = code, out, err
-
-
-class Command:
-    """Runs the command in an empty folder; `fmu` is one built beforehand."""
-
-    def __init__(
-        self, patch: pytest.MonkeyPatch, capture: pytest.CaptureFixture[str], fmu: Path
-    ) -> None:
-        self._patch, self._capture, self._fmu = patch, capture, fmu
-
-    def __call__(self, *arguments: object) -> Answer:
-        """Run `stickslip` with these arguments in this process."""
-        self._patch.setattr(sys, "argv", ["stickslip", *map(str, arguments)])
-        self._capture.readouterr()
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        said = self._capture.readouterr()
-        code = ended.value.code
-        assert isinstance(code, int)
-        return Answer(code, said.out, said.err)
-
-    def simulate(self, engine: str, *arguments: object) -> Answer:
-        """Run `stickslip simulate` with an engine; the FMU is not built again for each run."""
-        of_fmu = ["--fmu", self._fmu] if engine == "fmu" else []
-        return self("simulate", "--engine", engine, *of_fmu, *arguments)
-
-    def in_fresh_process(self, *arguments: object) -> Answer:
-        """Run `stickslip` in a process of its own: for what builds an FMU."""
-        done = subprocess.run(
-            [sys.executable, "-c", PROGRAM, *map(str, arguments)],
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        return Answer(done.returncode, done.stdout, done.stderr)
-
-
-@pytest.fixture
-def command(
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
-    fmu_path: Path,
-) -> Command:
-    """Give the command in an empty working folder."""
-    monkeypatch.chdir(tmp_path)
-    return Command(monkeypatch, capsys, fmu_path)
+from .running import PROGRAM, Command
 
 
 @pytest.mark.parametrize(
@@ -301,48 +247,6 @@ def test_a_table_in_a_pipe_is_not_folded(command: Command) -> None:
     assert all("…" not in line for line in lines)
 
 
-def test_verify_passes_on_our_fmu(command: Command, tmp_path: Path) -> None:
-    """Exit code 0, a table, the report where it is said to be, and the FMU in build/."""
-    answer = command.in_fresh_process("verify", "--cases", "default")
-    assert answer.code == 0, answer.err
-    assert "FAIL" not in answer.out
-    assert answer.out.splitlines()[-1] == "report/report.json"
-    report = json.loads((tmp_path / "report" / "report.json").read_text(encoding="utf-8"))
-    assert set(report) == {"summary", "checks", "provenance"}
-    assert report["summary"]["failed"] == 0
-    assert f"{report['summary']['passed']} passed, 0 failed" in answer.out
-    digest = hashlib.sha256((tmp_path / "build" / "StickSlip.fmu").read_bytes()).hexdigest()
-    assert report["provenance"]["fmu"]["sha256"] == digest
-
-
-def test_verify_fails_an_fmu_that_lacks_an_output(
-    command: Command, tmp_path: Path, fmu_path: Path
-) -> None:
-    """Exit code 1: what failed stands in the table and below it, and in the report."""
-    with zipfile.ZipFile(fmu_path) as good, zipfile.ZipFile("bad.fmu", "w") as bad:
-        for name in good.namelist():
-            content = good.read(name)
-            if name == "modelDescription.xml":
-                content = content.replace(b'name="delta_x"', b'name="delta_y"')
-            bad.writestr(name, content)
-    answer = command("verify", "--fmu", "bad.fmu", "--cases", "default", "-o", "bad.json")
-    assert answer.code == 1
-    assert "FAIL default / delta_x-exact (fmu)" in answer.out
-    assert answer.err == ""
-    report = json.loads((tmp_path / "bad.json").read_text(encoding="utf-8"))
-    assert report["summary"]["failed"] > 0
-    assert not (tmp_path / "build").exists()
-
-
-def test_verify_lists_its_cases(command: Command, tmp_path: Path) -> None:
-    """--list names the cases of the pattern and runs nothing."""
-    answer = command("verify", "--list", "--cases", "d*")
-    assert answer.code == 0
-    assert "default" in answer.out
-    assert "reversed-pull" not in answer.out
-    assert not list(tmp_path.iterdir())
-
-
 def test_the_version_is_that_of_the_release(command: Command) -> None:
     """--version prints name and number."""
     assert command("--version").out == f"stickslip {VERSION}\n"
@@ -407,7 +311,7 @@ def test_a_fault_of_ours_is_not_wrong_use(
     def broken(*_: object) -> None:
         raise ZeroDivisionError("planted")
 
-    monkeypatch.setattr(cli, "_run", broken)
+    monkeypatch.setattr(simulate, "_run", broken)
     answer = command("simulate", "--engine", "reference")
     assert answer.code == cli.INTERNAL_ERROR == 70
     assert answer.err.startswith("stickslip: internal error")

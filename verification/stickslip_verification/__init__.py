@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stickslip_verification.baseline import Baseline, BaselineError, compare, read_baseline
     from stickslip_verification.cases import Case, CaseError, load_case, load_cases
-    from stickslip_verification.catalogue import meanings
+    from stickslip_verification.catalogue import Meaning, meanings
     from stickslip_verification.fmu import FmuError, NameMap, NamesError, load_names
     from stickslip_verification.laws import LawError, load_laws
     from stickslip_verification.linter import lint
@@ -34,9 +34,11 @@ if TYPE_CHECKING:
     )
     from stickslip_verification.second import AcceptError, accept
     from stickslip_verification.suite import verify
-    from stickslip_verification.verdict import CheckResult, Verdict
+    from stickslip_verification.verdict import CheckResult, KillMatrix, Verdict
 
 _HOME = {
+    "Meaning": "catalogue",
+    "KillMatrix": "verdict",
     "draw_case": "report",
     "course_tolerances": "report",
     "check_pdf": "report",
@@ -84,7 +86,9 @@ __all__ = [
     "CheckResult",
     "ClaimSection",
     "FmuError",
+    "KillMatrix",
     "LawError",
+    "Meaning",
     "Mutant",
     "MutantError",
     "NameMap",

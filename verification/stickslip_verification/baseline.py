@@ -105,7 +105,7 @@ def read_baseline(path: Path) -> Baseline:
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise BaselineError(f"{path}: {error.strerror or error}") from None
+        raise BaselineError(f"{path}: {(error.strerror or str(error)).lower()}") from None
     except UnicodeDecodeError:
         raise BaselineError(f"{path}: is not a report: not UTF-8") from None
     except (json.JSONDecodeError, RecursionError) as error:

@@ -157,7 +157,7 @@ def load_case(file: Path) -> Case:
     try:
         data = tomllib.loads(file.read_text(encoding="utf-8"))
     except OSError as error:
-        raise CaseError(file, "", error.strerror or str(error)) from None
+        raise CaseError(file, "", (error.strerror or str(error)).lower()) from None
     except UnicodeDecodeError as error:
         raise CaseError(file, "", f"is not UTF-8: {error.reason}") from None
     except tomllib.TOMLDecodeError as error:

@@ -28,9 +28,10 @@ from stickslip_verification.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.record import Record, Series
 from stickslip_verification.verdict import CheckResult, Measured, ObservedOrder
 
-ORDER_GRAIN = 0.05
-"""What rounding between machines moves of an observed order: the finest errors by a tenth or so,
-hence a slope through four decades by a hundredth."""
+ORDER_GRAIN = 0.25
+"""What rounding between machines moves of an observed order, as a part of its tolerance: other
+kernels of the linear algebra moved slopes by 0.007 and differences of slopes by 0.045, of 0.2 and
+0.7, where the finest errors are near rounding."""
 
 
 def applies(law: ResidualLaw, case: Case, exact: Exact) -> bool:
@@ -235,7 +236,7 @@ def judge_order(
             got=got,
             error=error,
             passed=error <= tolerance,
-            measured=Measured(got, 1.0, min(ORDER_GRAIN, tolerance)),
+            measured=Measured(got, 1.0, ORDER_GRAIN * tolerance),
         )
 
 

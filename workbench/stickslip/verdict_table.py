@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from stickslip.fitted import Fitted
+from stickslip.verdict_summary import counts
 from stickslip_verification import Case, CheckResult, Verdict
 
 _PAIRS: Final = ("error\nFMU", "error\nref.", "tol.\nFMU", "tol.\nref.")
@@ -29,13 +30,10 @@ def verdict_table(verdict: Verdict, width: int | None = None) -> RenderableType:
     width
         Characters in a line; those of the console if None.
     """
-    summary = verdict.summary
-    count = f"{summary['passed']} passed, {summary['failed']} failed"
-    style = "bold green" if verdict.passed else "bold red"
     fitted = Fitted(
         [_full_table(verdict.checks), _short_table(verdict.checks)],
         *_failures(verdict.checks),
-        Text(count, style=style),
+        counts(verdict),
     )
     return fitted if width is None else Constrain(fitted, width)
 
@@ -83,14 +81,15 @@ def _short_table(results: Sequence[CheckResult]) -> Table:
         if case != shown:
             table.add_row(Text(case, style="bold"))
             shown = case
-        ratios = (_worst(row, side) for side in ("fmu", "reference"))
+        sides = (("fmu", "both"), ("reference",))
+        ratios = (_worst([r for r in row if r.side in each]) for each in sides)
         table.add_row(Text(f" {check}"), *ratios, _passed(row))
     return table
 
 
-def _worst(row: Sequence[CheckResult], side: str) -> str:
-    """Write the largest error of a side in units of its tolerance."""
-    ratios = [_ratio(result) for result in row if result.side == side]
+def _worst(row: Sequence[CheckResult]) -> str:
+    """Write the largest error in units of its tolerance."""
+    ratios = [_ratio(result) for result in row]
     return _number(max(ratios), ".2g") if ratios else ""
 
 
@@ -128,7 +127,7 @@ def _rows(results: Sequence[CheckResult]) -> Iterator[list[CheckResult]]:
 
 def _cells(row: list[CheckResult]) -> Iterator[str | Text]:
     by_side = {result.side: result for result in row}
-    pair = [by_side.get("fmu"), by_side.get("reference")]
+    pair = [by_side.get("fmu") or by_side.get("both"), by_side.get("reference")]
     yield _number(row[0].expected, ".6g")
     for result in pair:
         yield _number(result.got, ".6g") if result else ""
@@ -140,13 +139,17 @@ def _cells(row: list[CheckResult]) -> Iterator[str | Text]:
 
 
 def _passed(row: Sequence[CheckResult]) -> Text:
-    passed = all(result.passed for result in row)
-    return Text("pass", style="green") if passed else Text("FAIL", style="bold red")
+    words = {result.verdict for result in row}
+    if words & {"fail", "drift"}:
+        return Text("FAIL", style="bold red")
+    if "pass" in words:
+        return Text("pass", style="green")
+    return Text("noted" if "noted" in words else "n/a", style="yellow")
 
 
 def _failures(results: Sequence[CheckResult]) -> Iterator[Text]:
     for result in results:
-        if not result.passed:
+        if result.failed:
             reason = result.failure or (
                 f"got {result.got!r}, expected {result.expected!r} {result.unit}; "
                 f"error {_number(result.error, '.2e')}, tolerance {result.tolerance:g}: "

@@ -56,8 +56,6 @@ def read_curve(path: Path | str, names: Mapping[str, str] | None = None) -> Curv
     except CurveError as error:
         raise CurveError(f"{file}: {error}") from None
     numbers, cells = _cells(file, lines, header_number, separator, columns)
-    if len(numbers) < LEAST_SAMPLES:
-        raise CurveError(f"{file}: {len(numbers)} samples; at least {LEAST_SAMPLES} are needed")
     read = {
         column.quantity: _numbers(file, column, texts, numbers, separator != ",")
         for column, texts in zip(columns, cells, strict=True)

@@ -2,7 +2,7 @@
 
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,7 +12,7 @@ from stickslip.commands.shared import DEFAULT_FMU, build_fmu, console, long_work
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
-    from stickslip_verification import Baseline, Case, Mutant, NameMap, Verdict
+    from stickslip_verification import Baseline, Case, Meaning, Mutant, NameMap, Verdict
 
 DEFAULT_REPORT = Path("report")
 
@@ -39,6 +39,9 @@ def verify(
         ),
     ] = None,
     list_: Annotated[bool, typer.Option("--list", help="List the cases and exit.")] = False,
+    all_: Annotated[
+        bool, typer.Option("--all", help="Print every comparison, not one row a case.")
+    ] = False,
     jobs: Annotated[
         int | None,
         typer.Option(min=1, help="Processes at work at once; default: one per processor."),
@@ -81,7 +84,12 @@ def verify(
     verdict = _verdict(fmu, chosen, name_map, strict, jobs, time_limit, _mutants(mutants))
     written = _write(verdict, chosen, earlier, output, pdf)
     screen = console()
-    screen.print(tables.verdict_table(verdict, screen.width))
+    if all_:
+        screen.print(tables.verdict_table(verdict, screen.width))
+    else:
+        from stickslip.verdict_summary import verdict_summary
+
+        screen.print(verdict_summary(verdict, _meanings(chosen)))
     if earlier is not None:
         from stickslip.baseline_table import baseline_table
         from stickslip_verification import compare
@@ -107,6 +115,12 @@ def _cases(wanted: str | None) -> "list[Case]":
         return load_cases(wanted)
     except CaseError as error:
         raise CommandError(str(error)) from error
+
+
+def _meanings(cases: "Sequence[Case]") -> "Mapping[str, Meaning]":
+    from stickslip_verification import load_laws, meanings
+
+    return meanings(cases, load_laws())
 
 
 def _check(fmu: Path | None, accept: bool, names: Path | None, time_limit: float) -> None:

@@ -1,0 +1,190 @@
+"""The laws as data: what is read, and what a broken file is told."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from stickslip_verification.laws import (
+    Agreement,
+    LawError,
+    Order,
+    Probe,
+    ResidualLaw,
+    RunLaw,
+    load_laws,
+)
+from stickslip_verification.metrics import METRICS
+from stickslip_verification.probes import PROBES
+from stickslip_verification.quantities import OUTPUT_NAMES
+from stickslip_verification.runs import RUNS
+
+LAWS = load_laws()
+
+RESIDUAL = """\
+[[residuals]]
+id = "pull"
+title = "The pulled end moves at v"
+kind = "invariant"
+class = "physics"
+source = 1
+metric = "outputs.pulled_end"
+quantity = "way less v h"
+tolerance = { fmu = 1e-14, reference = 1e-12 }
+because.fmu = "one product and one addition"
+because.reference = "one product and one addition"
+means = "The input v does not arrive."
+look = "The sampling of v."
+"""
+
+RUN = """\
+[[runs]]
+id = "again"
+title = "The same again"
+kind = "invariant"
+class = "contract"
+source = 16
+run = "reset"
+because = "the same operations on the same numbers"
+means = "Something is kept."
+look = "The reset of everything."
+"""
+
+ORDER = """\
+[[orders]]
+id = "order"
+title = "It converges"
+source = 3
+quantity = "z"
+cases = ["default"]
+order = 1.0
+coarsest = 1e-9
+finest = 1e-11
+levels = 5
+tolerance = 0.2
+halves = 0.7
+because.order = "what the method promises"
+because.halves = "what the method promises"
+means = "It does not converge."
+look = "The limit of steps."
+"""
+
+PROBE = """\
+[[probes]]
+id = "starts"
+title = "It starts"
+probe = "declared_starts"
+means = "It does not start."
+look = "The start."
+"""
+
+AGREEMENT = """\
+[[agreements]]
+id = "agree"
+title = "They agree"
+quantity = "z"
+"""
+
+
+def test_each_family_is_read_whole(tmp_path: Path) -> None:
+    """A file may hold laws of every family, and gives each what its family has in common."""
+    (tmp_path / "all.toml").write_text(
+        "\n".join((RESIDUAL, RUN, ORDER, PROBE, AGREEMENT)), encoding="utf-8"
+    )
+    laws = load_laws(tmp_path)
+    assert [type(law) for law in laws] == [ResidualLaw, RunLaw, Probe, Agreement, Order]
+    (run,), (probe,) = laws.runs, laws.probes
+    assert run.tolerance is None
+    assert (probe.klass, probe.kind, dict(probe.arguments)) == ("contract", "invariant", {})
+    assert laws.agreements[0].kind == "cross_code"
+    assert laws.orders[0].kind == "convergence"
+    assert all(law.means and law.look for law in laws)
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "told"),
+    [
+        (RESIDUAL, 'id = "pull"', "id = 5", r"5\.id: 5 is not of type 'string'"),
+        (RESIDUAL, 'id = "pull"', 'id = "no good"', "no good.id: 'no good' does not match"),
+        (RESIDUAL, 'look = "The sampling of v."\n', "", "pull: 'look' is a required property"),
+        (RESIDUAL, '"invariant"', '"cross_code"', "pull.kind: 'cross_code' is not one of"),
+        (RESIDUAL, '"physics"', '"chemistry"', "pull.class: 'chemistry' is not one of"),
+        (RESIDUAL, "source = 1", "source = 0", "pull.source: 0 is less than the minimum of 1"),
+        (RESIDUAL, '"outputs.pulled_end"', '"pulled_end"', "pull.metric: 'pulled_end' does not"),
+        (RESIDUAL, "fmu = 1e-14", "fmu = -1.0", "pull.tolerance.fmu: -1.0 is less than"),
+        (RESIDUAL, ", reference = 1e-12", "", "pull.tolerance: 'reference' is a required"),
+        (RESIDUAL, "because.fmu", "because.ours", "pull.because: .*'ours' was unexpected"),
+        (RESIDUAL, '"one product and one addition"', '" "', "pull.because.fmu: ' ' does not"),
+        (RESIDUAL, "source = 1", "source = 1\ncolour = 1", "pull: .*'colour' was unexpected"),
+        (RESIDUAL, "[[residuals]]", "[[others]]", r"'others' was unexpected"),
+        (RESIDUAL, "[[residuals]]", "[[residuals]", r"line 1"),
+        (RUN, '"invariant"', '"closed_form"', "again.kind: 'invariant' was expected"),
+        (RUN, "source = 16", "source = 16\ntolerance = { fmu = 0.0 }", "again.tolerance: 'numer"),
+        (ORDER, "levels = 5", "levels = 4", "order.levels: 4 is less than the minimum of 5"),
+        (ORDER, '["default"]', "[]", "order.cases: .* should be non-empty"),
+        (ORDER, "coarsest = 1e-9", "coarsest = 0.0", "order.coarsest: 0.0 is less than or equal"),
+        (PROBE, "[[probes]]", "[[probes]]\narguments = 1", "starts.arguments: 1 is not of type"),
+        (AGREEMENT, 'quantity = "z"\n', "", "agree: 'quantity' is a required property"),
+        (AGREEMENT, AGREEMENT, "", "should be non-empty"),
+    ],
+)
+def test_a_broken_law_is_refused_by_file_law_and_field(
+    tmp_path: Path, text: str, old: str, new: str, told: str
+) -> None:
+    """A mistake in a file of laws is told in one line: the file, the law, the field, the reason."""
+    assert old in text
+    file = tmp_path / "laws.toml"
+    file.write_text(text.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(LawError, match=told) as caught:
+        load_laws(tmp_path)
+    assert str(caught.value).startswith(f"{file}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_no_two_laws_share_an_id(tmp_path: Path) -> None:
+    """An id that is taken, in the same file or another, is told with both files."""
+    (tmp_path / "a.toml").write_text(RESIDUAL, encoding="utf-8")
+    (tmp_path / "b.toml").write_text(RUN.replace('"again"', '"pull"'), encoding="utf-8")
+    with pytest.raises(LawError, match=r"b\.toml: 'pull' is taken by a law of a\.toml"):
+        load_laws(tmp_path)
+    (tmp_path / "b.toml").write_text(PROBE + PROBE, encoding="utf-8")
+    with pytest.raises(LawError, match=r"b\.toml: 'starts' is taken by a law of b\.toml"):
+        load_laws(tmp_path)
+
+
+def test_a_file_that_is_no_text_is_told(tmp_path: Path) -> None:
+    """Bytes that are not UTF-8 are an error of the file and no traceback."""
+    (tmp_path / "laws.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(LawError, match=r"laws\.toml: .*utf-8") as caught:
+        load_laws(tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_suite_names_only_what_exists() -> None:
+    """Every metric, run, probe and quantity that a law names is there, and each id once."""
+    assert {law.metric for law in LAWS.residuals} <= set(METRICS)
+    assert {law.run for law in LAWS.runs} <= set(RUNS)
+    assert {law.probe for law in LAWS.probes} <= set(PROBES)
+    assert {law.quantity for law in LAWS.agreements} <= set(OUTPUT_NAMES)
+    assert {law.quantity for law in LAWS.orders} <= set(OUTPUT_NAMES)
+    assert {n for n, count in Counter(law.id for law in LAWS).items() if count > 1} == set()
+
+
+def test_physics_that_demands_every_bit_is_a_sign_or_a_count() -> None:
+    """No law of physics asks a numerical solution for a digit it cannot keep."""
+    strict = {law.id for law in LAWS.residuals if law.tolerance["reference"] == 0.0}
+    assert {law.id for law in LAWS.residuals if law.klass == "physics"} & strict == {
+        "finite",
+        "mode-and-sticking-agree",
+    }
+    assert all(law.klass == "contract" for law in LAWS.runs if law.tolerance is None)
+
+
+def test_no_law_allows_ours_more_than_a_numerical_solution() -> None:
+    """The exact block is held at least as tightly as an integrator, by every law."""
+    for law in LAWS.residuals:
+        assert law.tolerance["fmu"] <= law.tolerance["reference"], law.id
+    for run in LAWS.runs:
+        assert run.tolerance is None or run.tolerance["fmu"] <= run.tolerance["numerical"], run.id

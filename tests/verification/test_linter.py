@@ -1,0 +1,253 @@
+"""The suite lints itself: what it ships is sound, and each kind of flaw is found."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from stickslip_verification import linter
+from stickslip_verification.cases import CASES_FOLDER
+from stickslip_verification.laws import LawError, Laws, load_laws
+from stickslip_verification.linter import lint
+from stickslip_verification.mutants import MutantError, load_mutants
+from stickslip_verification.second import Accepted
+
+LAWS = load_laws()
+
+CASE = "default.toml"
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
+    """Return what is found in a folder with one sound case: what only other cases use."""
+    folder = tmp_path_factory.mktemp("alone")
+    shutil.copy(CASES_FOLDER / CASE, folder)
+    return set(lint(folder))
+
+
+def case_in(folder: Path, old: str, new: str, name: str = CASE, *, beside: bool = False) -> Path:
+    """Write the case, changed, into a folder, beside itself as it is if wanted."""
+    text = (CASES_FOLDER / CASE).read_text(encoding="utf-8")
+    changed, count = re.subn(old, new, text, count=1)
+    assert count == 1
+    (folder / name).write_text(changed, encoding="utf-8")
+    if beside:
+        shutil.copy(CASES_FOLDER / CASE, folder)
+    return folder
+
+
+def test_the_suite_is_sound() -> None:
+    """Nothing is to be said of the suite as it is shipped."""
+    assert lint() == []
+
+
+def test_one_case_alone_leaves_things_unused(alone: set[str]) -> None:
+    """With one case only, what other cases use, and what laws and faults name, is found missing."""
+    kinds = {
+        r"formula \w+: nothing uses it",
+        r"quantity \w+: nothing uses it",
+        r"planted fault [\w-]+: there is no check [\w.-]+",
+        r"order-of-\w+: there is no case [\w-]+",
+    }
+    assert all(any(re.fullmatch(kind, found) for kind in kinds) for found in alone)
+    assert "order-of-z: there is no case grazing" in alone
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        (r'id = "default"', 'id = "other"', "default.toml: its id is 'other', not the name"),
+        (
+            r'fmu = "[^"]*"\nreference',
+            'fmu = "it is so"\nreference',
+            r"default / [\w-]+: because.fmu: 'it is so' says too little",
+        ),
+        (
+            r'reference = "[^"]*"',
+            'reference = "a number that seems good enough for now"',
+            "because.reference: 'seems' is no reason",
+        ),
+        (
+            r'reference = "[^"]*"',
+            'reference = "it is tuned until nothing fails any more"',
+            "because.reference: 'tuned' is no reason",
+        ),
+        (
+            r'truth = \{ kind = "closed_form", source = \d+ \}',
+            'truth = { kind = "closed_form", source = 99 }',
+            r"default / [\w-]+: docs/theory.md has no equation \(99\)",
+        ),
+        (r'id = "x-course"', 'id = "splitting"', "default / splitting: a law has this id"),
+        (r'quantity = "x"', 'quantity = "y"', r"checks\[\d+\]\.quantity: 'y' is not a known"),
+        (r"\[experiment\]", "[experiment", "default.toml: line"),
+    ],
+)
+def test_a_flaw_in_a_case_is_found(
+    tmp_path: Path, alone: set[str], old: str, new: str, told: str
+) -> None:
+    """A flaw that the schema lets pass, or does not, is one line with the case and the check."""
+    findings = set(lint(case_in(tmp_path, old, new))) - alone
+    assert [found for found in findings if re.search(told, found)], findings
+    assert all("\n" not in found for found in findings)
+
+
+def test_a_vague_word_is_a_word(tmp_path: Path, alone: set[str]) -> None:
+    """A word that only contains a vague one is none."""
+    text = 'reference = "a magician detuned the unseemly fortuned string"'
+    assert set(lint(case_in(tmp_path, r'reference = "[^"]*"', text))) == alone
+
+
+def test_two_of_a_name_are_found(tmp_path: Path, alone: set[str]) -> None:
+    """Two cases of one id or one title are told, once each."""
+    findings = set(
+        lint(case_in(tmp_path, r"\[experiment\]", "[experiment]", "b.toml", beside=True))
+    )
+    new = findings - alone
+    assert {found.partition(":")[0] for found in new if "have this id" in found} == {"default"}
+    assert len([found for found in new if "cases have the title" in found]) == 1
+    assert "b.toml: its id is 'default', not the name of the file" in new
+
+
+def test_a_broken_case_does_not_hide_the_others(tmp_path: Path, alone: set[str]) -> None:
+    """A file that cannot be read is one finding beside those of the other files."""
+    shutil.copy(CASES_FOLDER / CASE, tmp_path)
+    (tmp_path / "broken.toml").write_text("id = =\n", encoding="utf-8")
+    (finding,) = set(lint(tmp_path)) - alone
+    assert finding.startswith(f"{tmp_path / 'broken.toml'}: line 1")
+
+
+Flaw = Callable[[Laws], Laws]
+
+FLAWS: list[tuple[Flaw, str]] = [
+    (
+        lambda laws: replace(laws, residuals=laws.residuals[1:]),
+        f"metric {LAWS.residuals[0].metric}: nothing uses it",
+    ),
+    (
+        lambda laws: replace(
+            laws, residuals=(*laws.residuals, replace(laws.residuals[0], metric="stick.slides"))
+        ),
+        "metric stick.slides: there is no such metric",
+    ),
+    (
+        lambda laws: replace(laws, runs=[law for law in laws.runs if law.run != "reset"]),
+        "run reset: nothing uses it",
+    ),
+    (
+        lambda laws: replace(laws, runs=(*laws.runs, replace(laws.runs[0], run="backward"))),
+        "run backward: there is no such run",
+    ),
+    (
+        lambda laws: replace(laws, probes=[law for law in laws.probes if law.probe != "warns"]),
+        "probe warns: nothing uses it",
+    ),
+    (
+        lambda laws: replace(laws, probes=(*laws.probes, replace(laws.probes[0], probe="asks"))),
+        "probe asks: there is no such probe",
+    ),
+    (
+        lambda laws: replace(
+            laws, agreements=(*laws.agreements, replace(laws.agreements[0], quantity="y"))
+        ),
+        "quantity y: there is no such quantity",
+    ),
+    (
+        lambda laws: replace(laws, orders=(replace(laws.orders[0], cases=("default", "none")),)),
+        f"{LAWS.orders[0].id}: there is no case none",
+    ),
+    (
+        lambda laws: replace(laws, probes=(replace(laws.probes[0], means="It is bad."),)),
+        f"{LAWS.probes[0].id}: means: 'It is bad.' says too little",
+    ),
+    (
+        lambda laws: replace(laws, probes=(replace(laws.probes[0], source=99),)),
+        f"{LAWS.probes[0].id}: docs/theory.md has no equation (99)",
+    ),
+    (
+        lambda laws: replace(
+            laws, runs=(replace(laws.runs[0], because="somehow it always was like that"),)
+        ),
+        f"{LAWS.runs[0].id}: because: 'somehow' is no reason",
+    ),
+    (
+        lambda laws: replace(laws, residuals=laws.residuals[:-1]),
+        f"there is no check {LAWS.residuals[-1].id}",
+    ),
+]
+
+
+@pytest.mark.parametrize(("flaw", "told"), FLAWS, ids=[told for _, told in FLAWS])
+def test_a_flaw_in_the_laws_is_found(
+    tmp_path: Path, alone: set[str], monkeypatch: pytest.MonkeyPatch, flaw: Flaw, told: str
+) -> None:
+    """What laws name and is not there, and what is there and no law names, is one line."""
+    shutil.copy(CASES_FOLDER / CASE, tmp_path)
+    monkeypatch.setattr(linter, "load_laws", lambda: flaw(LAWS))
+    new = set(lint(tmp_path)) - alone
+    assert [found for found in new if found.endswith(told)], new
+
+
+@pytest.mark.parametrize(
+    ("loader", "error"),
+    [
+        ("load_laws", LawError("laws.toml: pull: no good")),
+        ("load_mutants", MutantError(Path("fault.toml"), "id", "no good")),
+    ],
+)
+def test_what_cannot_be_loaded_is_a_finding(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, loader: str, error: Exception
+) -> None:
+    """A broken file of laws or faults is told as one line, and no traceback."""
+
+    def fail() -> None:
+        raise error
+
+    monkeypatch.setattr(linter, loader, fail)
+    assert lint(tmp_path) == [str(error)]
+
+
+def test_a_fault_and_an_idle_check_must_name_checks(
+    tmp_path: Path, alone: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A planted fault convicted by nothing, and an idle check that is none, are told."""
+    shutil.copy(CASES_FOLDER / CASE, tmp_path)
+    mutants = load_mutants()
+    wrong = replace(mutants[0], convicted_by=("no-such-check",))
+    monkeypatch.setattr(linter, "load_mutants", lambda: [*mutants, wrong])
+    monkeypatch.setattr(linter, "idle_reasons", lambda: {"no-check": "short", "splitting": "magic"})
+    assert set(lint(tmp_path)) - alone == {
+        f"planted fault {wrong.id}: there is no check no-such-check",
+        "idle check no-check: there is no such check",
+        "idle check no-check: 'short' says too little",
+        "idle check splitting: 'magic' says too little",
+        "idle check splitting: 'magic' is no reason",
+    }
+
+
+def test_accepted_values_and_checks_belong_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A check without an accepted value is told with what to do, and a value of no check too."""
+    values = {
+        ("default", "x-course", "fmu"): 1.0,
+        ("default", "stick-holds-x", "fmu"): 0.0,
+        ("default", "order-of-z-asymptotic", "reference"): 0.0,
+        ("default", "gone", "fmu"): 1.0,
+        ("forgotten", "x-course", "fmu"): 1.0,
+        ("", "declared-units", "fmu"): 0.0,
+    }
+    monkeypatch.setattr(linter, "load_accepted", lambda: Accepted(values))
+    findings = lint()
+    run = "run stickslip verify --accept"
+    stale = {found for found in findings if "of no check" in found}
+    assert stale == {
+        f"default / gone: an accepted value of no check; {run}",
+        f"forgotten / x-course: an accepted value of no check; {run}",
+    }
+    assert f"default / x_dot-course: no accepted value; {run}" in findings
+    assert f"default / x-course: no accepted value; {run}" not in findings
+    assert f" / declared-units: no accepted value; {run}" not in findings
+    assert f" / declared-types: no accepted value; {run}" in findings

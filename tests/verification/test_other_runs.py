@@ -1,0 +1,298 @@
+"""Other runs of an FMU: the same motion from ours, and what a foreign one lacks is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip_verification.answer import Answer
+from stickslip_verification.cases import Case, CommunicationStep
+from stickslip_verification.checks import FOREIGN, OURS
+from stickslip_verification.drive import NotApplicableError, Plan, run_case, run_plan
+from stickslip_verification.exact import exact_motion
+from stickslip_verification.fmu import FmuFile, NameMap
+from stickslip_verification.fmu.names import NOT_THERE, Target
+from stickslip_verification.law_checks import judge_run
+from stickslip_verification.laws import RunLaw, load_laws
+from stickslip_verification.mutants import load_mutants, plant
+from stickslip_verification.quantities import OUTPUT_NAMES
+from stickslip_verification.record import Record
+from stickslip_verification.runs import RUNS
+from stickslip_verification.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
+from stickslip_verification.truth.parameters import complete
+
+from .records import Draft, exact_of, named, planted
+
+LAWS = {law.id: law for law in load_laws().runs}
+
+CASES = (
+    "clamp-tuned",
+    "crumbs",
+    "damped-cycle",
+    "default",
+    "force-pulses",
+    "grazing",
+    "lifted-and-set-down",
+    "moving-start",
+    "one-step",
+    "overdamped-turn",
+    "pull-reverses",
+    "reversals",
+    "start-beyond",
+    "tuned",
+)
+"""Cases that between them have every sort of transition, damping, change and start."""
+
+
+@pytest.fixture(scope="module")
+def ours(fmu_path: Path) -> Iterator[FmuFile]:
+    """Return our FMU, opened."""
+    file = FmuFile(fmu_path)
+    yield file
+    file.close()
+
+
+@pytest.fixture(scope="module")
+def plain(ours: FmuFile) -> Callable[[str], Record]:
+    """Return what gives our FMU's plain run of a case."""
+    return cache(lambda name: run_case(ours, named(name)))
+
+
+def differing(one: Record, other: Record) -> set[str]:
+    """Give the outputs in which two records differ in a bit, at the start or later."""
+    return {
+        name
+        for name in OUTPUT_NAMES
+        if not np.array_equal(one.outputs[name], other.outputs[name])
+        or one.initial[name] != other.initial[name]
+    }
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("run", [run for run in RUNS if run != "splitting"])
+def test_our_block_repeats_every_bit(
+    ours: FmuFile, plain: Callable[[str], Record], run: str, name: str
+) -> None:
+    """Mirrored, scaled, set back, moved, reset or not alone: no digit of our block changes."""
+    assert differing(plain(name), RUNS[run](ours, named(name))) == set()
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_our_block_does_not_care_how_steps_are_cut(
+    ours: FmuFile, plain: Callable[[str], Record], name: str
+) -> None:
+    """Cut in three, the steps end at the same motion within the rounding of their lengths."""
+    cut = RUNS["splitting"](ours, named(name))
+    assert [len(samples) for samples in cut.outputs.values()] == [len(named(name).steps)] * 22
+    result = judge_run(LAWS["splitting"], named(name), OURS, plain(name), Answer(cut))
+    assert result.passed, result
+
+
+@pytest.mark.parametrize("name", ["reversals-damped", "load-pulses", "tuned", "moving-start"])
+@pytest.mark.parametrize("symmetry", [MIRROR, HEAVIER, QUICKER], ids=lambda s: s.name[:6])
+def test_a_symmetry_is_one_of_the_exact_motion(symmetry: Symmetry, name: str) -> None:
+    """The exact motion itself has the symmetry, in every output and to the bit."""
+    case = named(name)
+    steps = tuple(
+        CommunicationStep(step.h * symmetry.pace, symmetry.scaled(step.changes))
+        for step in case.steps
+    )
+    values = symmetry.scaled(complete(case.parameters))
+    scaled = exact_motion(replace(case, parameters=values, steps=steps)).record
+    back = symmetry.outputs
+    outputs = {n: samples / back.get(n, 1.0) for n, samples in scaled.outputs.items()}
+    initial = {n: value / back.get(n, 1.0) for n, value in scaled.initial.items()}
+    assert differing(exact_of(name).record, Record(scaled.times, outputs, initial)) == set()
+
+
+MUTANTS = {
+    "state-forgets-meter": ("rollback", "rollback-to-the-bit"),
+    "state-rounded-on-paper": ("serialized", "serialized-state-to-the-bit"),
+    "reset-keeps-inputs": ("reset", "reset-to-the-bit"),
+    "instances-share-pull": ("two_instances", "two-instances-to-the-bit"),
+    "fixed-step-1ms": ("splitting", "splitting"),
+    "direction-always-forward": ("mirror", "mirror"),
+    "meter-nanosecond-clock": ("time", "time-scales-to-the-bit"),
+}
+
+
+@pytest.mark.parametrize("mutant", MUTANTS)
+def test_a_run_shows_the_fault_it_is_there_for(fmu_path: Path, tmp_path: Path, mutant: str) -> None:
+    """A block that forgets, rounds, shares or prefers is not the same in the run that tries it."""
+    (fault,) = load_mutants(mutant)
+    file = FmuFile(plant(fmu_path, fault, tmp_path))
+    run, law = MUTANTS[mutant]
+    results = [
+        judge_run(
+            LAWS[law], named(name), OURS, run_case(file, named(name)), answer(file, run, name)
+        )
+        for name in ("tuned", "pull-reverses")
+    ]
+    file.close()
+    assert not all(result.passed for result in results)
+    assert all(result.failure is None for result in results)
+
+
+def answer(file: FmuFile, run: str, name: str) -> Answer[Record]:
+    """Give what a run of a case comes to."""
+    return Answer(RUNS[run](file, named(name)))
+
+
+def test_what_a_slider_without_state_lacks_is_told(
+    slider_mm: Path, slider_mm_names: NameMap
+) -> None:
+    """An FMU that cannot keep its state is out of the runs that need it, and is told why."""
+    file = FmuFile(slider_mm, slider_mm_names)
+    with pytest.raises(NotApplicableError, match="cannot get and set its state, by its descr"):
+        RUNS["rollback"](file, named("default"))
+    with pytest.raises(NotApplicableError, match="cannot serialize its state, by its descr"):
+        RUNS["serialized"](file, named("default"))
+
+
+@pytest.mark.parametrize("run", sorted(RUNS))
+def test_a_case_with_what_a_slider_lacks_is_not_applicable(
+    slider_si: Path, slider_si_names: NameMap, run: str
+) -> None:
+    """An undamped FMU is not tried on a damped case, in no run, and the variable is named."""
+    file = FmuFile(slider_si, slider_si_names)
+    with pytest.raises(NotApplicableError, match=r"^it has no variable c$"):
+        RUNS[run](file, named("damped-cycle"))
+    with pytest.raises(NotApplicableError, match=r"^it has no variable F_ext$"):
+        RUNS[run](file, named("force-pulses"))
+
+
+def test_what_cannot_change_on_the_way_is_named(slider_si: Path, slider_si_names: NameMap) -> None:
+    """A case that changes what an FMU holds fixed is not applicable to it."""
+    file = FmuFile(slider_si, slider_si_names)
+    case = named("default")
+    changed = replace(case.steps[1], changes={"mu_s": 0.4})
+    with pytest.raises(NotApplicableError, match=r"^it cannot change mu_s on the way$"):
+        run_case(file, replace(case, steps=(case.steps[0], changed)))
+
+
+def shortened(name: str, steps: int) -> Case:
+    """Give the first steps of a case."""
+    return replace(named(name), steps=named(name).steps[:steps])
+
+
+@pytest.mark.parametrize("run", sorted(RUNS))
+def test_an_honest_slider_is_the_same_in_every_run(
+    slider_si: Path, slider_si_names: NameMap, run: str
+) -> None:
+    """A foreign solution keeps its motion as a numerical one must, with the variables it has."""
+    file = FmuFile(slider_si, slider_si_names)
+    case = shortened("default", 150)
+    law = next(law for law in LAWS.values() if law.run == run)
+    law = replace(law, tolerance={"fmu": 0.0, "numerical": 1e-9})
+    result = judge_run(law, case, FOREIGN, run_case(file, case), Answer(RUNS[run](file, case)))
+    assert result.passed, result
+
+
+def test_a_scaled_run_sets_only_what_is_there(ours: FmuFile) -> None:
+    """Without gravity among its variables an FMU is scaled where g stays, and else left out."""
+    poor = FmuFile(ours.path, NameMap({"g": Target(NOT_THERE)}))
+    case = shortened("default", 40)
+    whole = run_case(poor, case)
+    for run in ("mirror", "forces"):
+        assert differing(whole, RUNS[run](poor, case)) == set()
+    with pytest.raises(NotApplicableError, match=r"^it has no variable g$"):
+        RUNS["time"](poor, case)
+
+
+TO_THE_BIT = LAWS["reset-to-the-bit"]
+NEARLY = LAWS["mirror"]
+
+
+def small() -> tuple[Case, Record]:
+    """Give a case and its exact motion."""
+    return named("grazing"), exact_of("grazing").record
+
+
+def changed(record: Record, name: str, by: float, at: int = -1) -> Answer[Record]:
+    """Give a record with one value moved."""
+
+    def fault(draft: Draft) -> None:
+        draft.outputs[name][at] += by
+
+    return Answer(planted(record, fault))
+
+
+def test_one_bit_is_seen_and_named() -> None:
+    """A law to the bit counts the values that differ and names the first output that does."""
+    case, record = small()
+    bit = float(np.spacing(record.outputs["z"][-1]))
+    result = judge_run(TO_THE_BIT, case, OURS, record, changed(record, "z", bit))
+    assert (result.passed, result.got, result.error) == (False, 1.0, 1.0)
+    assert result.quantity == "values that differ, z first"
+    same = judge_run(TO_THE_BIT, case, OURS, record, Answer(record))
+    assert (same.passed, same.got, same.quantity) == (True, 0.0, "values that differ")
+
+
+def test_a_start_that_differs_is_seen() -> None:
+    """What is shown after initialization belongs to the motion that a run must repeat."""
+    case, record = small()
+    other = replace(record, initial={**record.initial, "F_s": 1.0})
+    assert not judge_run(TO_THE_BIT, case, OURS, record, Answer(other)).passed
+
+
+def test_a_motion_that_differs_is_seen_where_it_differs_most() -> None:
+    """A law with a tolerance shows the worst output of all, in its unit and over its scale."""
+    case, record = small()
+    result = judge_run(NEARLY, case, OURS, record, changed(record, "t_slip", 1e-9))
+    scale = float(np.max(record.outputs["t_slip"]))
+    assert (result.passed, result.quantity, result.unit) == (False, "t_slip", "s")
+    assert result.error == pytest.approx(1e-9 / scale, rel=1e-6)
+    assert judge_run(NEARLY, case, FOREIGN, record, changed(record, "t_slip", 1e-11)).passed
+
+
+@pytest.mark.parametrize("law", [TO_THE_BIT, NEARLY], ids=lambda law: law.id)
+def test_a_count_is_right_or_wrong(law: RunLaw) -> None:
+    """One slip more is a failure whatever the number of slips."""
+    case, record = small()
+    result = judge_run(law, case, FOREIGN, record, changed(record, "n_slips", 1.0))
+    assert (result.passed, result.error) == (False, 1.0)
+
+
+def test_what_is_lost_in_the_other_run_is_a_failure() -> None:
+    """An output that vanishes, a sample that is lost, a NaN: each fails, none raises."""
+    case, record = small()
+
+    def gone(draft: Draft) -> None:
+        del draft.outputs["T"]
+
+    def short(draft: Draft) -> None:
+        draft.outputs["T"] = draft.outputs["T"][:-1]
+
+    for law in (TO_THE_BIT, NEARLY):
+        for other in (
+            Answer(planted(record, gone)),
+            Answer(planted(record, short)),
+            changed(record, "T", np.nan),
+        ):
+            result = judge_run(law, case, OURS, record, other)
+            assert not result.passed
+            assert result.failure or result.error
+
+
+def test_why_there_is_no_other_run_is_kept() -> None:
+    """A run that failed fails the law with its reason; one that is lacking does not count."""
+    case, record = small()
+    failed = judge_run(TO_THE_BIT, case, OURS, record, Answer(failure="it broke"))
+    lacking = judge_run(TO_THE_BIT, case, OURS, record, Answer(not_applicable="it cannot"))
+    assert (failed.verdict, failed.failure) == ("fail", "it broke")
+    assert (lacking.verdict, lacking.not_applicable) == ("not applicable", "it cannot")
+
+
+def test_a_plan_begins_its_steps_where_the_last_ended(ours: FmuFile) -> None:
+    """Communication points are the correctly rounded sums of the steps, and begin at 0."""
+    plan = Plan({}, [CommunicationStep(0.1, {})] * 10)
+    assert plan.points[0] == 0.0
+    assert plan.points[-1] == 0.9
+    case = shortened("default", 10)
+    record = run_plan(ours, case, Plan(case.parameters, case.steps))
+    assert differing(record, run_case(ours, case)) == set()

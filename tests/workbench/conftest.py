@@ -1,0 +1,19 @@
+"""What the tests of the workbench share."""
+
+from pathlib import Path
+
+import pytest
+
+from .running import Command
+
+
+@pytest.fixture
+def command(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    fmu_path: Path,
+) -> Command:
+    """Give the command in an empty working folder."""
+    monkeypatch.chdir(tmp_path)
+    return Command(monkeypatch, capsys, fmu_path)

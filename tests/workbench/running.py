@@ -1,0 +1,53 @@
+"""The command, run as a person runs it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from stickslip import cli
+
+PROGRAM = "from stickslip.cli import main; main()"
+
+
+class Answer:
+    """Exit code, standard output and standard error of one command."""
+
+    def __init__(self, code: int, out: str, err: str) -> None:
+        self.code, self.out, self.err = code, out, err
+
+
+class Command:
+    """Runs the command in an empty folder; `fmu` is one built beforehand."""
+
+    def __init__(
+        self, patch: pytest.MonkeyPatch, capture: pytest.CaptureFixture[str], fmu: Path
+    ) -> None:
+        self._patch, self._capture, self._fmu = patch, capture, fmu
+
+    def __call__(self, *arguments: object) -> Answer:
+        """Run `stickslip` with these arguments in this process."""
+        self._patch.setattr(sys, "argv", ["stickslip", *map(str, arguments)])
+        self._capture.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        said = self._capture.readouterr()
+        code = ended.value.code
+        assert isinstance(code, int)
+        return Answer(code, said.out, said.err)
+
+    def simulate(self, engine: str, *arguments: object) -> Answer:
+        """Run `stickslip simulate` with an engine; the FMU is not built again for each run."""
+        of_fmu = ["--fmu", self._fmu] if engine == "fmu" else []
+        return self("simulate", "--engine", engine, *of_fmu, *arguments)
+
+    def in_fresh_process(self, *arguments: object) -> Answer:
+        """Run `stickslip` in a process of its own: for what builds an FMU."""
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM, *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        return Answer(done.returncode, done.stdout, done.stderr)

@@ -1,0 +1,214 @@
+"""`stickslip verify` and `stickslip lint` as a person meets them."""
+
+import hashlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ET
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from stickslip_verification.cases import CASES_FOLDER
+from tests.verification.foreign import building
+
+from .running import PROGRAM, Command
+
+NAMES = building.HERE / "slider_mm.toml"
+
+
+@pytest.fixture(scope="module")
+def slider(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return an honest foreign FMU: its own names, millimetres."""
+    return building.build("slider_mm", tmp_path_factory.mktemp("slider"))
+
+
+def report_in(folder: Path) -> dict[str, object]:
+    """Read the report of a folder."""
+    report: dict[str, object] = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    return report
+
+
+def test_verify_passes_on_our_fmu(command: Command, tmp_path: Path) -> None:
+    """Exit code 0, a table, the whole report where it is said to be, and the FMU in build/."""
+    answer = command.in_fresh_process("verify", "--cases", "one-step")
+    assert answer.code == 0, answer.err
+    assert "FAIL" not in answer.out
+    assert answer.out.splitlines()[-2:] == ["report/index.html", "report/report.json"]
+    report = report_in(tmp_path / "report")
+    summary, provenance = report["summary"], report["provenance"]
+    assert isinstance(summary, dict)
+    assert isinstance(provenance, dict)
+    assert summary["failed"] == 0
+    assert f"{summary['passed']} passed, 0 failed" in answer.out
+    digest = hashlib.sha256((tmp_path / "build" / "StickSlip.fmu").read_bytes()).hexdigest()
+    assert provenance["fmu"]["sha256"] == digest
+    suites = ET.parse(tmp_path / "report" / "junit.xml").getroot()
+    assert suites.get("failures") == "0"
+    assert "http-equiv" not in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
+
+
+def test_every_comparison_is_printed_on_demand(command: Command, fmu_path: Path) -> None:
+    """--all names each check with what was expected and what came."""
+    arguments = ("verify", "--fmu", fmu_path, "--cases", "one-step", "-o", "all.json")
+    short, full = command(*arguments), command(*arguments, "--all")
+    assert "x-course" not in short.out
+    assert "x-course" in full.out
+    assert "rollback-to-the-bit" in full.out
+
+
+def test_a_failed_check_is_told_with_what_it_means(
+    command: Command, tmp_path: Path, fmu_path: Path
+) -> None:
+    """Exit code 1: what failed, what that means and where to look; JSON alone where asked for."""
+    with zipfile.ZipFile(fmu_path) as good, zipfile.ZipFile("bad.fmu", "w") as bad:
+        for name in good.namelist():
+            content = good.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'name="delta_x"', b'name="delta_y"')
+            bad.writestr(name, content)
+    answer = command("verify", "--fmu", "bad.fmu", "--cases", "default", "-o", "bad.json")
+    assert answer.code == 1
+    assert "FAIL default / delta_x-exact (fmu): no output delta_x" in answer.out
+    assert "The jump of the mass is another one. Look at:" in answer.out
+    assert answer.err == ""
+    report = json.loads((tmp_path / "bad.json").read_text(encoding="utf-8"))
+    assert report["summary"]["failed"] > 0
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["bad.fmu", "bad.json"]
+
+
+def test_verify_lists_its_cases(command: Command, tmp_path: Path) -> None:
+    """--list names the cases of the pattern and runs nothing."""
+    answer = command("verify", "--list", "--cases", "d*")
+    assert answer.code == 0
+    assert "default" in answer.out
+    assert "reversed-pull" not in answer.out
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_foreign_fmu_passes_by_its_names(command: Command, slider: Path) -> None:
+    """With a names file a foreign FMU is judged on physics; what it lacks is counted."""
+    answer = command(
+        "verify", "--fmu", slider, "--names", NAMES, "--cases", "one-step", "--time-limit", "5"
+    )
+    assert answer.code == 0, answer.out
+    assert "not applicable" in answer.out
+    assert "noted (contract: it decides with --strict)" in answer.out
+
+
+def test_own_cases_can_be_run(command: Command, fmu_path: Path, tmp_path: Path) -> None:
+    """--cases takes a file or a folder of a person's own cases."""
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    text = (CASES_FOLDER / "one-step.toml").read_text(encoding="utf-8")
+    (mine / "mine.toml").write_text(text.replace('"one-step"', '"mine"', 1), encoding="utf-8")
+    for where in (mine, mine / "mine.toml"):
+        answer = command("verify", "--fmu", fmu_path, "--cases", where, "-o", "mine.json")
+        assert answer.code == 0, answer.out
+        assert " mine " in answer.out
+
+
+def test_a_baseline_shows_how_margins_moved(command: Command, fmu_path: Path) -> None:
+    """Against its own earlier report nothing moved."""
+    arguments = ("verify", "--fmu", fmu_path, "--cases", "one-step", "-o", "old.json")
+    assert command(*arguments).code == 0
+    answer = command(*arguments, "--baseline", "old.json")
+    assert answer.code == 0
+    assert "margins that grew more than 2 times: 0" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--fmu", "none.fmu"], "--fmu none.fmu: no such file"),
+        (["--fmu", "{text}"], "not an FMU"),
+        (["--fmu", "{slider}"], "has no variable m, k, mu_s, mu_k, v, x; map them with --names"),
+        (["--fmu", "{slider}", "--names", "none.toml"], "none.toml: no such file"),
+        (["--fmu", "{slider}", "--names", "{unknown}"], "'springiness'"),
+        (["--names", "{names}"], "--names goes with --fmu"),
+        (["--cases", "nothing"], "no case matches 'nothing'"),
+        (["--cases", "{broken}"], "broken.toml: line 1: "),
+        (["--baseline", "none.json"], "none.json: no such file"),
+        (["--baseline", "{text}"], "text.fmu: "),
+        (["--jobs", "0"], "--jobs"),
+        (["--time-limit", "-1"], "--time-limit"),
+        (["--accept", "--fmu", "{slider}", "--names", "{names}"], "only our own FMU"),
+        (["-o", "{text}/report"], "-o "),
+    ],
+)
+def test_wrong_use_is_one_line(
+    command: Command, slider: Path, tmp_path: Path, arguments: list[str], told: str
+) -> None:
+    """Exit code 2 and one line that names what is wrong, before anything runs."""
+    texts = {
+        "text": ("text.fmu", "no FMU"),
+        "unknown": ("unknown.toml", 'springiness = "k"\n'),
+        "broken": ("broken.toml", "id = = 1\n"),
+    }
+    files = {"slider": slider, "names": NAMES}
+    for key, (name, text) in texts.items():
+        files[key] = tmp_path / name
+        files[key].write_text(text, encoding="utf-8")
+    answer = command("verify", *(each.format(**files) for each in arguments))
+    assert answer.code == 2
+    assert told in answer.err
+    assert answer.err.startswith("stickslip: ")
+    assert answer.err.count("\n") == 1
+    assert answer.out == ""
+
+
+def test_what_fails_is_not_accepted(command: Command, fmu_path: Path) -> None:
+    """--accept refuses an FMU that misses a truth, and writes nothing."""
+    with zipfile.ZipFile(fmu_path) as good, zipfile.ZipFile("bad.fmu", "w") as bad:
+        for name in good.namelist():
+            content = good.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'name="delta_x"', b'name="delta_y"')
+            bad.writestr(name, content)
+    answer = command("verify", "--fmu", "bad.fmu", "--cases", "one-step", "--accept")
+    assert answer.code == 2
+    assert "checks fail against their truth" in answer.err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="SIGINT cannot be sent to one process there")
+def test_ctrl_c_ends_the_run_and_its_processes(tmp_path: Path, fmu_path: Path) -> None:
+    """Exit code 130, one line, and neither files nor processes are left."""
+    scratch, work = tmp_path / "scratch", tmp_path / "work"
+    scratch.mkdir()
+    work.mkdir()
+    running = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, "verify", "--fmu", str(fmu_path), "-o", "r.json"],
+        cwd=work,
+        env={**os.environ, "TMPDIR": str(scratch)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    time.sleep(3.0)
+    os.killpg(running.pid, signal.SIGINT)
+    out, err = running.communicate(timeout=60)
+    assert (running.returncode, out, err) == (130, "", "stickslip: interrupted\n")
+    assert not list(work.iterdir())
+    assert not [each for each in scratch.iterdir() if each.name.startswith("stickslip")]
+
+
+def test_the_suite_is_sound(command: Command) -> None:
+    """The linter finds nothing in the suite as it is shipped."""
+    answer = command("lint")
+    assert (answer.code, answer.out) == (0, "0 findings\n")
+
+
+def test_the_linter_names_what_is_wrong(command: Command, tmp_path: Path) -> None:
+    """A reason that says nothing and an id that is not the file's are findings, and exit 1."""
+    text = (CASES_FOLDER / "one-step.toml").read_text(encoding="utf-8")
+    reason = text[text.index('fmu = "') :].split("\n")[0]
+    (tmp_path / "other.toml").write_text(text.replace(reason, 'fmu = "seems fine"'), "utf-8")
+    answer = command("lint", "--cases", tmp_path)
+    assert answer.code == 1
+    assert "other.toml: its id is 'one-step'" in answer.out
+    assert "'seems' is no reason" in answer.out

@@ -1,0 +1,166 @@
+"""The verdict at a glance: one row per case, the kinds of truth, what failed and what it means."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final
+
+from rich.box import SIMPLE_HEAD
+from rich.console import RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from stickslip.fitted import Fitted
+from stickslip_verification import CheckResult, KillMatrix, Meaning, Verdict
+
+_KINDS: Final = {
+    "closed_form": "exact motion and closed forms",
+    "invariant": "laws, other runs, interface",
+    "convergence": "observed order of the reference",
+    "cross_code": "FMU against reference: the weaker kind, it makes nothing green",
+}
+_SIDES: Final = ("fmu", "reference")
+_TOLD: Final = 12
+"""How many failed checks are told in full; the report tells them all."""
+
+
+def verdict_summary(verdict: Verdict, meanings: Mapping[str, Meaning]) -> RenderableType:
+    """Make the tables of cases and of kinds of truth, the failures, and the count.
+
+    Parameters
+    ----------
+    verdict
+        What came out.
+    meanings
+        For a check, what its failure means.
+    """
+    return Fitted(
+        [_cases(verdict, worst=True), _cases(verdict, worst=False)],
+        _kinds(verdict),
+        *_convictions(verdict.kills),
+        *_failures(verdict, meanings),
+        counts(verdict),
+    )
+
+
+def counts(verdict: Verdict) -> Text:
+    """Say in one line how many checks passed, failed, were noted or did not apply."""
+    summary = verdict.summary
+    line = f"{summary['passed']} passed, {summary['failed']} failed"
+    if summary["noted"]:
+        line += f", {summary['noted']} noted (contract: it decides with --strict)"
+    if summary["not_applicable"]:
+        line += f", {summary['not_applicable']} not applicable"
+    if not verdict.passed and not summary["failed"]:
+        line += "; NOT GREEN: " + _why(verdict)
+    return Text(line, style="bold green" if verdict.passed else "bold red")
+
+
+def _why(verdict: Verdict) -> str:
+    if verdict.kills is not None and not verdict.kills.passed:
+        return "the suite did not convict every planted fault, or has idle checks"
+    return "no check of the FMU against a truth passed"
+
+
+def _cases(verdict: Verdict, *, worst: bool) -> Table:
+    table = Table(title="Verification", title_justify="left", title_style="bold", box=SIMPLE_HEAD)
+    table.add_column("case", no_wrap=True)
+    for heading in ("FMU", "reference"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("of tolerance" if worst else "of tol.", justify="right", no_wrap=True)
+    if worst:
+        table.add_column("nearest to its tolerance", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    cases: dict[str, list[CheckResult]] = {}
+    for result in verdict.checks:
+        cases.setdefault(result.case, []).append(result)
+    for case, results in cases.items():
+        nearest = max(results, key=_margin)
+        table.add_row(
+            case or "the FMU itself",
+            *(_holding([r for r in results if r.side == side]) for side in _SIDES),
+            f"{_margin(nearest):.2g}",
+            *([nearest.check if _margin(nearest) > 0.0 else ""] if worst else []),
+            _word(results),
+        )
+    return table
+
+
+def _margin(result: CheckResult) -> float:
+    """Give error over tolerance; 0 where there is nothing to compare."""
+    if result.error is None or result.error == 0.0:
+        return 0.0
+    return result.error / result.tolerance if result.tolerance > 0.0 else math.inf
+
+
+def _holding(results: Sequence[CheckResult]) -> str:
+    applying = [result for result in results if result.not_applicable is None]
+    if not applying:
+        return "–"
+    return f"{sum(result.passed for result in applying)} of {len(applying)}"
+
+
+def _word(results: Sequence[CheckResult]) -> Text:
+    words = {result.verdict for result in results}
+    if words & {"fail", "drift"}:
+        return Text("FAIL" if "fail" in words else "DRIFT", style="bold red")
+    if words == {"not applicable"}:
+        return Text("not applicable", style="dim")
+    return Text("noted", style="yellow") if "noted" in words else Text("pass", style="green")
+
+
+def _kinds(verdict: Verdict) -> Table:
+    table = Table(box=SIMPLE_HEAD)
+    for heading in ("kind of truth", "what"):
+        table.add_column(heading, overflow="fold")
+    for heading in ("passed", "failed"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for kind, of_kind in verdict.by_kind.items():
+        table.add_row(kind, _KINDS[kind], str(of_kind["passed"]), str(of_kind["failed"]))
+    return table
+
+
+def _convictions(kills: KillMatrix | None) -> Iterator[Text]:
+    if kills is None:
+        return
+    caught = sum(row.caught for row in kills.rows)
+    style = "green" if kills.passed else "bold red"
+    yield Text(f"{caught} of {len(kills.rows)} planted faults caught as foretold", style=style)
+    for row in kills.rows:
+        if not row.caught:
+            why = row.broken or f"it fails {', '.join(row.failing) or 'nothing'}"
+            yield Text(f"SURVIVED {row.mutant} (wanted {', '.join(row.wanted)}): {why}", "red")
+    for check, reason in kills.idle.items():
+        if not reason:
+            yield Text(f"IDLE {check}: it kills nothing, and nothing says why it stays", "red")
+
+
+def _failures(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Iterator[Text]:
+    failed = [result for result in verdict.checks if result.failed]
+    told: set[str] = set()
+    for result in failed[:_TOLD]:
+        yield Text(f"FAIL {_name(result)}: {_what(result)}", "red")
+        meaning = meanings.get(result.check)
+        if meaning is not None and result.check not in told:
+            told.add(result.check)
+            yield Text(f"     {meaning.means} Look at: {meaning.look}")
+    if len(failed) > _TOLD:
+        yield Text(f"and {len(failed) - _TOLD} more; the report tells them all", "red")
+
+
+def _name(result: CheckResult) -> str:
+    return f"{result.case or 'the FMU itself'} / {result.check} ({result.side})"
+
+
+def _what(result: CheckResult) -> str:
+    if result.failure is not None:
+        return result.failure
+    if result.verdict == "drift" and result.second is not None:
+        second = result.second
+        return (
+            f"drifted by {second.drift:.1e} of scale from {second.accepted!r} {result.unit}, "
+            f"allowed {second.tolerance:.0e}"
+        )
+    return (
+        f"got {result.got!r}, expected {result.expected!r} {result.unit}; "
+        f"error {result.error:.2e}, tolerance {result.tolerance:g}"
+    )
