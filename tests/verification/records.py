@@ -84,3 +84,68 @@ def seen(name: str, record: Record, trial: Trial = OURS) -> set[str]:
     """Give the laws that a record breaks."""
     results = judged(name, record, trial)
     return {law for law, r in results.items() if not r.passed and r.not_applicable is None}
+
+
+def value(name: str, number: float, at: int) -> Fault:
+    """Put a number in one place of an output."""
+
+    def fault(draft: Draft) -> None:
+        draft.outputs[name][at] = number
+
+    return fault
+
+
+def at_start(name: str, number: float) -> Fault:
+    """Show a number after initialization."""
+
+    def fault(draft: Draft) -> None:
+        draft.initial[name] = number
+
+    return fault
+
+
+def scaled(name: str, factor: float) -> Fault:
+    """Multiply an output."""
+    return lambda draft: draft.scale(name, factor)
+
+
+def lagging(name: str) -> Fault:
+    """Show an output one step late."""
+    return lambda draft: draft.lag(name)
+
+
+def constant(name: str, number: float) -> Fault:
+    """Show always the same number."""
+
+    def fault(draft: Draft) -> None:
+        draft.outputs[name] = np.full_like(draft.outputs[name], number)
+
+    return fault
+
+
+def without(*names: str) -> Fault:
+    """Leave outputs out."""
+
+    def fault(draft: Draft) -> None:
+        for name in names:
+            del draft.outputs[name], draft.initial[name]
+
+    return fault
+
+
+def copied(name: str, source: str) -> Fault:
+    """Show one output as another."""
+
+    def fault(draft: Draft) -> None:
+        draft.outputs[name] = draft.outputs[source].copy()
+
+    return fault
+
+
+def unsigned(name: str) -> Fault:
+    """Lose the sign of an output."""
+
+    def fault(draft: Draft) -> None:
+        draft.outputs[name] = np.abs(draft.outputs[name])
+
+    return fault

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from pathlib import Path
 
 import pytest
 
+from stickslip_verification.checks import FOREIGN, OURS, Trial
+from stickslip_verification.law_checks import judge_agreement
 from stickslip_verification.laws import (
     Agreement,
     LawError,
@@ -19,7 +22,11 @@ from stickslip_verification.laws import (
 from stickslip_verification.metrics import METRICS
 from stickslip_verification.probes import PROBES
 from stickslip_verification.quantities import OUTPUT_NAMES
+from stickslip_verification.record import Record
 from stickslip_verification.runs import RUNS
+from stickslip_verification.verdict import CheckResult
+
+from .records import Draft, exact_of, named, planted
 
 LAWS = load_laws()
 
@@ -178,6 +185,7 @@ def test_physics_that_demands_every_bit_is_a_sign_or_a_count() -> None:
     assert {law.id for law in LAWS.residuals if law.klass == "physics"} & strict == {
         "finite",
         "mode-and-sticking-agree",
+        "runs-to-the-end",
     }
     assert all(law.klass == "contract" for law in LAWS.runs if law.tolerance is None)
 
@@ -188,3 +196,68 @@ def test_no_law_allows_ours_more_than_a_numerical_solution() -> None:
         assert law.tolerance["fmu"] <= law.tolerance["reference"], law.id
     for run in LAWS.runs:
         assert run.tolerance is None or run.tolerance["fmu"] <= run.tolerance["numerical"], run.id
+
+
+AGREE = {law.quantity: law for law in LAWS.agreements}
+
+
+def agreed(name: str, quantity: str, fmu: Record, trial: Trial = OURS) -> CheckResult | None:
+    """Hold a record against the exact motion in the place of the reference."""
+    records = {"fmu": fmu, "reference": exact_of(name).record}
+    return judge_agreement(AGREE[quantity], named(name), trial, exact_of(name), records)
+
+
+def late(draft: Draft) -> None:
+    """Date every transition a microsecond late, and count one slip more."""
+    draft.outputs["t_event"] += 1e-6
+    draft.outputs["n_slips"] += 1.0
+
+
+def test_two_codes_agree_within_what_the_case_allows_both() -> None:
+    """FMU and reference may differ by the sum of their tolerances, and by no more."""
+    case, exact = named("default"), exact_of("default").record
+    (check,) = (check for check in case.checks if check.id == "t_event-course")
+    for trial in (OURS, FOREIGN):
+        result = agreed("default", "t_event", exact, trial)
+        assert result is not None
+        assert (result.side, result.truth, result.passed) == ("both", "cross_code", True)
+        allowed = check.tolerance[trial.column] + check.tolerance["reference"]
+        assert result.tolerance == allowed
+    for quantity in ("t_event", "n_slips"):
+        result = agreed("default", quantity, planted(exact, late))
+        assert result is not None
+        assert not result.passed
+        assert result.error == pytest.approx(1.0 if quantity == "n_slips" else 1e-7, rel=0.02)
+
+
+def test_agreement_needs_the_output_on_both_sides() -> None:
+    """What one side lacks cannot agree: a failure of ours, not applicable to a foreign FMU."""
+
+    def lacking(draft: Draft) -> None:
+        del draft.outputs["t_event"]
+
+    poor = planted(exact_of("default").record, lacking)
+    ours, foreign = (agreed("default", "t_event", poor, trial) for trial in (OURS, FOREIGN))
+    assert ours is not None
+    assert foreign is not None
+    assert (ours.verdict, ours.failure) == ("fail", "no output t_event")
+    assert (foreign.verdict, foreign.not_applicable) == (
+        "not applicable",
+        "it has no output t_event",
+    )
+
+
+def test_a_quantity_without_a_course_is_not_compared() -> None:
+    """A case that does not check a quantity at every point has no agreement on it."""
+    assert agreed("fast-pull", "x_dot", exact_of("fast-pull").record) is None
+
+
+def test_what_is_no_number_does_not_agree() -> None:
+    """NaN on one side is a disagreement with its reason."""
+
+    def nan(draft: Draft) -> None:
+        draft.outputs["x"][5] = math.nan
+
+    result = agreed("default", "x", planted(exact_of("default").record, nan))
+    assert result is not None
+    assert (result.passed, result.failure) == (False, "x is no finite number on one side")

@@ -20,6 +20,9 @@ from stickslip_verification.verdict import CheckResult, Conviction, KillMatrix
 LONGEST = 100.0
 """Cases of more simulated time [s] are left out: a mutant that integrates would take minutes."""
 
+FINISHES = "runs-to-the-end"
+"""The check that a run which does not finish fails."""
+
 TIME_LIMIT = 20.0
 """Seconds that a mutant may take for one run of a case."""
 
@@ -36,7 +39,8 @@ def convict(
 ) -> KillMatrix:
     """Plant each fault in the FMU, run the mutant as any FMU is run, and see what it fails.
 
-    What a mutant fails only because it took too long does not count as failed by it.
+    What a mutant fails only because it took too long does not count. Where it did not finish a
+    case for another reason it fails `FINISHES` there and nothing else, for nothing was compared.
 
     Parameters
     ----------
@@ -99,8 +103,14 @@ def _try(
     else:
         trials = try_out(planted, ground, laws, jobs=1, time_limit=TIME_LIMIT)
         late = set(_late(trials, laws))
+        unfinished = {case for case, answer in trials.plain.items() if answer.value is None}
         results = judge(ground, laws, trials, OURS, reference=False)
-        failing = _count(r for r in results if not late & {(r.case, ""), (r.case, r.check)})
+        failing = _count(
+            result
+            for result in results
+            if not late & {(result.case, ""), (result.case, result.check)}
+            and (result.case not in unfinished or result.check == FINISHES)
+        )
         if all(answer.value is None for answer in trials.plain.values()):
             first = next(iter(trials.plain.values()))
             broken = f"it finished no case: {first.failure}"
@@ -124,7 +134,7 @@ def _late(trials: Trials, laws: Laws) -> Iterator[tuple[str, str]]:
 
 
 def _count(results: Iterable[CheckResult]) -> Mapping[str, int]:
-    return Counter(result.check for result in results if result.failed)
+    return dict(Counter(result.check for result in results if result.failed))
 
 
 def _columns(ground: Sequence[Ground], laws: Laws) -> Iterable[str]:

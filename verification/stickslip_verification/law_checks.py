@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
@@ -27,6 +28,13 @@ from stickslip_verification.metrics.course import Mask
 from stickslip_verification.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.record import Record, Series
 from stickslip_verification.verdict import CheckResult, Measured, ObservedOrder
+
+RESIDUAL_GRAIN = 0.1
+"""The same of a mean residual of the exact block, as a part of its tolerance: it is rounding
+itself, a hundredth of the tolerance, and another mathematical library moved it by far less."""
+
+SPLIT_GRAIN = 0.5
+"""The same of the distance of two runs, which is rounding gathered over a whole run."""
 
 ORDER_GRAIN = 0.25
 """What rounding between machines moves of an observed order, as a part of its tolerance: other
@@ -60,7 +68,7 @@ def judge_residual(
     except (MissingOutputError, KeyError) as error:
         name = error.args[0]
         return without_value(empty, trial, LackingError(f"no output {name}"))
-    except ValueError as error:
+    except (ValueError, IndexError) as error:
         return replace(empty, failure=f"the samples do not fit together: {error}")
     empty = replace(empty, unit=residual.unit)
     where = np.flatnonzero(residual.where)
@@ -68,12 +76,12 @@ def judge_residual(
         return replace(empty, failure="the run has no such place; the exact motion has")
     broken = np.flatnonzero(~np.isfinite(found))
     if len(broken):
-        time = float(record.times[where[int(broken[0])]])
-        return replace(
-            empty, failure=f"it is {residual.values[where[int(broken[0])]]} at t = {time:.6g} s"
-        )
+        place = int(where[broken[0]])
+        left, time = float(residual.values[place]), float(record.times[place])
+        nothing = ", where the exact motion has nothing" if math.isfinite(left) else ""
+        return replace(empty, failure=f"it is {left!r} at t = {time:.6g} s{nothing}")
     worst = last_worst(found)
-    grain = min(GRAIN[trial.column], empty.tolerance)
+    grain = min(GRAIN[trial.column], RESIDUAL_GRAIN * empty.tolerance)
     return replace(
         empty,
         got=float(residual.values[where[worst]]),
@@ -86,32 +94,40 @@ def judge_residual(
 def judge_run(
     law: RunLaw, case: Case, trial: Trial, plain: Record, other: Answer[Record]
 ) -> CheckResult:
-    """Judge whether another run of the FMU gave the motion of the plain one."""
+    """Judge whether another run of the FMU gave the motion of the plain one, the start included."""
     column = "fmu" if trial.exact else "numerical"
-    bits = law.tolerance is None
     empty = replace(
         blank(law, case.id, trial),
         quantity="every output",
         unit="1",
-        measure="absolute" if bits else "of_scale",
+        measure="absolute" if law.tolerance is None else "of_scale",
         tolerance=0.0 if law.tolerance is None else law.tolerance[column],
         because=law.because,
     )
     if other.value is None:
         return replace(empty, failure=other.failure, not_applicable=other.not_applicable)
-    names = [name for name in OUTPUT_NAMES if name in plain.outputs]
-    try:
-        if bits:
-            return _same_bits(empty, names, plain, other.value)
-        return _same_motion(empty, names, plain, other.value)
-    except (KeyError, ValueError) as error:
-        return replace(empty, failure=f"the runs do not fit together: {error}")
+    first, second = _with_start(plain), _with_start(other.value)
+    if {n: s.shape for n, s in first.items()} != {n: s.shape for n, s in second.items()}:
+        return replace(empty, failure="the runs have other outputs, or other numbers of samples")
+    same = _same_bits if law.tolerance is None else _same_motion
+    return same(empty, first, second)
 
 
-def _same_bits(empty: CheckResult, names: list[str], plain: Record, other: Record) -> CheckResult:
-    differing = {n: int(np.sum(~_equal(plain.outputs[n], other.outputs[n]))) for n in names}
+def _with_start(record: Record) -> dict[str, Series]:
+    """Give the samples of each output, that after initialization first."""
+    return {
+        name: np.concatenate(([record.initial[name]], record.outputs[name]))
+        for name in OUTPUT_NAMES
+        if name in record.outputs
+    }
+
+
+def _same_bits(
+    empty: CheckResult, plain: Mapping[str, Series], other: Mapping[str, Series]
+) -> CheckResult:
+    differing = {name: int(np.sum(~_equal(plain[name], other[name]))) for name in plain}
     total = float(sum(differing.values()))
-    first = next((name for name in names if differing[name]), None)
+    first = next((name for name in plain if differing[name]), None)
     return replace(
         empty,
         quantity="values that differ" + (f", {first} first" if first else ""),
@@ -123,34 +139,33 @@ def _same_bits(empty: CheckResult, names: list[str], plain: Record, other: Recor
     )
 
 
-def _same_motion(empty: CheckResult, names: list[str], plain: Record, other: Record) -> CheckResult:
+def _same_motion(
+    empty: CheckResult, plain: Mapping[str, Series], other: Mapping[str, Series]
+) -> CheckResult:
     worst = replace(empty, error=-1.0)
-    for name in names:
-        expected, got = plain.outputs[name], other.outputs[name]
-        scale = float(np.max(np.abs(expected))) if len(expected) else 0.0
-        found = errors(
-            "absolute" if QUANTITIES[name].discrete else "of_scale", got, expected, scale
-        )
+    for name, expected in plain.items():
+        got, quantity = other[name], QUANTITIES[name]
+        measure = "absolute" if quantity.discrete else "of_scale"
+        found = errors(measure, got, expected, float(np.max(np.abs(expected))))
         if not np.all(np.isfinite(found)):
-            return replace(
-                empty, quantity=name, failure=f"{name} is no finite number in one of them"
-            )
+            reason = f"{name} is no finite number in one of them"
+            return replace(empty, quantity=name, failure=reason)
         place = last_worst(found)
-        if found[place] > (worst.error or 0.0) or worst.error == -1.0:
+        if found[place] > (-1.0 if worst.error is None else worst.error):
             worst = replace(
                 worst,
                 quantity=name,
-                unit=QUANTITIES[name].unit,
+                unit=quantity.unit,
                 expected=float(expected[place]),
                 got=float(got[place]),
                 error=float(found[place]),
             )
-    error = worst.error or 0.0
+    error = max(0.0 if worst.error is None else worst.error, 0.0)
     return replace(
         worst,
         error=error,
         passed=error <= empty.tolerance,
-        measured=Measured(error, 1.0, empty.tolerance),
+        measured=Measured(error, 1.0, SPLIT_GRAIN * empty.tolerance),
     )
 
 

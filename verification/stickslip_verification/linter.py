@@ -148,6 +148,8 @@ def _accepted(cases: Sequence[Case], laws: Laws, accepted: Accepted) -> Iterator
     held = {(case, check) for case, check, _ in accepted.values}
     wanted = {(case.id, check.id) for case, check in _checks(cases)}
     wanted |= {("", law.id) for law in laws.probes}
+    wanted |= {(case.id, law.id) for case in cases for law in laws.runs}
+    wanted |= {(name, law.id) for law in laws.orders for name in law.cases}
     for case, check in sorted(wanted - held):
         yield f"{case} / {check}: no accepted value; run stickslip verify --accept"
     of_laws = {law.id for law in laws} | {f"{law.id}-asymptotic" for law in laws.orders}

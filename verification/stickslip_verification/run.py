@@ -34,12 +34,14 @@ def try_out(
     names: NameMap | None = None,
     time_limit: float = workers.TIME_LIMIT,
     progress: Progress | None = None,
+    *,
+    fresh: bool = False,
 ) -> Trials:
-    """Let an FMU do everything that it is judged by."""
+    """Let an FMU do everything that it is judged by; the arguments are those of `workers.Pool`."""
     cases = [each.case for each in ground]
     kinds = list(dict.fromkeys(law.run for law in laws.runs))
     asked = [(case, kind) for case in cases for kind in kinds]
-    with workers.Pool(jobs, time_limit, fmu, names) as pool:
+    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
         plain = pool.each(workers.plain_run, [(case,) for case in cases])
         runs = pool.each(workers.other_run, asked)
         probes = pool.each(workers.probe, [(law,) for law in laws.probes], most=workers.PROBE_LIMIT)

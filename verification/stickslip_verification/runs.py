@@ -9,7 +9,14 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from stickslip_verification.cases import Case, CommunicationStep
-from stickslip_verification.drive import Drive, NotApplicableError, Plan, plan, run_plan
+from stickslip_verification.drive import (
+    Drive,
+    NotApplicableError,
+    Plan,
+    may_change,
+    plan,
+    run_plan,
+)
 from stickslip_verification.fmu import FmuFile, FmuInstance, available
 from stickslip_verification.quantities import OUTPUT_NAMES
 from stickslip_verification.record import Record
@@ -95,6 +102,7 @@ def rollback(fmu: FmuFile, case: Case) -> Record:
 def serialized(fmu: FmuFile, case: Case) -> Record:
     """Run the case; now and then go on in another instance, from the state as bytes."""
     _need(fmu.can_get_and_set_state and fmu.can_serialize_state, "serialize its state")
+    _need(not fmu.once_per_process, "be instantiated twice in a process")
     with fmu.instantiate() as first, fmu.instantiate() as second:
         here, there = _drive(fmu, case, first), _drive(fmu, case, second)
         here.begin()
@@ -124,7 +132,8 @@ def reset(fmu: FmuFile, case: Case) -> Record:
         drive = _drive(fmu, case, instance)
         drive.begin()
         drive.go(0, max(len(case.steps) * 2 // 3, 1))
-        instance.set({n: v for n, v in {"v": 0.05, "load": 1.0}.items() if fmu.has(n)})
+        changes = {"v": 0.05, "load": 1.0}
+        instance.set({n: v for n, v in changes.items() if fmu.has(n) and may_change(fmu, n)})
         instance.reset()
         again = _drive(fmu, case, instance)
         again.whole()
@@ -133,6 +142,7 @@ def reset(fmu: FmuFile, case: Case) -> Record:
 
 def two_instances(fmu: FmuFile, case: Case) -> Record:
     """Run the case while another instance, pulled at another speed, is stepped in between."""
+    _need(not fmu.once_per_process, "be instantiated twice in a process")
     with fmu.instantiate() as instance, fmu.instantiate() as other:
         drive = _drive(fmu, case, instance)
         beside = _drive(fmu, case, other)

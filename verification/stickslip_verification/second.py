@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from stickslip_verification.cases import load_cases
 from stickslip_verification.verdict import CheckResult, Second, Verdict
 
 FILE = Path(__file__).parent / "accepted.json"
@@ -47,7 +48,9 @@ class Accepted:
         if accepted is None or result.measured is None:
             return None
         mean, scale = result.measured.mean, result.measured.scale
-        drift = abs(mean - accepted) / scale if mean != accepted else 0.0
+        drift = 0.0
+        if mean != accepted:
+            drift = abs(mean - accepted) / scale if scale > 0.0 else math.inf
         return Second(accepted, mean, drift, result.measured.grain)
 
 
@@ -69,7 +72,8 @@ def load_accepted(file: Path = FILE) -> Accepted:
 def accept(verdict: Verdict, file: Path = FILE) -> int:
     """Write the means of a verdict as the accepted ones, and give their number.
 
-    Values of cases that the verdict does not hold stay; those of its cases are replaced.
+    Values of cases of the suite that the verdict does not hold stay; those of its cases are
+    replaced, and those of cases that are no more go.
 
     Raises
     ------
@@ -83,7 +87,8 @@ def accept(verdict: Verdict, file: Path = FILE) -> int:
         first = f"{wrong[0].case} / {wrong[0].check} ({wrong[0].side})"
         raise AcceptError(f"{len(wrong)} checks fail against their truth, first {first}")
     run = {result.case for result in verdict.checks}
-    kept = {key: v for key, v in load_accepted(file).values.items() if key[0] not in run}
+    elsewhere = {case.id for case in load_cases()} - run
+    kept = {key: v for key, v in load_accepted(file).values.items() if key[0] in elsewhere}
     new = {
         (r.case, r.check, r.side): r.measured.mean
         for r in verdict.checks

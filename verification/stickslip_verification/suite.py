@@ -73,7 +73,9 @@ def verify(
     laws = load_laws()
     jobs = workers.jobs_here() if jobs is None else jobs
     ground = lay(cases, laws, jobs, progress)
-    trials = try_out(fmu, ground, laws, jobs, names, time_limit, progress)
+    trials = try_out(
+        fmu, ground, laws, jobs, names, time_limit, progress, fresh=file.once_per_process
+    )
     kills = convict(fmu, mutants, ground, laws, jobs, progress) if mutants else None
     return Verdict(
         checks=load_accepted().attach(judge(ground, laws, trials, trial), fmu=trial.ours),

@@ -94,6 +94,8 @@ class Pool:
         Seconds that one task may take.
     fmu, names
         The FMU that the processes hold, and the map to its names; None for those without.
+    fresh
+        Whether each task gets a new process, for an FMU that lives only once in one.
     """
 
     def __init__(
@@ -102,11 +104,14 @@ class Pool:
         time_limit: float = TIME_LIMIT,
         fmu: Path | None = None,
         names: NameMap | None = None,
+        *,
+        fresh: bool = False,
     ) -> None:
         self._limit = time_limit
         self._folder = tempfile.TemporaryDirectory(prefix="stickslip-")
         self._pool = ProcessPool(
             max_workers=jobs,
+            max_tasks=1 if fresh else 0,
             initializer=_begin,
             initargs=(self._folder.name, fmu, names),
             context=_context(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
@@ -112,6 +113,8 @@ class SliderMm(Fmi2Slave):  # type: ignore[misc]
         self.block.start()
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Move."""
+        """Move, if the pull is a number."""
+        if not math.isfinite(self.block.pull):
+            return False
         self.block.move(step_size)
         return True

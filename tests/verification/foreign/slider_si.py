@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from pythonfmu3 import Boolean, Float64, Fmi3Causality, Fmi3Slave, Fmi3Variability, Int32, UInt64
@@ -96,8 +97,9 @@ class SliderSi(Fmi3Slave):  # type: ignore[misc]
 
     def do_step(self, current_time: float, step_size: float) -> Any:
         """Move."""
-        self.block.move(step_size)
-        return Fmi3StepResult(terminateSimulation=abs(self.block.pull) > FASTEST)
+        if math.isfinite(self.block.pull):
+            self.block.move(step_size)
+        return Fmi3StepResult(terminateSimulation=not abs(self.block.pull) <= FASTEST)
 
     def _get_fmu_state(self) -> dict[str, Any]:
         block = self.block

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 import weakref
+import xml.etree.ElementTree as ElementTree
 import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -71,6 +72,7 @@ class FmuFile:
         self.model_identifier: str = interface.modelIdentifier
         self.can_get_and_set_state: bool = interface.canGetAndSetFMUstate
         self.can_serialize_state: bool = interface.canSerializeFMUstate
+        self.once_per_process: bool = interface.canBeInstantiatedOnlyOncePerProcess
         self.variables: Mapping[str, Variable] = collect(path.name, description, self.names)
         self.extra_outputs: tuple[str, ...] = extra_outputs(description, self.variables)
         self.folder = Path(tempfile.mkdtemp(prefix="stickslip-fmu-"))
@@ -119,6 +121,8 @@ def _read(path: Path) -> tuple[Any, tuple[str, ...]]:
         with zipfile.ZipFile(path) as archive:
             if DESCRIPTION not in archive.namelist():
                 raise FmuError(f"{path}: not an FMU (no {DESCRIPTION} in it)")
+            # FMPy leaves the archive open where this fails.
+            ElementTree.fromstring(archive.read(DESCRIPTION))
         try:
             description = fmpy.read_model_description(str(path))
         except fmpy.model_description.ValidationError as error:

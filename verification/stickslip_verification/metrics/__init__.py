@@ -51,6 +51,7 @@ METRICS: dict[str, Metric] = {
         (
             outputs,
             (
+                outputs.finished,
                 outputs.columns,
                 outputs.finite,
                 outputs.start,

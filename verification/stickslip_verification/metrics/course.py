@@ -119,6 +119,14 @@ class Course:
         return np.asarray(same)
 
     @cached_property
+    def in_phase(self) -> Mask:
+        """Points at which the side is in the same phase of the same slip as the exact motion."""
+        same = self.mode[1] == self.exact.outputs["mode"]
+        if "n_slips" in self.record.outputs:
+            same = same & (self.after("n_slips") == self.exact.outputs["n_slips"])
+        return np.asarray(same)
+
+    @cached_property
     def stick(self) -> Mask:
         """Steps that lie in a stick as a whole."""
         return np.asarray(self.eventless & (self.mode[1] == 0.0))
@@ -155,6 +163,11 @@ class Course:
         return np.asarray((dated >= self.begins - slack) & (dated <= self.record.times + slack))
 
     @cached_property
+    def dating(self) -> Series:
+        """What the rounding of absolute times leaves open of a transition in each step [s]."""
+        return np.asarray(8.0 * np.spacing(np.abs(self.record.times)))
+
+    @cached_property
     def force_scale(self) -> float:
         """Largest of the forces in play [N]: what their differences are rounded to."""
         s = self.settings
@@ -166,6 +179,18 @@ class Course:
         """Largest speed in play [m/s]."""
         speeds = (self.exact.outputs["x_dot"], self.settings["v"])
         return float(max(np.max(np.abs(each)) for each in speeds))
+
+    @cached_property
+    def swing_length(self) -> float:
+        """Largest length in play in a slip [m]: what a speed amounts to in a radian too."""
+        slowest = float(np.sqrt(np.min(self.settings["k"] / self.settings["m"])))
+        return max(self.length_scale, self.speed_scale / slowest)
+
+    @cached_property
+    def swing_speed(self) -> float:
+        """Largest speed in play in a slip [m/s]: what an extension amounts to in a radian too."""
+        fastest = float(np.sqrt(np.max(self.settings["k"] / self.settings["m"])))
+        return max(self.speed_scale, fastest * float(np.max(np.abs(self.exact.outputs["z"]))))
 
     @cached_property
     def length_scale(self) -> float:

@@ -14,14 +14,16 @@ def break_away_at_threshold(course: Course) -> Residual:
     """Force at a break-away inside a step, less F_s."""
     force, threshold, at_once = _at_break_away(course)
     inside = np.asarray(course.break_away & ~at_once)
-    return Residual(np.abs(force) - threshold, inside, _force(course), "N")
+    rate = course.settings["k"] * np.abs(course.settings["v"])
+    left = _beyond(np.abs(force) - threshold, rate * course.dating)
+    return Residual(left, inside, course.force_scale, "N")
 
 
 def break_away_beyond_threshold(course: Course) -> Residual:
     """By how much the force falls short of F_s where a change let the mass go at once."""
     force, threshold, at_once = _at_break_away(course)
     short = np.maximum(threshold - np.abs(force), 0.0)
-    return Residual(short, np.asarray(course.break_away & at_once), _force(course), "N")
+    return Residual(short, np.asarray(course.break_away & at_once), course.force_scale, "N")
 
 
 def break_away_along_force(course: Course) -> Residual:
@@ -29,7 +31,8 @@ def break_away_along_force(course: Course) -> Residual:
     force, threshold, _ = _at_break_away(course)
     against = np.maximum(-course.mode[1] * force, 0.0)
     slack = SLACK * (np.abs(force) + threshold)
-    return Residual(np.maximum(against - slack, 0.0), course.break_away, _force(course), "N")
+    left = np.maximum(against - slack, 0.0)
+    return Residual(left, course.break_away, course.force_scale, "N")
 
 
 def rest_at_re_stick(course: Course) -> Residual:
@@ -37,8 +40,11 @@ def rest_at_re_stick(course: Course) -> Residual:
     chosen = course.re_stick
     equations = propagation.slips(course, chosen, course.mode[0])
     length = np.asarray(course.since_begin[chosen], np.longdouble)
-    left = equations.move(propagation.state(course, chosen), length).x_dot
-    return Residual(_spread(course, chosen, left), chosen, _speed(course), "m/s")
+    stopped = equations.move(propagation.state(course, chosen), length)
+    rate = np.abs(np.asarray(equations.acceleration(stopped), np.float64))
+    values = np.zeros(course.h.size)
+    values[chosen] = _beyond(np.asarray(stopped.x_dot, np.float64), rate * course.dating[chosen])
+    return Residual(values, chosen, course.swing_speed, "m/s")
 
 
 def spring_joined(course: Course) -> Residual:
@@ -59,8 +65,8 @@ def spring_joined(course: Course) -> Residual:
         propagation.state(course, ended), np.asarray(first[ended], np.longdouble)
     ).z
     values[ended] = course.after("z")[ended] - (stopped + v[ended] * rest[ended])
-    dating = course.speed_scale * float(np.max(np.abs(course.record.times)))
-    return Residual(values, np.asarray(began | ended), course.length_scale + dating, "m")
+    left = _beyond(values, course.speed_scale * course.dating)
+    return Residual(left, np.asarray(began | ended), course.swing_length, "m")
 
 
 def _at_break_away(course: Course) -> tuple[Series, Series, Mask]:
@@ -72,20 +78,6 @@ def _at_break_away(course: Course) -> tuple[Series, Series, Mask]:
     return force, s["mu_s"] * course.normal_force, np.asarray(at_once)
 
 
-def _force(course: Course) -> float:
-    """Scale of a force at a time that is known to the rounding of absolute time [N]."""
-    rate = np.max(course.settings["k"]) * np.max(np.abs(course.settings["v"]))
-    return course.force_scale + float(rate * np.max(course.record.times))
-
-
-def _speed(course: Course) -> float:
-    """Scale of a velocity at a time that is known to the rounding of absolute time [m/s]."""
-    pull = course.force_scale / float(np.min(course.settings["m"]))
-    drag = float(np.max(course.settings["c"] / course.settings["m"])) * course.speed_scale
-    return course.speed_scale + (pull + drag) * float(np.max(course.record.times))
-
-
-def _spread(course: Course, chosen: Mask, left: propagation.Wide) -> Series:
-    values = np.zeros(course.h.size)
-    values[chosen] = left
-    return values
+def _beyond(left: Series, allowed: Series) -> Series:
+    """Give what of a residual is more than the dating of an event may leave over."""
+    return np.sign(left) * np.maximum(np.abs(left) - allowed, 0.0)

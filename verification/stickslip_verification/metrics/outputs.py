@@ -41,6 +41,7 @@ def period(course: Course) -> Residual:
     exact = course.exact.outputs
     parts = exact["t_stick"] + exact["t_slip"]
     applies = (exact["T"] > 0.0) & (np.abs(exact["T"] - parts) <= _STEADY * exact["T"])
+    applies &= course.in_phase & (course.mode[1] != 0.0)
     left = course.after("T") - (course.after("t_stick") + course.after("t_slip"))
     return Residual(left, np.asarray(applies), exact["T"], "s")
 
@@ -51,6 +52,7 @@ def jump(course: Course) -> Residual:
     v = course.settings["v"]
     way = v * exact["T"]
     applies = (exact["T"] > 0.0) & (np.abs(exact["delta_x"] - way) <= _STEADY * np.abs(way))
+    applies &= course.in_phase
     left = course.after("delta_x") - v * course.after("T")
     return Residual(left, np.asarray(applies), np.abs(way), "m")
 
@@ -80,6 +82,12 @@ def clamped_coefficient(course: Course) -> Residual:
     return Residual(left, everywhere(course), float(np.max(course.settings["mu_s"])) or 1.0, "1")
 
 
+def finished(course: Course) -> Residual:
+    """How many communication points were not reached."""
+    lacking = abs(course.h.size - course.record.times.size)
+    return Residual(np.full(course.h.size, float(lacking)), everywhere(course), 1.0, "1")
+
+
 def columns(course: Course) -> Residual:
     """How many outputs are missing, or have not one sample per communication point."""
     outputs, n = course.record.outputs, course.h.size
@@ -97,10 +105,11 @@ def finite(course: Course) -> Residual:
 
 def start(course: Course) -> Residual:
     """Largest deviation of an output after initialization, over the output's own scale."""
-    worst = max(
+    deviations = [
         _deviation(given, course.exact.initial[name], course.exact.outputs[name])
         for name, given in course.record.initial.items()
-    )
+    ]
+    worst = float(np.max(deviations))
     first = np.arange(course.h.size) == 0
     return Residual(np.full(course.h.size, worst), first, 1.0, "1")
 

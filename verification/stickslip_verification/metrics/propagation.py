@@ -41,6 +41,12 @@ class Slips:
     drive: Wide
     """F_ext less kinetic friction, ``F_ext - s mu_k N`` [N]."""
 
+    @property
+    def turning_rate(self) -> Wide:
+        """Angular frequency [rad/s]; zero where damping lets nothing swing."""
+        square = self.k / self.m - (self.c / (2.0 * self.m)) ** 2
+        return np.asarray(np.sqrt(np.maximum(square, 0.0)))
+
     def acceleration(self, state: State) -> Wide:
         """Give x_ddot [m/s2]."""
         return np.asarray((self.k * state.z + self.drive - self.c * state.x_dot) / self.m)

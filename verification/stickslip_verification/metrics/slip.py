@@ -10,16 +10,18 @@ from stickslip_verification.metrics.residual import Residual
 from stickslip_verification.record import Series
 
 _POLISHES = 4
-_PROBES = 16
-"""Where a turn of the velocity inside a step is looked for first; a quarter turn is the longest
-that then lies between two of them in a step of four whole turns."""
+_PROBES = (*(0.5**n for n in range(30, 4, -1)), *(n / 16.0 for n in range(1, 17)))
+"""Where the lowest velocity is looked for first, as parts of a step or of its first turn: evenly,
+and near the beginning too, where a heavily damped motion has its only extreme."""
 
 
 def extension_follows(course: Course) -> Residual:
     """Extension of the spring at the end of a step in slip, against the equation of slip."""
     expected = _propagated(course).z
     got = course.after("z")
-    return Residual(_spread(course, got[course.slip] - expected), course.slip, _length(course), "m")
+    return Residual(
+        _spread(course, got[course.slip] - expected), course.slip, course.swing_length, "m"
+    )
 
 
 def velocity_follows(course: Course) -> Residual:
@@ -27,7 +29,7 @@ def velocity_follows(course: Course) -> Residual:
     expected = _propagated(course).x_dot
     got = course.after("x_dot")
     left = _spread(course, got[course.slip] - expected)
-    return Residual(left, course.slip, _speed(course), "m/s")
+    return Residual(left, course.slip, course.swing_speed, "m/s")
 
 
 def friction_as_stated(course: Course) -> Residual:
@@ -58,21 +60,23 @@ def never_past_rest(course: Course) -> Residual:
     equations = propagation.slips(course, chosen, course.mode[1])
     begin = propagation.state(course, chosen)
     h = np.asarray(course.h[chosen], np.longdouble)
+    # Minima rise towards the pull's speed or stay as they are, so the first is the lowest.
+    with np.errstate(divide="ignore"):
+        span = np.minimum(h, 2.0 * np.pi / equations.turning_rate)
     lowest, at = np.full(h.shape, np.inf, np.longdouble), np.zeros_like(h)
-    for n in range(1, _PROBES):
-        time = h * (n / _PROBES)
-        speed = direction * equations.move(begin, time).x_dot
-        at = np.where(speed < lowest, time, at)
+    for part in _PROBES:
+        speed = direction * equations.move(begin, span * part).x_dot
+        at = np.where(speed < lowest, span * part, at)
         lowest = np.minimum(speed, lowest)
     for _ in range(_POLISHES):
         here = equations.move(begin, at)
         jerk = equations.jerk(here)
         with np.errstate(divide="ignore", invalid="ignore"):
             stride = np.where(jerk == 0.0, 0.0, equations.acceleration(here) / jerk)
-        at = np.clip(at - np.clip(stride, -h / _PROBES, h / _PROBES), 0.0, h)
+        at = np.clip(at - np.clip(stride, -at / 2.0, at / 2.0), 0.0, span)
         lowest = np.minimum(direction * equations.move(begin, at).x_dot, lowest)
     passed = np.maximum(-lowest, 0.0) if h.size else lowest
-    return Residual(_spread(course, passed), chosen, _speed(course), "m/s")
+    return Residual(_spread(course, passed), chosen, course.swing_speed, "m/s")
 
 
 def _propagated(course: Course) -> propagation.State:
@@ -87,16 +91,3 @@ def _spread(course: Course, left: propagation.Wide) -> Series:
     values = np.zeros(course.h.size)
     values[course.slip] = left
     return values
-
-
-def _length(course: Course) -> float:
-    """Scale of the extension [m]: what an error of the velocity amounts to in a radian too."""
-    slowest = float(np.sqrt(np.min(course.settings["k"] / course.settings["m"])))
-    return max(course.length_scale, course.speed_scale / slowest)
-
-
-def _speed(course: Course) -> float:
-    """Scale of the velocity [m/s]: what an error of the extension amounts to in a radian too."""
-    fastest = float(np.sqrt(np.max(course.settings["k"] / course.settings["m"])))
-    stretch = float(np.max(np.abs(course.exact.outputs["z"])))
-    return max(course.speed_scale, fastest * stretch)

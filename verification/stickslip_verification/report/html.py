@@ -86,6 +86,7 @@ def render(
         compact=compact,
         most=view.SHOWN_PER_CASE,
         checks=verdict.checks,
+        tried=len({result.case for result in verdict.checks} - {""}),
         summary=verdict.summary,
         kinds=_kinds(verdict),
         seconds=view.second_values(verdict),

@@ -30,7 +30,7 @@ def prove(
         raise CommandError(f"--fraction {fraction!r}: must be above 0 and at most 1")
     if fmu is None:
         fmu = build_fmu(DEFAULT_FMU, "--fmu")
-    with long_work("Proving") as progress:
+    with long_work("Proving", here=True) as progress:
         try:
             results = prove_all(fmu, seed, fraction, progress)
         except FmuError as error:

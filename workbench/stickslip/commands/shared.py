@@ -54,11 +54,16 @@ def build_fmu(target: Path, option: str) -> Path:
 
 
 @contextlib.contextmanager
-def long_work(what: str) -> Iterator[Progress]:
-    """Show the progress of long work, and let Ctrl-C end it between two steps of it."""
+def long_work(what: str, *, here: bool) -> Iterator[Progress]:
+    """Show the progress of long work.
+
+    Work that is done `here` may be that of an FMU whose code is Python, which would take a Ctrl-C
+    for a failure of its own: it ends between two steps. Work in other processes ends at once.
+    """
     from stickslip.progress import Meter, deferred_interrupt
 
-    with Meter(what) as meter, deferred_interrupt() as interrupted:
+    waiting = deferred_interrupt() if here else contextlib.nullcontext(lambda: False)
+    with Meter(what) as meter, waiting as interrupted:
 
         def show(now: str, done: int, total: int) -> None:
             if interrupted():

@@ -201,7 +201,7 @@ def _verdict(
 
     if fmu is None:
         fmu = build_fmu(DEFAULT_FMU, "--fmu")
-    with long_work("Verifying") as progress:
+    with long_work("Verifying", here=False) as progress:
         try:
             return verify(
                 fmu,
