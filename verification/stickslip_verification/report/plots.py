@@ -116,7 +116,7 @@ def _draw_force(panel: Axes, motion: Motion, drawn: curve.Curve, time: float) ->
     record = motion.exact
     F_s = np.concatenate(([record.initial["F_s"]], record.outputs["F_s"]))
     times = np.concatenate(([0.0], record.times))
-    force, name = _scale(float(np.max(np.abs(np.concatenate((drawn.F, F_s))))))
+    force, prefix = _scale(float(np.max(np.abs(np.concatenate((drawn.F, F_s))))))
     signs = sorted({float(np.sign(F)) for F in drawn.F if F != 0.0}) or [1.0]
     reached = [sign for sign in signs if np.max(sign * drawn.F) > 0.3 * np.min(F_s)] or signs
     lines = [sign * F_s / force for sign in reached]
@@ -125,16 +125,16 @@ def _draw_force(panel: Axes, motion: Motion, drawn: curve.Curve, time: float) ->
     together = abs(lines[-1][-1] - lines[0][-1]) < 0.1 * (high - low)
     for n, (sign, line) in enumerate(zip(reached, lines, strict=True)):
         panel.step(times / time, line, where="pre", color=INK, lw=0.9, ls=(0, (5, 3)))
-        name = "F_s" if sign > 0.0 else "\N{MINUS SIGN}F_s"
+        label = "F_s" if sign > 0.0 else "\N{MINUS SIGN}F_s"
         if together and len(lines) > 1:
-            name = "\N{PLUS-MINUS SIGN}F_s" if n == 0 else ""
+            label = "\N{PLUS-MINUS SIGN}F_s" if n == 0 else ""
         panel.text(
-            1.008, line[-1], name, fontsize=8.0,
+            1.008, line[-1], label, fontsize=8.0,
             transform=panel.get_yaxis_transform(), ha="left", va="center",
         )  # fmt: skip
     _line(panel, drawn, drawn.F / force, time, INK, 1.6, "F")
     _mark_sides(panel, motion, "F", force, time)
-    panel.set_ylabel(f"spring force F  [{name}N]")
+    panel.set_ylabel(f"spring force F  [{prefix}N]")
 
 
 def _draw_errors(panel: Axes, motion: Motion, tolerances: Mapping[str, float], time: float) -> None:
