@@ -57,3 +57,14 @@ def test_no_force_is_not_a_negative_one(values: dict[str, float]) -> None:
     for name in STATE:
         first = getattr(run, name)[0]
         assert first != 0.0 or math.copysign(1.0, first) == 1.0, name
+
+
+def test_a_sample_at_a_break_away_still_shows_stick() -> None:
+    """Stick ends when time passes its end: at the start without friction, and at a load-up."""
+    frictionless = simulate(Parameters(mu_s=0.0, mu_k=0.0), 1.0, times=[0.0, 0.5])
+    assert list(frictionless.mode) == [0, 1]
+    # k v / F_s is a power of two here, so the break-away falls on a double.
+    p = Parameters(m=1.0, g=8.0, mu_s=0.5, k=1024.0, v=2.0**-8)
+    loaded = simulate(p, 2.0, times=[1.0, 1.0 + 1e-9])
+    assert loaded.events[0].time == 1.0
+    assert list(loaded.mode) == [0, 1]
