@@ -154,17 +154,17 @@ def test_no_two_laws_share_an_id(tmp_path: Path) -> None:
     """An id that is taken, in the same file or another, is told with both files."""
     (tmp_path / "a.toml").write_text(RESIDUAL, encoding="utf-8")
     (tmp_path / "b.toml").write_text(RUN.replace('"again"', '"pull"'), encoding="utf-8")
-    with pytest.raises(LawError, match=r"b\.toml: 'pull' is taken by a law of a\.toml"):
+    with pytest.raises(LawError, match=r"b\.toml: pull: a law of a\.toml has this id"):
         load_laws(tmp_path)
     (tmp_path / "b.toml").write_text(PROBE + PROBE, encoding="utf-8")
-    with pytest.raises(LawError, match=r"b\.toml: 'starts' is taken by a law of b\.toml"):
+    with pytest.raises(LawError, match=r"b\.toml: starts: a law of b\.toml has this id"):
         load_laws(tmp_path)
 
 
 def test_a_file_that_is_no_text_is_told(tmp_path: Path) -> None:
     """Bytes that are not UTF-8 are an error of the file and no traceback."""
     (tmp_path / "laws.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(LawError, match=r"laws\.toml: .*utf-8") as caught:
+    with pytest.raises(LawError, match=r"laws\.toml: is not UTF-8") as caught:
         load_laws(tmp_path)
     assert "\n" not in str(caught.value)
 

@@ -195,7 +195,7 @@ def test_a_flaw_in_the_laws_is_found(
 @pytest.mark.parametrize(
     ("loader", "error"),
     [
-        ("load_laws", LawError("laws.toml: pull: no good")),
+        ("load_laws", LawError(Path("laws.toml"), "pull", "no good")),
         ("load_mutants", MutantError(Path("fault.toml"), "id", "no good")),
     ],
 )

@@ -200,7 +200,7 @@ def test_every_conviction_is_by_a_check_that_exists() -> None:
         (
             'text = "MORE = 1.0"',
             'source = "none.py.txt"',
-            r"additions\[0\].source: none.py.txt: No such file",
+            r"additions\[0\].source: none.py.txt: no such file",
         ),
     ],
 )

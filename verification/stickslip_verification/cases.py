@@ -8,24 +8,20 @@ from __future__ import annotations
 
 import fnmatch
 import itertools
-import json
 import math
 import random
-import re
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-import jsonschema
-
+from stickslip_verification.data_file import DataError, field, objection, read_toml
 from stickslip_verification.formulas import FORMULAS
 from stickslip_verification.quantities import QUANTITIES
 
 HERE = Path(__file__).parent
 CASES_FOLDER = HERE / "cases"
+SCHEMA = HERE / "case.schema.json"
 SIDES = ("fmu", "reference")
 
 SAME_POINT = 1e-9
@@ -33,14 +29,8 @@ SAME_POINT = 1e-9
 many steps differs from the number written in the file by rounding, never by that much."""
 
 
-class CaseError(ValueError):
+class CaseError(DataError):
     """A case file cannot be used; one line with the file, the line or field, and the reason."""
-
-    def __init__(self, file: Path, where: str, reason: str) -> None:
-        self.file = file
-        self.where = where
-        self.reason = reason
-        super().__init__(": ".join(part for part in (str(file), where, reason) if part))
 
 
 @dataclass(frozen=True)
@@ -154,14 +144,7 @@ def load_cases(pattern: str | None = None, folder: Path | None = None) -> list[C
 
 def load_case(file: Path) -> Case:
     """Read one case file; `CaseError` names what is wrong with it and where."""
-    try:
-        data = tomllib.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise CaseError(file, "", (error.strerror or str(error)).lower()) from None
-    except UnicodeDecodeError as error:
-        raise CaseError(file, "", f"is not UTF-8: {error.reason}") from None
-    except tomllib.TOMLDecodeError as error:
-        raise CaseError(file, *_line_and_reason(str(error))) from None
+    data = read_toml(file, CaseError)
     _validate(file, data)
     steps = _steps(file, data["experiment"])
     checks = tuple(_check(file, n, entry) for n, entry in enumerate(data["checks"]))
@@ -180,24 +163,13 @@ def load_case(file: Path) -> Case:
     )
 
 
-def _line_and_reason(message: str) -> tuple[str, str]:
-    place = re.search(r" \(at (line \d+)[^)]*\)$", message)
-    return (place[1], message[: place.start()]) if place else ("", message)
-
-
-@cache
-def _validator() -> Any:
-    schema = json.loads((HERE / "case.schema.json").read_text(encoding="utf-8"))
-    return jsonschema.Draft202012Validator(schema)
-
-
 def _validate(file: Path, data: Mapping[str, Any]) -> None:
-    error = jsonschema.exceptions.best_match(_validator().iter_errors(data))
-    if error is not None:
-        raise CaseError(file, _field(error.absolute_path), error.message)
-    for field, number in _numbers(data, ()):
+    found = objection(data, SCHEMA)
+    if found is not None:
+        raise CaseError(file, field(found[0]), found[1])
+    for path, number in _numbers(data, ()):
         if not math.isfinite(number):
-            raise CaseError(file, _field(field), f"{number} is not a finite number")
+            raise CaseError(file, field(path), f"{number} is not a finite number")
 
 
 def _numbers(node: Any, path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str | int, ...], Any]]:
@@ -209,13 +181,6 @@ def _numbers(node: Any, path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str
             yield from _numbers(value, (*path, n))
     elif isinstance(node, float):
         yield path, node
-
-
-def _field(path: Sequence[str | int]) -> str:
-    text = ""
-    for part in path:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
-    return text
 
 
 def points(lengths: Iterable[float]) -> tuple[float, ...]:

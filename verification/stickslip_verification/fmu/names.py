@@ -11,6 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from stickslip_verification.data_file import DataError, read_text
 from stickslip_verification.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.truth.parameters import START_VALUES
 
@@ -44,14 +45,8 @@ NOT_THERE = ""
 """In place of the FMU's name: the FMU has no such variable, whatever its names look like."""
 
 
-class NamesError(ValueError):
+class NamesError(DataError):
     """A names file cannot be used; one line with the file, the place and the reason."""
-
-    def __init__(self, file: Path, where: str, reason: str) -> None:
-        self.file = file
-        self.where = where
-        self.reason = reason
-        super().__init__(": ".join(part for part in (str(file), where, reason) if part))
 
 
 @dataclass(frozen=True)
@@ -95,13 +90,9 @@ def load_names(file: Path) -> NameMap:
     NamesError
         The file cannot be read, is not TOML, or holds something that is no entry.
     """
+    text = read_text(file, NamesError)
     try:
-        text = file.read_text(encoding="utf-8")
         data = tomllib.loads(text)
-    except OSError as error:
-        raise NamesError(file, "", (error.strerror or str(error)).lower()) from None
-    except UnicodeDecodeError as error:
-        raise NamesError(file, "", f"is not UTF-8: {error.reason}") from None
     except tomllib.TOMLDecodeError as error:
         raise NamesError(file, *_place_and_reason(text, str(error))) from None
     entries = data

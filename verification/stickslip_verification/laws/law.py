@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import json
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-import jsonschema
+from stickslip_verification.data_file import DataError, objection, read_toml
 
 HERE = Path(__file__).parent
+SCHEMA = HERE / "law.schema.json"
 
 
-class LawError(ValueError):
+class LawError(DataError):
     """A file of laws cannot be used; one line with the file, the law and the reason."""
 
 
@@ -157,20 +155,17 @@ def load_laws(folder: Path = HERE) -> Laws:
     for file in sorted(folder.glob("*.toml")):
         for family, law in _read(file):
             if law.id in seen:
-                raise LawError(f"{file}: {law.id!r} is taken by a law of {seen[law.id].name}")
+                raise LawError(file, law.id, f"a law of {seen[law.id].name} has this id")
             seen[law.id] = file
             families[family].append(law)
     return Laws(**{family: tuple(laws) for family, laws in families.items()})
 
 
 def _read(file: Path) -> Iterator[tuple[str, Law]]:
-    try:
-        data = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise LawError(f"{file}: {error}") from None
-    problem = jsonschema.exceptions.best_match(_validator().iter_errors(data))
-    if problem is not None:
-        raise LawError(f"{file}: {_place(problem.absolute_path, data)}: {problem.message}")
+    data = read_toml(file, LawError)
+    found = objection(data, SCHEMA)
+    if found is not None:
+        raise LawError(file, _place(found[0], data), found[1])
     for family, entries in data.items():
         for entry in entries:
             yield family, _law(family, entry)
@@ -190,9 +185,3 @@ def _place(path: Iterable[str | int], data: Mapping[str, Any]) -> str:
     family, number, *rest = parts
     name = data[str(family)][number].get("id", f"entry {number}")
     return ".".join(map(str, (name, *rest)))
-
-
-@cache
-def _validator() -> Any:
-    schema = json.loads((HERE / "law.schema.json").read_text(encoding="utf-8"))
-    return jsonschema.Draft202012Validator(schema)

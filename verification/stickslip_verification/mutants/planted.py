@@ -7,29 +7,19 @@ the FMU, and which checks must convict it. Adding a fault is adding a file.
 from __future__ import annotations
 
 import fnmatch
-import json
-import re
-import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
-from typing import Any
 
-import jsonschema
+from stickslip_verification.data_file import DataError, field, objection, read_text, read_toml
 
 HERE = Path(__file__).parent
 FAULTS_FOLDER = HERE / "faults"
+SCHEMA = HERE / "mutant.schema.json"
 
 
-class MutantError(ValueError):
+class MutantError(DataError):
     """A fault cannot be planted; one line with the file, the line or field, and the reason."""
-
-    def __init__(self, file: Path, where: str, reason: str) -> None:
-        self.file = file
-        self.where = where
-        self.reason = reason
-        super().__init__(": ".join(part for part in (str(file), where, reason) if part))
 
 
 @dataclass(frozen=True)
@@ -95,13 +85,10 @@ def load_mutants(pattern: str | None = None, folder: Path | None = None) -> list
 
 def load_mutant(file: Path) -> Mutant:
     """Read one description; `MutantError` names what is wrong with it and where."""
-    try:
-        data = tomllib.loads(_text(file))
-    except tomllib.TOMLDecodeError as error:
-        raise MutantError(file, *_line_and_reason(str(error))) from None
-    fault = jsonschema.exceptions.best_match(_validator().iter_errors(data))
-    if fault is not None:
-        raise MutantError(file, _field(fault.absolute_path), fault.message)
+    data = read_toml(file, MutantError)
+    found = objection(data, SCHEMA)
+    if found is not None:
+        raise MutantError(file, field(found[0]), found[1])
     if data["id"] != file.stem:
         raise MutantError(file, "id", f"{data['id']!r} is not the name of the file")
     return Mutant(
@@ -120,15 +107,6 @@ def load_mutant(file: Path) -> Mutant:
     )
 
 
-def _text(file: Path) -> str:
-    try:
-        return file.read_text(encoding="utf-8")
-    except OSError as error:
-        raise MutantError(file, "", error.strerror or str(error)) from None
-    except UnicodeDecodeError as error:
-        raise MutantError(file, "", f"is not UTF-8: {error.reason}") from None
-
-
 def _substitution(file: Path, here: str, entry: Mapping[str, str]) -> Substitution:
     substitution = Substitution(**entry)
     if substitution.find == substitution.replace:
@@ -140,25 +118,7 @@ def _addition(file: Path, here: str, entry: Mapping[str, str]) -> Addition:
     if "text" in entry:
         return Addition(entry["file"], entry["text"])
     try:
-        text = _text(file.parent / entry["source"])
+        text = read_text(file.parent / entry["source"], MutantError)
     except MutantError as error:
         raise MutantError(file, f"{here}.source", f"{entry['source']}: {error.reason}") from None
     return Addition(entry["file"], text)
-
-
-def _line_and_reason(message: str) -> tuple[str, str]:
-    place = re.search(r" \(at (line \d+)[^)]*\)$", message)
-    return (place[1], message[: place.start()]) if place else ("", message)
-
-
-@cache
-def _validator() -> Any:
-    schema = json.loads((HERE / "mutant.schema.json").read_text(encoding="utf-8"))
-    return jsonschema.Draft202012Validator(schema)
-
-
-def _field(path: Sequence[str | int]) -> str:
-    text = ""
-    for part in path:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
-    return text
