@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from stickslip_verification.answer import Answer
 from stickslip_verification.checks import FOREIGN, OURS, Trial
-from stickslip_verification.law_checks import judge_agreement
+from stickslip_verification.law_checks import agreeing, judge_agreement
 from stickslip_verification.laws import (
     Agreement,
     LawError,
@@ -203,8 +204,12 @@ AGREE = {law.quantity: law for law in LAWS.agreements}
 
 def agreed(name: str, quantity: str, fmu: Record, trial: Trial = OURS) -> CheckResult | None:
     """Hold a record against the exact motion in the place of the reference."""
-    records = {"fmu": fmu, "reference": exact_of(name).record}
-    return judge_agreement(AGREE[quantity], named(name), trial, exact_of(name), records)
+    law, case, exact = AGREE[quantity], named(name), exact_of(name)
+    check = agreeing(law, case)
+    if check is None:
+        return None
+    records = {"fmu": Answer(fmu), "reference": Answer(exact.record)}
+    return judge_agreement(law, case, check, trial, Answer(exact), records)
 
 
 def late(draft: Draft) -> None:

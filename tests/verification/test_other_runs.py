@@ -89,7 +89,9 @@ def test_our_block_does_not_care_how_steps_are_cut(
     """Cut in three, the steps end at the same motion within the rounding of their lengths."""
     cut = RUNS["splitting"](ours, named(name))
     assert [len(samples) for samples in cut.outputs.values()] == [len(named(name).steps)] * 22
-    result = judge_run(LAWS["splitting"], named(name), OURS, plain(name), Answer(cut))
+    result = judge_run(
+        LAWS["splitting"], named(name), OURS, exact_of(name), plain(name), Answer(cut)
+    )
     assert result.passed, result
 
 
@@ -129,7 +131,12 @@ def test_a_run_shows_the_fault_it_is_there_for(fmu_path: Path, tmp_path: Path, m
     run, law = MUTANTS[mutant]
     results = [
         judge_run(
-            LAWS[law], named(name), OURS, run_case(file, named(name)), answer(file, run, name)
+            LAWS[law],
+            named(name),
+            OURS,
+            exact_of(name),
+            run_case(file, named(name)),
+            answer(file, run, name),
         )
         for name in ("tuned", "pull-reverses")
     ]
@@ -189,7 +196,8 @@ def test_an_honest_slider_is_the_same_in_every_run(
     case = shortened("default", 150)
     law = next(law for law in LAWS.values() if law.run == run)
     law = replace(law, tolerance={"fmu": 0.0, "numerical": 1e-9})
-    result = judge_run(law, case, FOREIGN, run_case(file, case), Answer(RUNS[run](file, case)))
+    other = Answer(RUNS[run](file, case))
+    result = judge_run(law, case, FOREIGN, exact_motion(case), run_case(file, case), other)
     assert result.passed, result
 
 
@@ -226,10 +234,10 @@ def test_one_bit_is_seen_and_named() -> None:
     """A law to the bit counts the values that differ and names the first output that does."""
     case, record = small()
     bit = float(np.spacing(record.outputs["z"][-1]))
-    result = judge_run(TO_THE_BIT, case, OURS, record, changed(record, "z", bit))
+    result = judge_run(TO_THE_BIT, case, OURS, exact_of(case.id), record, changed(record, "z", bit))
     assert (result.passed, result.got, result.error) == (False, 1.0, 1.0)
     assert result.quantity == "values that differ, z first"
-    same = judge_run(TO_THE_BIT, case, OURS, record, Answer(record))
+    same = judge_run(TO_THE_BIT, case, OURS, exact_of(case.id), record, Answer(record))
     assert (same.passed, same.got, same.quantity) == (True, 0.0, "values that differ")
 
 
@@ -237,24 +245,29 @@ def test_a_start_that_differs_is_seen() -> None:
     """What is shown after initialization belongs to the motion that a run must repeat."""
     case, record = small()
     other = replace(record, initial={**record.initial, "F_s": 1.0})
-    assert not judge_run(TO_THE_BIT, case, OURS, record, Answer(other)).passed
+    assert not judge_run(TO_THE_BIT, case, OURS, exact_of(case.id), record, Answer(other)).passed
 
 
 def test_a_motion_that_differs_is_seen_where_it_differs_most() -> None:
     """A law with a tolerance shows the worst output of all, in its unit and over its scale."""
     case, record = small()
-    result = judge_run(NEARLY, case, OURS, record, changed(record, "t_slip", 1e-9))
-    scale = float(np.max(record.outputs["t_slip"]))
+    result = judge_run(
+        NEARLY, case, OURS, exact_of(case.id), record, changed(record, "t_slip", 1e-9)
+    )
     assert (result.passed, result.quantity, result.unit) == (False, "t_slip", "s")
-    assert result.error == pytest.approx(1e-9 / scale, rel=1e-6)
-    assert judge_run(NEARLY, case, FOREIGN, record, changed(record, "t_slip", 1e-11)).passed
+    assert result.error == pytest.approx(1e-9 / case.stop_time, rel=1e-6)
+    assert judge_run(
+        NEARLY, case, FOREIGN, exact_of(case.id), record, changed(record, "t_slip", 1e-11)
+    ).passed
 
 
 @pytest.mark.parametrize("law", [TO_THE_BIT, NEARLY], ids=lambda law: law.id)
 def test_a_count_is_right_or_wrong(law: RunLaw) -> None:
     """One slip more is a failure whatever the number of slips."""
     case, record = small()
-    result = judge_run(law, case, FOREIGN, record, changed(record, "n_slips", 1.0))
+    result = judge_run(
+        law, case, FOREIGN, exact_of(case.id), record, changed(record, "n_slips", 1.0)
+    )
     assert (result.passed, result.error) == (False, 1.0)
 
 
@@ -274,7 +287,7 @@ def test_what_is_lost_in_the_other_run_is_a_failure() -> None:
             Answer(planted(record, short)),
             changed(record, "T", np.nan),
         ):
-            result = judge_run(law, case, OURS, record, other)
+            result = judge_run(law, case, OURS, exact_of(case.id), record, other)
             assert not result.passed
             assert result.failure or result.error
 
@@ -282,8 +295,12 @@ def test_what_is_lost_in_the_other_run_is_a_failure() -> None:
 def test_why_there_is_no_other_run_is_kept() -> None:
     """A run that failed fails the law with its reason; one that is lacking does not count."""
     case, record = small()
-    failed = judge_run(TO_THE_BIT, case, OURS, record, Answer(failure="it broke"))
-    lacking = judge_run(TO_THE_BIT, case, OURS, record, Answer(not_applicable="it cannot"))
+    failed = judge_run(
+        TO_THE_BIT, case, OURS, exact_of(case.id), record, Answer(failure="it broke")
+    )
+    lacking = judge_run(
+        TO_THE_BIT, case, OURS, exact_of(case.id), record, Answer(not_applicable="it cannot")
+    )
     assert (failed.verdict, failed.failure) == ("fail", "it broke")
     assert (lacking.verdict, lacking.not_applicable) == ("not applicable", "it cannot")
 

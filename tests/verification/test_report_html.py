@@ -151,7 +151,7 @@ def test_agreement_of_two_programs_alone_is_not_green() -> None:
     """With nothing but cross-code the verdict is a fail, and the page says why."""
     weak = Page(render(Verdict([result(truth="cross_code", side="both")], PROVENANCE)))
     assert "StickSlip.fmu fail" in weak.text
-    assert "No comparison with a closed form or an invariant passed." in weak.text
+    assert "No comparison of the FMU with a closed form or an invariant passed." in weak.text
 
 
 def test_every_comparison_is_a_row_that_leads_to_its_reason(page: Page) -> None:

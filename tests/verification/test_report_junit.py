@@ -19,7 +19,7 @@ def test_every_result_is_one_test_case() -> None:
     """Suites are cases, test cases are checks with their side, and all counts agree."""
     root = ET.fromstring(as_junit(Verdict(RESULTS)))
     assert root.tag == "testsuites"
-    assert [suite.get("name") for suite in root] == ["default", "tuned", "the FMU"]
+    assert [suite.get("name") for suite in root] == ["default", "tuned", "the FMU", "the verdict"]
     assert root.find("testsuite/testcase").attrib == {  # type: ignore[union-attr]
         "classname": "default",
         "name": "t_slip-exact (FMU)",
@@ -37,7 +37,7 @@ def test_each_verdict_has_its_element() -> None:
     """What failed or drifted fails, what does not apply is skipped, what is noted passes."""
     root = ET.fromstring(as_junit(Verdict(RESULTS)))
     found = [[child.tag for child in case] for case in root.iter("testcase")]
-    assert found == [[], ["failure"], ["system-out"], ["skipped"], ["failure"]]
+    assert found == [[], ["failure"], ["system-out"], ["skipped"], ["failure"], []]
     failure = next(root.iter("failure"))
     assert failure.get("message") == "error 0.003 is above 1e-12 s"
     assert "because: rounding" in str(failure.text)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from stickslip_verification.fmu import FmuError, NameMap, NamesError, load_names
     from stickslip_verification.laws import LawError, load_laws
     from stickslip_verification.linter import lint
+    from stickslip_verification.margins import margin
     from stickslip_verification.mutants import Mutant, MutantError, load_mutants
     from stickslip_verification.proofs import ProofResult, prove
     from stickslip_verification.report import (
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from stickslip_verification.verdict import CheckResult, KillMatrix, Verdict
 
 _HOME = {
+    "margin": "margins",
     "Meaning": "catalogue",
     "KillMatrix": "verdict",
     "draw_case": "report",
@@ -108,6 +110,7 @@ __all__ = [
     "load_laws",
     "load_mutants",
     "load_names",
+    "margin",
     "meanings",
     "prove",
     "read_baseline",

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stickslip_verification.report.margin import margin
+from stickslip_verification.margins import margin
 from stickslip_verification.verdict import FAIL, NOT_APPLICABLE, PASS, Verdict
 
 Key = tuple[str, str, str]
@@ -117,7 +117,7 @@ def read_baseline(path: Path) -> Baseline:
     for number, row in enumerate(rows):
         try:
             entries[row["case"], row["check"], row["side"]] = _entry(row)
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
+        except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
             reason = f"checks[{number}]: {type(error).__name__}: {error}"
             raise BaselineError(f"{path}: is not a report: {reason}") from None
     provenance = report.get("provenance")

@@ -172,7 +172,7 @@ def judge(case: Case, check: Check, trial: Trial, exact: Exact, record: Record) 
     worst = last_worst(found)
     size = scale if check.measure == "of_scale" else float(np.max(np.abs(expected))) or 1.0
     conditioning = max(empty.tolerance / KEPT[trial.column], 1.0)
-    grain = min(GRAIN[trial.column] * conditioning, empty.tolerance, KEPT[trial.column])
+    grain = min(GRAIN[trial.column] * conditioning, empty.tolerance)
     return replace(
         empty,
         expected=float(expected[worst]),

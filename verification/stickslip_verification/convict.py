@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import tempfile
-import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from functools import cache
 from pathlib import Path
 
 from stickslip_verification.checks import OURS
 from stickslip_verification.ground import Ground, Progress
 from stickslip_verification.laws import Laws
 from stickslip_verification.mutants import Mutant, MutantError, plant
+from stickslip_verification.mutants.planted import FAULTS_FOLDER, idle_reasons
 from stickslip_verification.run import Trials, judge, try_out
 from stickslip_verification.verdict import CheckResult, Conviction, KillMatrix
 
@@ -25,8 +24,6 @@ FINISHES = "runs-to-the-end"
 
 TIME_LIMIT = 20.0
 """Seconds that a mutant may take for one run of a case."""
-
-IDLE = Path(__file__).parent / "mutants" / "idle.toml"
 
 
 def convict(
@@ -56,8 +53,17 @@ def convict(
         How many mutants are tried at once, each in a process of its own.
     progress
         Counts the mutants.
+
+    Raises
+    ------
+    MutantError
+        No case is short enough.
     """
     short = [each for each in ground if each.case.stop_time <= LONGEST]
+    if not short:
+        raise MutantError(
+            FAULTS_FOLDER, "", f"no case is short enough to plant faults in: {LONGEST:g} s at most"
+        )
     rows: dict[str, Conviction] = {}
     with (
         tempfile.TemporaryDirectory(prefix="stickslip-mutants-") as folder,
@@ -82,13 +88,6 @@ def convict(
     reasons = idle_reasons()
     idle = {check: reasons.get(check, "") for check in columns if check not in killing}
     return KillMatrix(checks=columns, rows=in_order, idle=idle)
-
-
-@cache
-def idle_reasons(file: Path = IDLE) -> Mapping[str, str]:
-    """Read why checks that kill nothing stay, by check."""
-    reasons: dict[str, str] = tomllib.loads(file.read_text(encoding="utf-8"))["idle"]
-    return reasons
 
 
 def _try(
@@ -131,6 +130,7 @@ def _late(trials: Trials, laws: Laws) -> Iterator[tuple[str, str]]:
     for (case, run), answer in trials.runs.items():
         if answer.late:
             yield from ((case, law.id) for law in laws.runs if law.run == run)
+    yield from (("", law) for law, answer in trials.probes.items() if answer.late)
 
 
 def _count(results: Iterable[CheckResult]) -> Mapping[str, int]:

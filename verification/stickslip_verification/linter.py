@@ -8,15 +8,17 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from stickslip_verification.cases import CASES_FOLDER, Case, CaseError, Check, load_case
-from stickslip_verification.convict import idle_reasons
+from stickslip_verification.exact import exact_motion
 from stickslip_verification.formulas import FORMULAS
+from stickslip_verification.law_checks import agreeing, applies
 from stickslip_verification.laws import LawError, Laws, load_laws
 from stickslip_verification.metrics import METRICS
 from stickslip_verification.mutants import Mutant, MutantError, load_mutants
+from stickslip_verification.mutants.planted import idle_reasons
 from stickslip_verification.probes import PROBES
 from stickslip_verification.quantities import QUANTITIES
 from stickslip_verification.runs import RUNS
-from stickslip_verification.second import Accepted, load_accepted
+from stickslip_verification.second import Accepted, Key, load_accepted
 
 THEORY = Path(__file__).parents[2] / "docs" / "theory.md"
 """Where the equations stand, in a working copy; an installed suite does not carry it."""
@@ -145,18 +147,27 @@ def _mutants(cases: Sequence[Case], laws: Laws, mutants: Sequence[Mutant]) -> It
 
 
 def _accepted(cases: Sequence[Case], laws: Laws, accepted: Accepted) -> Iterator[str]:
-    held = {(case, check) for case, check, _ in accepted.values}
-    wanted = {(case.id, check.id) for case, check in _checks(cases)}
-    wanted |= {("", law.id) for law in laws.probes}
-    wanted |= {(case.id, law.id) for case in cases for law in laws.runs}
-    wanted |= {(name, law.id) for law in laws.orders for name in law.cases}
-    for case, check in sorted(wanted - held):
-        yield f"{case} / {check}: no accepted value; run stickslip verify --accept"
-    of_laws = {law.id for law in laws} | {f"{law.id}-asymptotic" for law in laws.orders}
-    known = {case.id for case in cases} | {""}
-    for case, check in sorted(held - wanted):
-        if case not in known or check not in of_laws:
-            yield f"{case} / {check}: an accepted value of no check; run stickslip verify --accept"
+    """Hold the accepted values against what a verdict on these cases yields."""
+    held, wanted = set(accepted.values), set(_yielded(cases, laws))
+    for case, check, side in sorted(wanted - held):
+        yield f"{case} / {check} ({side}): no accepted value; run stickslip verify --accept"
+    for case, check, side in sorted(held - wanted):
+        yield f"{case} / {check} ({side}): an accepted value of no check; run stickslip verify --accept"
+
+
+def _yielded(cases: Sequence[Case], laws: Laws) -> Iterator[Key]:
+    sides = ("fmu", "reference")
+    for case in cases:
+        exact = exact_motion(case)
+        on_both = [check.id for check in case.checks]
+        on_both += [law.id for law in laws.residuals if applies(law, case, exact)]
+        yield from ((case.id, check, side) for check in on_both for side in sides)
+        yield from ((case.id, law.id, "fmu") for law in laws.runs)
+        yield from ((case.id, law.id, "both") for law in laws.agreements if agreeing(law, case))
+        for law in laws.orders:
+            if case.id in law.cases:
+                yield from ((case.id, law.id + end, "reference") for end in ("", "-asymptotic"))
+    yield from (("", law.id, "fmu") for law in laws.probes)
 
 
 def _checks(cases: Iterable[Case]) -> Iterator[tuple[Case, Check]]:

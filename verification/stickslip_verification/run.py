@@ -128,24 +128,25 @@ def _judge_law(
 
 def _judge_run(ground: Ground, law: RunLaw, trials: Trials, trial: Trial) -> CheckResult:
     plain = trials.plain[ground.case.id]
+    empty = law_checks.blank(law, ground.case.id, trial)
     if plain.value is None:
-        empty = law_checks.blank(law, ground.case.id, trial)
         return replace(empty, failure=plain.failure, not_applicable=plain.not_applicable)
+    if ground.exact.value is None:
+        return replace(empty, failure=f"the truth cannot be computed: {ground.exact.failure}")
     other = trials.runs[ground.case.id, law.run]
-    return law_checks.judge_run(law, ground.case, trial, plain.value, other)
+    exact = ground.exact.value
+    return law_checks.judge_run(law, ground.case, trial, exact, plain.value, other)
 
 
 def _judge_against_reference(
     ground: Ground, laws: Laws, trials: Trials, trial: Trial, *, reference: bool
 ) -> Iterator[CheckResult]:
     case = ground.case
-    plain, exact = trials.plain[case.id], ground.exact
-    if plain.value and ground.reference.value and exact.value:
-        records = {"fmu": plain.value, "reference": ground.reference.value}
-        for law in laws.agreements:
-            result = law_checks.judge_agreement(law, case, trial, exact.value, records)
-            if result is not None:
-                yield result
+    records = {"fmu": trials.plain[case.id], "reference": ground.reference}
+    for law in laws.agreements:
+        check = law_checks.agreeing(law, case)
+        if check is not None:
+            yield law_checks.judge_agreement(law, case, check, trial, ground.exact, records)
     if reference:
         for order, seen in ground.orders:
             yield from law_checks.judge_order(order, case.id, REFERENCE, seen)

@@ -180,4 +180,4 @@ def _need(able: bool, what: str) -> None:
 
 def _marks(steps: int) -> list[int]:
     """Give the numbers of the steps before which a run is set back, in order, none twice."""
-    return sorted({round(steps * n / (_ROLLBACKS + 1)) for n in range(1, _ROLLBACKS + 1)} - {0})
+    return sorted({steps * n // (_ROLLBACKS + 1) for n in range(1, _ROLLBACKS + 1)})

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from stickslip_verification.cases import load_cases
 from stickslip_verification.verdict import CheckResult, Second, Verdict
+from stickslip_verification.whole_file import write_whole
 
 FILE = Path(__file__).parent / "accepted.json"
 
@@ -70,7 +71,7 @@ def load_accepted(file: Path = FILE) -> Accepted:
 
 
 def accept(verdict: Verdict, file: Path = FILE) -> int:
-    """Write the means of a verdict as the accepted ones, and give their number.
+    """Write the means of a verdict on the suite as the accepted ones, and give their number.
 
     Values of cases of the suite that the verdict does not hold stay; those of its cases are
     replaced, and those of cases that are no more go.
@@ -78,10 +79,12 @@ def accept(verdict: Verdict, file: Path = FILE) -> int:
     Raises
     ------
     AcceptError
-        The FMU is not ours, or a check failed against its truth.
+        The FMU is not ours, a check failed against its truth, or a planted fault survived.
     """
     if not verdict.ours:
         raise AcceptError("only our own FMU is accepted; this one is judged as foreign")
+    if verdict.kills is not None and not verdict.kills.passed:
+        raise AcceptError("the suite did not catch every planted fault")
     wrong = [r for r in verdict.checks if not r.passed and r.not_applicable is None]
     if wrong:
         first = f"{wrong[0].case} / {wrong[0].check} ({wrong[0].side})"
@@ -94,7 +97,7 @@ def accept(verdict: Verdict, file: Path = FILE) -> int:
         for r in verdict.checks
         if r.measured is not None and math.isfinite(r.measured.mean)
     }
-    file.write_text(_text({**kept, **new}), encoding="utf-8")
+    write_whole(file, _text({**kept, **new}))
     return len(new)
 
 

@@ -10,7 +10,7 @@ from stickslip_verification.cases import Case
 from stickslip_verification.checks import FOREIGN, OURS, STRICT
 from stickslip_verification.convict import convict
 from stickslip_verification.drive import is_ours
-from stickslip_verification.fmu import FmuFile, NameMap, require
+from stickslip_verification.fmu import FmuError, FmuFile, NameMap, require
 from stickslip_verification.ground import Progress, lay
 from stickslip_verification.laws import load_laws
 from stickslip_verification.mutants import Mutant
@@ -60,13 +60,17 @@ def verify(
     Raises
     ------
     FmuError
-        The file cannot be driven at all, or lacks what every case needs; whatever else the FMU
-        does wrong is a failed check.
+        The file cannot be driven at all, lacks what every case needs, or is to carry planted
+        faults and is not ours; whatever else the FMU does wrong is a failed check.
+    MutantError
+        Faults are to be planted, and no case is short enough.
     """
     file = FmuFile(fmu, names)
     try:
         require(file)
         trial = OURS if is_ours(file) else STRICT if strict else FOREIGN
+        if mutants and not trial.ours:
+            raise FmuError(f"{fmu}: faults are planted in our own FMU only")
         origin = provenance.collect(file, command)
     finally:
         file.close()

@@ -11,9 +11,6 @@ from stickslip_verification.record import Record
 KINDS = ("closed_form", "invariant", "convergence", "cross_code")
 """The four kinds of truth, never mixed; strongest first."""
 
-CLASSES = ("physics", "contract")
-"""Physics has a tolerance and decides for every FMU; contract decides for ours, or if strict."""
-
 PASS = "pass"
 FAIL = "fail"
 DRIFT = "drift"
@@ -218,20 +215,29 @@ class Verdict:
         return {kind: count(results) for kind, results in sorted_out.items() if results}
 
     @property
-    def passed(self) -> bool:
-        """Whether nothing that decides failed, and the FMU met a truth.
+    def proven(self) -> bool:
+        """Whether the FMU met a truth at all.
 
         That FMU and reference agree, or that the reference is right, makes no FMU green.
         """
-        proven = any(
+        return any(
             r.verdict == PASS
             and r.decides
             and r.side == "fmu"
             and r.truth in ("closed_form", "invariant")
             for r in self.checks
         )
+
+    @property
+    def contract_decides(self) -> bool:
+        """Whether contract checks decide for the FMU."""
+        return any(r.klass == "contract" and r.decides and r.side == "fmu" for r in self.checks)
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing that decides failed, the FMU met a truth, and every fault was caught."""
         convicted = self.kills is None or self.kills.passed
-        return proven and convicted and not any(result.failed for result in self.checks)
+        return self.proven and convicted and not any(result.failed for result in self.checks)
 
 
 def count(results: Sequence[CheckResult]) -> dict[str, int]:

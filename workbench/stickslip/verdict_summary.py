@@ -1,6 +1,5 @@
 """The verdict at a glance: one row per case, the kinds of truth, what failed and what it means."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
@@ -10,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from stickslip.fitted import Fitted
-from stickslip_verification import CheckResult, KillMatrix, Meaning, Verdict
+from stickslip_verification import CheckResult, KillMatrix, Meaning, Verdict, margin
 
 _KINDS: Final = {
     "closed_form": "exact motion and closed forms",
@@ -86,10 +85,10 @@ def _cases(verdict: Verdict, *, worst: bool) -> Table:
 
 
 def _margin(result: CheckResult) -> float:
-    """Give error over tolerance; 0 where there is nothing to compare."""
-    if result.error is None or result.error == 0.0:
+    """Give error over tolerance; 0 where the check does not apply."""
+    if result.not_applicable is not None:
         return 0.0
-    return result.error / result.tolerance if result.tolerance > 0.0 else math.inf
+    return margin(result.error, result.tolerance)
 
 
 def _holding(results: Sequence[CheckResult]) -> str:

@@ -1,6 +1,5 @@
 """The verdict as a table: one row per check, the FMU and the reference side by side."""
 
-import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -12,7 +11,7 @@ from rich.text import Text
 
 from stickslip.fitted import Fitted
 from stickslip.verdict_summary import counts
-from stickslip_verification import Case, CheckResult, Verdict
+from stickslip_verification import Case, CheckResult, Verdict, margin
 
 _PAIRS: Final = ("error\nFMU", "error\nref.", "tol.\nFMU", "tol.\nref.")
 
@@ -89,16 +88,8 @@ def _short_table(results: Sequence[CheckResult]) -> Table:
 
 def _worst(row: Sequence[CheckResult]) -> str:
     """Write the largest error in units of its tolerance."""
-    ratios = [_ratio(result) for result in row]
+    ratios = [margin(result.error, result.tolerance) for result in row]
     return _number(max(ratios), ".2g") if ratios else ""
-
-
-def _ratio(result: CheckResult) -> float:
-    if result.error is None:
-        return math.inf
-    if result.tolerance == 0.0:
-        return 0.0 if result.error == 0.0 else math.inf
-    return result.error / result.tolerance
 
 
 def case_table(cases: Sequence[Case]) -> RenderableType:

@@ -98,7 +98,7 @@ def load_names(file: Path) -> NameMap:
     entries = data
     if isinstance(data.get("names"), dict):
         entries = data["names"]
-        for key in data.keys() - {"names"}:
+        for key in (key for key in data if key != "names"):
             raise NamesError(file, _line(text, key), f"{key!r} stands beside the table [names]")
     targets: dict[str, Target] = {}
     for key, value in entries.items():

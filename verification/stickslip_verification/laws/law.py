@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -168,7 +169,18 @@ def _read(file: Path) -> Iterator[tuple[str, Law]]:
         raise LawError(file, _place(found[0], data), found[1])
     for family, entries in data.items():
         for entry in entries:
+            _check_finite(file, entry)
             yield family, _law(family, entry)
+
+
+def _check_finite(file: Path, entry: Mapping[str, Any]) -> None:
+    """Refuse tolerances and levels that are no numbers; arguments of probes may be anything."""
+    for name, value in entry.items():
+        values = value.items() if name == "tolerance" and isinstance(value, dict) else [("", value)]
+        for part, number in values:
+            if isinstance(number, float) and not math.isfinite(number):
+                where = ".".join(filter(None, (str(entry["id"]), name, part)))
+                raise LawError(file, where, f"{number} is not a finite number")
 
 
 def _law(family: str, entry: Mapping[str, Any]) -> Law:

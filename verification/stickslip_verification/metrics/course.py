@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip_verification import symmetries
 from stickslip_verification.cases import Case
 from stickslip_verification.record import Record, Series
 from stickslip_verification.truth.parameters import complete, used_mu_k
@@ -56,6 +57,8 @@ class Course:
     def before(self, name: str) -> Series:
         """Give an output at the beginning of each step, or raise as `after` does."""
         samples = self.after(name)
+        if name not in self.record.initial:
+            raise MissingOutputError(name)
         return np.concatenate(([self.record.initial[name]], samples[:-1]))
 
     def change(self, name: str) -> Series:
@@ -83,6 +86,15 @@ class Course:
         columns = {name: np.array([row[name] for row in rows]) for name in values}
         columns["mu_k"] = np.array([used_mu_k(row["mu_s"], row["mu_k"]) for row in rows])
         return columns
+
+    @cached_property
+    def reset_at_begin(self) -> Mask:
+        """Steps at whose beginning something may let the mass go: the first, and after changes."""
+        differs = np.zeros(self.h.size, dtype=np.bool_)
+        differs[0] = True
+        for values in self.settings.values():
+            differs[1:] |= values[1:] != values[:-1]
+        return differs
 
     @cached_property
     def normal_force(self) -> Series:
@@ -179,6 +191,33 @@ class Course:
         """Largest speed in play [m/s]."""
         speeds = (self.exact.outputs["x_dot"], self.settings["v"])
         return float(max(np.max(np.abs(each)) for each in speeds))
+
+    @cached_property
+    def energy_scale(self) -> float:
+        """Largest energy in play [J]."""
+        exact, s = self.exact.outputs, self.settings
+        stored = 0.5 * s["k"] * exact["z"] ** 2 + 0.5 * s["m"] * exact["x_dot"] ** 2
+        pushed = np.max(np.abs(s["F_ext"])) * np.max(np.abs(exact["x"]))
+        sums = (np.max(np.abs(exact[name])) for name in symmetries.ENERGIES)
+        return float(max(np.max(stored), pushed, *sums))
+
+    def scale_of(self, output: str) -> float:
+        """Give what an output is measured against where it may be zero, in its unit.
+
+        That is the largest of its kind in play: of lengths, speeds, forces, energies, or the
+        length of the run.
+        """
+        kinds = (
+            (symmetries.LENGTHS, self.swing_length),
+            (symmetries.SPEEDS, self.swing_speed),
+            (symmetries.FORCES, self.force_scale),
+            (symmetries.ENERGIES, self.energy_scale),
+            (symmetries.TIMES, self.case.stop_time),
+        )
+        for names, scale in kinds:
+            if output in names:
+                return scale
+        return float(np.max(np.abs(self.exact.outputs[output]))) or 1.0
 
     @cached_property
     def swing_length(self) -> float:

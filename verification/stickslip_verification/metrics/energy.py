@@ -20,13 +20,13 @@ def balance(course: Course) -> Residual:
     z, x_dot = (course.before(name)[0] for name in ("z", "x_dot"))
     at_start = 0.5 * before["k"] * z**2 + 0.5 * before["m"] * x_dot**2
     left = np.asarray(supplied - (stored - at_start), np.float64)
-    return Residual(left, everywhere(course), _scale(course), "J")
+    return Residual(left, everywhere(course), course.energy_scale, "J")
 
 
 def heat_never_falls(course: Course) -> Residual:
     """By how much the heat falls over a step."""
     fall = np.maximum(-course.change("Q_friction"), 0.0)
-    return Residual(fall, everywhere(course), _scale(course), "J")
+    return Residual(fall, everywhere(course), course.energy_scale, "J")
 
 
 def heat_of_dry_friction(course: Course) -> Residual:
@@ -35,7 +35,7 @@ def heat_of_dry_friction(course: Course) -> Residual:
     friction = np.where(course.mode[1] == 0.0, 0.0, s["mu_k"] * course.normal_force)
     left = course.change("Q_friction") - friction * np.abs(course.change("x"))
     undamped = s["c"] == 0.0
-    return Residual(left, np.asarray(course.eventless & undamped), _scale(course), "J")
+    return Residual(left, np.asarray(course.eventless & undamped), course.energy_scale, "J")
 
 
 def work_of_the_pull(course: Course) -> Residual:
@@ -54,17 +54,8 @@ def work_of_the_pull(course: Course) -> Residual:
     momentum = course.speed_scale * np.max(np.abs(s["v"])) * np.max(s["m"])
     drag = np.max(s["c"]) * course.length_scale * np.max(np.abs(s["v"]))
     left = course.change("W_pull") - work
-    return Residual(left, course.eventless, _scale(course) + float(momentum + drag), "J")
+    return Residual(left, course.eventless, course.energy_scale + float(momentum + drag), "J")
 
 
 def _stored(course: Course, z: Series, x_dot: Series, k: Series) -> Series:
     return 0.5 * k * z**2 + 0.5 * course.settings["m"] * x_dot**2
-
-
-def _scale(course: Course) -> float:
-    """Largest of the energies in play [J]."""
-    exact = course.exact.outputs
-    stored = _stored(course, exact["z"], exact["x_dot"], course.settings["k"])
-    sums = (exact[name] for name in ("W_pull", "W_k", "Q_friction"))
-    pushed = np.max(np.abs(course.settings["F_ext"])) * np.max(np.abs(exact["x"]))
-    return float(max(np.max(stored), pushed, *(np.max(np.abs(each)) for each in sums)))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import fnmatch
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from stickslip_verification.data_file import DataError, field, objection, read_text, read_toml
@@ -16,6 +17,7 @@ from stickslip_verification.data_file import DataError, field, objection, read_t
 HERE = Path(__file__).parent
 FAULTS_FOLDER = HERE / "faults"
 SCHEMA = HERE / "mutant.schema.json"
+IDLE = HERE / "idle.toml"
 
 
 class MutantError(DataError):
@@ -105,6 +107,13 @@ def load_mutant(file: Path) -> Mutant:
         ),
         file=file,
     )
+
+
+@cache
+def idle_reasons(file: Path = IDLE) -> Mapping[str, str]:
+    """Read why checks that convict no fault stay, by check."""
+    reasons: dict[str, str] = read_toml(file, MutantError)["idle"]
+    return reasons
 
 
 def _substitution(file: Path, here: str, entry: Mapping[str, str]) -> Substitution:

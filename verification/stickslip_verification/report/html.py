@@ -14,13 +14,13 @@ from markupsafe import Markup
 
 from stickslip_verification import baseline, convergence
 from stickslip_verification.catalogue import Meaning
+from stickslip_verification.margins import error_text
 from stickslip_verification.report import kill_view, order_plot, plots, svg, view
-from stickslip_verification.report.files import write_whole
 from stickslip_verification.report.json_file import json_text
 from stickslip_verification.report.junit import as_junit
-from stickslip_verification.report.margin import error_text
 from stickslip_verification.report.words import KINDS, SIDES, WORTH, ClaimSection
 from stickslip_verification.verdict import NOT_APPLICABLE, NOTED, ObservedOrder, Verdict
+from stickslip_verification.whole_file import write_whole
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -83,6 +83,7 @@ def render(
         reasons=_reasons(verdict),
         fmu=NAMELESS | dict(verdict.provenance.get("fmu") or {}),
         ours=verdict.ours,
+        strict=verdict.contract_decides,
         compact=compact,
         most=view.SHOWN_PER_CASE,
         checks=verdict.checks,
@@ -143,11 +144,8 @@ def _reasons(verdict: Verdict) -> list[str]:
         return reasons
     if not verdict.checks:
         reasons.append("Nothing was compared, and nothing compared is nothing proven.")
-    elif not any(
-        result.verdict == "pass" and result.decides and result.truth in ("closed_form", "invariant")
-        for result in verdict.checks
-    ):
-        reasons.append("No comparison with a closed form or an invariant passed.")
+    elif not verdict.proven:
+        reasons.append("No comparison of the FMU with a closed form or an invariant passed.")
     if verdict.kills is not None and not verdict.kills.passed:
         reasons.append("The suite did not see all planted faults as foretold.")
     return reasons

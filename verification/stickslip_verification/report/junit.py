@@ -12,6 +12,9 @@ from stickslip_verification.verdict import NOTED, CheckResult, Verdict
 ABOUT_THE_FMU = "the FMU"
 """Class name of the checks that belong to no case."""
 
+THE_VERDICT = "the verdict"
+"""Class name of what a verdict needs beyond its checks."""
+
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
@@ -30,8 +33,29 @@ def as_junit(verdict: Verdict) -> str:
         suite = ET.SubElement(root, "testsuite", {"name": _clean(case)} | _counts(results))
         for result in results:
             _add(suite, case, result)
+    _add_verdict(root, verdict)
     ET.indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _add_verdict(root: ET.Element, verdict: Verdict) -> None:
+    """Add what a verdict needs beyond its checks: a truth that was met, and faults caught."""
+    rows = [("the FMU met a truth", "" if verdict.proven else "no check against a truth passed")]
+    if verdict.kills is not None:
+        for fault in verdict.kills.rows:
+            wanted = f"none of {', '.join(fault.wanted)} failed"
+            rows.append((f"planted fault {fault.mutant}", "" if fault.caught else wanted))
+        for check, reason in verdict.kills.idle.items():
+            rows.append((f"idle check {check}", "" if reason else "nothing says why it stays"))
+    wrong = sum(bool(reason) for _, reason in rows)
+    counts = {"tests": str(len(rows)), "failures": str(wrong), "errors": "0", "skipped": "0"}
+    suite = ET.SubElement(root, "testsuite", {"name": THE_VERDICT} | counts)
+    for name, reason in rows:
+        test = ET.SubElement(suite, "testcase", classname=THE_VERDICT, name=_clean(name))
+        if reason:
+            ET.SubElement(test, "failure", type="verdict", message=_clean(reason))
+    for key in ("tests", "failures"):
+        root.set(key, str(int(root.get(key, "0")) + int(counts[key])))
 
 
 def _counts(results: Sequence[CheckResult]) -> dict[str, str]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from stickslip_verification.catalogue import Meaning
-from stickslip_verification.report.margin import error_text, margin_of, value_text
+from stickslip_verification.margins import error_text, margin_of, value_text
 from stickslip_verification.report.words import KINDS, MEASURES, SIDES, what_happened
 from stickslip_verification.verdict import (
     DRIFT,

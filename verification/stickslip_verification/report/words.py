@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from stickslip_verification.report.margin import error_text
+from stickslip_verification.margins import error_text
 from stickslip_verification.verdict import DRIFT, CheckResult
 
 KINDS: Final = {

@@ -252,7 +252,7 @@ def _speed(t: Floats, y: Floats, allowed: float, v: float) -> Floats:
     """Return the velocity at each sample [m/s], over times in which v outweighs the digits."""
     half = 4.0 * allowed / v
     mean_step = (t[-1] - t[0]) / (t.size - 1)
-    reach = max(1, math.ceil(half / mean_step))
+    reach = max(1, math.ceil(min(half / mean_step, float(t.size))))
     low = np.maximum(np.arange(t.size) - reach, 0)
     high = np.minimum(np.arange(t.size) + reach, t.size - 1)
     return np.asarray((y[high] - y[low]) / (t[high] - t[low]))

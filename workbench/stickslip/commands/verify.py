@@ -77,7 +77,8 @@ def verify(
     if list_:
         console().print(tables.case_table(chosen))
         return
-    _check(fmu, accept, names, time_limit)
+    _check(fmu, names, time_limit)
+    _check_accept(accept, names, cases, chosen)
     name_map = _names(names)
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
@@ -123,13 +124,23 @@ def _meanings(cases: "Sequence[Case]") -> "Mapping[str, Meaning]":
     return meanings(cases, load_laws())
 
 
-def _check(fmu: Path | None, accept: bool, names: Path | None, time_limit: float) -> None:
+def _check_accept(
+    accept: bool, names: Path | None, wanted: str | None, cases: "Sequence[Case]"
+) -> None:
+    """Refuse to accept what is not of the suite."""
+    from stickslip_verification.cases import CASES_FOLDER
+
+    if accept and names is not None:
+        raise CommandError("--accept does not go with --names: only our own FMU is accepted")
+    if accept and any(case.file.parent != CASES_FOLDER for case in cases):
+        raise CommandError(f"--accept does not go with --cases {wanted}: those are not the suite's")
+
+
+def _check(fmu: Path | None, names: Path | None, time_limit: float) -> None:
     if fmu is not None and not fmu.is_file():
         raise CommandError(f"--fmu {fmu}: no such file")
     if names is not None and fmu is None:
         raise CommandError("--names goes with --fmu: our own FMU needs no map")
-    if accept and names is not None:
-        raise CommandError("--accept does not go with --names: only our own FMU is accepted")
     if not 0.0 < time_limit < float("inf"):
         raise CommandError(f"--time-limit {time_limit!r}: must be above 0 s and finite")
 
@@ -197,7 +208,7 @@ def _verdict(
     time_limit: float,
     mutants: "Sequence[Mutant]",
 ) -> "Verdict":
-    from stickslip_verification import FmuError, verify
+    from stickslip_verification import FmuError, MutantError, verify
 
     if fmu is None:
         fmu = build_fmu(DEFAULT_FMU, "--fmu")
@@ -214,7 +225,7 @@ def _verdict(
                 mutants=mutants,
                 command=shlex.join(["stickslip", *sys.argv[1:]]),
             )
-        except FmuError as error:
+        except (FmuError, MutantError) as error:
             raise CommandError(str(error)) from error
 
 
