@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stickslip_verification.data_file import DataError, field, objection, read_toml
+from stickslip_verification.data_file import DataError, objection, read_toml, where_is
 from stickslip_verification.formulas import FORMULAS
 from stickslip_verification.quantities import QUANTITIES
 
@@ -150,7 +150,9 @@ def load_case(file: Path) -> Case:
     checks = tuple(_check(file, n, entry) for n, entry in enumerate(data["checks"]))
     for n, check in enumerate(checks):
         if any(check.id == other.id for other in checks[:n]):
-            raise CaseError(file, f"checks[{n}].id", f"{check.id!r} is taken by another check")
+            raise CaseError(
+                file, where_is(file, ("checks", n, "id")), f"{check.id!r} is taken by another check"
+            )
     return Case(
         id=data["id"],
         title=data["title"],
@@ -166,10 +168,10 @@ def load_case(file: Path) -> Case:
 def _validate(file: Path, data: Mapping[str, Any]) -> None:
     found = objection(data, SCHEMA)
     if found is not None:
-        raise CaseError(file, field(found[0]), found[1])
+        raise CaseError(file, where_is(file, found[0]), found[1])
     for path, number in _numbers(data, ()):
         if not math.isfinite(number):
-            raise CaseError(file, field(path), f"{number} is not a finite number")
+            raise CaseError(file, where_is(file, path), f"{number} is not a finite number")
 
 
 def _numbers(node: Any, path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str | int, ...], Any]]:
@@ -221,6 +223,10 @@ def _steps(file: Path, experiment: Mapping[str, Any]) -> tuple[CommunicationStep
     return tuple(CommunicationStep(h, settings.get(n, {})) for n, h in enumerate(lengths))
 
 
+MOST_STEPS = 1_000_000
+"""More steps than any case needs; beyond it the memory would go before the patience."""
+
+
 def _lengths(
     file: Path, steps: Mapping[str, Any], stop_time: float, marks: Sequence[float]
 ) -> list[float]:
@@ -228,10 +234,16 @@ def _lengths(
         return [float(h) for h in steps["list"]]
     if "fixed" in steps:
         h = float(steps["fixed"])
+        if stop_time / h > MOST_STEPS:
+            raise _too_many(file, stop_time / h)
         return [h] * max(1, round(stop_time / h))
     shortest, longest = float(steps["shortest"]), float(steps["longest"])
     if shortest > longest:
         raise CaseError(file, "experiment.steps.shortest", f"{shortest} is above longest {longest}")
+    spread = math.log(longest / shortest)
+    mean = (longest - shortest) / spread if spread > 0.0 else longest
+    if stop_time / mean > MOST_STEPS:
+        raise _too_many(file, stop_time / mean)
     draw = random.Random(steps["seed"])
     lengths = []
     for begin, end in zip((0.0, *marks), (*marks, stop_time), strict=True):
@@ -243,40 +255,46 @@ def _lengths(
     return lengths
 
 
+def _too_many(file: Path, count: float) -> CaseError:
+    return CaseError(file, "experiment.steps", f"{count:.3g} steps; {MOST_STEPS} are too many")
+
+
 def _check(file: Path, n: int, entry: Mapping[str, Any]) -> Check:
-    here = f"checks[{n}]"
+    def here(*path: str) -> str:
+        return where_is(file, ("checks", n, *path))
+
     quantity = QUANTITIES.get(entry["quantity"])
     if quantity is None:
         known = ", ".join(QUANTITIES)
         reason = f"{entry['quantity']!r} is not a known quantity: {known}"
-        raise CaseError(file, f"{here}.quantity", reason)
+        raise CaseError(file, here("quantity"), reason)
     if entry["unit"] != quantity.unit:
         reason = f"{quantity.name} is in {quantity.unit!r}, not {entry['unit']!r}"
-        raise CaseError(file, f"{here}.unit", reason)
+        raise CaseError(file, here("unit"), reason)
     name = entry["truth"].get("formula")
     source = entry["truth"]["source"]
     if name is not None:
         if name not in FORMULAS:
             reason = f"{name!r} is not a known formula: {', '.join(FORMULAS)}"
-            raise CaseError(file, f"{here}.truth.formula", reason)
+            raise CaseError(file, here("truth", "formula"), reason)
         formula = FORMULAS[name]
         if source != formula.equation:
             reason = f"{name} is equation ({formula.equation}), not ({source})"
-            raise CaseError(file, f"{here}.truth.source", reason)
+            raise CaseError(file, here("truth", "source"), reason)
         if formula.unit != quantity.unit:
             reason = f"{name} is in {formula.unit!r}, {quantity.name} in {quantity.unit!r}"
-            raise CaseError(file, f"{here}.truth.formula", reason)
+            raise CaseError(file, here("truth", "formula"), reason)
     at = entry["at"]
     place = At(at) if isinstance(at, str) else At(*next(iter(at.items())))
     measure = entry["tolerance"]["measure"]
     if measure == "relative" and place.kind == "every_point":
         reason = "relative makes no sense over all points, where a value may cross zero: of_scale"
-        raise CaseError(file, f"{here}.tolerance.measure", reason)
+        raise CaseError(file, here("tolerance", "measure"), reason)
     if quantity.discrete and (
         measure != "absolute" or any(entry["tolerance"][side] != 0 for side in SIDES)
     ):
         reason = f"{quantity.name} is discrete: measure absolute, tolerance 0 on both sides"
-        raise CaseError(file, f"{here}.tolerance", reason)
+        raise CaseError(file, here("tolerance"), reason)
     return Check(
         id=entry["id"],
         quantity=quantity.name,

@@ -50,6 +50,31 @@ def objection(data: Any, schema: Path) -> tuple[Sequence[str | int], str] | None
     return None if fault is None else (list(fault.absolute_path), fault.message)
 
 
+def where_is(file: Path, path: Sequence[str | int]) -> str:
+    """Say where a field of a TOML file is: its line, as far as it is written out, and its name."""
+    line = _line(file.read_text(encoding="utf-8").splitlines(), path)
+    return ", ".join(filter(None, (f"line {line}" if line else "", field(path))))
+
+
+def _line(lines: Sequence[str], path: Sequence[str | int]) -> int:
+    """Find the line of a field from the outside in; 0 where nothing of it stands in the file."""
+    found, begin, table = 0, 0, ""
+    for part in path:
+        if isinstance(part, int):
+            header = re.compile(rf"\s*\[\[{re.escape(table)}\]\]")
+            heads = [n for n, line in enumerate(lines) if header.match(line)]
+            if part < len(heads):
+                begin = found = heads[part] + 1
+            continue
+        table = f"{table}.{part}" if table else part
+        names = rf"\s*(\[{re.escape(table)}\]|{re.escape(table)}\s*=|{re.escape(part)}\s*=)"
+        header = re.compile(names)
+        here = next((n for n in range(begin, len(lines)) if header.match(lines[n])), None)
+        if here is not None:
+            begin = found = here + 1
+    return found
+
+
 def field(path: Sequence[str | int]) -> str:
     """Write the path of a field as a person does: ``checks[3].at``."""
     text = ""

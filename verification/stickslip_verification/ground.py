@@ -17,6 +17,9 @@ from stickslip_verification.laws import Laws, Order, ResidualLaw
 from stickslip_verification.record import Record
 from stickslip_verification.verdict import ObservedOrder
 
+TIME_LIMIT = 180.0
+"""Seconds that the truth or the reference may take for one case; the longest takes a few."""
+
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and out of how much."""
 
@@ -40,7 +43,7 @@ def lay(
 ) -> list[Ground]:
     """Compute the ground of each case; `progress` counts the cases."""
     asked = [(case, law) for case in cases for law in laws.orders if case.id in law.cases]
-    with workers.Pool(jobs, time_limit=600.0) as pool:
+    with workers.Pool(jobs, TIME_LIMIT) as pool:
         # Long runs first, so that no process is left alone with one at the end.
         by_length = sorted(cases, key=lambda case: case.stop_time, reverse=True)
         exacts = pool.each(workers.exact, [(case,) for case in by_length])

@@ -149,10 +149,11 @@ def _mutants(cases: Sequence[Case], laws: Laws, mutants: Sequence[Mutant]) -> It
 def _accepted(cases: Sequence[Case], laws: Laws, accepted: Accepted) -> Iterator[str]:
     """Hold the accepted values against what a verdict on these cases yields."""
     held, wanted = set(accepted.values), set(_yielded(cases, laws))
+    then = "run stickslip verify --accept"
     for case, check, side in sorted(wanted - held):
-        yield f"{case} / {check} ({side}): no accepted value; run stickslip verify --accept"
+        yield f"{case} / {check} ({side}): no accepted value; {then}"
     for case, check, side in sorted(held - wanted):
-        yield f"{case} / {check} ({side}): an accepted value of no check; run stickslip verify --accept"
+        yield f"{case} / {check} ({side}): an accepted value of no check; {then}"
 
 
 def _yielded(cases: Sequence[Case], laws: Laws) -> Iterator[Key]:

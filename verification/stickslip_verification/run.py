@@ -16,6 +16,9 @@ from stickslip_verification.laws import Laws, ResidualLaw, RunLaw
 from stickslip_verification.record import Record
 from stickslip_verification.verdict import CheckResult, Motion
 
+FINISHES = "runs-to-the-end"
+"""The check that a run which does not finish fails; for the others nothing is there to judge."""
+
 
 @dataclass(frozen=True)
 class Trials:
@@ -67,7 +70,11 @@ def judge(
     Without `reference` only what the FMU did is judged.
     """
     for each in ground:
-        yield from _judge_case(each, laws, trials, trial, reference=reference)
+        results = _judge_case(each, laws, trials, trial, reference=reference)
+        if each.case.klass == "contract":
+            # Whatever is said of a convention is no more than a convention.
+            results = (_by_contract(result, trial) for result in results)
+        yield from results
     for law in laws.probes:
         yield law_checks.judge_probe(law, trial, trials.probes[law.id])
 
@@ -105,13 +112,28 @@ def _judge_case(
     yield from _judge_against_reference(ground, laws, trials, trial, reference=reference)
 
 
+def _by_contract(result: CheckResult, trial: Trial) -> CheckResult:
+    decides = (REFERENCE if result.side == "reference" else trial).decides("contract")
+    return replace(result, klass="contract", decides=decides)
+
+
+def _unanswered(empty: CheckResult, answer: Answer[Record]) -> CheckResult:
+    """Give the result where a run gave no record.
+
+    One check fails with the reason; the others say that there is nothing to judge.
+    """
+    if answer.not_applicable is not None or empty.check == FINISHES:
+        return replace(empty, failure=answer.failure, not_applicable=answer.not_applicable)
+    return replace(empty, not_applicable=f"the run did not end: see {FINISHES}")
+
+
 def _judge_side(
     empty: CheckResult, ground: Ground, answer: Answer[Record], check: Check, side: Trial
 ) -> CheckResult:
     if ground.exact.value is None:
         return replace(empty, failure=f"the truth cannot be computed: {ground.exact.failure}")
     if answer.value is None:
-        return replace(empty, failure=answer.failure, not_applicable=answer.not_applicable)
+        return _unanswered(empty, answer)
     return checks.judge(ground.case, check, side, ground.exact.value, answer.value)
 
 
@@ -122,7 +144,7 @@ def _judge_law(
     if ground.exact.value is None:
         return replace(empty, failure=f"the truth cannot be computed: {ground.exact.failure}")
     if answer.value is None:
-        return replace(empty, failure=answer.failure, not_applicable=answer.not_applicable)
+        return _unanswered(empty, answer)
     return law_checks.judge_residual(law, ground.case, side, ground.exact.value, answer.value)
 
 
@@ -130,7 +152,7 @@ def _judge_run(ground: Ground, law: RunLaw, trials: Trials, trial: Trial) -> Che
     plain = trials.plain[ground.case.id]
     empty = law_checks.blank(law, ground.case.id, trial)
     if plain.value is None:
-        return replace(empty, failure=plain.failure, not_applicable=plain.not_applicable)
+        return _unanswered(empty, plain)
     if ground.exact.value is None:
         return replace(empty, failure=f"the truth cannot be computed: {ground.exact.failure}")
     other = trials.runs[ground.case.id, law.run]

@@ -73,7 +73,7 @@ def _cases(verdict: Verdict, *, worst: bool) -> Table:
     for result in verdict.checks:
         cases.setdefault(result.case, []).append(result)
     for case, results in cases.items():
-        nearest = max(results, key=_margin)
+        nearest = max((r for r in results if r.decides), key=_margin, default=results[0])
         table.add_row(
             case or "the FMU itself",
             *(_holding([r for r in results if r.side == side]) for side in _SIDES),

@@ -65,7 +65,7 @@ class FmuFile:
         self.path = path
         self.names = NameMap() if names is None else names
         description, self.problems = _read(path)
-        interface = _co_simulation(path, description)
+        interface = description.coSimulation
         _check_platform(path)
         self.fmi_version: str = description.fmiVersion[:3]
         self.token: str = description.guid
@@ -121,8 +121,8 @@ def _read(path: Path) -> tuple[Any, tuple[str, ...]]:
         with zipfile.ZipFile(path) as archive:
             if DESCRIPTION not in archive.namelist():
                 raise FmuError(f"{path}: not an FMU (no {DESCRIPTION} in it)")
-            # FMPy leaves the archive open where this fails.
-            ElementTree.fromstring(archive.read(DESCRIPTION))
+            # FMPy would say this in words of its own, or of Python's.
+            _check_description(path, ElementTree.fromstring(archive.read(DESCRIPTION)))
         try:
             description = fmpy.read_model_description(str(path))
         except fmpy.model_description.ValidationError as error:
@@ -132,26 +132,21 @@ def _read(path: Path) -> tuple[Any, tuple[str, ...]]:
         raise
     except Exception as error:
         raise FmuError(f"{path}: not an FMU ({one_line(error)})") from None
-    if description.fmiVersion[:3] not in _FACES:
-        raise FmuError(
-            f"{path}: is FMI {description.fmiVersion}; this suite drives FMI 2.0 and 3.0"
-        )
     return description, problems
 
 
-def _co_simulation(path: Path, description: Any) -> Any:
-    if description.coSimulation is None:
-        others = [
-            text
-            for text, interface in (
-                ("model exchange", description.modelExchange),
-                ("scheduled execution", description.scheduledExecution),
-            )
-            if interface is not None
-        ]
+def _check_description(path: Path, root: ElementTree.Element) -> None:
+    """Refuse a description that is none, or is of another version of FMI."""
+    version = root.get("fmiVersion")
+    if root.tag != "fmiModelDescription" or version is None:
+        raise FmuError(f"{path}: not an FMU ({DESCRIPTION} is no model description)")
+    if version[:3] not in _FACES:
+        raise FmuError(f"{path}: is FMI {version}; this suite drives FMI 2.0 and 3.0")
+    if root.find("CoSimulation") is None:
+        kinds = {"ModelExchange": "model exchange", "ScheduledExecution": "scheduled execution"}
+        others = [text for tag, text in kinds.items() if root.find(tag) is not None]
         has = f", only {' and '.join(others)}" if others else ""
         raise FmuError(f"{path}: has no co-simulation interface{has}")
-    return description.coSimulation
 
 
 def _check_platform(path: Path) -> None:

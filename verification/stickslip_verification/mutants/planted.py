@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from stickslip_verification.data_file import DataError, field, objection, read_text, read_toml
+from stickslip_verification.data_file import DataError, objection, read_text, read_toml, where_is
 
 HERE = Path(__file__).parent
 FAULTS_FOLDER = HERE / "faults"
@@ -90,7 +90,7 @@ def load_mutant(file: Path) -> Mutant:
     data = read_toml(file, MutantError)
     found = objection(data, SCHEMA)
     if found is not None:
-        raise MutantError(file, field(found[0]), found[1])
+        raise MutantError(file, where_is(file, found[0]), found[1])
     if data["id"] != file.stem:
         raise MutantError(file, "id", f"{data['id']!r} is not the name of the file")
     return Mutant(

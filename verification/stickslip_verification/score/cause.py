@@ -24,6 +24,9 @@ _NO_GAP = 0.25
 """Of the exact gap: a curve that shows less has lost the difference of static and kinetic friction.
 A solver with fixed steps only widens it, a smoothed law narrows it and creeps besides."""
 
+_LEAST_STEP = 1e-6
+"""Part of a period: no solver steps so finely, and no reader of its curve would mind."""
+
 _LATE_STEPS = 4.0
 """Sample steps by which fixed steps can lengthen a period: a break-away late by up to one step
 relieves the spring twice as much, which takes two more to load, and a re-stick is late by one."""
@@ -249,6 +252,8 @@ def _unlawful(e: Evidence) -> Judgement:
     if not e.measured.cycles:
         return _too_few(e)
     late = e.measured.values["period"][0] - e.exact["period"]
+    if _solver_step(e) < _LEAST_STEP * e.exact["period"]:
+        return "exact", "what is left is less than any solver's step: the digits of the curve"
     resolution = e.measured.values["period"][1]
     step = float(np.max(np.diff(e.motion.t)))
     jumps = e.measured.jumps

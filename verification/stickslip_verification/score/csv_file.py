@@ -117,6 +117,8 @@ def _cells(
         for number, line in enumerate(lines[header_number:], header_number + 1)
         if not _is_empty(line)
     ]
+    if not numbers:
+        raise CurveError(f"{file}: has no samples below its header")
     wanted = [column.index for column in columns]
     cells: list[list[str]] = [[] for _ in wanted]
     rows = csv.reader((lines[number - 1] for number in numbers), delimiter=separator)
@@ -128,8 +130,11 @@ def _cells(
         raise CurveError(
             f"{file}, line {number}: {len(row)} cells, but column {max(wanted) + 1} is needed"
         ) from None
-    except (csv.Error, ValueError) as error:
+    except csv.Error as error:
         raise CurveError(f"{file}: cannot be split into cells: {error}") from None
+    except ValueError:
+        # A quoted cell that goes on over lines leaves fewer rows than lines.
+        raise CurveError(f"{file}: a quote is not closed on its line") from None
     return numbers, cells
 
 

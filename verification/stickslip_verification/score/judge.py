@@ -46,7 +46,16 @@ def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
     CurveError
         v is 0: nothing is pulled.
     """
-    p = complete(parameters)
+    try:
+        with np.errstate(over="raise"):
+            return _score(curve, complete(parameters))
+    except (OverflowError, ZeroDivisionError, FloatingPointError):
+        raise CurveError(
+            "the figures of the curve or of the block leave the range of numbers"
+        ) from None
+
+
+def _score(curve: Curve, p: Mapping[str, float]) -> Score:
     if p["v"] == 0.0:
         raise CurveError("v = 0: nothing is pulled, so there is no cycle to compare with")
     exact = _exact(p)
