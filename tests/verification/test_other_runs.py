@@ -17,11 +17,11 @@ from stickslip_verification.drive import NotApplicableError, Plan, run_case, run
 from stickslip_verification.exact import exact_motion
 from stickslip_verification.fmu import FmuFile, NameMap
 from stickslip_verification.fmu.names import NOT_THERE, Target
-from stickslip_verification.law_checks import judge_run
 from stickslip_verification.laws import RunLaw, load_laws
 from stickslip_verification.mutants import load_mutants, plant
 from stickslip_verification.quantities import OUTPUT_NAMES
 from stickslip_verification.record import Record
+from stickslip_verification.run_checks import judge_run
 from stickslip_verification.runs import RUNS
 from stickslip_verification.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
 from stickslip_verification.truth.parameters import complete

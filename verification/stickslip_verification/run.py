@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from stickslip_verification import checks, law_checks, workers
+from stickslip_verification import checks, law_checks, run_checks, workers
 from stickslip_verification.answer import Answer
 from stickslip_verification.cases import Check
 from stickslip_verification.checks import REFERENCE, Trial
@@ -157,7 +157,7 @@ def _judge_run(ground: Ground, law: RunLaw, trials: Trials, trial: Trial) -> Che
         return replace(empty, failure=f"the truth cannot be computed: {ground.exact.failure}")
     other = trials.runs[ground.case.id, law.run]
     exact = ground.exact.value
-    return law_checks.judge_run(law, ground.case, trial, exact, plain.value, other)
+    return run_checks.judge_run(law, ground.case, trial, exact, plain.value, other)
 
 
 def _judge_against_reference(
