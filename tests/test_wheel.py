@@ -42,5 +42,5 @@ def test_the_data_travels(names: set[str]) -> None:
     data = [path for path in folder.rglob("*") if path.suffix in kinds]
     folders = {path.parent.relative_to(folder).as_posix() for path in data}
     assert {"cases", "laws", "mutants/faults", "claims", "report/templates"} <= folders
-    assert folder / "accepted.json" in data
+    assert folder / "judging" / "accepted.json" in data
     assert {path.relative_to(folder.parent).as_posix() for path in data} <= names

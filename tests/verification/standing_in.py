@@ -9,10 +9,10 @@ from functools import cache
 import numpy as np
 
 from stickslip_verification.cases import Case, load_cases
-from stickslip_verification.checks import OURS, REFERENCE, judge
 from stickslip_verification.exact import Exact, exact_motion
+from stickslip_verification.judging.checks import OURS, REFERENCE, judge
 from stickslip_verification.record import Record, Series
-from stickslip_verification.sides import Side
+from stickslip_verification.trial.sides import Side
 from stickslip_verification.verdict import CheckResult
 
 Columns = dict[str, Series]

@@ -9,8 +9,8 @@ import pytest
 
 from stickslip_verification import CaseError, load_cases
 from stickslip_verification.cases import Case
-from stickslip_verification.checks import extract, places
 from stickslip_verification.formulas import FORMULAS
+from stickslip_verification.judging.checks import extract, places
 
 from .standing_in import exact_of
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip_verification.cases import Case
-from stickslip_verification.checks import FOREIGN, OURS, STRICT, judge
+from stickslip_verification.judging.checks import FOREIGN, OURS, STRICT, judge
 from stickslip_verification.record import Record
 
 from .standing_in import Columns, Fault, StandIn, exact_of, failures, named

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip_verification.answer import Answer
-from stickslip_verification.checks import REFERENCE
-from stickslip_verification.convergence import halves, observe, slope
-from stickslip_verification.law_checks import judge_order
+from stickslip_verification.judging.checks import REFERENCE
+from stickslip_verification.judging.law_checks import judge_order
 from stickslip_verification.laws import Order, load_laws
+from stickslip_verification.trial.answer import Answer
+from stickslip_verification.trial.convergence import halves, observe, slope
 from stickslip_verification.verdict import CheckResult, ObservedOrder
 
 from .records import named

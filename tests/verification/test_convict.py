@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification import load_laws, load_mutants, verify
-from stickslip_verification.convict import convict
-from stickslip_verification.ground import Ground, lay
 from stickslip_verification.mutants import Mutant
 from stickslip_verification.mutants.planted import Substitution, idle_reasons
+from stickslip_verification.suite.convict import convict
+from stickslip_verification.suite.ground import Ground, lay
 from stickslip_verification.verdict import KillMatrix
 
 from .standing_in import named

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.answer import Answer
-from stickslip_verification.checks import FOREIGN, OURS, Trial
-from stickslip_verification.law_checks import agreeing, judge_agreement
+from stickslip_verification.judging.checks import FOREIGN, OURS, Trial
+from stickslip_verification.judging.law_checks import agreeing, judge_agreement
 from stickslip_verification.laws import (
     Agreement,
     LawError,
@@ -21,10 +20,11 @@ from stickslip_verification.laws import (
     load_laws,
 )
 from stickslip_verification.metrics import METRICS
-from stickslip_verification.probes import PROBES
 from stickslip_verification.quantities import OUTPUT_NAMES
 from stickslip_verification.record import Record
-from stickslip_verification.runs import RUNS
+from stickslip_verification.trial.answer import Answer
+from stickslip_verification.trial.probes import PROBES
+from stickslip_verification.trial.runs import RUNS
 from stickslip_verification.verdict import CheckResult
 
 from .records import Draft, exact_of, named, planted

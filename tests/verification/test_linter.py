@@ -12,10 +12,10 @@ import pytest
 
 from stickslip_verification import linter
 from stickslip_verification.cases import CASES_FOLDER
+from stickslip_verification.judging.second import Accepted
 from stickslip_verification.laws import LawError, Laws, load_laws
 from stickslip_verification.linter import lint
 from stickslip_verification.mutants import MutantError, load_mutants
-from stickslip_verification.second import Accepted
 
 LAWS = load_laws()
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from stickslip_verification.cases import CASES_FOLDER, Case, CommunicationStep
-from stickslip_verification.checks import FOREIGN, OURS
 from stickslip_verification.exact import exact_motion
-from stickslip_verification.law_checks import judge_residual
+from stickslip_verification.judging.checks import FOREIGN, OURS
+from stickslip_verification.judging.law_checks import judge_residual
 from stickslip_verification.metrics import METRICS, Course
 from stickslip_verification.quantities import OUTPUT_NAMES
 from stickslip_verification.record import Record

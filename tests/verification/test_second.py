@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.checks import OURS, judge
+from stickslip_verification.judging.checks import OURS, judge
+from stickslip_verification.judging.second import Accepted, AcceptError, accept, load_accepted
 from stickslip_verification.record import Record
-from stickslip_verification.second import Accepted, AcceptError, accept, load_accepted
 from stickslip_verification.verdict import CheckResult, Measured, Second, Verdict
 
 from .records import Draft, exact_of, named, planted

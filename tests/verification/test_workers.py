@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification import workers
-from stickslip_verification.answer import Answer
 from stickslip_verification.cases import Case
 from stickslip_verification.fmu import NameMap, load_names
 from stickslip_verification.laws import load_laws
 from stickslip_verification.record import Record
+from stickslip_verification.trial import workers
+from stickslip_verification.trial.answer import Answer
 
 from .foreign import building
 from .records import exact_of, named
@@ -175,7 +175,7 @@ def test_leaving_a_pool_ends_what_still_runs(
 TALKING = """\
 import sys
 from pathlib import Path
-from stickslip_verification import workers
+from stickslip_verification.trial import workers
 from stickslip_verification.laws import load_laws
 
 if __name__ == "__main__":

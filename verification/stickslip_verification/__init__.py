@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from stickslip_verification.cases import Case, CaseError, load_case, load_cases
     from stickslip_verification.catalogue import Meaning, meanings
     from stickslip_verification.fmu import FmuError, NameMap, NamesError, load_names
+    from stickslip_verification.judging.second import AcceptError, accept
     from stickslip_verification.laws import LawError, load_laws
     from stickslip_verification.linter import lint
     from stickslip_verification.margins import margin
@@ -33,8 +34,7 @@ if TYPE_CHECKING:
         write_pdf,
         write_report,
     )
-    from stickslip_verification.second import AcceptError, accept
-    from stickslip_verification.suite import verify
+    from stickslip_verification.suite.verify import verify
     from stickslip_verification.verdict import CheckResult, KillMatrix, Verdict
 
 _HOME = {
@@ -45,7 +45,7 @@ _HOME = {
     "course_tolerances": "report",
     "check_pdf": "report",
     "ClaimSection": "report",
-    "AcceptError": "second",
+    "AcceptError": "judging.second",
     "Baseline": "baseline",
     "BaselineError": "baseline",
     "Case": "cases",
@@ -60,7 +60,7 @@ _HOME = {
     "PdfUnavailableError": "report",
     "ProofResult": "proofs",
     "Verdict": "verdict",
-    "accept": "second",
+    "accept": "judging.second",
     "as_json": "report",
     "compare": "baseline",
     "lint": "linter",
@@ -73,7 +73,7 @@ _HOME = {
     "prove": "proofs",
     "read_baseline": "baseline",
     "render": "report",
-    "verify": "suite",
+    "verify": "suite.verify",
     "write_json": "report",
     "write_pdf": "report",
     "write_report": "report",

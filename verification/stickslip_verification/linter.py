@@ -10,15 +10,15 @@ from pathlib import Path
 from stickslip_verification.cases import CASES_FOLDER, Case, CaseError, Check, load_case
 from stickslip_verification.exact import exact_motion
 from stickslip_verification.formulas import FORMULAS
-from stickslip_verification.law_checks import agreeing, applies
+from stickslip_verification.judging.law_checks import agreeing, applies
+from stickslip_verification.judging.second import Accepted, Key, load_accepted
 from stickslip_verification.laws import LawError, Laws, load_laws
 from stickslip_verification.metrics import METRICS
 from stickslip_verification.mutants import Mutant, MutantError, load_mutants
 from stickslip_verification.mutants.planted import idle_reasons
-from stickslip_verification.probes import PROBES
 from stickslip_verification.quantities import QUANTITIES
-from stickslip_verification.runs import RUNS
-from stickslip_verification.second import Accepted, Key, load_accepted
+from stickslip_verification.trial.probes import PROBES
+from stickslip_verification.trial.runs import RUNS
 
 THEORY = Path(__file__).parents[2] / "docs" / "theory.md"
 """Where the equations stand, in a working copy; an installed suite does not carry it."""

@@ -12,13 +12,14 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from stickslip_verification import baseline, convergence
+from stickslip_verification import baseline
 from stickslip_verification.catalogue import Meaning
 from stickslip_verification.margins import error_text
 from stickslip_verification.report import kill_view, order_plot, plots, svg, view
 from stickslip_verification.report.json_file import json_text
 from stickslip_verification.report.junit import as_junit
 from stickslip_verification.report.words import KINDS, SIDES, WORTH, ClaimSection
+from stickslip_verification.trial import convergence
 from stickslip_verification.verdict import NOT_APPLICABLE, NOTED, ObservedOrder, Verdict
 from stickslip_verification.whole_file import write_whole
 

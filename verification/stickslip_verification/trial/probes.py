@@ -11,10 +11,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from stickslip_verification import formulas
-from stickslip_verification.drive import NotApplicableError
 from stickslip_verification.fmu import FmuError, FmuFile, FmuInstance
 from stickslip_verification.fmu.names import INPUT_UNITS, UNITS
 from stickslip_verification.quantities import OUTPUT_NAMES
+from stickslip_verification.trial.drive import NotApplicableError
 from stickslip_verification.truth.parameters import START_VALUES, complete
 
 Probe = Callable[..., list[str]]

@@ -10,11 +10,11 @@ from typing import Protocol
 import numpy as np
 
 import stickslip_ref
-from stickslip_verification import drive
 from stickslip_verification.cases import Case
 from stickslip_verification.fmu import FmuError, FmuFile, NameMap
 from stickslip_verification.quantities import OUTPUT_NAMES
 from stickslip_verification.record import Record
+from stickslip_verification.trial import drive
 
 __all__ = ["FmuError", "FmuSide", "ReferenceSide", "Side", "reference_run"]
 

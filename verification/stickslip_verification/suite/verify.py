@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from stickslip_verification import provenance, workers
+from stickslip_verification import provenance
 from stickslip_verification.cases import Case
-from stickslip_verification.checks import FOREIGN, OURS, STRICT
-from stickslip_verification.convict import convict
-from stickslip_verification.drive import is_ours
 from stickslip_verification.fmu import FmuError, FmuFile, NameMap, require
-from stickslip_verification.ground import Progress, lay
+from stickslip_verification.judging.checks import FOREIGN, OURS, STRICT
+from stickslip_verification.judging.second import load_accepted
 from stickslip_verification.laws import load_laws
 from stickslip_verification.mutants import Mutant
-from stickslip_verification.run import judge, motions, try_out
-from stickslip_verification.second import load_accepted
+from stickslip_verification.suite.convict import convict
+from stickslip_verification.suite.ground import Progress, lay
+from stickslip_verification.suite.run import judge, motions, try_out
+from stickslip_verification.trial import workers
+from stickslip_verification.trial.drive import is_ours
 from stickslip_verification.verdict import Verdict
 
 

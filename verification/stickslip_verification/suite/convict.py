@@ -8,12 +8,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
-from stickslip_verification.checks import OURS
-from stickslip_verification.ground import Ground, Progress
+from stickslip_verification.judging.checks import OURS
 from stickslip_verification.laws import Laws
 from stickslip_verification.mutants import Mutant, MutantError, plant
 from stickslip_verification.mutants.planted import FAULTS_FOLDER, idle_reasons
-from stickslip_verification.run import Trials, judge, try_out
+from stickslip_verification.suite.ground import Ground, Progress
+from stickslip_verification.suite.run import Trials, judge, try_out
 from stickslip_verification.verdict import CheckResult, Conviction, KillMatrix
 
 LONGEST = 100.0

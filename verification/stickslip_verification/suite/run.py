@@ -6,14 +6,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from stickslip_verification import checks, law_checks, run_checks, workers
-from stickslip_verification.answer import Answer
 from stickslip_verification.cases import Check
-from stickslip_verification.checks import REFERENCE, Trial
 from stickslip_verification.fmu import NameMap
-from stickslip_verification.ground import Ground, Progress
+from stickslip_verification.judging import checks, law_checks, run_checks
+from stickslip_verification.judging.checks import REFERENCE, Trial
 from stickslip_verification.laws import Laws, ResidualLaw, RunLaw
 from stickslip_verification.record import Record
+from stickslip_verification.suite.ground import Ground, Progress
+from stickslip_verification.trial import workers
+from stickslip_verification.trial.answer import Answer
 from stickslip_verification.verdict import CheckResult, Motion
 
 FINISHES = "runs-to-the-end"

@@ -22,17 +22,17 @@ from typing import Any, Self, TypeVar
 
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
-from stickslip_verification import convergence
-from stickslip_verification.answer import Answer
 from stickslip_verification.cases import Case
-from stickslip_verification.drive import NotApplicableError, run_case
 from stickslip_verification.exact import Exact, exact_motion
 from stickslip_verification.fmu import FmuFile, NameMap
 from stickslip_verification.laws import Order, Probe
-from stickslip_verification.probes import PROBES
 from stickslip_verification.record import Record
-from stickslip_verification.runs import RUNS
-from stickslip_verification.sides import ReferenceSide
+from stickslip_verification.trial import convergence
+from stickslip_verification.trial.answer import Answer
+from stickslip_verification.trial.drive import NotApplicableError, run_case
+from stickslip_verification.trial.probes import PROBES
+from stickslip_verification.trial.runs import RUNS
+from stickslip_verification.trial.sides import ReferenceSide
 from stickslip_verification.verdict import ObservedOrder
 
 T = TypeVar("T")

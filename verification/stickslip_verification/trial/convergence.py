@@ -11,7 +11,7 @@ import numpy as np
 from stickslip_verification.cases import Case
 from stickslip_verification.exact import exact_motion
 from stickslip_verification.laws import Order
-from stickslip_verification.sides import reference_run
+from stickslip_verification.trial.sides import reference_run
 from stickslip_verification.verdict import ObservedOrder
 
 

@@ -8,10 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip_verification import convergence
-from stickslip_verification.answer import Answer
 from stickslip_verification.cases import Case, Check
-from stickslip_verification.checks import (
+from stickslip_verification.exact import Exact
+from stickslip_verification.judging.checks import (
     GRAIN,
     CheckError,
     LackingError,
@@ -21,10 +20,11 @@ from stickslip_verification.checks import (
     last_worst,
     without_value,
 )
-from stickslip_verification.exact import Exact
 from stickslip_verification.laws import Agreement, Law, Order, Probe, ResidualLaw
 from stickslip_verification.metrics import METRICS, Course, MissingOutputError, Residual
 from stickslip_verification.record import Record
+from stickslip_verification.trial import convergence
+from stickslip_verification.trial.answer import Answer
 from stickslip_verification.verdict import CheckResult, Measured, ObservedOrder
 
 RESIDUAL_GRAIN = 0.1

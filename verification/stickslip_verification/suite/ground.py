@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from stickslip_verification import workers
-from stickslip_verification.answer import Answer
 from stickslip_verification.cases import Case
 from stickslip_verification.exact import Exact
-from stickslip_verification.law_checks import applies
+from stickslip_verification.judging.law_checks import applies
 from stickslip_verification.laws import Laws, Order, ResidualLaw
 from stickslip_verification.record import Record
+from stickslip_verification.trial import workers
+from stickslip_verification.trial.answer import Answer
 from stickslip_verification.verdict import ObservedOrder
 
 TIME_LIMIT = 180.0

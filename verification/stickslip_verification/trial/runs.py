@@ -9,7 +9,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from stickslip_verification.cases import Case, CommunicationStep
-from stickslip_verification.drive import (
+from stickslip_verification.fmu import FmuFile, FmuInstance, available
+from stickslip_verification.quantities import OUTPUT_NAMES
+from stickslip_verification.record import Record
+from stickslip_verification.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
+from stickslip_verification.trial.drive import (
     Drive,
     NotApplicableError,
     Plan,
@@ -17,10 +21,6 @@ from stickslip_verification.drive import (
     plan,
     run_plan,
 )
-from stickslip_verification.fmu import FmuFile, FmuInstance, available
-from stickslip_verification.quantities import OUTPUT_NAMES
-from stickslip_verification.record import Record
-from stickslip_verification.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
 from stickslip_verification.truth.parameters import START_VALUES, complete
 
 Run = Callable[[FmuFile, Case], Record]

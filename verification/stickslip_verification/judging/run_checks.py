@@ -7,16 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip_verification.answer import Answer
 from stickslip_verification.cases import Case
-from stickslip_verification.checks import Trial, errors, last_worst
 from stickslip_verification.exact import Exact
-from stickslip_verification.law_checks import blank
+from stickslip_verification.judging.checks import Trial, errors, last_worst
+from stickslip_verification.judging.law_checks import blank
 from stickslip_verification.laws import RunLaw
 from stickslip_verification.metrics import Course
 from stickslip_verification.metrics.course import Mask
 from stickslip_verification.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.record import Record, Series
+from stickslip_verification.trial.answer import Answer
 from stickslip_verification.verdict import CheckResult, Measured
 
 SPLIT_GRAIN = 0.5

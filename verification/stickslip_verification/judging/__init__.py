@@ -1,0 +1,1 @@
+"""What came of it, judged: pure functions from records to results."""
