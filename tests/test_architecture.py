@@ -108,6 +108,9 @@ def imported_by_call(call: ast.Call, package: str) -> str:
             return name
         case [ast.JoinedStr(values=[ast.FormattedValue(value=ast.Name(id="__name__")), *_])]:
             return package
+        case [ast.JoinedStr(values=[ast.Constant(value=str(text)), *_]), _] if text[:1] == ".":
+            # Relative to a package: whichever that is, its own modules.
+            return package
         case _:
             return "a module with a computed name"
 

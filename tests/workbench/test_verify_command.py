@@ -33,6 +33,16 @@ def report_in(folder: Path) -> dict[str, object]:
     return report
 
 
+def write_without_the_jump(fmu: Path, to: Path) -> None:
+    """Write the FMU with its output delta_x under another name."""
+    with zipfile.ZipFile(fmu) as good, zipfile.ZipFile(to, "w") as bad:
+        for name in good.namelist():
+            content = good.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'name="delta_x"', b'name="delta_y"')
+            bad.writestr(name, content)
+
+
 def test_verify_passes_on_our_fmu(command: Command, tmp_path: Path) -> None:
     """Exit code 0, a table, the whole report where it is said to be, and the FMU in build/."""
     answer = command.in_fresh_process("verify", "--cases", "one-step")
@@ -65,12 +75,7 @@ def test_a_failed_check_is_told_with_what_it_means(
     command: Command, tmp_path: Path, fmu_path: Path
 ) -> None:
     """Exit code 1: what failed, what that means and where to look; JSON alone where asked for."""
-    with zipfile.ZipFile(fmu_path) as good, zipfile.ZipFile("bad.fmu", "w") as bad:
-        for name in good.namelist():
-            content = good.read(name)
-            if name == "modelDescription.xml":
-                content = content.replace(b'name="delta_x"', b'name="delta_y"')
-            bad.writestr(name, content)
+    write_without_the_jump(fmu_path, Path("bad.fmu"))
     answer = command("verify", "--fmu", "bad.fmu", "--cases", "default", "-o", "bad.json")
     assert answer.code == 1
     assert "FAIL default / delta_x-exact (fmu): no output delta_x" in answer.out
@@ -163,12 +168,7 @@ def test_wrong_use_is_one_line(
 
 def test_what_fails_is_not_accepted(command: Command, fmu_path: Path) -> None:
     """--accept refuses an FMU that misses a truth, and writes nothing."""
-    with zipfile.ZipFile(fmu_path) as good, zipfile.ZipFile("bad.fmu", "w") as bad:
-        for name in good.namelist():
-            content = good.read(name)
-            if name == "modelDescription.xml":
-                content = content.replace(b'name="delta_x"', b'name="delta_y"')
-            bad.writestr(name, content)
+    write_without_the_jump(fmu_path, Path("bad.fmu"))
     answer = command("verify", "--fmu", "bad.fmu", "--cases", "one-step", "--accept")
     assert answer.code == 2
     assert "checks fail against their truth" in answer.err

@@ -67,13 +67,7 @@ def examine(claim: Claim) -> Finding:
         f"at any speed, which the formula does not know, and without damping there is no critical "
         f"velocity at all."
     )
-    return Finding(
-        id=claim.id,
-        title=claim.title,
-        claim=claim.claim,
-        formula=claim.formula,
-        source=claim.source,
-        block=claim.block,
+    return claim.found(
         verdict=f"holds to {100 * levels[-1]:g} % for ζ ≤ {figure(most[levels[-1]], 2)}",
         sentence=sentence,
         header=("ζ", "formula", "exact", "formula high by"),

@@ -128,13 +128,7 @@ def examine(claim: Claim) -> Finding:
         counts = [f"{getattr(each, flag).sum()} of {each.k.size}" for each in found.values()]
         rows.append((words, *(cell for count in counts for cell in ("", count))))
     main, *others = found.values()
-    return Finding(
-        id=claim.id,
-        title=claim.title,
-        claim=claim.claim,
-        formula=claim.formula,
-        source=claim.source,
-        block=claim.block,
+    return claim.found(
         verdict=_verdict(main, max(grid["within"])),
         sentence=_sentence(claim, main, others),
         header=tuple(header),

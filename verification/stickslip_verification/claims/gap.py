@@ -63,13 +63,7 @@ def examine(claim: Claim) -> Finding:
         f"towards fast pull it goes to 1: there the gap hardly matters to the jump. The relief of "
         f"the spring, 2Δ, does double at every speed."
     )
-    return Finding(
-        id=claim.id,
-        title=claim.title,
-        claim=claim.claim,
-        formula=claim.formula,
-        source=claim.source,
-        block=claim.block,
+    return claim.found(
         verdict=f"holds to {100 * levels[0]:g} % for λ ≥ {figure(least[levels[0]])}",
         sentence=sentence,
         header=("v [mm/s]", "jump", "with twice the gap", "factor", "factor of the relief"),

@@ -60,13 +60,7 @@ def examine(claim: Claim) -> Finding:
         f"λ = {figure(lambda_of(default))}: the formula gives {figure(1000 * ours, 4)} mm, and the "
         f"mass jumps {figure(1000 * real, 4)} mm."
     )
-    return Finding(
-        id=claim.id,
-        title=claim.title,
-        claim=claim.claim,
-        formula=claim.formula,
-        source=claim.source,
-        block=claim.block,
+    return claim.found(
         verdict=f"holds to {100 * levels[0]:g} % for λ ≥ {figure(least[levels[0]])}",
         sentence=sentence,
         header=("short by at most", "for", *(f"at k = {k:g} N/m" for k in grid["k"])),

@@ -75,13 +75,7 @@ def examine(claim: Claim) -> Finding:
             ),
         ),
     )
-    return Finding(
-        id=claim.id,
-        title=claim.title,
-        claim=claim.claim,
-        formula=claim.formula,
-        source=claim.source,
-        block=claim.block,
+    return claim.found(
         verdict=f"holds to {100 * levels[0]:g} % for λ ≥ {figure(least[levels[0]])}",
         sentence=sentence,
         header=("short by at most", "for", f"at k = {block['k']:g} N/m"),

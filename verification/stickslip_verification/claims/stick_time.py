@@ -69,13 +69,7 @@ def examine(claim: Claim) -> Finding:
         f"{percent(within)} only for mu_k between {figure(low)} and {figure(high)} mu_s; below "
         f"that it is too short, above it too long."
     )
-    return Finding(
-        id=claim.id,
-        title=claim.title,
-        claim=claim.claim,
-        formula=claim.formula,
-        source=claim.source,
-        block=claim.block,
+    return claim.found(
         verdict=_verdict(list(runs.values())),
         sentence=sentence,
         header=("mu_k / mu_s", "formula / first load-up", "formula / stick in the cycle"),

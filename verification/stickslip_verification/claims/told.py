@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from stickslip_verification.claims.finding import Finding, Panel
+from stickslip_verification.data_file import DataError, read_toml
 from stickslip_verification.truth.parameters import complete
 
 HERE = Path(__file__).parent
@@ -29,11 +30,8 @@ _UNITS = {
 _GRID_DIGITS = 5
 
 
-class ClaimError(Exception):
+class ClaimError(DataError):
     """A claim's file cannot be used; one line with the file, the field and the reason."""
-
-    def __init__(self, file: Path, where: str, reason: str) -> None:
-        super().__init__(f"{file}: {where}: {reason}")
 
 
 @dataclass(frozen=True)
@@ -61,6 +59,30 @@ class Claim:
     block: str
     grid: Mapping[str, tuple[float, ...]]
 
+    def found(
+        self,
+        *,
+        verdict: str,
+        sentence: str,
+        header: tuple[str, ...],
+        rows: tuple[tuple[str, ...], ...],
+        panels: tuple[Panel, ...],
+    ) -> Finding:
+        """Give the claim as it is told with what came out; the arguments are those of `Finding`."""
+        return Finding(
+            id=self.id,
+            title=self.title,
+            claim=self.claim,
+            formula=self.formula,
+            source=self.source,
+            block=self.block,
+            verdict=verdict,
+            sentence=sentence,
+            header=header,
+            rows=rows,
+            panels=panels,
+        )
+
 
 def load_claim(file: Path, wanted: Collection[str]) -> Claim:
     """Read one claim, whose grid holds just the wanted lists.
@@ -70,10 +92,7 @@ def load_claim(file: Path, wanted: Collection[str]) -> Claim:
     ClaimError
         Naming the file, the field and what is wrong with it.
     """
-    try:
-        table = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise ClaimError(file, "the file", str(error)) from error
+    table = read_toml(file, ClaimError)
     unknown = sorted(set(table) - {*_TEXTS, "parameters", "grid"})
     if unknown:
         raise ClaimError(file, unknown[0], "no such field")

@@ -6,8 +6,9 @@ its names. What stands here is resolved when it is first used, so that importing
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from stickslip_verification.lazy import face
 
 if TYPE_CHECKING:
     from stickslip_verification.fmu.archive import REQUIRED, FmuFile, available, missing, require
@@ -46,12 +47,4 @@ __all__ = [
     "require",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__ = face(__name__, _HOME)
