@@ -230,7 +230,7 @@ def test_figure_shows_three_digits(value: float, shown: str) -> None:
         ("points = 91", "points = 1", "grid.v: points = 1 is outside points >= 2"),
         ("from = 0.0001", "from = 1.0", "grid.v: 0 < from < to is wanted"),
         ("[0.10, 0.05, 0.01]", "[]", "grid.within: an empty list"),
-        ("[grid]", "[grid", "the file: "),
+        ("[grid]", "[grid", "line 13: "),
         ("[grid]", "[grids]", "grids: no such field"),
     ],
 )

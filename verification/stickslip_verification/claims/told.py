@@ -105,10 +105,9 @@ def load_claim(file: Path, wanted: Collection[str]) -> Claim:
     grid = _table(file, table, "grid")
     if set(grid) != set(wanted):
         raise ClaimError(file, "grid", f"it holds {sorted(grid)}, wanted is {sorted(wanted)}")
+    given = {name: _number(file, f"parameters.{name}", each) for name, each in parameters.items()}
     try:
-        block = complete(
-            {name: _number(file, f"parameters.{name}", each) for name, each in parameters.items()}
-        )
+        block = complete(given)
     except ValueError as error:
         raise ClaimError(file, "parameters", str(error)) from error
     return Claim(
