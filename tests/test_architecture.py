@@ -39,6 +39,7 @@ RULES = {
 
 # Single modules that need more from outside than the rest of their package.
 EXTRA_OUTSIDE = {
+    ("stickslip", "page.assemble"): frozenset({"jinja2", "rcssmin", "rjsmin"}),
     ("stickslip_fmu", "fmi2"): frozenset({"pythonfmu"}),
     ("stickslip_fmu", "packer"): frozenset({"pythonfmu"}),
     ("stickslip_verification", "claims.plots"): frozenset({"matplotlib"}),

@@ -35,6 +35,15 @@ def test_the_four_packages_are_typed(names: set[str]) -> None:
     assert {f"{package}/py.typed" for package in packages} <= names
 
 
+def test_the_page_travels(names: set[str]) -> None:
+    """Markup, style, model, view, theory and tables of the page are in the wheel."""
+    folder = ROOT / "workbench" / "stickslip" / "page"
+    kinds = (".j2", ".html", ".css", ".js", ".toml")
+    sources = [path for path in folder.rglob("*") if path.suffix in kinds]
+    assert {path.suffix for path in sources} == set(kinds)
+    assert {path.relative_to(folder.parent.parent).as_posix() for path in sources} <= names
+
+
 def test_the_data_travels(names: set[str]) -> None:
     """Cases, laws, faults, claims, schemas, templates and accepted values are in the wheel."""
     folder = ROOT / "verification" / "stickslip_verification"

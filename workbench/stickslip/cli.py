@@ -14,6 +14,7 @@ from typer.exceptions import TyperException
 
 from stickslip.commands.build import build
 from stickslip.commands.lint import lint
+from stickslip.commands.page import explore, page
 from stickslip.commands.prove import prove
 from stickslip.commands.score import score
 from stickslip.commands.shared import say
@@ -27,7 +28,7 @@ INTERRUPTED = 130
 INTERNAL_ERROR = 70
 """EX_SOFTWARE of sysexits.h: neither a verdict nor the person's mistake."""
 
-SUMMARY = "Build the stick-slip FMU, simulate it or the reference, verify any such FMU or curve."
+SUMMARY = "Build the stick-slip FMU, simulate and explore it, verify any such FMU or curve."
 
 app = typer.Typer(
     name="stickslip",
@@ -38,7 +39,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-for command in (build, simulate, verify, score, prove, lint):
+for command in (build, simulate, explore, page, verify, score, prove, lint):
     app.command()(command)
 
 

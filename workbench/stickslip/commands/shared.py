@@ -41,11 +41,12 @@ def build_fmu(target: Path, option: str) -> Path:
         check_writable(target, option)
     else:
         make_folder(target, option)
+    from stickslip.page import page
     from stickslip_fmu.packer import build
 
     with Meter("Building the FMU"):
         try:
-            return build(target)
+            return build(target, {"index.html": page().encode()})
         except OSError as error:
             reason = error.strerror or str(error)
             raise CommandError(f"{option} {target}: cannot write the FMU: {reason}") from error

@@ -2,13 +2,14 @@
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from stickslip.commands.options import held_input, parameter
 from stickslip.commands.shared import build_fmu, console, say
 from stickslip.errors import CommandError
-from stickslip.quantities import help_text, option_name, read_experiment, read_values
+from stickslip.quantities import read_experiment, read_values
 
 if TYPE_CHECKING:
     from stickslip.run import Run
@@ -22,43 +23,24 @@ class Engine(StrEnum):
     REFERENCE = "reference"
 
 
-def _quantity(name: str, panel: str, *spellings: str) -> Any:
-    return typer.Option(
-        option_name(name),
-        *spellings,
-        help=help_text(name),
-        metavar="VALUE",
-        rich_help_panel=panel,
-        show_default=False,
-    )
-
-
-def _parameter(name: str) -> Any:
-    return _quantity(name, "Parameters (a number in SI, or with a unit: 1kN/m, 0.5 N/um, 2 kg)")
-
-
-def _input(name: str, *spellings: str) -> Any:
-    return _quantity(name, "Inputs, held over the run (20mm/s, 5 N)", *spellings)
-
-
 def simulate(
     engine: Annotated[Engine, typer.Option(help="The FMU, or the SciPy reference.")] = Engine.FMU,
     fmu: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="The FMU to simulate; default: one built for this run."),
     ] = None,
-    m: Annotated[str | None, _parameter("m")] = None,
-    g: Annotated[str | None, _parameter("g")] = None,
-    k: Annotated[str | None, _parameter("k")] = None,
-    c: Annotated[str | None, _parameter("c")] = None,
-    mu_s: Annotated[str | None, _parameter("mu_s")] = None,
-    mu_k: Annotated[str | None, _parameter("mu_k")] = None,
-    x_start: Annotated[str | None, _parameter("x_start")] = None,
-    x_dot_start: Annotated[str | None, _parameter("x_dot_start")] = None,
-    z_start: Annotated[str | None, _parameter("z_start")] = None,
-    v: Annotated[str | None, _input("v")] = None,
-    load: Annotated[str | None, _input("load")] = None,
-    F_ext: Annotated[str | None, _input("F_ext", "--f-ext")] = None,
+    m: Annotated[str | None, parameter("m")] = None,
+    g: Annotated[str | None, parameter("g")] = None,
+    k: Annotated[str | None, parameter("k")] = None,
+    c: Annotated[str | None, parameter("c")] = None,
+    mu_s: Annotated[str | None, parameter("mu_s")] = None,
+    mu_k: Annotated[str | None, parameter("mu_k")] = None,
+    x_start: Annotated[str | None, parameter("x_start")] = None,
+    x_dot_start: Annotated[str | None, parameter("x_dot_start")] = None,
+    z_start: Annotated[str | None, parameter("z_start")] = None,
+    v: Annotated[str | None, held_input("v")] = None,
+    load: Annotated[str | None, held_input("load")] = None,
+    F_ext: Annotated[str | None, held_input("F_ext", "--f-ext")] = None,
     start_time: Annotated[str, typer.Option(metavar="TIME", help="First time [s].")] = "0",
     stop_time: Annotated[str, typer.Option(metavar="TIME", help="Last time [s].")] = "10",
     output_interval: Annotated[

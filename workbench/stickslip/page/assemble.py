@@ -1,0 +1,103 @@
+"""Puts the page together: markup, style, script, presets and theory in one HTML file."""
+
+import json
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Any, Final
+
+from stickslip.page.script import joined
+from stickslip_fmu.release import VERSION
+from stickslip_fmu.variables import VARIABLES_BY_NAME
+
+_ENTRY: Final = "view/main.js"
+_SOURCES: Final = files("stickslip.page")
+
+
+def page(setting: Mapping[str, float] | None = None) -> str:
+    """Return the page: one HTML text that asks for nothing else, from a file or from a server.
+
+    Parameters
+    ----------
+    setting
+        Values that it begins with [SI], by name; the rest are the FMU's start values. A value
+        out of `page_range` is named on the page and not taken.
+    """
+    from jinja2 import Environment, StrictUndefined
+    from rcssmin import cssmin
+    from rjsmin import jsmin
+
+    environment = Environment(
+        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined
+    )
+    presets = _table("presets.toml")["preset"]
+    data = {
+        "controls": [_of_script(control) for control in _controls()],
+        "presets": presets,
+        "setting": dict(setting or {}),
+    }
+    text = environment.from_string(_text("page.html.j2")).render(
+        version=VERSION,
+        controls=_controls(),
+        presets=presets,
+        data=_embedded(data),
+        style=cssmin(_text("style.css") + _text("schematic.css")),
+        chart_style=cssmin(_text("chart.css")),
+        script=jsmin(joined(_modules(), _ENTRY)),
+        theory=_text("theory.html"),
+    )
+    return "".join(f"{line.lstrip()}\n" for line in text.splitlines() if line.strip())
+
+
+def page_range(name: str) -> tuple[float, float, str]:
+    """Return the least and the greatest value of a parameter that the page takes, and its SI unit.
+
+    Raises
+    ------
+    KeyError
+        If the page has no such control.
+    """
+    control = next((each for each in _controls() if each["name"] == name), None)
+    if control is None:
+        raise KeyError(name)
+    shown = 10.0 ** control["decimals"]
+    unit = VARIABLES_BY_NAME[name].unit
+    return control["least"] / shown, control["most"] / shown, "" if unit == "1" else unit
+
+
+@cache
+def _controls() -> list[dict[str, Any]]:
+    """Give the controls, each with the start value (SI) of its FMU variable."""
+    return [
+        {**control, "start": VARIABLES_BY_NAME[control["name"]].start}
+        for control in _table("controls.toml")["control"]
+    ]
+
+
+def _of_script(control: dict[str, Any]) -> dict[str, Any]:
+    """Give of a control what the script needs; the rest is in the markup."""
+    in_markup = {"label", "symbol", "folded"}
+    return {key: value for key, value in control.items() if key not in in_markup}
+
+
+def _modules() -> dict[str, str]:
+    return {
+        f"{folder}/{file.name}": file.read_text(encoding="utf-8")
+        for folder in ("model", "view")
+        for file in (_SOURCES / folder).iterdir()
+        if file.name.endswith(".js")
+    }
+
+
+def _table(name: str) -> dict[str, Any]:
+    return tomllib.loads(_text(name))
+
+
+def _text(name: str) -> str:
+    return (_SOURCES / name).read_text(encoding="utf-8")
+
+
+def _embedded(data: object) -> str:
+    """Write data as JSON that can stand inside a script element."""
+    return json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/")

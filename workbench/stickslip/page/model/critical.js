@@ -1,0 +1,46 @@
+/** From which velocity on a damped slip no longer comes to rest: docs/theory.md (13), (14). */
+
+import { numbersOf } from "./friction.js";
+import { risingZero } from "./root.js";
+
+/**
+ * The critical velocity.
+ *
+ * @param {object} p a setting, SI; its v is of no influence
+ * @returns {number} v_c [m/s]: infinite without damping, where there is none; 0 where damping
+ *   leaves no cycle at any speed
+ */
+export function criticalVelocity(p) {
+  if (p.c === 0) return Infinity;
+  const { w, Delta, zeta } = numbersOf(p);
+  return zeta < 1 ? w * Delta * Math.exp(-logCriticalLambda(zeta)) : 0;
+}
+
+/** The handbooks' critical velocity [m/s], the first order of the exact one; NaN without damping. */
+export function firstOrderCriticalVelocity(p) {
+  const { Delta, zeta } = numbersOf(p);
+  return p.c === 0 ? NaN : (p.k * Delta) / Math.sqrt(4 * Math.PI * zeta * p.k * p.m);
+}
+
+/** ln lambda_c, the unknown in which the equation is nearly linear at both ends; 0 < zeta < 1. */
+function logCriticalLambda(zeta) {
+  const nu = Math.sqrt((1 - zeta) * (1 + zeta));
+  // Light damping gives lambda_c = sqrt(4 pi zeta), heavy exp((zeta/nu)(pi + acos zeta)). The root
+  // is above the first and below the sum of both; a unit to each side makes them a bracket.
+  const light = 0.5 * Math.log(4 * Math.PI * zeta);
+  const heavy = (zeta / nu) * (Math.PI + Math.acos(zeta));
+  const low = light - 1;
+  const high = Math.max(light, heavy) + Math.LN2 + 1;
+  return risingZero((log) => excess(log, zeta, nu), low, high, zeta < 0.3 ? light : heavy);
+}
+
+/** ln of the deepest velocity deviation over v, and its slope in ln lambda. */
+function excess(log, zeta, nu) {
+  // Below lambda = 1 the logarithm is of 1 + lambda (lambda - 2 zeta), above of lambda times that.
+  const e = Math.exp(-Math.abs(log));
+  const inner = e * (e - 2 * zeta);
+  const small = log < 0;
+  const angle = small ? Math.atan2(e * nu, 1 - zeta * e) : Math.atan2(nu, e - zeta);
+  const growth = 0.5 * Math.log1p(inner) + (small ? 0 : log);
+  return [growth - (zeta / nu) * (2 * Math.PI - angle), (small ? e * e : 1) / (1 + inner)];
+}

@@ -1,0 +1,124 @@
+/** The steady cycle in closed form, and as designers write it: docs/theory.md (6) to (13). */
+
+import { numbersOf } from "./friction.js";
+import { risingZero } from "./root.js";
+
+/**
+ * The exact steady cycle.
+ *
+ * @param {object} p a setting, SI
+ * @returns {object} F_s, Delta, lambda_, zeta, w, exists, and spring_drop, delta_x [m], t_slip,
+ *   t_stick, T [s], f [Hz], x_dot_peak [m/s], share (of stick in the period): NaN where there is
+ *   no cycle
+ */
+export function steadyCycle(p) {
+  const { F_s, Delta, lambda_, zeta, w } = numbersOf(p);
+  const known = { F_s, Delta, lambda_, zeta, w };
+  const slip = zeta === 0 ? undampedSlip(lambda_) : dampedSlip(lambda_, zeta);
+  if (slip === null) {
+    const none = NaN;
+    return {
+      ...known,
+      exists: false,
+      spring_drop: none,
+      delta_x: none,
+      t_slip: none,
+      t_stick: none,
+      T: none,
+      f: none,
+      x_dot_peak: none,
+      share: none,
+    };
+  }
+  const t_slip = slip.duration / w;
+  const t_stick = slip.relief / w;
+  const T = t_stick + t_slip;
+  return {
+    ...known,
+    exists: true,
+    spring_drop: t_stick * p.v,
+    delta_x: p.v * T,
+    t_slip,
+    t_stick,
+    T,
+    f: 1 / T,
+    x_dot_peak: p.v * slip.peak,
+    share: t_stick / T,
+  };
+}
+
+/**
+ * The cycle as designers write it, without damping: docs/theory.md (12).
+ *
+ * @param {object} p a setting, SI
+ * @returns {object} F_s [N], delta_x [m], t_stick, t_slip, T [s], f [Hz], share
+ */
+export function simplified(p) {
+  const { F_s, Delta, w } = numbersOf(p);
+  const t_stick = F_s / (p.k * p.v);
+  const t_slip = Math.PI / w;
+  const T = t_stick + t_slip;
+  return { F_s, delta_x: 2 * Delta, t_stick, t_slip, T, f: 1 / T, share: t_stick / T };
+}
+
+/** Duration in units of 1/w, relief in units of v/w, peak in units of v: (7), (8), (11). */
+function undampedSlip(lambda_) {
+  return {
+    duration: 2 * (Math.PI - Math.atan(lambda_)),
+    relief: 2 * lambda_,
+    peak: 1 + Math.hypot(1, lambda_),
+  };
+}
+
+/**
+ * The same with damping, or null where a slip from rest never ends: (13).
+ *
+ * In these units the velocity deviation from the pull, x_dot/v - 1, starts at -1 and is
+ * -D G(delta), delta being the time left to its minimum, where
+ *
+ *     D = sqrt(1 - 2 zeta lambda + lambda^2) exp(-zeta s_min)
+ *     G = exp(zeta delta) (cos(nu delta) - (zeta/nu) sin(nu delta))
+ *
+ * and G falls from 1 at the minimum to 0 at nu delta = acos zeta. The slip ends at G = 1/D.
+ */
+function dampedSlip(lambda_, zeta) {
+  if (zeta >= 1) return null;
+  const nu = Math.sqrt((1 - zeta) * (1 + zeta));
+  const angle = Math.atan2(lambda_ * nu, 1 - zeta * lambda_);
+  // ln of the amplitude, from the small side of lambda = 1 and from the large.
+  const ratio = lambda_ < 1 ? lambda_ : 1 / lambda_;
+  const logAmplitude =
+    0.5 * Math.log1p(ratio * (ratio - 2 * zeta)) + Math.log(Math.max(lambda_, 1));
+  const minimum = (2 * Math.PI - angle) / nu;
+  const logD = logAmplitude - zeta * minimum;
+  if (!(logD >= 0)) return null;
+  const delta = timeBeforeMinimum(logD, zeta, nu);
+  const deceleration = (Math.exp(logD + zeta * delta) * Math.sin(nu * delta)) / nu;
+  return {
+    duration: minimum - delta,
+    // From the acceleration of the start to the deceleration of the end.
+    relief: lambda_ + deceleration,
+    peak: 1 + Math.exp(logAmplitude - (zeta * (Math.PI - angle)) / nu),
+  };
+}
+
+/** Solve G(delta) = 1/D in sqrt(1 - G), which is nearly linear in delta: 1 - G begins as its square. */
+function timeBeforeMinimum(logD, zeta, nu) {
+  const target = Math.sqrt(-Math.expm1(-logD));
+  if (target === 0) return 0;
+  const high = Math.acos(zeta) / nu;
+  const undamped = Math.asin(Math.sqrt(-Math.expm1(-2 * logD)));
+  const excess = (delta) => {
+    const sine = Math.sin(nu * delta);
+    const half = Math.sin(0.5 * nu * delta);
+    const growth = Math.exp(zeta * delta);
+    // 1 - G, its leading ones cancelled by hand.
+    const depth =
+      2 * half * half +
+      growth * (zeta / nu) * sine -
+      Math.expm1(zeta * delta) * (1 - 2 * half * half);
+    const root = Math.sqrt(Math.max(depth, 0));
+    return [root - target, (growth * sine) / (2 * nu * Math.max(root, 1e-300))];
+  };
+  return risingZero(excess, 0, high, Math.min(undamped, high));
+}

@@ -1,0 +1,100 @@
+/**
+ * The whole motion of a mass that starts at rest on a relaxed spring: a first load-up, then the
+ * steady cycle for ever, or one slip without end. docs/theory.md (6), (10), (13).
+ *
+ * Any instant is reached at once and not from the one before, so nothing adds up over the cycles.
+ */
+
+import { steadyCycle } from "./cycle.js";
+import { numbersOf } from "./friction.js";
+import { slipFromRest } from "./slip.js";
+
+/**
+ * Solve a setting.
+ *
+ * @param {object} p a setting, SI
+ * @returns {object} the motion:
+ *   cycle, slip: what it is made of; first [s]: when the mass first breaks away; z_s [m]: the
+ *   spring's extension there;
+ *   at(t): the state at the time t [s]; sticking, slipping: the same where the phase is known;
+ *   phases(from, to): the sticks and slips that touch this stretch of time;
+ *   events(from, to): the transitions in it
+ */
+export function motionOf(p) {
+  const numbers = numbersOf(p);
+  const cycle = steadyCycle(p);
+  const slip = slipFromRest(p);
+  const first = numbers.F_s / (p.k * p.v);
+  const z_s = numbers.F_s / p.k;
+
+  // Without a cycle its period is no number, and the one break-away is the first.
+  const breakAway = (n) => (n === 0 ? first : first + n * cycle.T);
+  const reStick = (n) => breakAway(n) + cycle.t_slip;
+  const positionBefore = (n) => (n === 0 ? 0 : n * cycle.delta_x);
+  /** The state in the stick after n slips, `left` [s] before it breaks away. */
+  const sticking = (t, n, left) => {
+    const z = n === 0 ? p.v * t : z_s - p.v * left;
+    const x = positionBefore(n);
+    return { t, mode: 0, x, x_dot: 0, x_pull: x + z, z, F: p.k * z, F_friction: -p.k * z };
+  };
+
+  /** The state in the slip after n others, `tau` [s] after its break-away. */
+  const slipping = (t, n, tau) => {
+    const { displacement, x_dot, growth } = slip.at(tau);
+    // A re-stick is at rest to the last bit; rounding must not show a mass that goes back.
+    const speed = Math.max(x_dot, 0);
+    const x = positionBefore(n) + displacement;
+    const z = z_s + growth;
+    const F = numbers.F_s + p.k * growth;
+    const F_friction = -(numbers.F_k + p.c * speed);
+    return { t, mode: 1, x, x_dot: speed, x_pull: x + z, z, F, F_friction };
+  };
+
+  /** The number of break-aways before t, less one; t is after the first. */
+  const lastBreakAway = (t) => {
+    if (!cycle.exists) return 0;
+    let n = Math.max(Math.floor((t - first) / cycle.T), 0);
+    // The quotient may be off by one; the mass still sticks at the very time of a break-away.
+    if (breakAway(n) >= t && n > 0) n -= 1;
+    if (breakAway(n + 1) < t) n += 1;
+    return n;
+  };
+
+  function at(t) {
+    if (t <= first) return sticking(t, 0, first - t);
+    const n = lastBreakAway(t);
+    const tau = t - breakAway(n);
+    if (!cycle.exists || tau < cycle.t_slip) return slipping(t, n, tau);
+    return sticking(t, n + 1, Math.max(cycle.T - tau, 0));
+  }
+
+  function* phases(from, to) {
+    if (from < first) yield { kind: "stick", n: 0, start: 0, end: first };
+    if (to <= first) return;
+    if (!cycle.exists) {
+      yield { kind: "slip", n: 0, start: first, end: Infinity };
+      return;
+    }
+    for (let n = from > first ? lastBreakAway(from) : 0; breakAway(n) < to; n++) {
+      if (reStick(n) > from) yield { kind: "slip", n, start: breakAway(n), end: reStick(n) };
+      if (reStick(n) < to && breakAway(n + 1) > from && cycle.t_stick > 0) {
+        yield { kind: "stick", n: n + 1, start: reStick(n), end: breakAway(n + 1) };
+      }
+    }
+  }
+
+  function* events(from, to) {
+    for (const { kind, n, start, end } of phases(from, to)) {
+      const isEvent = kind === "slip" || n > 0;
+      if (isEvent && start >= from && start <= to) {
+        yield { t: start, kind: kind === "slip" ? "break-away" : "re-stick" };
+      }
+      // A stick of no length is no phase, but the mass does come to rest and break away.
+      if (kind === "slip" && cycle.t_stick === 0 && end >= from && end <= to) {
+        yield { t: end, kind: "re-stick" };
+      }
+    }
+  }
+
+  return { p, numbers, cycle, slip, first, z_s, at, sticking, slipping, phases, events };
+}

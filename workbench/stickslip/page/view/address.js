@@ -1,0 +1,36 @@
+/** The address bar holds the setting, so that a link or a bookmark brings it back. */
+
+const STILL = 250;
+
+/**
+ * The values that an address asks for.
+ *
+ * @param {string} hash such as "#k=1000&v=0.02", SI
+ * @returns {{values: object, bad: string[]}} numbers by name, and the parts that are none
+ */
+export function valuesIn(hash) {
+  const values = {};
+  const bad = [];
+  for (const [name, text] of new URLSearchParams(hash.slice(1))) {
+    const value = text.trim() === "" ? NaN : Number(text);
+    if (Number.isFinite(value)) values[name] = value;
+    else bad.push(`${name}=${text}`);
+  }
+  return { values, bad };
+}
+
+/** The part of an address that asks for these values. */
+export function hashOf(values) {
+  return `#${Object.entries(values)
+    .map(([name, value]) => `${name}=${value}`)
+    .join("&")}`;
+}
+
+/** Give a function that writes values into the address bar, once they have been still a moment. */
+export function makeAddress() {
+  let waiting = 0;
+  return (values) => {
+    clearTimeout(waiting);
+    waiting = setTimeout(() => history.replaceState(null, "", hashOf(values)), STILL);
+  };
+}

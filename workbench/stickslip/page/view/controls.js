@@ -1,0 +1,156 @@
+/** The parameters: a slider and a typed value each, the clamp of mu_k, and what is refused. */
+
+import { kineticInUse, kineticStop } from "../model/friction.js";
+import { placeSlider, sliderEnds, valueAt } from "./slider.js";
+import { readTyped, typedText } from "./typed.js";
+import { shifted } from "./units.js";
+
+/**
+ * Bring the controls to life.
+ *
+ * @param {object[]} table the page's controls
+ * @param {(p: object) => ?string} accept called with each new setting, SI; a text refuses it
+ * @returns {object} setting: the values in use, SI; set(values): take these as if typed, throws a
+ *   RangeError with the reason if they are refused; starts: the values of the FMU
+ */
+export function makeControls(table, accept) {
+  const starts = Object.fromEntries(table.map(({ name, start }) => [name, start]));
+  const rows = Object.fromEntries(table.map((control) => [control.name, makeRow(control)]));
+  const folded = document.getElementById("folded-values");
+  let setting = { ...starts };
+  // What the person asked of mu_k; what is in use may be less.
+  let asked = setting.mu_k;
+
+  function makeRow(control) {
+    const box = document.getElementById(`${control.name}-control`);
+    const row = {
+      control,
+      text: document.getElementById(control.name),
+      slider: document.getElementById(`${control.name}-slider`),
+      track: box.querySelector(".track"),
+      ends: box.querySelectorAll(".ends span"),
+      said: box.querySelector(".said"),
+      shown: null,
+    };
+    row.slider.addEventListener("input", () => slide(row));
+    row.text.addEventListener("input", () => type(row));
+    row.text.addEventListener("blur", () => row.said.dataset.bad || write(row));
+    row.text.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") show(row, true);
+    });
+    return row;
+  }
+
+  function slide(row) {
+    const { name } = row.control;
+    const value = valueAt(row.slider, row.control, row.shown);
+    if (name === "mu_k") return take({ mu_k: value }, value, row);
+    // A slider keeps the gap; what is typed needs only to be no more than mu_s.
+    if (name === "mu_s") return take({ mu_s: value, mu_k: Math.min(asked, kineticStop(value)) }, asked, row);
+    return take({ [name]: value }, asked, row);
+  }
+
+  function type(row) {
+    const { name } = row.control;
+    const read = readTyped(row.text.value, row.control);
+    const objection = read.objection ?? tryTyped(name, read.value, row);
+    if (objection) refuse(row, objection);
+  }
+
+  function tryTyped(name, value, row) {
+    const wanted = name === "mu_k" ? value : asked;
+    const mu_s = name === "mu_s" ? value : setting.mu_s;
+    return take({ [name]: value, mu_k: kineticInUse(mu_s, wanted) }, wanted, row);
+  }
+
+  /** Take new values if they are accepted, and show them; `from` is the row they come from. */
+  function take(values, wanted, from) {
+    const next = { ...setting, ...values };
+    const objection = accept(next);
+    if (objection) return objection;
+    setting = next;
+    asked = wanted;
+    for (const row of Object.values(rows)) show(row, row !== from);
+    showFolded();
+    return null;
+  }
+
+  /** What is folded away is still said. */
+  function showFolded() {
+    const texts = ["m", "g", "c"].map((name) => {
+      const { control } = rows[name];
+      return `${name} ${typedText(setting[name], control)} ${control.unit}`;
+    });
+    folded.textContent = texts.join(", ");
+  }
+
+  function refuse(row, objection) {
+    row.text.setAttribute("aria-invalid", "true");
+    const { name, unit } = row.control;
+    const last = `${typedText(setting[name], row.control)} ${unit}`.trim();
+    say(row, `${objection} The picture still shows ${last}.`, true);
+  }
+
+  function show(row, rewrite) {
+    const { control, slider, text } = row;
+    const value = setting[control.name];
+    if (slider !== document.activeElement || rewrite || control.name === "mu_k") place(row, value);
+    else slider.setAttribute("aria-valuetext", `${typedText(value, control)} ${control.unit}`);
+    if (rewrite || text !== document.activeElement) write(row);
+    text.removeAttribute("aria-invalid");
+    say(row, control.name === "mu_k" ? clampNote() : "", false);
+  }
+
+  function place(row, value) {
+    const { control } = row;
+    const shown = shifted(String(control.name === "mu_k" ? setting.mu_s : value), control.decimals);
+    const ends = sliderEnds(control, shown);
+    row.ends[0].textContent = ends.low;
+    row.ends[1].textContent = ends.high;
+    row.shown = ends;
+    if (control.name === "mu_k") {
+      // The slider is as long as mu_k may be, so that both stand on one scale.
+      const stop = kineticStop(setting.mu_s);
+      row.track.style.setProperty("--share", stop / ends.high);
+      row.shown = { low: 0, high: stop };
+    }
+    placeSlider(row.slider, control, value, row.shown);
+  }
+
+  function write(row) {
+    const text = typedText(setting[row.control.name], row.control);
+    // What rounding left of a difference is not for reading.
+    row.text.value = text.length > 14 ? String(Number(Number(text).toPrecision(12))) : text;
+  }
+
+  function clampNote() {
+    if (asked === setting.mu_k) return "";
+    return `Held at ${Number(setting.mu_k.toPrecision(6))}: ${asked} is too near to μs or above it.`;
+  }
+
+  function say(row, text, bad) {
+    if (row.said.textContent !== text) row.said.textContent = text;
+    if (bad) row.said.dataset.bad = "yes";
+    else delete row.said.dataset.bad;
+  }
+
+  function set(values) {
+    const next = { ...setting, mu_k: asked, ...values };
+    for (const [name, value] of Object.entries(values)) {
+      const row = rows[name];
+      if (!row) throw new RangeError(`There is no parameter ${name}.`);
+      const read = readTyped(typedText(value, row.control), row.control);
+      if (read.objection) throw new RangeError(`${name}: ${read.objection}`);
+    }
+    const objection = take({ ...next, mu_k: kineticInUse(next.mu_s, next.mu_k) }, next.mu_k, null);
+    if (objection) throw new RangeError(objection);
+  }
+
+  return {
+    get setting() {
+      return setting;
+    },
+    set,
+    starts,
+  };
+}

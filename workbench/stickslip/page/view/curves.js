@@ -1,0 +1,105 @@
+/**
+ * The motion as paths, drawn from its events: a stick is one straight line, a slip a few cubics
+ * through exact points with exact slopes, cut anew for what is seen, so that corners stay corners.
+ */
+
+import { px } from "./frame.js";
+
+/** Radians of the fastest motion that one cubic may span; it then errs by 1e-4 of the swing. */
+const LONGEST_STEP = 0.4;
+const MOST_NODES = 4000;
+
+/**
+ * The phases in a stretch of time, each with exact points of x(t) and F(t) and their slopes.
+ *
+ * @param {object} motion
+ * @param {{from: number, to: number}} seen the stretch of time [s]
+ * @param {number} width its width in pixels
+ * @returns {object[]} {kind, start, end, points: {t, x, x_dot, F, F_dot}[]}, start and end [s] cut
+ *   to what is seen
+ */
+export function seenPhases(motion, { from, to }, width) {
+  const perSecond = width / (to - from);
+  return Array.from(motion.phases(from, to), ({ kind, n, start, end }) => {
+    const a = Math.max(start, from);
+    const b = Math.min(end, to);
+    const point = (state) => ({ ...state, F_dot: motion.p.k * (motion.p.v - state.x_dot) });
+    const points =
+      kind === "stick"
+        ? [a, b].map((t) => point(motion.sticking(t, n, end - t)))
+        : slipNodes(motion.slip, a - start, b - start, (b - a) * perSecond).map((tau) =>
+            point(motion.slipping(start + tau, n, tau)),
+          );
+    return { kind, start: a, end: b, points };
+  });
+}
+
+/**
+ * The times since break-away at which a slip is computed, from `a` to `b` [s].
+ *
+ * @param {object} slip of a motion
+ * @param {number} width how many pixels this stretch takes
+ */
+export function slipNodes(slip, a, b, width) {
+  // Less than a cubic to three pixels is not seen.
+  const least = (b - a) / Math.max(width / 3, 8);
+  const nodes = [a];
+  for (let tau = a; tau < b && nodes.length < MOST_NODES; nodes.push(tau)) {
+    // What decays fast is still after a while, and the slow rest takes longer steps.
+    const rate = slip.fast * tau > 30 ? slip.slow : slip.rate;
+    const step = slip.slow * tau > 40 ? b - tau : LONGEST_STEP / rate;
+    tau = Math.min(tau + Math.max(step, least), b);
+  }
+  return nodes;
+}
+
+/**
+ * Path data of a quantity over time.
+ *
+ * @param {object[]} phases of `seenPhases`
+ * @param {object} frame of the chart
+ * @param {string} name of the quantity, "x" or "F"
+ * @param {string} slope name of its derivative
+ */
+export function timePath(phases, frame, name, slope) {
+  let path = "";
+  for (const { kind, points } of phases) {
+    points.forEach((point, index) => {
+      const last = points[index - 1];
+      const here = `${px(frame.x(point.t))} ${px(frame.y(point[name]))}`;
+      if (!last || kind === "stick") path += `${path ? "L" : "M"}${here}`;
+      else {
+        const third = (point.t - last.t) / 3;
+        path +=
+          `C${px(frame.x(last.t + third))} ${px(frame.y(last[name] + third * last[slope]))}` +
+          ` ${px(frame.x(point.t - third))} ${px(frame.y(point[name] - third * point[slope]))} ${here}`;
+      }
+    });
+  }
+  return path;
+}
+
+/**
+ * The phase portrait as path data: velocity over spring extension.
+ *
+ * @param {object} motion
+ * @param {object} frame of the chart
+ * @param {number[]} nodes times since break-away [s]
+ */
+export function portraitPath(motion, frame, nodes) {
+  const point = (z, x_dot) => `${px(frame.x(z))} ${px(frame.y(x_dot))}`;
+  let path = `M${point(0, 0)}L${point(motion.z_s, 0)}`;
+  let last = null;
+  for (const tau of nodes) {
+    const { x_dot, z } = motion.slipping(0, 0, tau);
+    const here = { tau, z, x_dot, z_dot: motion.p.v - x_dot, x_ddot: motion.slip.at(tau).x_ddot };
+    if (last) {
+      const third = (tau - last.tau) / 3;
+      path +=
+        `C${point(last.z + third * last.z_dot, last.x_dot + third * last.x_ddot)}` +
+        ` ${point(z - third * here.z_dot, x_dot - third * here.x_ddot)} ${point(z, x_dot)}`;
+    }
+    last = here;
+  }
+  return motion.cycle.exists ? `${path}L${point(motion.z_s, 0)}` : path;
+}

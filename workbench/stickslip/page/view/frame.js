@@ -1,0 +1,114 @@
+/** The frame of a chart: its place, axes, grid and layers. */
+
+import { digits } from "./units.js";
+
+const SVG = "http://www.w3.org/2000/svg";
+const MARGIN = { left: 54, right: 12, top: 8, bottom: 34 };
+
+/** Make an SVG element with these attributes inside a parent. */
+export function draw(parent, tag, attributes = {}) {
+  const element = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  parent.append(element);
+  return element;
+}
+
+/** A coordinate as text, to a fiftieth of a pixel. */
+export function px(value) {
+  return Math.round(value * 50) / 50;
+}
+
+/**
+ * Make a chart's frame in an empty svg element.
+ *
+ * @param {SVGSVGElement} svg
+ * @returns {object} under, curves, over: groups to draw in; resize(width, height);
+ *   scale(x, y): the axes, each {low, high, size, title}, size being the unit in SI;
+ *   x(value), y(value): pixels; area: the plot's rectangle in pixels
+ */
+export function makeFrame(svg) {
+  const clip = draw(draw(draw(svg, "defs"), "clipPath", { id: `${svg.id}-clip` }), "rect");
+  const under = draw(svg, "g", { "clip-path": `url(#${svg.id}-clip)` });
+  const grid = draw(svg, "path", { class: "grid" });
+  const labels = draw(svg, "g", { class: "ticks" });
+  const curves = draw(svg, "g", { "clip-path": `url(#${svg.id}-clip)` });
+  const over = draw(svg, "g");
+  const titles = [
+    draw(svg, "text", { class: "axis", "text-anchor": "end" }),
+    draw(svg, "text", { class: "axis", "text-anchor": "start" }),
+  ];
+  const pool = [];
+  const area = { left: MARGIN.left, top: MARGIN.top, right: 0, bottom: 0, width: 0, height: 0 };
+  let axes = null;
+
+  function resize(width, height) {
+    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    area.right = Math.max(width - MARGIN.right, area.left + 10);
+    area.bottom = Math.max(height - MARGIN.bottom, area.top + 10);
+    area.width = area.right - area.left;
+    area.height = area.bottom - area.top;
+    for (const [name, value] of [
+      ["x", area.left],
+      ["y", area.top],
+      ["width", area.width],
+      ["height", area.height],
+    ]) {
+      clip.setAttribute(name, value);
+    }
+  }
+
+  const x = (value) => area.left + ((value - axes.x.low) / (axes.x.high - axes.x.low)) * area.width;
+  const y = (value) =>
+    area.bottom - ((value - axes.y.low) / (axes.y.high - axes.y.low)) * area.height;
+
+  function scale(horizontal, vertical) {
+    axes = { x: horizontal, y: vertical };
+    let path = "";
+    let used = 0;
+    const label = (text, left, top, anchor) => {
+      pool[used] ??= draw(labels, "text");
+      const element = pool[used++];
+      element.textContent = text;
+      element.setAttribute("x", px(left));
+      element.setAttribute("y", px(top));
+      element.setAttribute("text-anchor", anchor);
+    };
+    for (const { value, text } of ticks(horizontal, Math.max(area.width / 90, 2))) {
+      path += `M${px(x(value))} ${px(area.top)}V${px(area.bottom)}`;
+      label(text, x(value), area.bottom + 15, "middle");
+    }
+    for (const { value, text } of ticks(vertical, Math.max(area.height / 38, 2))) {
+      path += `M${px(area.left)} ${px(y(value))}H${px(area.right)}`;
+      label(text, area.left - 5, y(value) + 4, "end");
+    }
+    for (const element of pool.splice(used)) element.remove();
+    grid.setAttribute("d", path);
+    place(titles[0], horizontal.title, area.right, area.bottom + 30);
+    place(titles[1], vertical.title, area.left + 5, area.top + 11);
+  }
+
+  return { svg, under, curves, over, area, resize, scale, x, y };
+}
+
+function place(element, text, left, top) {
+  element.textContent = text;
+  element.setAttribute("x", px(left));
+  element.setAttribute("y", px(top));
+}
+
+/** Round values within an axis and their texts, about `count` of them. */
+function ticks({ low, high, size }, count) {
+  const bottom = low / size;
+  const top = high / size;
+  const rough = (top - bottom) / count;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * [1, 2, 5, 10].find((each) => each * power >= rough * 0.9999);
+  const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  const marks = [];
+  for (let n = Math.ceil(bottom / step - 1e-9); n * step <= top + 1e-9 * step; n++) {
+    const value = n * step;
+    const text = decimals > 9 || Math.abs(value) >= 1e9 ? digits(value, 12) : value.toFixed(decimals);
+    marks.push({ value: value * size, text: text.replace(/^-/, "−") });
+  }
+  return marks;
+}

@@ -1,0 +1,74 @@
+/** What a person takes along: data, pictures, the command line. */
+
+import { commandLine, csvText, resolvedStyle, save, savePng, svgText } from "./keep.js";
+
+const GAP = 8;
+const TITLE = 22;
+/** Pixels of the PNG to one of the page. */
+const FINENESS = 2;
+
+/**
+ * Bring the buttons to life.
+ *
+ * @param {{motion: function(): object, stretch: object, starts: object}} of what they keep
+ * @returns {object} refresh(): after another setting or stretch of time
+ */
+export function makeKeeping({ motion, stretch, starts }) {
+  const command = document.getElementById("command");
+  const said = document.getElementById("keep-said");
+
+  function on(id, act) {
+    document.getElementById(id).addEventListener("click", async () => {
+      try {
+        said.textContent = await act();
+      } catch (error) {
+        said.textContent = `That did not work: ${error.message}.`;
+      }
+    });
+  }
+
+  on("save-csv", () => {
+    const text = csvText(motion(), stretch.from, stretch.to);
+    save("stick-slip.csv", new Blob([text], { type: "text/csv" }));
+    return "stick-slip.csv: SI units, the events at their exact times.";
+  });
+  on("save-svg", () => {
+    save("stick-slip.svg", new Blob([picture().text], { type: "image/svg+xml" }));
+    return "stick-slip.svg: both charts and the phase portrait.";
+  });
+  on("save-png", async () => {
+    const { text, width, height } = picture();
+    const background = getComputedStyle(document.body).backgroundColor;
+    save("stick-slip.png", await savePng(text, width, height, FINENESS, background));
+    return "stick-slip.png: both charts and the phase portrait.";
+  });
+  on("copy", async () => {
+    try {
+      await navigator.clipboard.writeText(command.textContent);
+      return "Copied.";
+    } catch {
+      getSelection().selectAllChildren(command);
+      return "Selected: copy it with the keyboard.";
+    }
+  });
+
+  /** The charts one above the other as one document. */
+  function picture() {
+    const svgs = ["x-chart", "F-chart", "phase-chart"].map((id) => document.getElementById(id));
+    const width = Math.max(...svgs.map((svg) => svg.clientWidth));
+    let y = TITLE;
+    const parts = svgs.map((svg) => {
+      const part = { svg, x: 0, y, width: svg.clientWidth, height: svg.clientHeight };
+      y += part.height + GAP;
+      return part;
+    });
+    const style = resolvedStyle(document.getElementById("chart-style").textContent, document.body);
+    return { text: svgText(parts, style, command.textContent), width, height: y };
+  }
+
+  return {
+    refresh() {
+      command.textContent = commandLine(motion().p, starts, stretch.to);
+    },
+  };
+}

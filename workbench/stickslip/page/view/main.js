@@ -1,0 +1,177 @@
+/** The page put together: a setting is solved at once and drawn at the next frame. */
+
+import { criticalVelocity, firstOrderCriticalVelocity } from "../model/critical.js";
+import { simplified } from "../model/cycle.js";
+import { motionOf } from "../model/motion.js";
+import { makeAddress, valuesIn } from "./address.js";
+import { makeControls } from "./controls.js";
+import { makeKeeping } from "./keeping.js";
+import { listen } from "./pointer.js";
+import { makePlayer } from "./player.js";
+import { makePortrait } from "./portrait.js";
+import { makePresets } from "./presets.js";
+import { makeReadouts } from "./readouts.js";
+import { makeResults } from "./results.js";
+import { makeSchematic } from "./schematic.js";
+import { makeTimeCharts } from "./timecharts.js";
+import { makeStretch } from "./stretch.js";
+
+const element = (id) => document.getElementById(id);
+const data = JSON.parse(element("page-data").textContent);
+
+const seen = makeStretch();
+const charts = makeTimeCharts(element("x-chart"), element("F-chart"));
+const portrait = makePortrait(element("phase-chart"));
+const schematic = makeSchematic(element("schematic"));
+const readouts = makeReadouts();
+const showResults = makeResults();
+const writeAddress = makeAddress();
+
+let solution = null;
+let waiting = false;
+// The size of the schematic [px]; asking the browser at every redraw would cost a layout.
+let scene = { width: 0, height: 0 };
+
+const player = makePlayer(
+  seen,
+  (t) => {
+    const state = solution.motion.at(t);
+    charts.mark(state);
+    portrait.mark(state);
+    schematic.show(state);
+    readouts.show(state);
+  },
+  (t) => readouts.tell(solution.motion.at(t)),
+);
+
+const controls = makeControls(data.controls, (p) => {
+  const next = solve(p);
+  if (!isWhole(next)) return "These values together leave the numbers that can be computed with.";
+  solution = next;
+  redrawSoon();
+  return null;
+});
+
+const showPreset = makePresets(data.presets, Object.keys(controls.starts), (values) => {
+  seen.release();
+  controls.set(values);
+});
+
+const keeping = makeKeeping({
+  motion: () => solution.motion,
+  stretch: seen,
+  starts: controls.starts,
+});
+
+function solve(p) {
+  return {
+    motion: motionOf(p),
+    simple: simplified(p),
+    v_c: criticalVelocity(p),
+    v_c_simple: firstOrderCriticalVelocity(p),
+  };
+}
+
+/** Whether every number of a solution is one. */
+function isWhole({ motion: { cycle, numbers, first, slip }, simple }) {
+  const needed = [...Object.values(numbers), ...Object.values(simple), first, slip.rate, slip.scale];
+  const cyclic = cycle.exists ? [cycle.T, cycle.f, cycle.delta_x, cycle.x_dot_peak] : [];
+  return [...needed, ...cyclic].every(Number.isFinite) && numbers.w > 0 && slip.slow >= 0;
+}
+
+function redrawSoon() {
+  if (waiting) return;
+  waiting = true;
+  requestAnimationFrame(() => waiting && redraw());
+}
+
+function redraw() {
+  waiting = false;
+  const { motion } = solution;
+  seen.fit(motion);
+  showResults(solution);
+  portrait.show(motion);
+  schematic.arrange(motion, scene.width, scene.height);
+  redrawTime();
+  showPreset(motion.p);
+  writeAddress(motion.p);
+}
+
+/** Draw what depends on the stretch of time. */
+function redrawTime() {
+  charts.show(solution.motion, seen);
+  readouts.fit(solution.motion, seen);
+  keeping.refresh();
+  player.refresh();
+}
+
+function resize() {
+  const { clientWidth, clientHeight } = element("schematic");
+  scene = { width: clientWidth, height: clientHeight };
+  charts.resize();
+  portrait.resize();
+  redraw();
+}
+
+function takeAddress() {
+  const { values, bad } = valuesIn(location.hash);
+  const problems = bad.map((part) => `${part} is no number.`);
+  // What the address leaves out is as at the start, whatever was shown before.
+  for (const asked of [{ ...controls.starts, ...data.setting }, values]) {
+    try {
+      controls.set(asked);
+    } catch (error) {
+      problems.push(error.message);
+    }
+  }
+  element("address-said").textContent = problems.length
+    ? `The address asks for what cannot be: ${problems.join(" ")}`
+    : "";
+}
+
+takeAddress();
+resize();
+
+new ResizeObserver(() => resize()).observe(element("stage"));
+addEventListener("hashchange", takeAddress);
+for (const chart of charts.charts) {
+  listen(chart, seen, { read: player.point, changed: redrawTime });
+}
+for (const [id, act] of [
+  ["zoom-in", () => seen.zoom(0.5)],
+  ["zoom-out", () => seen.zoom(2)],
+  ["earlier", () => seen.move(-0.25)],
+  ["later", () => seen.move(0.25)],
+  ["zoom-auto", () => seen.reset()],
+]) {
+  element(id).addEventListener("click", () => {
+    act();
+    redrawTime();
+  });
+}
+if (!matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
+
+/** For scripts and tests: the page's unrounded values, SI. */
+window.stickslip = {
+  set(values) {
+    controls.set(values);
+    redraw();
+  },
+  get setting() {
+    return controls.setting;
+  },
+  get cycle() {
+    return solution.motion.cycle;
+  },
+  get simplified() {
+    return solution.simple;
+  },
+  get criticalVelocity() {
+    return solution.v_c;
+  },
+  at: (t) => solution.motion.at(t),
+  events: (from, to) => [...solution.motion.events(from, to)],
+  get view() {
+    return { from: seen.from, to: seen.to };
+  },
+};

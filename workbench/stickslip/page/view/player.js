@@ -1,0 +1,75 @@
+/** The cursor's time: it plays, is scrubbed, or follows the pointer. */
+
+/** How long the whole picture takes to play, where no speed is chosen [s]. */
+const PICTURE = 10;
+const SCRUB_STEPS = 1000;
+/** After a pause of the browser the motion goes on where it was [s]. */
+const LONGEST_BREAK = 0.1;
+
+/**
+ * Bring play, scrub and speed to life.
+ *
+ * @param {object} stretch the stretch of time
+ * @param {(t: number) => void} show called with the time of the cursor [s]
+ * @param {(t: number) => string} tell the cursor's numbers in words, for who cannot see them
+ * @returns {object} refresh(): after another stretch or setting; point(t): follow the pointer, or
+ *   null: let go; play(), pause()
+ */
+export function makePlayer(stretch, show, tell) {
+  const button = document.getElementById("play");
+  const scrub = document.getElementById("scrub");
+  const speed = document.getElementById("speed");
+  // Where the cursor is in what is seen, from 0 to 1: so it stays in sight when that changes.
+  let share = 0;
+  let pointed = null;
+  let playing = false;
+  let last = 0;
+
+  const now = () => pointed ?? stretch.from + share * stretch.span;
+
+  function refresh() {
+    scrub.value = Math.round(share * SCRUB_STEPS);
+    show(now());
+  }
+
+  function step(stamp) {
+    if (!playing) return;
+    const passed = Math.min((stamp - last) / 1000, LONGEST_BREAK);
+    last = stamp;
+    if (pointed === null) {
+      const rate = speed.value === "picture" ? 1 / PICTURE : Number(speed.value) / stretch.span;
+      share = (share + rate * passed) % 1;
+      refresh();
+    }
+    requestAnimationFrame(step);
+  }
+
+  function setPlaying(wanted) {
+    if (playing === wanted) return;
+    playing = wanted;
+    button.textContent = playing ? "Pause" : "Play";
+    button.setAttribute("aria-pressed", String(playing));
+    if (!playing) scrub.setAttribute("aria-valuetext", tell(now()));
+    last = performance.now();
+    if (playing) requestAnimationFrame(step);
+  }
+
+  button.addEventListener("click", () => setPlaying(!playing));
+  scrub.addEventListener("input", () => {
+    setPlaying(false);
+    share = Number(scrub.value) / SCRUB_STEPS;
+    show(now());
+    scrub.setAttribute("aria-valuetext", tell(now()));
+  });
+
+  return {
+    refresh,
+    point(t) {
+      pointed = t;
+      if (t !== null && !playing) share = Math.min(Math.max((t - stretch.from) / stretch.span, 0), 1);
+      refresh();
+    },
+    play: () => setPlaying(true),
+    pause: () => setPlaying(false),
+  };
+}

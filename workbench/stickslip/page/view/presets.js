@@ -1,0 +1,32 @@
+/** The presets: settings of known things, each with what it shows and where its numbers are from. */
+
+/**
+ * Bring the presets to life.
+ *
+ * @param {object[]} presets of the page
+ * @param {string[]} names of the parameters
+ * @param {(values: object) => void} choose called with the values of the one that is chosen, SI
+ * @returns {(setting: object) => void} shows which preset a setting is
+ */
+export function makePresets(presets, names, choose) {
+  const buttons = new Map(
+    presets.map(({ id }) => [id, document.querySelector(`[data-preset="${id}"]`)]),
+  );
+  const box = document.getElementById("preset-about");
+  const valuesOf = (preset) => Object.fromEntries(names.map((name) => [name, preset[name]]));
+  for (const preset of presets) {
+    buttons.get(preset.id).addEventListener("click", () => choose(valuesOf(preset)));
+  }
+  document.getElementById("reset").addEventListener("click", () => choose(valuesOf(presets[0])));
+
+  return function show(setting) {
+    const current = presets.find((preset) => names.every((name) => preset[name] === setting[name]));
+    for (const [id, button] of buttons) {
+      button.setAttribute("aria-pressed", String(id === current?.id));
+    }
+    box.hidden = !current;
+    if (!current) return;
+    box.querySelector("summary").textContent = current.about;
+    box.querySelector("p").textContent = current.source;
+  };
+}

@@ -1,0 +1,68 @@
+/** The numbers at the cursor, beside the charts and in words. */
+
+import { digits, fixed, quantity, scaleFor } from "./units.js";
+
+/**
+ * Bring the read-outs to life.
+ *
+ * @returns {object} fit(motion, seen): after a new setting or stretch of time; show(state): write
+ *   the numbers of a state of the motion; tell(state): the same in words
+ */
+export function makeReadouts() {
+  const now = document.getElementById("now");
+  const ofX = document.getElementById("x-now");
+  const ofF = document.getElementById("F-now");
+  const ofZ = document.getElementById("z-now");
+  const overshoot = document.getElementById("overshoot");
+  let scales = {};
+
+  return {
+    fit(motion, seen) {
+      const { cycle, numbers, p, z_s } = motion;
+      overshoot.textContent = overshootInWords(motion);
+      // While the cursor moves, units and decimals stand still.
+      scales = {
+        t: rangeOf(seen.to, "time", seen.to - seen.from),
+        x: rangeOf(p.v * seen.to, "length", p.v * (seen.to - seen.from)),
+        x_dot: rangeOf(cycle.exists ? cycle.x_dot_peak : p.v, "velocity"),
+        z: rangeOf(z_s, "length"),
+        F: rangeOf(numbers.F_s, "force"),
+      };
+    },
+    show({ t, mode, x, x_pull, x_dot, z, F }) {
+      now.textContent = `${fixed(t, scales.t)}, ${modeInWords(mode)}`;
+      ofX.textContent = `x ${fixed(x, scales.x)}, v t ${fixed(x_pull, scales.x)}`;
+      ofF.textContent = `F ${fixed(F, scales.F)}`;
+      ofZ.textContent = `ẋ ${fixed(x_dot, scales.x_dot)}, z ${fixed(z, scales.z)}`;
+    },
+    tell({ t, mode, x, x_dot, x_pull, F }) {
+      return (
+        `${fixed(t, scales.t)}: ${modeInWords(mode)}, mass at ${fixed(x, scales.x)}, ` +
+        `pulled end at ${fixed(x_pull, scales.x)}, spring force ${fixed(F, scales.F)}, ` +
+        `velocity ${fixed(x_dot, scales.x_dot)}`
+      );
+    },
+  };
+}
+
+/** A unit for values up to `largest`, and decimals for differences of a thousandth of `range`. */
+function rangeOf(largest, kind, range = largest) {
+  const scale = scaleFor(largest, kind);
+  const decimals = Math.ceil(3 - Math.log10(range / scale.size));
+  return { ...scale, decimals: Math.min(Math.max(decimals, 0), 15) };
+}
+
+function modeInWords(mode) {
+  return mode === 0 ? "sticks" : "slips";
+}
+
+function overshootInWords({ slip, p, numbers }) {
+  const force = slip.overshoot ? p.k * slip.overshoot.growth : 0;
+  if (!(force > 0)) return "";
+  const percent = (100 * force) / numbers.F_s;
+  return (
+    `F passes the break-away line by ${quantity(force, "force")} ` +
+    `(${percent < 0.01 ? "less than 0.01" : digits(percent, 2)} %): ` +
+    "the mass breaks away on it, but the pulled end outruns it until it is as fast."
+  );
+}

@@ -1,0 +1,100 @@
+/** The numbers of the cycle: exact and simplified side by side, and how far they are apart. */
+
+import { digits, quantity, scaleFor } from "./units.js";
+
+/** From this deviation on the simplified value is marked. */
+const FAR_OFF = 0.05;
+
+/** A reader of the screen is told of a new cycle once the slider has been still this long [ms]. */
+const PAUSE = 700;
+
+/**
+ * Bring the table of results to life.
+ *
+ * @returns {(solution: object) => void} shows a solution {motion, simple, v_c, v_c_simple}
+ */
+export function makeResults() {
+  const rows = [...document.querySelectorAll("[id^='readout-']")].map((row) => ({
+    name: row.id.slice("readout-".length),
+    kind: row.dataset.kind,
+    exact: row.querySelectorAll("data")[0],
+    simple: row.querySelectorAll("data")[1],
+    off: row.cells[3],
+    shown: "",
+  }));
+  const lead = document.getElementById("lead");
+  const told = document.getElementById("told");
+  const zeta = document.getElementById("zeta-said");
+  let waiting = 0;
+
+  return function show({ motion, simple, v_c, v_c_simple }) {
+    const exact = { ...motion.cycle, v_c };
+    const designers = { ...simple, v_c: v_c_simple };
+    for (const row of rows) showRow(row, exact[row.name], designers[row.name]);
+    const sentence = inWords(motion, v_c);
+    lead.textContent = sentence;
+    zeta.textContent = `Damping ratio ζ = ${digits(motion.numbers.zeta, 3)}, λ = ${digits(motion.numbers.lambda_, 3)}.`;
+    clearTimeout(waiting);
+    waiting = setTimeout(() => {
+      told.textContent = sentence;
+    }, PAUSE);
+  };
+}
+
+function showRow(row, exact, simple) {
+  const known = Number.isFinite(exact) ? exact : simple;
+  const scale = scaleFor(known, row.kind);
+  put(row.exact, exact, row.name === "v_c" && exact === Infinity ? "none" : text(exact, row, scale));
+  put(row.simple, simple, text(simple, row, scale));
+  const { words, far } = deviation(exact, simple);
+  if (row.shown === words) return;
+  row.shown = words;
+  row.off.textContent = words;
+  row.off.classList.toggle("mark", far);
+  if (far) row.off.append(hidden(", more than 5 % off"));
+}
+
+function text(value, row, scale) {
+  return quantity(value, row.kind, scale);
+}
+
+function put(cell, value, words) {
+  cell.value = String(value);
+  cell.textContent = words;
+}
+
+/** The deviation of the simplified value in words, and whether it deserves a mark. */
+function deviation(exact, simple) {
+  if (!Number.isFinite(exact) || !Number.isFinite(simple) || exact === 0) {
+    return { words: "–", far: false };
+  }
+  const off = simple / exact - 1;
+  const far = Math.abs(off) > FAR_OFF;
+  const mark = far ? "▲ " : "";
+  if (Math.abs(off) < 1e-12) return { words: "0 %", far };
+  if (off > 9.995) return { words: `${mark}× ${digits(simple / exact, 3)}`, far };
+  const percent = digits(Math.abs(100 * off), Math.abs(off) < 0.01 ? 1 : 3);
+  return { words: `${mark}${off > 0 ? "+" : "−"}${percent} %`, far };
+}
+
+function hidden(words) {
+  const span = document.createElement("span");
+  span.className = "hidden";
+  span.textContent = words;
+  return span;
+}
+
+/** One sentence on what this setting does. */
+function inWords({ cycle, numbers, p }, v_c) {
+  if (!cycle.exists) return `No cycle: it breaks away once and then slides. ${whyNone(numbers, p, v_c)}`;
+  const { delta_x, T, t_stick, t_slip } = cycle;
+  const jump = `It jumps ${quantity(delta_x, "length")} every ${quantity(T, "time")}`;
+  if (t_stick === 0) return `${jump} and never sticks: there is no gap between μs and μk.`;
+  return `${jump}: sticks ${quantity(t_stick, "time")}, slips ${quantity(t_slip, "time")}.`;
+}
+
+function whyNone({ zeta, Delta }, p, v_c) {
+  if (zeta >= 1) return `The slip is over-damped (ζ = ${digits(zeta, 3)}).`;
+  if (Delta === 0) return "There is damping and no gap between μs and μk.";
+  return `The pull at ${quantity(p.v, "velocity")} is above the critical velocity ${quantity(v_c, "velocity")}.`;
+}

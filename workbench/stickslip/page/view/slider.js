@@ -1,0 +1,55 @@
+/** How a slider's position and a control's value belong together. */
+
+import { typedText } from "./typed.js";
+import { shifted } from "./units.js";
+
+const STEPS = 1000;
+
+/**
+ * The ends of a control's slider, in its unit: those of the table, or, for a value beyond them,
+ * ends about that value.
+ */
+export function sliderEnds(control, value) {
+  const { low, high, scale } = control;
+  if (value >= low && value <= high) return { low, high };
+  if (scale !== "log") return { low, high: Number((1.25 * value).toPrecision(2)) };
+  const decade = Math.floor(Math.log10(value));
+  return { low: Number(`1e${decade - 1}`), high: Number(`1e${decade + 2}`) };
+}
+
+/**
+ * Put a slider where its control's value is.
+ *
+ * @param {HTMLInputElement} slider
+ * @param {object} control a row of the page's controls
+ * @param {number} value in use, SI
+ * @param {{low: number, high: number}} ends in the control's unit
+ */
+export function placeSlider(slider, control, value, ends) {
+  const shown = shifted(String(value), control.decimals);
+  const linear = control.scale === "linear";
+  slider.min = linear ? ends.low : 0;
+  slider.max = linear ? ends.high : STEPS;
+  slider.step = linear ? linearStep(ends) : 1;
+  slider.value = linear ? shown : STEPS * shareOf(control, shown, ends);
+  slider.setAttribute("aria-valuetext", `${typedText(value, control)} ${control.unit}`.trim());
+}
+
+/** The value, SI, that a slider's position means: three digits of the shown unit. */
+export function valueAt(slider, control, ends) {
+  if (control.scale === "linear") return shifted(slider.value, -control.decimals);
+  const share = Number(slider.value) / STEPS;
+  const { low, high } = ends;
+  const shown = control.scale === "log" ? low * (high / low) ** share : high * share * share;
+  return shifted(String(Number(shown.toPrecision(3))), -control.decimals);
+}
+
+function shareOf(control, shown, { low, high }) {
+  return control.scale === "log"
+    ? Math.log(shown / low) / Math.log(high / low)
+    : Math.sqrt(shown / high);
+}
+
+function linearStep({ high }) {
+  return high <= 5 ? 0.001 : 0.01;
+}

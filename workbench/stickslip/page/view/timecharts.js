@@ -1,0 +1,180 @@
+/** Position and spring force over time: two charts with one stretch of time and one cursor. */
+
+import { seenPhases, timePath } from "./curves.js";
+import { draw, makeFrame, px } from "./frame.js";
+import { quantity, scaleFor } from "./units.js";
+
+/** A phase's name is written into its band where that is this wide [px]. */
+const ROOM_FOR_NAME = 38;
+const ROOM_FOR_OVERSHOOT = 2;
+
+/**
+ * Bring the two charts to life.
+ *
+ * @param {SVGSVGElement} svgX for the position
+ * @param {SVGSVGElement} svgF for the force
+ * @returns {object} frames: of both; resize(), show(motion, seen): draw them; mark(state): move the
+ *   cursor there
+ */
+export function makeTimeCharts(svgX, svgF) {
+  const x = makeChart(svgX);
+  const F = makeChart(svgF);
+  const pull = draw(x.frame.curves, "path", { class: "curve pull" });
+  const position = draw(x.frame.curves, "path", { class: "curve mass" });
+  const threshold = draw(F.frame.curves, "path", { class: "threshold" });
+  const force = draw(F.frame.curves, "path", { class: "curve force" });
+  const thresholdName = draw(F.frame.over, "text", { class: "note", "text-anchor": "end" });
+  const overshoot = draw(F.frame.over, "text", { class: "note" });
+  const pullDot = draw(x.frame.over, "circle", { class: "dot pull", r: 4 });
+  const names = [];
+
+  function show(motion, seen) {
+    const { p, numbers } = motion;
+    const phases = seenPhases(motion, seen, x.frame.area.width);
+    const points = phases.flatMap((phase) => phase.points);
+    const time = timeAxis(seen);
+    const edges = [points[0].x, points[points.length - 1].x, p.v * seen.from, p.v * seen.to];
+    x.frame.scale(time, lengthAxis(edges));
+    F.frame.scale(time, forceAxis(motion, seen, points));
+    position.setAttribute("d", timePath(phases, x.frame, "x", "x_dot"));
+    force.setAttribute("d", timePath(phases, F.frame, "F", "F_dot"));
+    const { left, right } = x.frame.area;
+    const [start, end] = [seen.from, seen.to].map((t) => px(x.frame.y(p.v * t)));
+    pull.setAttribute("d", `M${left} ${start}L${right} ${end}`);
+    const level = px(F.frame.y(numbers.F_s));
+    threshold.setAttribute("d", `M${left} ${level}H${right}`);
+    note(thresholdName, `Fₛ = ${quantity(numbers.F_s, "force")}`, right - 4, level + 13, F.frame);
+    showOvershoot(motion, seen, phases);
+    x.shade(phases);
+    F.shade(phases);
+    nameBands(phases);
+  }
+
+  function showOvershoot({ numbers, p, slip }, seen, phases) {
+    const height = slip.overshoot ? p.k * slip.overshoot.growth : 0;
+    const top = F.frame.y(numbers.F_s + height);
+    const first = phases.find(({ kind, start }) => kind === "slip" && start > seen.from);
+    const left = first ? F.frame.x(first.start + (slip.overshoot?.tau ?? 0)) : Infinity;
+    const { area } = F.frame;
+    const room = left < area.right && F.frame.y(numbers.F_s) - top >= ROOM_FOR_OVERSHOOT;
+    const late = left > 0.6 * area.right;
+    overshoot.setAttribute("text-anchor", late ? "end" : "start");
+    const words = `passes Fₛ by ${quantity(height, "force")}: the pulled end outruns the mass`;
+    // Beside the title of the axis, not on it.
+    note(overshoot, room ? words : "", Math.max(left + 4, area.left + 60), top - 4, F.frame);
+  }
+
+  function nameBands(phases) {
+    let used = 0;
+    for (const { kind, start, end } of phases) {
+      const left = x.frame.x(start);
+      const width = x.frame.x(end) - left;
+      if (width < ROOM_FOR_NAME) continue;
+      names[used] ??= draw(x.frame.over, "text", { class: "band-name", "text-anchor": "middle" });
+      const name = names[used++];
+      name.textContent = kind === "stick" ? "stick" : "slip";
+      name.setAttribute("x", px(left + 0.5 * width));
+      name.setAttribute("y", x.frame.area.bottom - 5);
+    }
+    for (const name of names.splice(used)) name.remove();
+  }
+
+  function mark(state) {
+    x.mark(state.t, state.x);
+    F.mark(state.t, state.F);
+    pullDot.setAttribute("cx", px(x.frame.x(state.t)));
+    pullDot.setAttribute("cy", px(x.frame.y(state.x_pull)));
+  }
+
+  return {
+    charts: [x, F],
+    resize() {
+      for (const { frame } of [x, F]) {
+        const { clientWidth, clientHeight } = frame.svg;
+        frame.resize(clientWidth, clientHeight);
+      }
+    },
+    show,
+    mark,
+  };
+}
+
+/** A chart's frame with bands for the phases, a cursor, and the stretch that is being chosen. */
+function makeChart(svg) {
+  const frame = makeFrame(svg);
+  const hatch = draw(svg.querySelector("defs"), "pattern", {
+    id: `${svg.id}-hatch`,
+    width: 6,
+    height: 6,
+    patternUnits: "userSpaceOnUse",
+    patternTransform: "rotate(45)",
+  });
+  draw(hatch, "rect", { class: "slip-band", width: 6, height: 6 });
+  draw(hatch, "path", { class: "hatch", d: "M0 0V6" });
+  const sticks = draw(frame.under, "path", { class: "stick-band" });
+  const slips = draw(frame.under, "path", { fill: `url(#${svg.id}-hatch)` });
+  const choice = draw(frame.over, "rect", { class: "choice", visibility: "hidden" });
+  const line = draw(frame.over, "path", { class: "cursor" });
+  const dot = draw(frame.over, "circle", { class: "dot", r: 4 });
+
+  function shade(phases) {
+    const { top, bottom } = frame.area;
+    const paths = { stick: "", slip: "" };
+    for (const { kind, start, end } of phases) {
+      paths[kind] += `M${px(frame.x(start))} ${top}H${px(frame.x(end))}V${bottom}H${px(frame.x(start))}Z`;
+    }
+    sticks.setAttribute("d", paths.stick);
+    slips.setAttribute("d", paths.slip);
+  }
+
+  function mark(t, value) {
+    const left = px(frame.x(t));
+    line.setAttribute("d", `M${left} ${frame.area.top}V${frame.area.bottom}`);
+    dot.setAttribute("cx", left);
+    dot.setAttribute("cy", px(frame.y(value)));
+  }
+
+  /** Show the stretch between two places [px] as chosen, or none. */
+  function choose(a, b) {
+    const shown = b !== undefined;
+    choice.setAttribute("visibility", shown ? "visible" : "hidden");
+    if (!shown) return;
+    choice.setAttribute("x", Math.min(a, b));
+    choice.setAttribute("width", Math.abs(b - a));
+    choice.setAttribute("y", frame.area.top);
+    choice.setAttribute("height", frame.area.height);
+  }
+
+  return { frame, shade, mark, choose };
+}
+
+function timeAxis({ from, to }) {
+  const { size, unit } = scaleFor(to, "time");
+  return { low: from, high: to, size, title: `time in ${unit}` };
+}
+
+function lengthAxis(values) {
+  const low = Math.min(...values);
+  const high = Math.max(...values);
+  const { size, unit } = scaleFor(Math.max(Math.abs(low), Math.abs(high)), "length");
+  const room = 0.06 * (high - low);
+  return { low: low - room, high: high + room, size, title: `x and v t in ${unit}` };
+}
+
+function forceAxis({ numbers, cycle, slip }, { from, to }, points) {
+  const values = points.map(({ F }) => F);
+  // Whole cycles are seen against zero and the threshold; a detail for itself.
+  if (to - from >= (cycle.exists ? cycle.T : slip.scale)) values.push(0, numbers.F_s);
+  const low = Math.min(...values);
+  const high = Math.max(...values);
+  const { size, unit } = scaleFor(Math.max(Math.abs(low), Math.abs(high)), "force");
+  const range = high - low || Math.abs(high) || 1;
+  return { low: low - 0.05 * range, high: high + 0.22 * range, size, title: `F in ${unit}` };
+}
+
+/** Write a note where it is inside the plot, else hide it. */
+function note(element, words, left, top, { area }) {
+  element.textContent = top > area.top && top < area.bottom ? words : "";
+  element.setAttribute("x", px(left));
+  element.setAttribute("y", px(top));
+}

@@ -1,0 +1,42 @@
+/** What a person types for a control: a number of the shown unit, or the reason why it is none. */
+
+import { shifted } from "./units.js";
+
+const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
+
+/**
+ * Read a typed text.
+ *
+ * @param {string} text as typed
+ * @param {object} control a row of the page's controls
+ * @returns {{value: number}|{objection: string}} the value in SI, rounded once, or what is wrong
+ */
+export function readTyped(text, control) {
+  const typed = text.trim().replace(/^−/, "-");
+  const unit = control.unit ? ` ${control.unit}` : "";
+  if (typed === "") return { objection: "A number is needed." };
+  if (/^[+-]?\d+,\d+$/.test(typed)) return { objection: "Write the decimals after a point." };
+  if (!NUMBER.test(typed)) return { objection: `“${shortened(typed)}” is no number.` };
+  const shown = Number(typed);
+  if (!Number.isFinite(shown)) {
+    return { objection: `${shortened(typed)} is larger than any number that can be computed with.` };
+  }
+  if (shown < 0 || (shown === 0 && control.least > 0)) {
+    const range = control.least > 0 ? "above 0" : "0 or more";
+    return { objection: `${shortened(typed)}${unit} is out of range: it must be ${range}.` };
+  }
+  if (shown < control.least || shown > control.most) {
+    const range = `from ${control.least} to ${control.most}${unit}`;
+    return { objection: `${shortened(typed)}${unit} is out of range: ${range}.` };
+  }
+  return { value: shifted(typed, -control.decimals) };
+}
+
+/** The text of an SI value in the control's unit, with all its digits. */
+export function typedText(value, control) {
+  return String(shifted(String(value), control.decimals));
+}
+
+function shortened(text) {
+  return text.length > 14 ? `${text.slice(0, 12)}…` : text;
+}

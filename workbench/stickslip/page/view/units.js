@@ -1,0 +1,106 @@
+/** Numbers as a person reads them: four digits and a unit of fitting size. */
+
+const SCALES = {
+  length: [
+    [1e3, "km"],
+    [1, "m"],
+    [1e-3, "mm"],
+    [1e-6, "µm"],
+    [1e-9, "nm"],
+  ],
+  velocity: [
+    [1, "m/s"],
+    [1e-3, "mm/s"],
+    [1e-6, "µm/s"],
+    [1e-9, "nm/s"],
+  ],
+  force: [
+    [1e12, "TN"],
+    [1e9, "GN"],
+    [1e6, "MN"],
+    [1e3, "kN"],
+    [1, "N"],
+    [1e-3, "mN"],
+    [1e-6, "µN"],
+  ],
+  time: [
+    [31557600, "years"],
+    [86400, "days"],
+    [3600, "h"],
+    [60, "min"],
+    [1, "s"],
+    [1e-3, "ms"],
+    [1e-6, "µs"],
+    [1e-9, "ns"],
+  ],
+  frequency: [
+    [1e6, "MHz"],
+    [1e3, "kHz"],
+    [1, "Hz"],
+    [1e-3, "mHz"],
+    [1e-6, "µHz"],
+    [1e-9, "nHz"],
+  ],
+  share: [[0.01, "%"]],
+  number: [[1, ""]],
+};
+
+/** Minutes, hours, days begin to be better read at more than one of them. */
+const ENOUGH = { min: 2, h: 2, days: 2, years: 2 };
+
+/**
+ * The unit in which a value is read best.
+ *
+ * @param {number} value SI
+ * @param {string} kind a key of the scales, such as "length"
+ * @returns {{size: number, unit: string}} the unit and its size in SI
+ */
+export function scaleFor(value, kind) {
+  const scales = SCALES[kind];
+  const magnitude = Math.abs(value);
+  const found = scales.find(([size, unit]) => magnitude >= size * (ENOUGH[unit] ?? 0.9999));
+  const home = scales.find(([size]) => size === 1) ?? scales[0];
+  const [size, unit] = found ?? (magnitude > 0 ? scales[scales.length - 1] : home);
+  return { size, unit };
+}
+
+/** A number with this many significant digits, a typeset minus, and no exponent where avoidable. */
+export function digits(value, count = 4) {
+  if (!Number.isFinite(value)) return "–";
+  const magnitude = Math.abs(value);
+  const plain =
+    magnitude >= 10 ** count && magnitude < 1e7
+      ? value.toFixed(0)
+      : value.toPrecision(count).replace(/e([+-]\d+)$/, "·10^$1");
+  return plain.replace(/^-/, "−");
+}
+
+/**
+ * A quantity as text, such as "6.305 mm"; a dash where it is no number.
+ *
+ * @param {number} value SI
+ * @param {string} kind a key of the scales
+ * @param {{size: number, unit: string}} [scale] a unit to keep to
+ */
+export function quantity(value, kind, scale = scaleFor(value, kind)) {
+  if (!Number.isFinite(value)) return "–";
+  const number = digits(value / scale.size);
+  return scale.unit ? `${number}\u00a0${scale.unit}` : number;
+}
+
+/**
+ * A quantity with a fixed number of decimals, for numbers that change under the eye.
+ *
+ * @param {number} value SI
+ * @param {{size: number, unit: string, decimals: number}} scale
+ */
+export function fixed(value, { size, unit, decimals }) {
+  const text = (value / size).toFixed(decimals).replace(/^-(?!0\.?0*$)/, "−");
+  return `${text.replace(/^-/, "")}\u00a0${unit}`;
+}
+
+/** The shortest text of a double times ten to a power, its digits unchanged: ("0.02", 3) is "20". */
+export function shifted(text, power) {
+  const [mantissa, exponent = "0"] = text.toLowerCase().split("e");
+  return Number(`${mantissa}e${Number(exponent) + power}`);
+}
