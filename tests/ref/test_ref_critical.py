@@ -40,6 +40,18 @@ def test_known_values_of_critical_lambda() -> None:
     np.testing.assert_allclose(lambdas, [0.0, 1667.0, 1.0e10, np.inf, np.inf], rtol=0.02)
 
 
+def test_enough_damping_ends_stick_slip_at_any_stiffness() -> None:
+    """v_c c / Delta_F is at most 0.14721, at zeta = 0.1814; docs/theory.md, below (14)."""
+    gap = (0.5 - 0.3) * 2.0 * 9.81
+    k = np.geomspace(1e-2, 1e6, 40_001)
+    p = Parameters(m=2.0, mu_s=0.5, mu_k=0.3, c=3.0, k=k)
+    part = np.asarray(critical_velocity(p)) * 3.0 / gap
+    highest = int(np.argmax(part))
+    # A grid of 5e-4 in ln k finds the top of a parabola to 1e-7 and its place to 3e-4.
+    assert part[highest] == pytest.approx(0.1472112, abs=2e-7)
+    assert np.asarray(p.zeta)[highest] == pytest.approx(0.1814, abs=1e-4)
+
+
 def test_critical_lambda_grows_with_damping() -> None:
     """More damping takes a larger gap to stick."""
     zeta = np.concatenate([np.logspace(-12, -1, 200), np.linspace(0.11, 0.9999, 200)])

@@ -2,7 +2,7 @@
 
 import { kineticInUse, kineticStop } from "../model/friction.js";
 import { placeSlider, sliderEnds, valueAt } from "./slider.js";
-import { readTyped, typedText } from "./typed.js";
+import { readTyped, shortest, typedText } from "./typed.js";
 import { shifted } from "./units.js";
 
 /**
@@ -105,8 +105,8 @@ export function makeControls(table, accept) {
     const { control } = row;
     const shown = shifted(String(control.name === "mu_k" ? setting.mu_s : value), control.decimals);
     const ends = sliderEnds(control, shown);
-    row.ends[0].textContent = ends.low;
-    row.ends[1].textContent = ends.high;
+    row.ends[0].textContent = shortest(ends.low);
+    row.ends[1].textContent = shortest(ends.high);
     row.shown = ends;
     if (control.name === "mu_k") {
       // The slider is as long as mu_k may be, so that both stand on one scale.

@@ -72,8 +72,9 @@ function deviation(exact, simple) {
   const far = Math.abs(off) > FAR_OFF;
   const mark = far ? "▲ " : "";
   if (Math.abs(off) < 1e-12) return { words: "0 %", far };
+  if (Math.abs(off) < 1e-4) return { words: "< 0.01 %", far };
   if (off > 9.995) return { words: `${mark}× ${digits(simple / exact, 3)}`, far };
-  const percent = digits(Math.abs(100 * off), Math.abs(off) < 0.01 ? 1 : 3);
+  const percent = digits(Math.abs(100 * off), Math.abs(off) < 0.01 ? 2 : 3);
   return { words: `${mark}${off > 0 ? "+" : "−"}${percent} %`, far };
 }
 

@@ -34,7 +34,14 @@ export function readTyped(text, control) {
 
 /** The text of an SI value in the control's unit, with all its digits. */
 export function typedText(value, control) {
-  return String(shifted(String(value), control.decimals));
+  return shortest(shifted(String(value), control.decimals));
+}
+
+/** The text of a double, with an exponent where zeros would fill it. */
+export function shortest(value) {
+  const plain = String(value);
+  const withExponent = value.toExponential().replace("e+", "e");
+  return plain.length > 7 && withExponent.length < plain.length ? withExponent : plain;
 }
 
 function shortened(text) {

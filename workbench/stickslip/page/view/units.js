@@ -64,14 +64,15 @@ export function scaleFor(value, kind) {
   return { size, unit };
 }
 
-/** A number with this many significant digits, a typeset minus, and no exponent where avoidable. */
+/** A number with this many significant digits, a typeset minus, and no exponent where it can be avoided. */
 export function digits(value, count = 4) {
   if (!Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
   const magnitude = Math.abs(value);
   const plain =
     magnitude >= 10 ** count && magnitude < 1e7
       ? value.toFixed(0)
-      : value.toPrecision(count).replace(/e([+-]\d+)$/, "·10^$1");
+      : value.toPrecision(count).replace("e+", "e");
   return plain.replace(/^-/, "−");
 }
 
