@@ -70,7 +70,7 @@ export function resolvedStyle(cssText, element) {
  * @param {Array<{svg: SVGSVGElement, x: number, y: number, width: number, height: number}>} parts
  *   the drawings and where each is put [px]
  * @param {string} style CSS without custom properties; its `.sheet` is the background
- * @param {string} title what it shows
+ * @param {string[]} title what it shows: lines that are written on top
  * @returns {string} the document
  */
 export function svgText(parts, style, title) {
@@ -82,9 +82,12 @@ export function svgText(parts, style, title) {
     viewBox: `0 0 ${width} ${height}`,
     "font-family": "system-ui, sans-serif",
   });
-  draw(whole, "title").textContent = title;
+  draw(whole, "title").textContent = title.join(", ");
   draw(whole, "style").textContent = style;
   draw(whole, "rect", { class: "sheet", width, height, fill: "white" });
+  title.forEach((line, n) => {
+    draw(whole, "text", { class: "axis", x: 8, y: 15 + 16 * n }).textContent = line;
+  });
   for (const { svg, ...place } of parts) {
     const copy = svg.cloneNode(true);
     // What placed it on the page must not place it here.

@@ -3,9 +3,17 @@
 import { commandLine, csvText, resolvedStyle, save, savePng, svgText } from "./keep.js";
 
 const GAP = 8;
-const TITLE = 22;
+const TITLE = 40;
 /** Pixels of the PNG to one of the page. */
 const FINENESS = 2;
+
+/** The setting as the lines of a caption, SI. */
+function settingInWords({ k, v, mu_s, mu_k, m, g, c }) {
+  return [
+    `k = ${k} N/m, v = ${v} m/s, μₛ = ${mu_s}, μₖ = ${mu_k}`,
+    `m = ${m} kg, g = ${g} m/s², c = ${c} N·s/m`,
+  ];
+}
 
 /**
  * Bring the buttons to life.
@@ -63,7 +71,7 @@ export function makeKeeping({ motion, stretch, starts }) {
       return part;
     });
     const style = resolvedStyle(document.getElementById("chart-style").textContent, document.body);
-    return { text: svgText(parts, style, command.textContent), width, height: y };
+    return { text: svgText(parts, style, settingInWords(motion().p)), width, height: y };
   }
 
   return {

@@ -114,6 +114,8 @@ function resize() {
 }
 
 function takeAddress() {
+  // A jump to a place in the page asks for nothing, and must not cost the setting.
+  if (element(location.hash.slice(1))) return writeAddress(controls.setting);
   const { values, bad } = valuesIn(location.hash);
   const problems = bad.map((part) => `${part} is no number.`);
   // What the address leaves out is as at the start, whatever was shown before.

@@ -17,7 +17,6 @@ export function makePresets(presets, names, choose) {
   for (const preset of presets) {
     buttons.get(preset.id).addEventListener("click", () => choose(valuesOf(preset)));
   }
-  document.getElementById("reset").addEventListener("click", () => choose(valuesOf(presets[0])));
 
   return function show(setting) {
     const current = presets.find((preset) => names.every((name) => preset[name] === setting[name]));

@@ -3,7 +3,8 @@
 import { typedText } from "./typed.js";
 import { shifted } from "./units.js";
 
-const STEPS = 1000;
+/** Few enough that each is another number of three digits: the finest is 1 %. */
+const STEPS = 300;
 
 /**
  * The ends of a control's slider, in its unit: those of the table, or, for a value beyond them,
@@ -37,7 +38,11 @@ export function placeSlider(slider, control, value, ends) {
 
 /** The value, SI, that a slider's position means: three digits of the shown unit. */
 export function valueAt(slider, control, ends) {
-  if (control.scale === "linear") return shifted(slider.value, -control.decimals);
+  if (control.scale === "linear") {
+    // The end itself may lie between two steps.
+    const text = atEnd(slider) ? String(ends.high) : slider.value;
+    return shifted(text, -control.decimals);
+  }
   const share = Number(slider.value) / STEPS;
   const { low, high } = ends;
   const shown = control.scale === "log" ? low * (high / low) ** share : high * share * share;
@@ -52,4 +57,13 @@ function shareOf(control, shown, { low, high }) {
 
 function linearStep({ high }) {
   return high <= 5 ? 0.001 : 0.01;
+}
+
+/** Whether the browser can put a slider no higher. */
+function atEnd(slider) {
+  const { value } = slider;
+  slider.stepUp();
+  const highest = slider.value === value;
+  slider.value = value;
+  return highest;
 }

@@ -7,6 +7,8 @@ import { quantity, scaleFor } from "./units.js";
 /** A phase's name is written into its band where that is this wide [px]. */
 const ROOM_FOR_NAME = 38;
 const ROOM_FOR_OVERSHOOT = 2;
+/** A letter of a note is about this wide [px]. */
+const LETTER = 6.2;
 
 /**
  * Bring the two charts to life.
@@ -56,12 +58,13 @@ export function makeTimeCharts(svgX, svgF) {
     const first = phases.find(({ kind, start }) => kind === "slip" && start > seen.from);
     const left = first ? F.frame.x(first.start + (slip.overshoot?.tau ?? 0)) : Infinity;
     const { area } = F.frame;
-    const room = left < area.right && F.frame.y(numbers.F_s) - top >= ROOM_FOR_OVERSHOOT;
-    const late = left > 0.6 * area.right;
-    overshoot.setAttribute("text-anchor", late ? "end" : "start");
     const words = `passes Fₛ by ${quantity(height, "force")}: the pulled end outruns the mass`;
-    // Beside the title of the axis, not on it.
-    note(overshoot, room ? words : "", Math.max(left + 4, area.left + 60), top - 4, F.frame);
+    const width = LETTER * words.length;
+    // Beside the title of the axis, not on it; where it has no room the caption says it alone.
+    const leftmost = area.left + 60;
+    const room = F.frame.y(numbers.F_s) - top >= ROOM_FOR_OVERSHOOT && leftmost + width < area.right;
+    const at = Math.min(Math.max(left + 4, leftmost), area.right - width);
+    note(overshoot, room && left < area.right ? words : "", at, top - 4, F.frame);
   }
 
   function nameBands(phases) {
@@ -174,7 +177,9 @@ function forceAxis({ numbers, cycle, slip }, { from, to }, points) {
 
 /** Write a note where it is inside the plot, else hide it. */
 function note(element, words, left, top, { area }) {
-  element.textContent = top > area.top && top < area.bottom ? words : "";
+  const shown = words && top > area.top && top < area.bottom;
+  element.textContent = shown ? words : "";
+  if (!shown) return;
   element.setAttribute("x", px(left));
   element.setAttribute("y", px(top));
 }
