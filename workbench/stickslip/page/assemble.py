@@ -33,8 +33,9 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     )
     presets = _table("presets.toml")["preset"]
     data = {
-        "controls": [_of_script(control) for control in _controls()],
-        "presets": presets,
+        # What the markup already says, the script need not.
+        "controls": [_without(each, {"label", "symbol", "folded"}) for each in _controls()],
+        "presets": [_without(preset, {"name"}) for preset in presets],
         "setting": dict(setting or {}),
     }
     text = environment.from_string(_text("page.html.j2")).render(
@@ -75,10 +76,8 @@ def _controls() -> list[dict[str, Any]]:
     ]
 
 
-def _of_script(control: dict[str, Any]) -> dict[str, Any]:
-    """Give of a control what the script needs; the rest is in the markup."""
-    in_markup = {"label", "symbol", "folded"}
-    return {key: value for key, value in control.items() if key not in in_markup}
+def _without(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
+    return {key: value for key, value in row.items() if key not in keys}
 
 
 def _modules() -> dict[str, str]:

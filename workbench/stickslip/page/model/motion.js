@@ -8,6 +8,7 @@
 import { steadyCycle } from "./cycle.js";
 import { numbersOf } from "./friction.js";
 import { slipFromRest } from "./slip.js";
+import { twofoldOver, twofoldPlus, twofoldTimes, twoProduct, twoSum } from "./twofold.js";
 
 /**
  * Solve a setting.
@@ -24,13 +25,18 @@ export function motionOf(p) {
   const numbers = numbersOf(p);
   const cycle = steadyCycle(p);
   const slip = slipFromRest(p);
-  const first = numbers.F_s / (p.k * p.v);
+  const dates = datesOf(p, cycle);
+  const first = dates.breakAway(0)[0];
   const z_s = numbers.F_s / p.k;
 
-  // Without a cycle its period is no number, and the one break-away is the first.
-  const breakAway = (n) => (n === 0 ? first : first + n * cycle.T);
+  const breakAway = (n) => dates.breakAway(n)[0];
   const reStick = (n) => breakAway(n) + cycle.t_slip;
+  const sinceBreakAway = (t, n) => {
+    const [high, low] = dates.breakAway(n);
+    return t - high - low;
+  };
   const positionBefore = (n) => (n === 0 ? 0 : n * cycle.delta_x);
+
   /** The state in the stick after n slips, `left` [s] before it breaks away. */
   const sticking = (t, n, left) => {
     const z = n === 0 ? p.v * t : z_s - p.v * left;
@@ -55,17 +61,18 @@ export function motionOf(p) {
     if (!cycle.exists) return 0;
     let n = Math.max(Math.floor((t - first) / cycle.T), 0);
     // The quotient may be off by one; the mass still sticks at the very time of a break-away.
-    if (breakAway(n) >= t && n > 0) n -= 1;
-    if (breakAway(n + 1) < t) n += 1;
+    if (n > 0 && sinceBreakAway(t, n) <= 0) n -= 1;
+    if (sinceBreakAway(t, n + 1) > 0) n += 1;
     return n;
   };
 
   function at(t) {
-    if (t <= first) return sticking(t, 0, first - t);
+    const sinceFirst = sinceBreakAway(t, 0);
+    if (sinceFirst <= 0) return sticking(t, 0, -sinceFirst);
     const n = lastBreakAway(t);
-    const tau = t - breakAway(n);
+    const tau = sinceBreakAway(t, n);
     if (!cycle.exists || tau < cycle.t_slip) return slipping(t, n, tau);
-    return sticking(t, n + 1, Math.max(cycle.T - tau, 0));
+    return sticking(t, n + 1, Math.max(-sinceBreakAway(t, n + 1), 0));
   }
 
   function* phases(from, to) {
@@ -97,4 +104,20 @@ export function motionOf(p) {
   }
 
   return { p, numbers, cycle, slip, first, z_s, at, sticking, slipping, phases, events };
+}
+
+/** When the mass breaks away: (6), and every period from then on, in twice the digits. */
+function datesOf({ m, g, k, mu_s, mu_k, v }, cycle) {
+  const rate = twoProduct(k, v);
+  const weight = twoProduct(m, g);
+  const first = twofoldOver(twofoldTimes(weight, mu_s), rate);
+  // Without damping the stick is as long as the gap takes to load up, twice: (9).
+  const gap = twoSum(mu_s, -mu_k);
+  const load = twofoldPlus(twofoldTimes(weight, gap[0]), [weight[0] * gap[1], 0]);
+  const stick =
+    cycle.zeta === 0 ? twofoldTimes(twofoldOver(load, rate), 2) : [cycle.t_stick, 0];
+  const period = twofoldPlus(stick, [cycle.t_slip, 0]);
+  return {
+    breakAway: (n) => (n === 0 ? first : twofoldPlus(first, twofoldTimes(period, n))),
+  };
 }

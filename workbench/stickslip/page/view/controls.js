@@ -1,6 +1,7 @@
 /** The parameters: a slider and a typed value each, the clamp of mu_k, and what is refused. */
 
 import { kineticInUse, kineticStop } from "../model/friction.js";
+import { byId, on } from "./dom.js";
 import { placeSlider, sliderEnds, valueAt } from "./slider.js";
 import { readTyped, shortest, typedText } from "./typed.js";
 import { shifted } from "./units.js";
@@ -16,26 +17,26 @@ import { shifted } from "./units.js";
 export function makeControls(table, accept) {
   const starts = Object.fromEntries(table.map(({ name, start }) => [name, start]));
   const rows = Object.fromEntries(table.map((control) => [control.name, makeRow(control)]));
-  const folded = document.getElementById("folded-values");
+  const folded = byId("folded-values");
   let setting = { ...starts };
   // What the person asked of mu_k; what is in use may be less.
   let asked = setting.mu_k;
 
   function makeRow(control) {
-    const box = document.getElementById(`${control.name}-control`);
+    const box = byId(`${control.name}-control`);
     const row = {
       control,
-      text: document.getElementById(control.name),
-      slider: document.getElementById(`${control.name}-slider`),
+      text: byId(control.name),
+      slider: byId(`${control.name}-slider`),
       track: box.querySelector(".track"),
       ends: box.querySelectorAll(".ends span"),
       said: box.querySelector(".said"),
       shown: null,
     };
-    row.slider.addEventListener("input", () => slide(row));
-    row.text.addEventListener("input", () => type(row));
-    row.text.addEventListener("blur", () => row.said.dataset.bad || write(row));
-    row.text.addEventListener("keydown", (event) => {
+    on(row.slider, "input", () => slide(row));
+    on(row.text, "input", () => type(row));
+    on(row.text, "blur", () => row.said.dataset.bad || write(row));
+    on(row.text, "keydown", (event) => {
       if (event.key === "Escape") show(row, true);
     });
     return row;

@@ -1,17 +1,9 @@
 /** The frame of a chart: its place, axes, grid and layers. */
 
+import { draw, put } from "./dom.js";
 import { digits } from "./units.js";
 
-const SVG = "http://www.w3.org/2000/svg";
 const MARGIN = { left: 54, right: 12, top: 8, bottom: 34 };
-
-/** Make an SVG element with these attributes inside a parent. */
-export function draw(parent, tag, attributes = {}) {
-  const element = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-  parent.append(element);
-  return element;
-}
 
 /** A coordinate as text, to a fiftieth of a pixel. */
 export function px(value) {
@@ -47,14 +39,7 @@ export function makeFrame(svg) {
     area.bottom = Math.max(height - MARGIN.bottom, area.top + 10);
     area.width = area.right - area.left;
     area.height = area.bottom - area.top;
-    for (const [name, value] of [
-      ["x", area.left],
-      ["y", area.top],
-      ["width", area.width],
-      ["height", area.height],
-    ]) {
-      clip.setAttribute(name, value);
-    }
+    put(clip, { x: area.left, y: area.top, width: area.width, height: area.height });
   }
 
   const x = (value) => area.left + ((value - axes.x.low) / (axes.x.high - axes.x.low)) * area.width;
@@ -69,9 +54,7 @@ export function makeFrame(svg) {
       pool[used] ??= draw(labels, "text");
       const element = pool[used++];
       element.textContent = text;
-      element.setAttribute("x", px(left));
-      element.setAttribute("y", px(top));
-      element.setAttribute("text-anchor", anchor);
+      put(element, { x: px(left), y: px(top), "text-anchor": anchor });
     };
     for (const { value, text } of ticks(horizontal, Math.max(area.width / 90, 2))) {
       path += `M${px(x(value))} ${px(area.top)}V${px(area.bottom)}`;
@@ -92,8 +75,7 @@ export function makeFrame(svg) {
 
 function place(element, text, left, top) {
   element.textContent = text;
-  element.setAttribute("x", px(left));
-  element.setAttribute("y", px(top));
+  put(element, { x: px(left), y: px(top) });
 }
 
 /** Round values within an axis and their texts, about `count` of them. */

@@ -1,6 +1,6 @@
 /** What a person takes along: the curve as CSV, the command that repeats it, the picture. */
 
-import { draw } from "./frame.js";
+import { draw, put } from "./dom.js";
 import { shifted } from "./units.js";
 
 /** More transitions than this are left out of a file: it would grow without showing more. */
@@ -92,7 +92,7 @@ export function svgText(parts, style, title) {
     const copy = svg.cloneNode(true);
     // What placed it on the page must not place it here.
     copy.removeAttribute("style");
-    for (const [key, value] of Object.entries(place)) copy.setAttribute(key, value);
+    put(copy, place);
     whole.append(copy);
   }
   return `<?xml version="1.0" encoding="UTF-8"?>\n${new XMLSerializer().serializeToString(whole)}`;

@@ -1,5 +1,6 @@
 /** What a person takes along: data, pictures, the command line. */
 
+import { byId, on } from "./dom.js";
 import { commandLine, csvText, resolvedStyle, save, savePng, svgText } from "./keep.js";
 
 const GAP = 8;
@@ -22,11 +23,11 @@ function settingInWords({ k, v, mu_s, mu_k, m, g, c }) {
  * @returns {object} refresh(): after another setting or stretch of time
  */
 export function makeKeeping({ motion, stretch, starts }) {
-  const command = document.getElementById("command");
-  const said = document.getElementById("keep-said");
+  const command = byId("command");
+  const said = byId("keep-said");
 
-  function on(id, act) {
-    document.getElementById(id).addEventListener("click", async () => {
+  function atClick(id, act) {
+    on(byId(id), "click", async () => {
       try {
         said.textContent = await act();
       } catch (error) {
@@ -35,22 +36,22 @@ export function makeKeeping({ motion, stretch, starts }) {
     });
   }
 
-  on("save-csv", () => {
+  atClick("save-csv", () => {
     const text = csvText(motion(), stretch.from, stretch.to);
     save("stick-slip.csv", new Blob([text], { type: "text/csv" }));
     return "stick-slip.csv: SI units, the events at their exact times.";
   });
-  on("save-svg", () => {
+  atClick("save-svg", () => {
     save("stick-slip.svg", new Blob([picture().text], { type: "image/svg+xml" }));
     return "stick-slip.svg: both charts and the phase portrait.";
   });
-  on("save-png", async () => {
+  atClick("save-png", async () => {
     const { text, width, height } = picture();
     const background = getComputedStyle(document.body).backgroundColor;
     save("stick-slip.png", await savePng(text, width, height, FINENESS, background));
     return "stick-slip.png: both charts and the phase portrait.";
   });
-  on("copy", async () => {
+  atClick("copy", async () => {
     try {
       await navigator.clipboard.writeText(command.textContent);
       return "Copied.";
@@ -62,7 +63,7 @@ export function makeKeeping({ motion, stretch, starts }) {
 
   /** The charts one above the other as one document. */
   function picture() {
-    const svgs = ["x-chart", "F-chart", "phase-chart"].map((id) => document.getElementById(id));
+    const svgs = ["x-chart", "F-chart", "phase-chart"].map((id) => byId(id));
     const width = Math.max(...svgs.map((svg) => svg.clientWidth));
     let y = TITLE;
     const parts = svgs.map((svg) => {
@@ -70,8 +71,8 @@ export function makeKeeping({ motion, stretch, starts }) {
       y += part.height + GAP;
       return part;
     });
-    const style = resolvedStyle(document.getElementById("chart-style").textContent, document.body);
-    return { text: svgText(parts, style, settingInWords(motion().p)), width, height: y };
+    const style = resolvedStyle(byId("chart-style").textContent, document.body);
+    return { text: svgText(parts, style, settingInWords(motion().p)), width, height: y - GAP };
   }
 
   return {

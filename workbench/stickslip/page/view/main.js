@@ -5,24 +5,24 @@ import { simplified } from "../model/cycle.js";
 import { motionOf } from "../model/motion.js";
 import { makeAddress, valuesIn } from "./address.js";
 import { makeControls } from "./controls.js";
+import { byId, on } from "./dom.js";
 import { makeKeeping } from "./keeping.js";
-import { listen } from "./pointer.js";
 import { makePlayer } from "./player.js";
+import { listen } from "./pointer.js";
 import { makePortrait } from "./portrait.js";
 import { makePresets } from "./presets.js";
 import { makeReadouts } from "./readouts.js";
 import { makeResults } from "./results.js";
 import { makeSchematic } from "./schematic.js";
-import { makeTimeCharts } from "./timecharts.js";
 import { makeStretch } from "./stretch.js";
+import { makeTimeCharts } from "./timecharts.js";
 
-const element = (id) => document.getElementById(id);
-const data = JSON.parse(element("page-data").textContent);
+const data = JSON.parse(byId("page-data").textContent);
 
 const seen = makeStretch();
-const charts = makeTimeCharts(element("x-chart"), element("F-chart"));
-const portrait = makePortrait(element("phase-chart"));
-const schematic = makeSchematic(element("schematic"));
+const charts = makeTimeCharts(byId("x-chart"), byId("F-chart"));
+const portrait = makePortrait(byId("phase-chart"));
+const schematic = makeSchematic(byId("schematic"));
 const readouts = makeReadouts();
 const showResults = makeResults();
 const writeAddress = makeAddress();
@@ -106,7 +106,7 @@ function redrawTime() {
 }
 
 function resize() {
-  const { clientWidth, clientHeight } = element("schematic");
+  const { clientWidth, clientHeight } = byId("schematic");
   scene = { width: clientWidth, height: clientHeight };
   charts.resize();
   portrait.resize();
@@ -115,7 +115,7 @@ function resize() {
 
 function takeAddress() {
   // A jump to a place in the page asks for nothing, and must not cost the setting.
-  if (element(location.hash.slice(1))) return writeAddress(controls.setting);
+  if (byId(location.hash.slice(1))) return writeAddress(controls.setting);
   const { values, bad } = valuesIn(location.hash);
   const problems = bad.map((part) => `${part} is no number.`);
   // What the address leaves out is as at the start, whatever was shown before.
@@ -126,7 +126,7 @@ function takeAddress() {
       problems.push(error.message);
     }
   }
-  element("address-said").textContent = problems.length
+  byId("address-said").textContent = problems.length
     ? `The address asks for what cannot be: ${problems.join(" ")}`
     : "";
 }
@@ -134,8 +134,10 @@ function takeAddress() {
 takeAddress();
 resize();
 
-new ResizeObserver(() => resize()).observe(element("stage"));
-addEventListener("hashchange", takeAddress);
+// The drawings alone: what else changes its size is none of their business.
+const resizes = new ResizeObserver(resize);
+for (const svg of document.querySelectorAll("svg")) resizes.observe(svg);
+on(window, "hashchange", takeAddress);
 for (const chart of charts.charts) {
   listen(chart, seen, { read: player.point, changed: redrawTime });
 }
@@ -146,7 +148,7 @@ for (const [id, act] of [
   ["later", () => seen.move(0.25)],
   ["zoom-auto", () => seen.reset()],
 ]) {
-  element(id).addEventListener("click", () => {
+  on(byId(id), "click", () => {
     act();
     redrawTime();
   });

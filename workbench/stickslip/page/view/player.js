@@ -1,5 +1,7 @@
 /** The cursor's time: it plays, is scrubbed, or follows the pointer. */
 
+import { byId, on } from "./dom.js";
+
 /** How long the whole picture takes to play, where no speed is chosen [s]. */
 const PICTURE = 10;
 const SCRUB_STEPS = 1000;
@@ -16,9 +18,9 @@ const LONGEST_BREAK = 0.1;
  *   null: let go; play(), pause()
  */
 export function makePlayer(stretch, show, tell) {
-  const button = document.getElementById("play");
-  const scrub = document.getElementById("scrub");
-  const speed = document.getElementById("speed");
+  const button = byId("play");
+  const scrub = byId("scrub");
+  const speed = byId("speed");
   // Where the cursor is in what is seen, from 0 to 1: so it stays in sight when that changes.
   let share = 0;
   let pointed = null;
@@ -54,8 +56,8 @@ export function makePlayer(stretch, show, tell) {
     if (playing) requestAnimationFrame(step);
   }
 
-  button.addEventListener("click", () => setPlaying(!playing));
-  scrub.addEventListener("input", () => {
+  on(button, "click", () => setPlaying(!playing));
+  on(scrub, "input", () => {
     setPlaying(false);
     share = Number(scrub.value) / SCRUB_STEPS;
     show(now());

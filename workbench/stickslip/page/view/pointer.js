@@ -1,5 +1,7 @@
 /** The pointer on a time chart: it reads, zooms into what is dragged over, and lets go. */
 
+import { on } from "./dom.js";
+
 /** A drag shorter than this was meant as a click [px]. */
 const CLICK = 6;
 
@@ -25,19 +27,19 @@ export function listen(chart, stretch, { read, changed }) {
     chart.choose();
   };
 
-  svg.addEventListener("pointerdown", (event) => {
+  on(svg, "pointerdown", (event) => {
     if (event.button !== 0) return;
     // A finger that moves along reads; only a mouse or a pen chooses.
     if (event.pointerType !== "touch") began = placeOf(event);
     svg.setPointerCapture(event.pointerId);
     read(timeAt(placeOf(event)));
   });
-  svg.addEventListener("pointermove", (event) => {
+  on(svg, "pointermove", (event) => {
     const place = placeOf(event);
     read(timeAt(place));
     if (began !== null && Math.abs(place - began) > CLICK) chart.choose(began, place);
   });
-  svg.addEventListener("pointerup", (event) => {
+  on(svg, "pointerup", (event) => {
     const place = placeOf(event);
     const times = began === null ? [] : [timeAt(began), timeAt(place)].sort((a, b) => a - b);
     const chosen = began !== null && Math.abs(place - began) > CLICK;
@@ -46,20 +48,17 @@ export function listen(chart, stretch, { read, changed }) {
     stretch.choose(...times);
     changed();
   });
-  svg.addEventListener("pointercancel", end);
-  svg.addEventListener("pointerleave", () => read(null));
-  svg.addEventListener("dblclick", () => {
+  on(svg, "pointercancel", end);
+  on(svg, "pointerleave", () => read(null));
+  on(svg, "dblclick", () => {
     stretch.reset();
     changed();
   });
-  svg.addEventListener(
-    "wheel",
-    (event) => {
-      if (!event.ctrlKey && !event.metaKey) return;
-      event.preventDefault();
-      stretch.zoom(Math.exp(0.002 * event.deltaY), timeAt(placeOf(event)));
-      changed();
-    },
-    { passive: false },
-  );
+  const zoom = (event) => {
+    if (!event.ctrlKey && !event.metaKey) return;
+    event.preventDefault();
+    stretch.zoom(Math.exp(0.002 * event.deltaY), timeAt(placeOf(event)));
+    changed();
+  };
+  on(svg, "wheel", zoom, { passive: false });
 }

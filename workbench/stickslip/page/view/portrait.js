@@ -1,7 +1,8 @@
 /** The phase portrait: velocity of the mass over the spring's extension. */
 
 import { portraitPath, slipNodes } from "./curves.js";
-import { draw, makeFrame, px } from "./frame.js";
+import { draw, put } from "./dom.js";
+import { makeFrame, px } from "./frame.js";
 import { scaleFor } from "./units.js";
 
 /** Pixels that a loop is computed for. */
@@ -38,9 +39,8 @@ export function makePortrait(svg) {
     const top = px(frame.y(p.v));
     centre.setAttribute("d", `M${left - 5} ${top}h10M${left} ${top - 5}v10`);
     centreName.textContent = "steady sliding";
-    centreName.setAttribute("x", left);
-    centreName.setAttribute("y", top - 8);
-    centreName.setAttribute("text-anchor", left > frame.area.left + 90 ? "end" : "start");
+    const anchor = left > frame.area.left + 90 ? "end" : "start";
+    put(centreName, { x: left, y: top - 8, "text-anchor": anchor });
   }
 
   return {
@@ -49,8 +49,7 @@ export function makePortrait(svg) {
     },
     show,
     mark({ z, x_dot }) {
-      dot.setAttribute("cx", px(frame.x(z)));
-      dot.setAttribute("cy", px(frame.y(x_dot)));
+      put(dot, { cx: px(frame.x(z)), cy: px(frame.y(x_dot)) });
     },
   };
 }

@@ -1,5 +1,7 @@
 /** The presets: settings of known things, each with what it shows and where its numbers are from. */
 
+import { byId, on } from "./dom.js";
+
 /**
  * Bring the presets to life.
  *
@@ -12,10 +14,10 @@ export function makePresets(presets, names, choose) {
   const buttons = new Map(
     presets.map(({ id }) => [id, document.querySelector(`[data-preset="${id}"]`)]),
   );
-  const box = document.getElementById("preset-about");
+  const box = byId("preset-about");
   const valuesOf = (preset) => Object.fromEntries(names.map((name) => [name, preset[name]]));
   for (const preset of presets) {
-    buttons.get(preset.id).addEventListener("click", () => choose(valuesOf(preset)));
+    on(buttons.get(preset.id), "click", () => choose(valuesOf(preset)));
   }
 
   return function show(setting) {
@@ -23,7 +25,8 @@ export function makePresets(presets, names, choose) {
     for (const [id, button] of buttons) {
       button.setAttribute("aria-pressed", String(id === current?.id));
     }
-    box.hidden = !current;
+    // Its line keeps its room.
+    box.style.visibility = current ? "" : "hidden";
     if (!current) return;
     box.querySelector("summary").textContent = current.about;
     box.querySelector("p").textContent = current.source;

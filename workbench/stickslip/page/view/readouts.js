@@ -1,5 +1,6 @@
 /** The numbers at the cursor, beside the charts and in words. */
 
+import { byId } from "./dom.js";
 import { digits, fixed, quantity, scaleFor } from "./units.js";
 
 /**
@@ -9,11 +10,11 @@ import { digits, fixed, quantity, scaleFor } from "./units.js";
  *   the numbers of a state of the motion; tell(state): the same in words
  */
 export function makeReadouts() {
-  const now = document.getElementById("now");
-  const ofX = document.getElementById("x-now");
-  const ofF = document.getElementById("F-now");
-  const ofZ = document.getElementById("z-now");
-  const overshoot = document.getElementById("overshoot");
+  const now = byId("now");
+  const ofX = byId("x-now");
+  const ofF = byId("F-now");
+  const ofZ = byId("z-now");
+  const overshoot = byId("overshoot");
   let scales = {};
 
   return {

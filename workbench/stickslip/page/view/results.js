@@ -1,5 +1,6 @@
 /** The numbers of the cycle: exact and simplified side by side, and how far they are apart. */
 
+import { byId } from "./dom.js";
 import { digits, quantity, scaleFor } from "./units.js";
 
 /** From this deviation on the simplified value is marked. */
@@ -22,9 +23,9 @@ export function makeResults() {
     off: row.cells[3],
     shown: "",
   }));
-  const lead = document.getElementById("lead");
-  const told = document.getElementById("told");
-  const zeta = document.getElementById("zeta-said");
+  const lead = byId("lead");
+  const told = byId("told");
+  const zeta = byId("zeta-said");
   let waiting = 0;
 
   return function show({ motion, simple, v_c, v_c_simple }) {
@@ -44,8 +45,8 @@ export function makeResults() {
 function showRow(row, exact, simple) {
   const known = Number.isFinite(exact) ? exact : simple;
   const scale = scaleFor(known, row.kind);
-  put(row.exact, exact, row.name === "v_c" && exact === Infinity ? "none" : text(exact, row, scale));
-  put(row.simple, simple, text(simple, row, scale));
+  fill(row.exact, exact, row.name === "v_c" && exact === Infinity ? "none" : text(exact, row, scale));
+  fill(row.simple, simple, text(simple, row, scale));
   const { words, far } = deviation(exact, simple);
   if (row.shown === words) return;
   row.shown = words;
@@ -58,7 +59,7 @@ function text(value, row, scale) {
   return quantity(value, row.kind, scale);
 }
 
-function put(cell, value, words) {
+function fill(cell, value, words) {
   cell.value = String(value);
   cell.textContent = words;
 }

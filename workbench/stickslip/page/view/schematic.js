@@ -1,6 +1,7 @@
 /** The model as a moving picture: a block on the ground, drawn along through a spring. */
 
-import { draw, px } from "./frame.js";
+import { draw, put } from "./dom.js";
+import { px } from "./frame.js";
 import { quantity, scaleFor } from "./units.js";
 
 /** Jumps that one window holds; then it flips on, like the screen of an oscilloscope. */
@@ -147,8 +148,7 @@ function drawGauge(svg, { numbers, z_s }, { low, high }, width) {
   write(name, "s", { class: "index", dy: 3 }, "tspan");
   write(name, ` = ${quantity(numbers.F_s, "force")}`, { dy: -3 }, "tspan");
   return (z) => {
-    bar.setAttribute("x", px(Math.min(at(0), at(z))));
-    bar.setAttribute("width", px(Math.abs(at(z) - at(0))));
+    put(bar, { x: px(Math.min(at(0), at(z))), width: px(Math.abs(at(z) - at(0))) });
   };
 }
 

@@ -1,7 +1,8 @@
 /** Position and spring force over time: two charts with one stretch of time and one cursor. */
 
 import { seenPhases, timePath } from "./curves.js";
-import { draw, makeFrame, px } from "./frame.js";
+import { draw, put } from "./dom.js";
+import { makeFrame, px } from "./frame.js";
 import { quantity, scaleFor } from "./units.js";
 
 /** A phase's name is written into its band where that is this wide [px]. */
@@ -76,8 +77,7 @@ export function makeTimeCharts(svgX, svgF) {
       names[used] ??= draw(x.frame.over, "text", { class: "band-name", "text-anchor": "middle" });
       const name = names[used++];
       name.textContent = kind === "stick" ? "stick" : "slip";
-      name.setAttribute("x", px(left + 0.5 * width));
-      name.setAttribute("y", x.frame.area.bottom - 5);
+      put(name, { x: px(left + 0.5 * width), y: x.frame.area.bottom - 5 });
     }
     for (const name of names.splice(used)) name.remove();
   }
@@ -85,8 +85,7 @@ export function makeTimeCharts(svgX, svgF) {
   function mark(state) {
     x.mark(state.t, state.x);
     F.mark(state.t, state.F);
-    pullDot.setAttribute("cx", px(x.frame.x(state.t)));
-    pullDot.setAttribute("cy", px(x.frame.y(state.x_pull)));
+    put(pullDot, { cx: px(x.frame.x(state.t)), cy: px(x.frame.y(state.x_pull)) });
   }
 
   return {
@@ -133,19 +132,16 @@ function makeChart(svg) {
   function mark(t, value) {
     const left = px(frame.x(t));
     line.setAttribute("d", `M${left} ${frame.area.top}V${frame.area.bottom}`);
-    dot.setAttribute("cx", left);
-    dot.setAttribute("cy", px(frame.y(value)));
+    put(dot, { cx: left, cy: px(frame.y(value)) });
   }
 
   /** Show the stretch between two places [px] as chosen, or none. */
   function choose(a, b) {
     const shown = b !== undefined;
-    choice.setAttribute("visibility", shown ? "visible" : "hidden");
+    put(choice, { visibility: shown ? "visible" : "hidden" });
     if (!shown) return;
-    choice.setAttribute("x", Math.min(a, b));
-    choice.setAttribute("width", Math.abs(b - a));
-    choice.setAttribute("y", frame.area.top);
-    choice.setAttribute("height", frame.area.height);
+    const { top, height } = frame.area;
+    put(choice, { x: Math.min(a, b), width: Math.abs(b - a), y: top, height });
   }
 
   return { frame, shade, mark, choose };
@@ -180,6 +176,5 @@ function note(element, words, left, top, { area }) {
   const shown = words && top > area.top && top < area.bottom;
   element.textContent = shown ? words : "";
   if (!shown) return;
-  element.setAttribute("x", px(left));
-  element.setAttribute("y", px(top));
+  put(element, { x: px(left), y: px(top) });
 }
