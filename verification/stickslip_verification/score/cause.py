@@ -8,8 +8,9 @@ import numpy as np
 
 from stickslip_verification.score.evidence import Evidence
 from stickslip_verification.score.law import Law
-from stickslip_verification.score.phases import Stick
-from stickslip_verification.score.result import Cause
+from stickslip_verification.score.phases import NO_GAP, Stick
+from stickslip_verification.score.result import Judgement
+from stickslip_verification.score.sliding import judge_sliding
 from stickslip_verification.score.words import (
     force,
     length,
@@ -19,10 +20,6 @@ from stickslip_verification.score.words import (
     speed,
     time,
 )
-
-_NO_GAP = 0.25
-"""Of the exact gap: a curve that shows less has lost the difference of static and kinetic friction.
-A solver with fixed steps only widens it, a smoothed law narrows it and creeps besides."""
 
 _LEAST_STEP = 1e-6
 """Part of a period: no solver steps so finely, and no reader of its curve would mind."""
@@ -52,16 +49,14 @@ _CHATTER = 0.05
 """Share of samples of a stick at which the mass turns back. One that rests or creeps has none."""
 
 
-Judgement = tuple[Cause, str]
-"""The cause, and the sentence that says why."""
-
-
 def decide(e: Evidence) -> Judgement:
     """Return the most likely cause, and the sentence that says why."""
     if e.motion.mismatch:
         return "other", e.motion.mismatch
     if e.lies_on("exact"):
         return _on_the_exact_law(e)
+    if e.exact is None and (judged := judge_sliding(e)):
+        return judged
     creeping = [stick for stick in e.phases.sticks if _creeps(stick)]
     loading = [stick for stick in e.phases.sticks if stick.samples > 1]
     if e.lies_on("one coefficient"):
@@ -78,7 +73,7 @@ def decide(e: Evidence) -> Judgement:
         return _another_gap(e)
     if e.lies_on("gap and mass"):
         return _another_mass(e)
-    if e.seen_gap < _NO_GAP * e.law.D:
+    if e.seen_gap < NO_GAP * e.law.D:
         return "single_coefficient", _one_coefficient(e)
     if _chatters(e):
         return "fixed_step", _chatter(e)
@@ -197,7 +192,7 @@ def _without_a_slip(e: Evidence) -> Judgement:
 
 def _another_gap(e: Evidence) -> Judgement:
     D = e.fits["gap"].law.D
-    if D < _NO_GAP * e.law.D:
+    if D < NO_GAP * e.law.D:
         return "single_coefficient", _one_coefficient(e)
     ratio = _gap_ratio(e, D)
     step = 2.0 * (D - e.law.D) / e.law.v
@@ -217,7 +212,7 @@ def _another_gap(e: Evidence) -> Judgement:
 
 def _another_mass(e: Evidence) -> Judgement:
     law = e.fits["gap and mass"].law
-    if law.D < _NO_GAP * e.law.D:
+    if law.D < NO_GAP * e.law.D:
         return "single_coefficient", _one_coefficient(e)
     return "other", (
         "the curve is a clean stick-slip motion of another oscillator: k/m is "

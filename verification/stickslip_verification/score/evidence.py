@@ -13,6 +13,7 @@ from stickslip_verification.score.law import Law
 from stickslip_verification.score.measure import Measured
 from stickslip_verification.score.motion import Motion
 from stickslip_verification.score.phases import Phases
+from stickslip_verification.score.slide import Slide
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,8 @@ class Evidence:
         The curve and what was seen of it.
     fits
         The curve held against the law, by name: exact, one coefficient, gap, gap and mass.
+    slide
+        The curve held against sliding without end, from any start; None where a cycle exists.
     """
 
     p: Mapping[str, float]
@@ -40,6 +43,7 @@ class Evidence:
     phases: Phases
     measured: Measured
     fits: Mapping[str, Fit]
+    slide: Slide | None
 
     def lies_on(self, name: str) -> bool:
         """Tell whether all samples lie on this law, to their digits."""

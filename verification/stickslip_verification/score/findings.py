@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from stickslip_verification.score.departure import rests_of
 from stickslip_verification.score.evidence import Evidence
-from stickslip_verification.score.phases import Stick
 from stickslip_verification.score.words import speed, time
 
 
@@ -25,21 +27,35 @@ def findings(e: Evidence) -> list[str]:
                 f"coarse samples: up to {time(step)} apart, where a slip takes "
                 f"{time(e.exact['t_slip'])}"
             )
-    rest = [stick for stick in e.phases.sticks if stick.rests]
-    if e.motion.x_dot is not None and rest:
-        found += _moving_at_rest(e, rest)
+    if e.motion.x_dot is not None:
+        found += _moving_at_rest(e)
     return found
 
 
-def _moving_at_rest(e: Evidence, rest: list[Stick]) -> list[str]:
+def _rests(e: Evidence) -> list[tuple[float, float]]:
+    """Return begin and end of each rest that is beyond doubt [s]."""
+    t = e.motion.t
+    if math.isinf(e.law.t_slip):
+        rest = rests_of(e.motion)[0]
+        window = rest.window(e.motion, e.law)
+        return [(float(t[0]), float(t[-1]) if window is None else window[0])]
+    return [
+        (
+            float(t[0]) if stick.begin is None else stick.begin.high,
+            float(t[-1]) if stick.end is None else stick.end.low,
+        )
+        for stick in e.phases.sticks
+        if stick.rests
+    ]
+
+
+def _moving_at_rest(e: Evidence) -> list[str]:
     """Tell of a velocity column that is not 0 where the position rests."""
     t, x_dot = e.motion.t, e.motion.x_dot
     assert x_dot is not None
     inner = np.zeros(t.size, dtype=bool)
-    for stick in rest:
-        low = t[0] if stick.begin is None else stick.begin.high
-        high = t[-1] if stick.end is None else stick.end.low
-        inner |= (t > low) & (t < high)
+    for begin, end in _rests(e):
+        inner |= (t > begin) & (t < end)
     if not inner.any():
         return []
     moving = float(np.median(np.abs(x_dot[inner])))

@@ -186,7 +186,9 @@ def _gauss_newton(
 
 
 def _sensible(numbers: dict[str, float], law: Law) -> bool:
-    return numbers.get("D", 1.0) >= 0.0 and 0.2 < numbers.get("w", law.w) / law.w < 5.0
+    # Static friction is not the smaller one; a slip from mu_s = mu_k begins at minus the drag.
+    least = -2.0 * law.zeta * law.v / law.w * (1.0 + 1e-12)
+    return numbers.get("D", 0.0) >= least and 0.2 < numbers.get("w", law.w) / law.w < 5.0
 
 
 def _account(t: Floats, y: Floats, allowed: Floats, law: Law, numbers: dict[str, float]) -> Fit:

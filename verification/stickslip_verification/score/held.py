@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip_verification.score.curve import Floats
+from stickslip_verification.score.departure import Rest, rests_of
 from stickslip_verification.score.fit import ON_THE_LAW, Fit, fit
 from stickslip_verification.score.law import Law
 from stickslip_verification.score.motion import Motion
@@ -43,8 +44,11 @@ def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
     A curve on the exact law is held against the free gap alone besides; one that lies on a law
     with another gap is not held against another mass. A curve may start in a slip that no
     break-away began, or its samples may pass over its first cycle, so that the second turn of the
-    spring may serve as well as the first, and cycles may have gone before.
+    spring may serve as well as the first, and cycles may have gone before. Where the law has no
+    cycle, the spring need not turn, and the rests of the mass tell the break-away.
     """
+    if math.isinf(law.t_slip):
+        return _hold_without_cycle(motion, law)
     parts = [part for high in _first_highs(phases) if (part := _part(motion, phases, law, high))]
     if not parts:
         return {}
@@ -65,6 +69,36 @@ def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
         seeds += _another_mass(law, period)
         found["gap and mass"] = min((part.fit(seed, "D", "w") for seed in seeds), key=_excess)
     return found
+
+
+def _hold_without_cycle(motion: Motion, law: Law) -> dict[str, Fit]:
+    one = law.with_gap(-2.0 * law.zeta * law.v / law.w)
+    found: dict[str, Fit] = {}
+    for rest in rests_of(motion):
+        exact = _departing(motion, rest, law)
+        if exact is None:
+            continue
+        if exact.excess <= ON_THE_LAW:
+            return {"exact": exact}
+        seeds = (_departing(motion, rest, seed, "D") for seed in (law, one))
+        here = {
+            "exact": exact,
+            "one coefficient": _departing(motion, rest, one),
+            "gap": min((fit for fit in seeds if fit), key=_excess, default=None),
+        }
+        for name, fitted in here.items():
+            if fitted and (name not in found or fitted.excess < found[name].excess):
+                found[name] = fitted
+    return found
+
+
+def _departing(motion: Motion, rest: Rest, law: Law, *free: str) -> Fit | None:
+    """Fit a law that breaks away at the end of a rest; None where there is nothing to fit."""
+    window = rest.window(motion, law)
+    t, y = motion.t[rest.first :], motion.y[rest.first :]
+    if window is None or t.size < _LEAST_SAMPLES:
+        return None
+    return fit(t, y, np.full(t.size, motion.allowed), law, window, free)
 
 
 def _excess(fit: Fit) -> float:

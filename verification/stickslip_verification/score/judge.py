@@ -18,6 +18,7 @@ from stickslip_verification.score.measure import QUANTITIES, Measured, from_fit,
 from stickslip_verification.score.motion import Motion, motion_of
 from stickslip_verification.score.phases import Phases, find_phases
 from stickslip_verification.score.result import Compared, Score
+from stickslip_verification.score.slide import Slide, fit_slide
 from stickslip_verification.truth import steady_cycle
 from stickslip_verification.truth.parameters import complete, used_mu_k
 
@@ -64,8 +65,9 @@ def _score(curve: Curve, p: Mapping[str, float]) -> Score:
     motion = motion_of(curve, p, top_speed)
     phases = find_phases(motion, law)
     fits = hold_against(motion, phases, law)
-    measured = _measured(motion, phases, fits)
-    evidence = Evidence(p, exact, law, motion, phases, measured, fits)
+    slide = fit_slide(motion, law) if exact is None else None
+    measured = _measured(motion, phases, fits, slide)
+    evidence = Evidence(p, exact, law, motion, phases, measured, fits, slide)
     cause, explanation = decide(evidence)
     sign = math.copysign(1.0, p["v"])
     compared = {
@@ -97,8 +99,12 @@ def _law(p: Mapping[str, float]) -> Law:
     return Law(w, p["c"] / (2.0 * p["m"] * w), v, gap - p["c"] * v / p["k"])
 
 
-def _measured(motion: Motion, phases: Phases, fits: Mapping[str, Fit]) -> Measured:
-    gap = fits.get("gap")
+def _measured(
+    motion: Motion, phases: Phases, fits: Mapping[str, Fit], slide: Slide | None
+) -> Measured:
+    if slide is not None and slide.excess <= ON_THE_LAW:
+        return Measured({}, 0)
+    gap = fits.get("gap", fits.get("exact"))
     if gap is not None and gap.excess <= ON_THE_LAW:
         return from_fit(gap, float(motion.t[-1]))
     if phases.high_times.size > 1:

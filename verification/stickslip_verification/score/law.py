@@ -89,6 +89,25 @@ class Law:
         """Return the law with another gap."""
         return replace(self, D=D)
 
+    def time_to_move(self, way: float) -> float:
+        """Return how long a slip from rest takes to move so far [s]; `way` [m] is positive."""
+        high = 1.0 / self.w
+        while float(self._slip(np.array([high]))[0]) < way:
+            high *= 2.0
+        low = 0.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            if float(self._slip(np.array([middle]))[0]) < way:
+                low = middle
+            else:
+                high = middle
+        return high
+
+    def response(self, tau: Floats) -> tuple[Floats, Floats]:
+        """Return the free oscillation from extension 1 at rate 0, and from 0 at rate 1 [-, s]."""
+        unit = replace(self, D=1.0, v=0.0)._extension(tau)[0]
+        return unit, replace(self, D=0.0, v=1.0)._extension(tau)[0]
+
     def _slip(self, tau: Floats) -> Floats:
         """Return the way of the mass [m] at times tau of one slip."""
         return self.v * tau + self.D - self._extension(tau)[0]
@@ -96,23 +115,26 @@ class Law:
     def _extension(self, tau: Floats) -> tuple[Floats, Floats]:
         """Return extension beyond steady sliding [m] and its rate [m/s], docs/theory.md (3)."""
         w, zeta, v, D = self.w, self.zeta, self.v, self.D
+        if zeta >= 1.0:
+            return self._overdamped(tau)
         decay = zeta * w
         envelope = np.exp(-decay * tau)
-        if zeta < 1.0:
-            turn = w * math.sqrt((1.0 - zeta) * (1.0 + zeta))
-            cosine, sine = np.cos(turn * tau), np.sin(turn * tau) / turn
-            growth = -turn * turn * sine
-        elif zeta == 1.0:
-            cosine, sine, growth = np.ones_like(tau), tau, np.zeros_like(tau)
-        else:
-            rate = w * math.sqrt((zeta - 1.0) * (zeta + 1.0))
-            slow, fast = np.exp((rate - decay) * tau), np.exp(-(rate + decay) * tau)
-            envelope = np.ones_like(tau)
-            cosine, sine = 0.5 * (slow + fast), 0.5 * (slow - fast) / rate
-            growth = rate * rate * sine
+        turn = w * math.sqrt((1.0 - zeta) * (1.0 + zeta))
+        cosine, sine = np.cos(turn * tau), np.sin(turn * tau) / turn
         across = v + decay * D
         z = envelope * (D * cosine + across * sine)
-        z_dot = envelope * (D * growth + across * cosine) - decay * z
+        z_dot = envelope * (across * cosine - D * turn * turn * sine) - decay * z
+        return z, z_dot
+
+    def _overdamped(self, tau: Floats) -> tuple[Floats, Floats]:
+        """Return the same for zeta >= 1, written so that close or distant rates cancel nowhere."""
+        wide = self.zeta + math.sqrt((self.zeta - 1.0) * (self.zeta + 1.0))
+        slow, apart = self.w / wide, self.w * (wide - 1.0 / wide)
+        across = self.v + slow * self.D
+        envelope = np.exp(-slow * tau)
+        since = -np.expm1(-apart * tau) / apart if apart else tau
+        z = envelope * (self.D + across * since)
+        z_dot = envelope * across * np.exp(-apart * tau) - slow * z
         return z, z_dot
 
     def _damped_t_slip(self) -> float:

@@ -13,6 +13,10 @@ from stickslip_verification.score.curve import Curve, CurveError, Floats
 _SOLVER_FLOOR = 1e-9
 """Of the range of x: no tool that integrates promises more, so less is held against none."""
 
+_ROUNDINGS = 4.0 * 2.0**-53
+"""Of the longest way: a position is the difference of two ways in double precision, and either is
+a product or a sum that has been rounded before, once by the tool and once here."""
+
 _DRIFT = 1e-3
 """Of a spring's way: how far F/k + x - v t may wander before F, x, k and v contradict each other.
 Ten times what a curve printed to four digits shows."""
@@ -88,12 +92,17 @@ def motion_of(curve: Curve, p: Mapping[str, float], top_speed: float) -> Motion:
     else:
         raise CurveError("neither x nor F is given; one of them is needed")
     z = speed * since - y
+    longest = speed * float(np.max(np.abs(curve.t)))
     if curve.F is not None:
         given = sign * curve.F / k
+        longest = max(longest, float(np.max(np.abs(given))))
         if curve.x is not None:
-            mismatch = _mismatch(curve, given - z, given, speed)
+            mismatch = _mismatch(curve, given - z, given, speed, k)
         z = z + float(np.median(given - z))
+    if curve.x is not None:
+        longest = max(longest, float(np.max(np.abs(curve.x))))
     allowed += curve.t_rounding * top_speed + _SOLVER_FLOOR * float(np.ptp(y))
+    allowed += _ROUNDINGS * longest
     return Motion(
         t=curve.t,
         y=y,
@@ -109,9 +118,9 @@ def motion_of(curve: Curve, p: Mapping[str, float], top_speed: float) -> Motion:
     )
 
 
-def _mismatch(curve: Curve, apart: Floats, given: Floats, speed: float) -> str:
+def _mismatch(curve: Curve, apart: Floats, given: Floats, speed: float, k: float) -> str:
     """Say so where F/k + x - v t is no constant."""
-    digits = curve.x_rounding + curve.t_rounding * speed
+    digits = curve.x_rounding + curve.t_rounding * speed + curve.F_rounding / k
     wander = float(np.ptp(apart))
     if wander <= _DRIFT * float(np.ptp(given)) + 4.0 * digits:
         return ""

@@ -23,7 +23,14 @@ are alike, so that all pass; the ripple of a solver does not."""
 _FEW = 5
 """Samples below v/2 under which a creep and the run-out of a slip look alike."""
 
-_LOST = 0.2
+NO_GAP = 0.25
+"""Of the exact gap: a curve that shows less has lost the difference of static and kinetic friction.
+A solver with fixed steps only widens it, a smoothed law narrows it and creeps besides."""
+
+VISIBLE = 2.0
+"""Half units of the last digit by which two positions of a resting mass may differ, one each."""
+
+LOST = 0.2
 """Of the slow time: what may be lacking of the rest after the slip's own run-out and start. A mass
 that rests lacks none; one that creeps lacks nearly all."""
 
@@ -166,7 +173,7 @@ def _stick(
     t, y = motion.t[first : last + 1], motion.y[first : last + 1]
     if t.size < 2:
         return None
-    i, j, level = _plateau(t, y, 2.0 * motion.allowed)
+    i, j, level = plateau(t, y, VISIBLE * motion.allowed)
     begins, ends = not math.isnan(z_low), not math.isnan(z_high)
     slow = np.flatnonzero(_speed(t, y, motion.allowed, law.v) < 0.5 * law.v)
     if not slow.size:
@@ -177,7 +184,7 @@ def _stick(
     tail = _run_out(law, gap) * (begins + ends) + 2.0 * hidden
     window = max(8.0 * motion.allowed / law.v, float(np.max(np.diff(t))))
     slow_time, rest = float(t[to] - t[from_]), float(t[j] - t[i])
-    creeps = to - from_ >= _FEW and slow_time - rest > tail + _LOST * slow_time + 2.0 * window
+    creeps = to - from_ >= _FEW and slow_time - rest > tail + LOST * slow_time + 2.0 * window
     quarter = (to - from_) // 4
     a, b = from_ + quarter, to - quarter
     if creeps:
@@ -196,7 +203,7 @@ def _stick(
         rests=j > i and not creeps,
         creep=creep,
         late_over_early=late_over_early,
-        chatter=_chatter(np.diff(y[a : b + 1]), 2.0 * motion.allowed),
+        chatter=_chatter(np.diff(y[a : b + 1]), VISIBLE * motion.allowed),
         z_low=z_low,
         z_high=z_high,
         samples=to - from_ + 1,
@@ -222,7 +229,7 @@ def _chatter(moves: Floats, visible: float) -> float:
     return float(np.count_nonzero(np.diff(np.sign(seen)))) / moves.size
 
 
-def _plateau(t: Floats, y: Floats, band: float) -> tuple[int, int, float]:
+def plateau(t: Floats, y: Floats, band: float) -> tuple[int, int, float]:
     """Return first and last sample and the level of the longest time within a band of y.
 
     A solver may step back a little where it stops, so that y only nearly rises; a mass that

@@ -6,6 +6,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 Cause = Literal["exact", "fixed_step", "regularised", "single_coefficient", "other"]
+Judgement = tuple[Cause, str]
+"""The cause, and the sentence that says why."""
 
 
 @dataclass(frozen=True)
