@@ -30,7 +30,7 @@ FRACTION ?= 1
 prove: $(VENV)/ready
 	$(BIN)/stickslip prove --seed $(SEED) --fraction $(FRACTION)
 
-bench: $(VENV)/ready
+bench: $(VENV)/ready-to-test
 	$(BIN)/python -m benchmarks.bench
 
 # Files under docs/ that are made from the code.

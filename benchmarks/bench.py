@@ -18,7 +18,9 @@ from rich.table import Table
 
 from benchmarks.bare import BareSlave
 from benchmarks.empty_slave import build_empty_slave
+from benchmarks.page import NoBrowserError, measure_moves
 from benchmarks.plain_cycle import plain_steady_cycle
+from stickslip.page import page
 from stickslip_fmu.block import Block
 from stickslip_fmu.packer import build
 from stickslip_fmu.settings import Settings
@@ -147,6 +149,32 @@ def measure_steady_cycle() -> Measurement:
     )
 
 
+def measure_page(folder: Path) -> list[Measurement]:
+    """Time the page's redraw after a move of a slider; nothing, and a word, without a browser."""
+    file = folder / "stick-slip.html"
+    file.write_text(page(), encoding="utf-8")
+    try:
+        times = measure_moves(file)
+    except NoBrowserError as error:
+        print(f"The page is not measured: {error}.")
+        return []
+    return [
+        Measurement(
+            "page, slider to redraw: median", "move", times.median, 8e-3, "limit of 8 ms", 1.0
+        ),
+        Measurement(
+            "page, slider to redraw: 95 %", "move", times.late, 16e-3, "limit of 16 ms", 1.0
+        ),
+        Measurement("page, slider to layout: median", "move", times.work),
+        Measurement("page, slider to screen: median", "move", times.seen),
+        # Drawn one by one they would take a hundred redraws.
+        Measurement(
+            "page, 100 moves at once to screen", "burst", times.burst, times.seen, "one move", 5.0
+        ),
+        Measurement("page, move after those", "move", times.after_burst, times.seen, "one move"),
+    ]
+
+
 def measure() -> list[Measurement]:
     """Measure everything."""
     with tempfile.TemporaryDirectory(prefix="stickslip-bench-") as folder:
@@ -158,6 +186,7 @@ def measure() -> list[Measurement]:
             *measure_block(),
             measure_reference(),
             measure_steady_cycle(),
+            *measure_page(Path(folder)),
         ]
 
 

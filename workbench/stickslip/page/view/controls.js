@@ -1,7 +1,7 @@
 /** The parameters: a slider and a typed value each, the clamp of mu_k, and what is refused. */
 
 import { kineticInUse, kineticStop } from "../model/friction.js";
-import { byId, on } from "./dom.js";
+import { byId, on, setText } from "./dom.js";
 import { placeSlider, sliderEnds, valueAt } from "./slider.js";
 import { readTyped, shortest, typedText } from "./typed.js";
 import { shifted } from "./units.js";
@@ -82,7 +82,7 @@ export function makeControls(table, accept) {
       const { control } = rows[name];
       return `${name} ${typedText(setting[name], control)} ${control.unit}`;
     });
-    folded.textContent = texts.join(", ");
+    setText(folded, texts.join(", "));
   }
 
   function refuse(row, objection) {
@@ -106,8 +106,8 @@ export function makeControls(table, accept) {
     const { control } = row;
     const shown = shifted(String(control.name === "mu_k" ? setting.mu_s : value), control.decimals);
     const ends = sliderEnds(control, shown);
-    row.ends[0].textContent = shortest(ends.low);
-    row.ends[1].textContent = shortest(ends.high);
+    setText(row.ends[0], shortest(ends.low));
+    setText(row.ends[1], shortest(ends.high));
     row.shown = ends;
     if (control.name === "mu_k") {
       // The slider is as long as mu_k may be, so that both stand on one scale.
@@ -130,7 +130,7 @@ export function makeControls(table, accept) {
   }
 
   function say(row, text, bad) {
-    if (row.said.textContent !== text) row.said.textContent = text;
+    setText(row.said, text);
     if (bad) row.said.dataset.bad = "yes";
     else delete row.said.dataset.bad;
   }

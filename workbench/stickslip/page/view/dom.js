@@ -17,6 +17,11 @@ export function put(element, attributes) {
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
 }
 
+/** Give an element this text; the same text again would cost a layout. */
+export function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
 /** Make an SVG element with these attributes inside a parent. */
 export function draw(parent, tag, attributes = {}) {
   const element = document.createElementNS(SVG, tag);

@@ -1,6 +1,6 @@
 /** The frame of a chart: its place, axes, grid and layers. */
 
-import { draw, put } from "./dom.js";
+import { draw, put, setText } from "./dom.js";
 import { digits } from "./units.js";
 
 const MARGIN = { left: 54, right: 12, top: 8, bottom: 34 };
@@ -53,7 +53,7 @@ export function makeFrame(svg) {
     const label = (text, left, top, anchor) => {
       pool[used] ??= draw(labels, "text");
       const element = pool[used++];
-      element.textContent = text;
+      setText(element, text);
       put(element, { x: px(left), y: px(top), "text-anchor": anchor });
     };
     for (const { value, text } of ticks(horizontal, Math.max(area.width / 90, 2))) {
@@ -74,7 +74,7 @@ export function makeFrame(svg) {
 }
 
 function place(element, text, left, top) {
-  element.textContent = text;
+  setText(element, text);
   put(element, { x: px(left), y: px(top) });
 }
 

@@ -1,6 +1,6 @@
 /** What a person takes along: the curve as CSV, the command that repeats it, the picture. */
 
-import { draw, put } from "./dom.js";
+import { draw, put, setText } from "./dom.js";
 import { shifted } from "./units.js";
 
 /** More transitions than this are left out of a file: it would grow without showing more. */
@@ -82,11 +82,11 @@ export function svgText(parts, style, title) {
     viewBox: `0 0 ${width} ${height}`,
     "font-family": "system-ui, sans-serif",
   });
-  draw(whole, "title").textContent = title.join(", ");
-  draw(whole, "style").textContent = style;
+  setText(draw(whole, "title"), title.join(", "));
+  setText(draw(whole, "style"), style);
   draw(whole, "rect", { class: "sheet", width, height, fill: "white" });
   title.forEach((line, n) => {
-    draw(whole, "text", { class: "axis", x: 8, y: 15 + 16 * n }).textContent = line;
+    setText(draw(whole, "text", { class: "axis", x: 8, y: 15 + 16 * n }), line);
   });
   for (const { svg, ...place } of parts) {
     const copy = svg.cloneNode(true);

@@ -1,6 +1,6 @@
 /** What a person takes along: data, pictures, the command line. */
 
-import { byId, on } from "./dom.js";
+import { byId, on, setText } from "./dom.js";
 import { commandLine, csvText, resolvedStyle, save, savePng, svgText } from "./keep.js";
 
 const GAP = 8;
@@ -29,9 +29,9 @@ export function makeKeeping({ motion, stretch, starts }) {
   function atClick(id, act) {
     on(byId(id), "click", async () => {
       try {
-        said.textContent = await act();
+        setText(said, await act());
       } catch (error) {
-        said.textContent = `That did not work: ${error.message}.`;
+        setText(said, `That did not work: ${error.message}.`);
       }
     });
   }
@@ -77,7 +77,7 @@ export function makeKeeping({ motion, stretch, starts }) {
 
   return {
     refresh() {
-      command.textContent = commandLine(motion().p, starts, stretch.to);
+      setText(command, commandLine(motion().p, starts, stretch.to));
     },
   };
 }

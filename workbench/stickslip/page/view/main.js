@@ -5,7 +5,7 @@ import { simplified } from "../model/cycle.js";
 import { motionOf } from "../model/motion.js";
 import { makeAddress, valuesIn } from "./address.js";
 import { makeControls } from "./controls.js";
-import { byId, on } from "./dom.js";
+import { byId, on, setText } from "./dom.js";
 import { makeKeeping } from "./keeping.js";
 import { makePlayer } from "./player.js";
 import { listen } from "./pointer.js";
@@ -126,9 +126,8 @@ function takeAddress() {
       problems.push(error.message);
     }
   }
-  byId("address-said").textContent = problems.length
-    ? `The address asks for what cannot be: ${problems.join(" ")}`
-    : "";
+  const complaint = `The address asks for what cannot be: ${problems.join(" ")}`;
+  setText(byId("address-said"), problems.length ? complaint : "");
 }
 
 takeAddress();

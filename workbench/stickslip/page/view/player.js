@@ -1,6 +1,6 @@
 /** The cursor's time: it plays, is scrubbed, or follows the pointer. */
 
-import { byId, on } from "./dom.js";
+import { byId, on, setText } from "./dom.js";
 
 /** How long the whole picture takes to play, where no speed is chosen [s]. */
 const PICTURE = 10;
@@ -49,7 +49,7 @@ export function makePlayer(stretch, show, tell) {
   function setPlaying(wanted) {
     if (playing === wanted) return;
     playing = wanted;
-    button.textContent = playing ? "Pause" : "Play";
+    setText(button, playing ? "Pause" : "Play");
     button.setAttribute("aria-pressed", String(playing));
     if (!playing) scrub.setAttribute("aria-valuetext", tell(now()));
     last = performance.now();

@@ -1,7 +1,7 @@
 /** The phase portrait: velocity of the mass over the spring's extension. */
 
 import { portraitPath, slipNodes } from "./curves.js";
-import { draw, put } from "./dom.js";
+import { draw, put, setText } from "./dom.js";
 import { makeFrame, px } from "./frame.js";
 import { scaleFor } from "./units.js";
 
@@ -38,7 +38,7 @@ export function makePortrait(svg) {
     const left = px(frame.x(settled));
     const top = px(frame.y(p.v));
     centre.setAttribute("d", `M${left - 5} ${top}h10M${left} ${top - 5}v10`);
-    centreName.textContent = "steady sliding";
+    setText(centreName, "steady sliding");
     const anchor = left > frame.area.left + 90 ? "end" : "start";
     put(centreName, { x: left, y: top - 8, "text-anchor": anchor });
   }

@@ -1,6 +1,6 @@
 /** The presets: settings of known things, each with what it shows and where its numbers are from. */
 
-import { byId, on } from "./dom.js";
+import { byId, on, setText } from "./dom.js";
 
 /**
  * Bring the presets to life.
@@ -28,7 +28,7 @@ export function makePresets(presets, names, choose) {
     // Its line keeps its room.
     box.style.visibility = current ? "" : "hidden";
     if (!current) return;
-    box.querySelector("summary").textContent = current.about;
-    box.querySelector("p").textContent = current.source;
+    setText(box.querySelector("summary"), current.about);
+    setText(box.querySelector("p"), current.source);
   };
 }

@@ -1,6 +1,6 @@
 /** The numbers at the cursor, beside the charts and in words. */
 
-import { byId } from "./dom.js";
+import { byId, setText } from "./dom.js";
 import { digits, fixed, quantity, scaleFor } from "./units.js";
 
 /**
@@ -20,7 +20,7 @@ export function makeReadouts() {
   return {
     fit(motion, seen) {
       const { cycle, numbers, p, z_s } = motion;
-      overshoot.textContent = overshootInWords(motion);
+      setText(overshoot, overshootInWords(motion));
       // While the cursor moves, units and decimals stand still.
       scales = {
         t: rangeOf(seen.to, "time", seen.to - seen.from),
@@ -31,10 +31,10 @@ export function makeReadouts() {
       };
     },
     show({ t, mode, x, x_pull, x_dot, z, F }) {
-      now.textContent = `${fixed(t, scales.t)}, ${modeInWords(mode)}`;
-      ofX.textContent = `x ${fixed(x, scales.x)}, v t ${fixed(x_pull, scales.x)}`;
-      ofF.textContent = `F ${fixed(F, scales.F)}`;
-      ofZ.textContent = `ẋ ${fixed(x_dot, scales.x_dot)}, z ${fixed(z, scales.z)}`;
+      setText(now, `${fixed(t, scales.t)}, ${modeInWords(mode)}`);
+      setText(ofX, `x ${fixed(x, scales.x)}, v t ${fixed(x_pull, scales.x)}`);
+      setText(ofF, `F ${fixed(F, scales.F)}`);
+      setText(ofZ, `ẋ ${fixed(x_dot, scales.x_dot)}, z ${fixed(z, scales.z)}`);
     },
     tell({ t, mode, x, x_dot, x_pull, F }) {
       return (

@@ -1,6 +1,6 @@
 /** The numbers of the cycle: exact and simplified side by side, and how far they are apart. */
 
-import { byId } from "./dom.js";
+import { byId, setText } from "./dom.js";
 import { digits, quantity, scaleFor } from "./units.js";
 
 /** From this deviation on the simplified value is marked. */
@@ -25,7 +25,7 @@ export function makeResults() {
   }));
   const lead = byId("lead");
   const told = byId("told");
-  const zeta = byId("zeta-said");
+  const ratios = byId("zeta-said");
   let waiting = 0;
 
   return function show({ motion, simple, v_c, v_c_simple }) {
@@ -33,11 +33,12 @@ export function makeResults() {
     const designers = { ...simple, v_c: v_c_simple };
     for (const row of rows) showRow(row, exact[row.name], designers[row.name]);
     const sentence = inWords(motion, v_c);
-    lead.textContent = sentence;
-    zeta.textContent = `Damping ratio ζ = ${digits(motion.numbers.zeta, 3)}, λ = ${digits(motion.numbers.lambda_, 3)}.`;
+    setText(lead, sentence);
+    const { zeta, lambda_ } = motion.numbers;
+    setText(ratios, `Damping ratio ζ = ${digits(zeta, 3)}, λ = ${digits(lambda_, 3)}.`);
     clearTimeout(waiting);
     waiting = setTimeout(() => {
-      told.textContent = sentence;
+      setText(told, sentence);
     }, PAUSE);
   };
 }
@@ -50,7 +51,7 @@ function showRow(row, exact, simple) {
   const { words, far } = deviation(exact, simple);
   if (row.shown === words) return;
   row.shown = words;
-  row.off.textContent = words;
+  setText(row.off, words);
   row.off.classList.toggle("mark", far);
   if (far) row.off.append(hidden(", more than 5 % off"));
 }
@@ -61,7 +62,7 @@ function text(value, row, scale) {
 
 function fill(cell, value, words) {
   cell.value = String(value);
-  cell.textContent = words;
+  setText(cell, words);
 }
 
 /** The deviation of the simplified value in words, and whether it deserves a mark. */
@@ -82,7 +83,7 @@ function deviation(exact, simple) {
 function hidden(words) {
   const span = document.createElement("span");
   span.className = "hidden";
-  span.textContent = words;
+  setText(span, words);
   return span;
 }
 

@@ -1,6 +1,6 @@
 /** The model as a moving picture: a block on the ground, drawn along through a spring. */
 
-import { draw, put } from "./dom.js";
+import { draw, put, setText } from "./dom.js";
 import { px } from "./frame.js";
 import { quantity, scaleFor } from "./units.js";
 
@@ -118,7 +118,7 @@ function drawRuler(svg, length, scale, width, ground) {
       for (let j = 0; j < 5; j++) d += `M${px(at + j * apart * 0.2)} ${ground + 11}v${j ? 4 : 7}`;
       const text = String(Number(((first + i) * step).toPrecision(12)));
       const roomy = (first + i) % Math.ceil((text.length * 8) / apart) === 0;
-      label.textContent = roomy && at > 12 && at < width - 44 ? text : "";
+      setText(label, roomy && at > 12 && at < width - 44 ? text : "");
       label.setAttribute("x", px(at));
     });
     ticks.setAttribute("d", d);
@@ -197,12 +197,12 @@ function drawMass(svg, ground) {
     if (mode === shown) return;
     shown = mode;
     group.setAttribute("class", mode === 0 ? "mass stick" : "mass slip");
-    word.textContent = mode === 0 ? "STICK" : "SLIP";
+    setText(word, mode === 0 ? "STICK" : "SLIP");
   };
 }
 
 function write(parent, text, attributes, tag = "text") {
   const written = draw(parent, tag, attributes);
-  written.textContent = text;
+  setText(written, text);
   return written;
 }

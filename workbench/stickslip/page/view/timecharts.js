@@ -1,7 +1,7 @@
 /** Position and spring force over time: two charts with one stretch of time and one cursor. */
 
 import { seenPhases, timePath } from "./curves.js";
-import { draw, put } from "./dom.js";
+import { draw, put, setText } from "./dom.js";
 import { makeFrame, px } from "./frame.js";
 import { quantity, scaleFor } from "./units.js";
 
@@ -76,7 +76,7 @@ export function makeTimeCharts(svgX, svgF) {
       if (width < ROOM_FOR_NAME) continue;
       names[used] ??= draw(x.frame.over, "text", { class: "band-name", "text-anchor": "middle" });
       const name = names[used++];
-      name.textContent = kind === "stick" ? "stick" : "slip";
+      setText(name, kind === "stick" ? "stick" : "slip");
       put(name, { x: px(left + 0.5 * width), y: x.frame.area.bottom - 5 });
     }
     for (const name of names.splice(used)) name.remove();
@@ -174,7 +174,7 @@ function forceAxis({ numbers, cycle, slip }, { from, to }, points) {
 /** Write a note where it is inside the plot, else hide it. */
 function note(element, words, left, top, { area }) {
   const shown = words && top > area.top && top < area.bottom;
-  element.textContent = shown ? words : "";
+  setText(element, shown ? words : "");
   if (!shown) return;
   put(element, { x: px(left), y: px(top) });
 }

@@ -1,0 +1,107 @@
+"""The browser that the page is tried in: found, started, and watched for errors."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import pytest
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, ConsoleMessage, Page
+
+ARGUMENTS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+WIDTH, HEIGHT = 1280, 800
+
+
+@contextmanager
+def started() -> Iterator[Browser]:
+    """Start Debian's Chromium, or the one that Playwright brought; where there is none, skip.
+
+    A machine that says it is CI has installed both, so there a missing one is a failure.
+    """
+    try:
+        # An extra that only these tests need: without it the other tests still run.
+        from playwright.sync_api import Error, sync_playwright
+    except ImportError:
+        unavailable("Playwright is not installed")
+    with sync_playwright() as playwright:
+        try:
+            browser = playwright.chromium.launch(
+                executable_path=shutil.which("chromium"), args=list(ARGUMENTS)
+            )
+        except Error as error:
+            unavailable(f"no browser starts ({error.message.splitlines()[0]})")
+        with browser:
+            yield browser
+
+
+def unavailable(what: str) -> NoReturn:
+    """Skip, or fail in CI, and say what to install."""
+    reason = (
+        f"THE PAGE IS NOT TESTED: {what}. "
+        "Needed: pip install '.[page]' and the Debian package chromium."
+    )
+    if os.environ.get("CI"):
+        pytest.fail(reason)
+    pytest.skip(reason)
+
+
+@contextmanager
+def opened(
+    browser: Browser,
+    file: Path,
+    *,
+    width: int = WIDTH,
+    height: int = HEIGHT,
+    fragment: str = "",
+    **options: Any,
+) -> Iterator[Page]:
+    """Open the file in a context of its own and wait till its script answers.
+
+    Parameters
+    ----------
+    browser, file
+        The browser, and the page as a file.
+    width, height
+        Of the window [px].
+    fragment
+        What stands after ``#`` in the address.
+    options
+        What else `Browser.new_context` takes, such as ``color_scheme="dark"``.
+
+    Raises
+    ------
+    AssertionError
+        At the end, if the page wrote an error to the console or let one escape.
+    """
+    errors: list[str] = []
+
+    def note(message: ConsoleMessage) -> None:
+        if message.type == "error":
+            errors.append(f"console: {message.text}")
+
+    with browser.new_context(viewport={"width": width, "height": height}, **options) as context:
+        page = context.new_page()
+        page.on("console", note)
+        page.on("pageerror", lambda error: errors.append(f"escaped: {error}"))
+        page.goto(file.as_uri() + (f"#{fragment}" if fragment else ""))
+        try:
+            page.wait_for_function("window.stickslip !== undefined", timeout=10_000)
+        except Exception as error:
+            error.add_note(f"errors of the page: {errors}")
+            raise
+        yield page
+    assert not errors, f"errors of the page: {errors}"

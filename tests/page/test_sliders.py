@@ -1,0 +1,153 @@
+"""The sliders: their ends, their keys, the mouse, and the gap that the friction sliders keep."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import TYPE_CHECKING
+
+import pytest
+
+from stickslip_ref import FrictionClampWarning, Parameters
+from tests.page.using import drag, press, said, set_values, setting, shown, text_of, type_in
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+ENDS = {
+    "k": (10.0, 10000.0),
+    "v": (0.0001, 0.2),
+    "mu_s": (0.0, 1.5),
+    "m": (0.01, 100.0),
+    "g": (1.0, 30.0),
+    "c": (0.0, 100.0),
+}
+"""What a slider spans, SI."""
+
+
+def test_home_and_end_reach_the_ends_of_a_slider(page: Page) -> None:
+    """A slider's ends are round numbers, and a key reaches each to the last bit."""
+    reached = {}
+    for name in ENDS:
+        press(page, name, "Home")
+        low = setting(page)[name]
+        press(page, name, "End")
+        reached[name] = (low, setting(page)[name])
+        set_values(page, **{name: low_middle(name)})
+    assert reached == ENDS
+
+
+def low_middle(name: str) -> float:
+    """Give a harmless value, so that the extremes of two sliders do not meet."""
+    return 0.3 * ENDS[name][1]
+
+
+def test_arrows_move_a_slider_by_small_steps(page: Page) -> None:
+    """One press of an arrow raises or lowers a value by little, and never leaves it as it is."""
+    for name in (*ENDS, "mu_k"):
+        press(page, name, *["ArrowRight"] * 5)
+        for _ in range(2):
+            before = setting(page)[name]
+            press(page, name, "ArrowRight")
+            above = setting(page)[name]
+            press(page, name, "ArrowLeft", "ArrowLeft")
+            below = setting(page)[name]
+            low, high = ENDS.get(name, (0.0, 0.49))
+            assert below < before < above, name
+            assert above - below < 0.1 * max(before, high - low), name
+
+
+def test_every_move_of_a_slider_is_drawn_and_counted(page: Page) -> None:
+    """While a slider is dragged, the curves and the numbers of the cycle follow."""
+    for name in ("k", "v", "mu_s", "mu_k"):
+        pictures, period = shown(page), text_of(page, "#readout-T data")
+        drag(page, name, 0.35)
+        assert text_of(page, "#readout-T data") != period
+        for each, path in shown(page).items():
+            # Only v moves the pulled end, and the scale of the axis may stay.
+            assert path != pictures[each] or each.endswith("pull")
+
+
+def test_a_slider_and_its_typed_value_say_the_same(page: Page) -> None:
+    """What a slider chose stands in the field beside it, in the shown unit."""
+    for name, scale in {"k": 1.0, "v": 1e-3, "mu_s": 1.0, "mu_k": 1.0}.items():
+        drag(page, name, 0.62)
+        assert setting(page)[name] == pytest.approx(scale * float(page.input_value(f"#{name}")))
+
+
+def test_a_value_beyond_the_slider_is_taken_and_its_ends_follow(page: Page) -> None:
+    """A stiffness of a million is a setting like any other; the slider then spans it."""
+    type_in(page, "k", "1e6")
+    low, high = (float(each) for each in page.locator("#k-control .ends span").all_inner_texts())
+    assert setting(page)["k"] == 1e6
+    assert low < 1e6 < high
+    press(page, "k", "ArrowRight")
+    assert 1e6 < setting(page)["k"] < 1.1e6
+    type_in(page, "mu_s", "2.5")
+    assert float(page.get_attribute("#mu_s-slider", "max") or "") > 2.5
+    assert float(page.input_value("#mu_s-slider")) == 2.5
+
+
+def test_the_kinetic_slider_ends_below_the_static_coefficient(page: Page) -> None:
+    """The slider of mu_k stops at mu_s - 0.01, to the last bit, whatever its steps are."""
+    for mu_s in (0.5, 0.57, 0.29, 1.1, 0.1234567, 0.02):
+        type_in(page, "mu_s", repr(mu_s))
+        assert float(page.get_attribute("#mu_k-slider", "max") or "") == mu_s - 0.01
+        press(page, "mu_k", "Home", "End")
+        assert setting(page)["mu_k"] == mu_s - 0.01
+        press(page, "mu_k", "ArrowLeft")
+        assert setting(page)["mu_k"] < mu_s - 0.01
+
+
+def test_no_slider_of_mu_k_is_left_where_mu_s_leaves_no_room(page: Page) -> None:
+    """Below mu_s = 0.01 the kinetic slider has nowhere to go, and stays at 0."""
+    press(page, "mu_s", "Home")
+    press(page, "mu_k", "End", "ArrowRight")
+    assert setting(page)["mu_k"] == 0.0
+    assert page.inner_text("#lead")
+
+
+def test_mu_s_takes_mu_k_along_and_gives_it_back(page: Page) -> None:
+    """Dragged below what was asked of mu_k, mu_s carries it down; dragged up, it returns."""
+    drag(page, "mu_s", 0.1)
+    low = setting(page)
+    assert low["mu_k"] == low["mu_s"] - 0.01 < 0.29
+    assert "0.3" in said(page, "mu_k")
+    drag(page, "mu_s", 0.5)
+    assert setting(page)["mu_k"] == 0.3
+    assert said(page, "mu_k") == ""
+
+
+def test_equal_coefficients_are_a_setting(page: Page) -> None:
+    """mu_k = mu_s is no gap and is no mistake: it is taken as typed."""
+    type_in(page, "mu_k", "0.5")
+    assert setting(page)["mu_k"] == 0.5
+    assert said(page, "mu_k") == ""
+    assert page.get_attribute("#mu_k", "aria-invalid") is None
+
+
+def test_a_kinetic_coefficient_above_the_static_one_is_held_below_it(page: Page) -> None:
+    """Typed above mu_s, mu_k is clamped, and a note in sight names what was asked and what is."""
+    type_in(page, "mu_k", "0.7")
+    assert setting(page)["mu_k"] == 0.5 - 0.01
+    note = said(page, "mu_k")
+    assert "0.7" in note
+    assert "0.49" in note
+    page.keyboard.press("Tab")
+    assert float(page.input_value("#mu_k")) == 0.49
+
+
+def test_the_page_clamps_as_the_reference_does(page: Page) -> None:
+    """For every pair of coefficients, mu_k in use is that of the reference, bit for bit."""
+    draw = Random("clamp")
+    for _ in range(25):
+        mu_s = draw.choice([draw.uniform(0.0, 0.03), draw.uniform(0.0, 1.5)])
+        mu_k = draw.choice([draw.uniform(0.0, 1.5), mu_s, mu_s + 1e-16, mu_s * (1 + 1e-15)])
+        if mu_k > mu_s:
+            with pytest.warns(FrictionClampWarning):
+                used = Parameters(mu_s=mu_s, mu_k=mu_k).mu_k_used
+        else:
+            used = Parameters(mu_s=mu_s, mu_k=mu_k).mu_k_used
+        page.fill("#mu_s", repr(mu_s))
+        page.fill("#mu_k", repr(mu_k))
+        assert setting(page)["mu_k"] == float(used)
+        set_values(page, mu_s=0.5, mu_k=0.3)

@@ -1,0 +1,132 @@
+"""Zoom in time: buttons, keys, dragging, double-click and the wheel."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.page import drawing
+from tests.page.using import pause, set_values, shown
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+BUTTONS = {
+    "zoom-in": (2.5, 7.5),
+    "zoom-out": (0.0, 20.0),
+    "later": (2.5, 12.5),
+    "earlier": (0.0, 10.0),
+}
+"""What each button makes of the view from 0 to 10 s; no view begins before the motion does."""
+
+
+def view(page: Page) -> tuple[float, float]:
+    """Give first and last time that are seen [s]."""
+    found = page.evaluate("window.stickslip.view")
+    return float(found["from"]), float(found["to"])
+
+
+def place(page: Page, chart: str, t: float) -> tuple[float, float]:
+    """Give where on the screen a time lies, in the middle of a chart's height."""
+    found = page.locator(f"#{chart}")
+    found.scroll_into_view_if_needed()
+    box = found.bounding_box()
+    assert box is not None
+    return box["x"] + drawing.time_axis(page, chart).place(t), box["y"] + 0.5 * box["height"]
+
+
+def choose(page: Page, chart: str, start: float, end: float) -> None:
+    """Drag over a chart from one time to another."""
+    page.mouse.move(*place(page, chart, start))
+    page.mouse.down()
+    page.mouse.move(*place(page, chart, end), steps=3)
+    page.mouse.up()
+
+
+def test_each_button_moves_the_stretch_of_time(page: Page) -> None:
+    """Halve, double, earlier, later by a quarter; by mouse and by either key."""
+    pause(page)
+    for button, wanted in BUTTONS.items():
+        page.click(f"#{button}")
+        assert view(page) == pytest.approx(wanted)
+        page.click("#zoom-auto")
+        assert view(page) == (0.0, 10.0)
+        page.press(f"#{button}", "Enter")
+        assert view(page) == pytest.approx(wanted)
+        page.press("#zoom-auto", "Space")
+        assert view(page) == (0.0, 10.0)
+
+
+def test_dragging_over_a_chart_shows_what_was_dragged_over(page: Page) -> None:
+    """Either way, on either chart, to the width of a pixel; a double-click undoes it."""
+    pause(page)
+    before = shown(page)
+    for chart in ("x-chart", "F-chart"):
+        axis = drawing.time_axis(page, chart)
+        choose(page, chart, 6.0, 3.0)
+        start, end = view(page)
+        assert abs(start - 3.0) <= axis.span / axis.width
+        assert abs(end - 6.0) <= axis.span / axis.width
+        assert shown(page) != before
+        page.mouse.dblclick(*place(page, chart, 4.0))
+        assert view(page) == (0.0, 10.0)
+        assert shown(page) == before
+
+
+def test_what_is_being_chosen_is_seen(page: Page) -> None:
+    """While the mouse is down, the stretch under it is shaded; a short slip of it is a click."""
+    pause(page)
+    page.mouse.move(*place(page, "x-chart", 3.0))
+    page.mouse.down()
+    page.mouse.move(*place(page, "x-chart", 5.0), steps=3)
+    assert page.get_attribute("#x-chart .choice", "visibility") == "visible"
+    page.mouse.move(*place(page, "x-chart", 3.001))
+    page.mouse.up()
+    assert page.get_attribute("#x-chart .choice", "visibility") == "hidden"
+    assert view(page) == (0.0, 10.0)
+
+
+def test_the_wheel_zooms_only_with_ctrl_and_at_the_pointer(page: Page) -> None:
+    """What is under the pointer stays there; without Ctrl the wheel scrolls, as everywhere."""
+    pause(page)
+    at = place(page, "x-chart", 4.0)
+    page.mouse.move(*at)
+    page.mouse.wheel(0, 40)
+    page.wait_for_function("scrollY > 0")
+    assert view(page) == (0.0, 10.0)
+    at = place(page, "x-chart", 4.0)
+    page.mouse.move(*at)
+    page.keyboard.down("Control")
+    page.mouse.wheel(0, -math.log(4.0) / 0.002)
+    page.wait_for_function("window.stickslip.view.to < 10")
+    page.keyboard.up("Control")
+    start, end = view(page)
+    assert end - start == pytest.approx(2.5)
+    assert (4.0 - start) / (end - start) == pytest.approx(0.4, abs=2e-3)
+
+
+def test_a_zoom_outlives_a_slider_and_ends_with_a_preset(page: Page) -> None:
+    """A detail stays in sight while a value is changed; another preset shows its own picture."""
+    pause(page)
+    choose(page, "x-chart", 2.0, 4.0)
+    zoomed = view(page)
+    set_values(page, k=1200.0)
+    assert view(page) == zoomed
+    page.click("[data-preset=violin-bow]")
+    page.wait_for_function("window.stickslip.view.to < 1")
+
+
+def test_zoom_has_its_ends(page: Page) -> None:
+    """However often a button is pressed, the picture stays one: no time is lost in rounding."""
+    pause(page)
+    for button in ("zoom-in", "zoom-out"):
+        page.evaluate(
+            "id => { for (let i = 0; i < 80; i++) document.getElementById(id).click(); }", button
+        )
+        start, end = view(page)
+        assert 0.0 <= start < end < 1e3
+        assert all("NaN" not in path and "Infinity" not in path for path in shown(page).values())
+        ticks = page.locator("#x-chart .ticks text[text-anchor='middle']").all_text_contents()
+        assert len(set(ticks)) == len(ticks) >= 2
