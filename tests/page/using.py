@@ -21,7 +21,7 @@ def drawn(page: Page) -> None:
 
 def pause(page: Page) -> None:
     """Stop the motion, so that only a person moves the cursor."""
-    if page.get_attribute("#play", "aria-pressed") == "true":
+    if page.text_content("#play") == "Pause":
         page.click("#play")
 
 

@@ -1,6 +1,7 @@
 """Puts the page together: markup, style, script, presets and theory in one HTML file."""
 
 import json
+import re
 import tomllib
 from collections.abc import Mapping
 from functools import cache
@@ -12,6 +13,8 @@ from stickslip_fmu.release import VERSION
 from stickslip_fmu.variables import VARIABLES_BY_NAME
 
 _ENTRY: Final = "view/main.js"
+# End tags that HTML lets one leave out wherever the next element or the parent's end follows.
+_OPTIONAL_ENDS: Final = re.compile(r"</(?:t[dhr]|d[dt]|li|tbody|thead|option)>(?=\s*<)")
 _SOURCES: Final = files("stickslip.page")
 
 
@@ -48,7 +51,7 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         script=jsmin(joined(_modules(), _ENTRY)),
         theory=_text("theory.html"),
     )
-    return "".join(f"{line.lstrip()}\n" for line in text.splitlines() if line.strip())
+    return _OPTIONAL_ENDS.sub("", "\n".join(filter(None, map(str.strip, text.splitlines()))))
 
 
 def page_range(name: str) -> tuple[float, float, str]:

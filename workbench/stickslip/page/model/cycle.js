@@ -13,36 +13,25 @@ import { risingZero } from "./root.js";
  */
 export function steadyCycle(p) {
   const { F_s, Delta, lambda_, zeta, w } = numbersOf(p);
-  const known = { F_s, Delta, lambda_, zeta, w };
   const slip = zeta === 0 ? undampedSlip(lambda_) : dampedSlip(lambda_, zeta);
-  if (slip === null) {
-    const none = NaN;
-    return {
-      ...known,
-      exists: false,
-      spring_drop: none,
-      delta_x: none,
-      t_slip: none,
-      t_stick: none,
-      T: none,
-      f: none,
-      x_dot_peak: none,
-      share: none,
-    };
-  }
-  const t_slip = slip.duration / w;
-  const t_stick = slip.relief / w;
+  const { duration, relief, peak } = slip ?? { duration: NaN, relief: NaN, peak: NaN };
+  const t_slip = duration / w;
+  const t_stick = relief / w;
   const T = t_stick + t_slip;
   return {
-    ...known,
-    exists: true,
+    F_s,
+    Delta,
+    lambda_,
+    zeta,
+    w,
+    exists: slip !== null,
     spring_drop: t_stick * p.v,
     delta_x: p.v * T,
     t_slip,
     t_stick,
     T,
     f: 1 / T,
-    x_dot_peak: p.v * slip.peak,
+    x_dot_peak: p.v * peak,
     share: t_stick / T,
   };
 }

@@ -15,8 +15,8 @@ import { twofoldOver, twofoldPlus, twofoldTimes, twoProduct, twoSum } from "./tw
  *
  * @param {object} p a setting, SI
  * @returns {object} the motion:
- *   cycle, slip: what it is made of; first [s]: when the mass first breaks away; z_s [m]: the
- *   spring's extension there;
+ *   cycle, slip: what it is made of; first [s]: when the mass first breaks away; beat [s]: its
+ *   period, or the scale of a slip without end; z_s [m]: the spring's extension at break-away;
  *   at(t): the state at the time t [s]; sticking, slipping: the same where the phase is known;
  *   phases(from, to): the sticks and slips that touch this stretch of time;
  *   events(from, to): the transitions in it
@@ -41,19 +41,20 @@ export function motionOf(p) {
   const sticking = (t, n, left) => {
     const z = n === 0 ? p.v * t : z_s - p.v * left;
     const x = positionBefore(n);
-    return { t, mode: 0, x, x_dot: 0, x_pull: x + z, z, F: p.k * z, F_friction: -p.k * z };
+    const F = p.k * z;
+    return { t, mode: 0, x, x_dot: 0, x_ddot: 0, x_pull: x + z, z, F, F_friction: -F };
   };
 
   /** The state in the slip after n others, `tau` [s] after its break-away. */
   const slipping = (t, n, tau) => {
-    const { displacement, x_dot, growth } = slip.at(tau);
+    const { displacement, x_dot, x_ddot, growth } = slip.at(tau);
     // A re-stick is at rest to the last bit; rounding must not show a mass that goes back.
     const speed = Math.max(x_dot, 0);
     const x = positionBefore(n) + displacement;
     const z = z_s + growth;
     const F = numbers.F_s + p.k * growth;
     const F_friction = -(numbers.F_k + p.c * speed);
-    return { t, mode: 1, x, x_dot: speed, x_pull: x + z, z, F, F_friction };
+    return { t, mode: 1, x, x_dot: speed, x_ddot, x_pull: x + z, z, F, F_friction };
   };
 
   /** The number of break-aways before t, less one; t is after the first. */
@@ -103,7 +104,9 @@ export function motionOf(p) {
     }
   }
 
-  return { p, numbers, cycle, slip, first, z_s, at, sticking, slipping, phases, events };
+  // What repeats, or where nothing does, how long a swing or the decay of the slip takes.
+  const beat = cycle.exists ? cycle.T : slip.scale;
+  return { p, numbers, cycle, slip, first, beat, z_s, at, sticking, slipping, phases, events };
 }
 
 /** When the mass breaks away: (6), and every period from then on, in twice the digits. */

@@ -1,5 +1,6 @@
 /** The address bar holds the setting, so that a link or a bookmark brings it back. */
 
+/** The address is written once the setting has been still this long [ms]. */
 const STILL = 250;
 
 /**

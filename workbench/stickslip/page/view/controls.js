@@ -11,8 +11,9 @@ import { shifted } from "./units.js";
  *
  * @param {object[]} table the page's controls
  * @param {(p: object) => ?string} accept called with each new setting, SI; a text refuses it
- * @returns {object} setting: the values in use, SI; set(values): take these as if typed, throws a
- *   RangeError with the reason if they are refused; starts: the values of the FMU
+ * @returns {object} setting: the values in use, SI; wanted; set(values): take these as if typed,
+ *   throws a RangeError with the reason if they are refused; objectionTo(name, value): that reason
+ *   for one of them; starts: the values of the FMU
  */
 export function makeControls(table, accept) {
   const starts = Object.fromEntries(table.map(({ name, start }) => [name, start]));
@@ -47,8 +48,8 @@ export function makeControls(table, accept) {
     const value = valueAt(row.slider, row.control, row.shown);
     if (name === "mu_k") return take({ mu_k: value }, value, row);
     // A slider keeps the gap; what is typed needs only to be no more than mu_s.
-    if (name === "mu_s") return take({ mu_s: value, mu_k: Math.min(asked, kineticStop(value)) }, asked, row);
-    return take({ [name]: value }, asked, row);
+    const mu_k = name === "mu_s" ? Math.min(asked, kineticStop(value)) : setting.mu_k;
+    return take({ [name]: value, mu_k }, asked, row);
   }
 
   function type(row) {
@@ -135,13 +136,20 @@ export function makeControls(table, accept) {
     else delete row.said.dataset.bad;
   }
 
+  /** What is wrong with a value of a parameter, SI, or null. */
+  function objectionTo(name, value) {
+    const row = rows[name];
+    if (!row) return `There is no parameter ${name}.`;
+    const { objection } = readTyped(typedText(Number(value), row.control), row.control);
+    return objection ? `${name}: ${objection}` : null;
+  }
+
   function set(values) {
-    const next = { ...setting, mu_k: asked, ...values };
+    const next = { ...setting, mu_k: asked };
     for (const [name, value] of Object.entries(values)) {
-      const row = rows[name];
-      if (!row) throw new RangeError(`There is no parameter ${name}.`);
-      const read = readTyped(typedText(value, row.control), row.control);
-      if (read.objection) throw new RangeError(`${name}: ${read.objection}`);
+      const objection = objectionTo(name, value);
+      if (objection) throw new RangeError(objection);
+      next[name] = Number(value);
     }
     const objection = take({ ...next, mu_k: kineticInUse(next.mu_s, next.mu_k) }, next.mu_k, null);
     if (objection) throw new RangeError(objection);
@@ -151,6 +159,11 @@ export function makeControls(table, accept) {
     get setting() {
       return setting;
     },
+    /** The same with mu_k as the person asked for it. */
+    get wanted() {
+      return { ...setting, mu_k: asked };
+    },
+    objectionTo,
     set,
     starts,
   };

@@ -5,8 +5,12 @@
 
 import { px } from "./frame.js";
 
-/** Radians of the fastest motion that one cubic may span; it then errs by 1e-4 of the swing. */
-const LONGEST_STEP = 0.4;
+/** Radians of the fastest motion that one cubic spans; it then errs by 1e-4 of the swing. */
+const FINE_STEP = 0.4;
+/** The same where swings are so dense that a thousandth is not seen. */
+const COARSE_STEP = 0.8;
+/** Decays after which a motion is as still as it is drawn. */
+const STILL_AFTER = 30;
 const MOST_NODES = 4000;
 
 /**
@@ -41,15 +45,16 @@ export function seenPhases(motion, { from, to }, width) {
  * @param {number} width how many pixels this stretch takes
  */
 export function slipNodes(slip, a, b, width) {
-  // Less than a cubic to three pixels is not seen.
+  // More than a cubic to three pixels is not seen.
   const least = (b - a) / Math.max(width / 3, 8);
   const nodes = [a];
   for (let tau = a; tau < b && nodes.length < MOST_NODES; nodes.push(tau)) {
     // What decays fast is still after a while, and the slow rest takes longer steps.
-    const rate = slip.fast * tau > 30 ? slip.slow : slip.rate;
-    const step = slip.slow * tau > 40 ? b - tau : LONGEST_STEP / rate;
-    tau = Math.min(tau + Math.max(step, least), b);
+    const rate = slip.fast * tau > STILL_AFTER ? slip.slow : slip.rate;
+    const step = Math.max(FINE_STEP / rate, Math.min(least, COARSE_STEP / rate));
+    tau = slip.slow * tau > STILL_AFTER ? b : Math.min(tau + step, b);
   }
+  if (nodes[nodes.length - 1] < b) nodes.push(b);
   return nodes;
 }
 
@@ -84,22 +89,22 @@ export function timePath(phases, frame, name, slope) {
  *
  * @param {object} motion
  * @param {object} frame of the chart
- * @param {number[]} nodes times since break-away [s]
+ * @param {object[]} states of its first slip, t [s] counted from the break-away
  */
-export function portraitPath(motion, frame, nodes) {
+export function portraitPath(motion, frame, states) {
   const point = (z, x_dot) => `${px(frame.x(z))} ${px(frame.y(x_dot))}`;
+  const { v } = motion.p;
   let path = `M${point(0, 0)}L${point(motion.z_s, 0)}`;
   let last = null;
-  for (const tau of nodes) {
-    const { x_dot, z } = motion.slipping(0, 0, tau);
-    const here = { tau, z, x_dot, z_dot: motion.p.v - x_dot, x_ddot: motion.slip.at(tau).x_ddot };
+  for (const state of states) {
+    const { t, z, x_dot, x_ddot } = state;
     if (last) {
-      const third = (tau - last.tau) / 3;
+      const third = (t - last.t) / 3;
       path +=
-        `C${point(last.z + third * last.z_dot, last.x_dot + third * last.x_ddot)}` +
-        ` ${point(z - third * here.z_dot, x_dot - third * here.x_ddot)} ${point(z, x_dot)}`;
+        `C${point(last.z + third * (v - last.x_dot), last.x_dot + third * last.x_ddot)}` +
+        ` ${point(z - third * (v - x_dot), x_dot - third * x_ddot)} ${point(z, x_dot)}`;
     }
-    last = here;
+    last = state;
   }
   return motion.cycle.exists ? `${path}L${point(motion.z_s, 0)}` : path;
 }

@@ -1,9 +1,12 @@
 /** The frame of a chart: its place, axes, grid and layers. */
 
+import { ticks } from "./axis.js";
 import { draw, put, setText } from "./dom.js";
-import { digits } from "./units.js";
 
+/** Pixels beside the plot: for the texts of the axes. */
 const MARGIN = { left: 54, right: 12, top: 8, bottom: 34 };
+/** Pixels between two marks, about. */
+const APART = { x: 90, y: 38 };
 
 /** A coordinate as text, to a fiftieth of a pixel. */
 export function px(value) {
@@ -14,8 +17,8 @@ export function px(value) {
  * Make a chart's frame in an empty svg element.
  *
  * @param {SVGSVGElement} svg
- * @returns {object} under, curves, over: groups to draw in; resize(width, height);
- *   scale(x, y): the axes, each {low, high, size, title}, size being the unit in SI;
+ * @returns {object} svg; under, curves, over: groups to draw in; resize(width, height);
+ *   scale(x, y): the axes, each of `axisOf`;
  *   x(value), y(value): pixels; area: the plot's rectangle in pixels
  */
 export function makeFrame(svg) {
@@ -56,11 +59,11 @@ export function makeFrame(svg) {
       setText(element, text);
       put(element, { x: px(left), y: px(top), "text-anchor": anchor });
     };
-    for (const { value, text } of ticks(horizontal, Math.max(area.width / 90, 2))) {
+    for (const { value, text } of ticks(horizontal, Math.max(area.width / APART.x, 2))) {
       path += `M${px(x(value))} ${px(area.top)}V${px(area.bottom)}`;
       label(text, x(value), area.bottom + 15, "middle");
     }
-    for (const { value, text } of ticks(vertical, Math.max(area.height / 38, 2))) {
+    for (const { value, text } of ticks(vertical, Math.max(area.height / APART.y, 2))) {
       path += `M${px(area.left)} ${px(y(value))}H${px(area.right)}`;
       label(text, area.left - 5, y(value) + 4, "end");
     }
@@ -76,21 +79,4 @@ export function makeFrame(svg) {
 function place(element, text, left, top) {
   setText(element, text);
   put(element, { x: px(left), y: px(top) });
-}
-
-/** Round values within an axis and their texts, about `count` of them. */
-function ticks({ low, high, size }, count) {
-  const bottom = low / size;
-  const top = high / size;
-  const rough = (top - bottom) / count;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * [1, 2, 5, 10].find((each) => each * power >= rough * 0.9999);
-  const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
-  const marks = [];
-  for (let n = Math.ceil(bottom / step - 1e-9); n * step <= top + 1e-9 * step; n++) {
-    const value = n * step;
-    const text = decimals > 9 || Math.abs(value) >= 1e9 ? digits(value, 12) : value.toFixed(decimals);
-    marks.push({ value: value * size, text: text.replace(/^-/, "−") });
-  }
-  return marks;
 }

@@ -1,8 +1,11 @@
 /** What a person takes along: data, pictures, the command line. */
 
+import { commandLine } from "./command.js";
+import { csvText } from "./csv.js";
 import { byId, on, setText } from "./dom.js";
-import { commandLine, csvText, resolvedStyle, save, savePng, svgText } from "./keep.js";
+import { pngOf, resolvedStyle, svgText } from "./picture.js";
 
+/** Pixels between two drawings of the picture, and above them for its caption. */
 const GAP = 8;
 const TITLE = 40;
 /** Pixels of the PNG to one of the page. */
@@ -48,7 +51,7 @@ export function makeKeeping({ motion, stretch, starts }) {
   atClick("save-png", async () => {
     const { text, width, height } = picture();
     const background = getComputedStyle(document.body).backgroundColor;
-    save("stick-slip.png", await savePng(text, width, height, FINENESS, background));
+    save("stick-slip.png", await pngOf(text, width, height, FINENESS, background));
     return "stick-slip.png: both charts and the phase portrait.";
   });
   atClick("copy", async () => {
@@ -80,4 +83,14 @@ export function makeKeeping({ motion, stretch, starts }) {
       setText(command, commandLine(motion().p, starts, stretch.to));
     },
   };
+}
+
+/** Hand a file to the person as a download. */
+function save(name, blob) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  // The download has begun by then; freed at once, some browsers find nothing to save.
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }

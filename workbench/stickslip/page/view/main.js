@@ -1,8 +1,5 @@
 /** The page put together: a setting is solved at once and drawn at the next frame. */
 
-import { criticalVelocity, firstOrderCriticalVelocity } from "../model/critical.js";
-import { simplified } from "../model/cycle.js";
-import { motionOf } from "../model/motion.js";
 import { makeAddress, valuesIn } from "./address.js";
 import { makeControls } from "./controls.js";
 import { byId, on, setText } from "./dom.js";
@@ -14,6 +11,7 @@ import { makePresets } from "./presets.js";
 import { makeReadouts } from "./readouts.js";
 import { makeResults } from "./results.js";
 import { makeSchematic } from "./schematic.js";
+import { flawOf, solve } from "./solution.js";
 import { makeStretch } from "./stretch.js";
 import { makeTimeCharts } from "./timecharts.js";
 
@@ -46,8 +44,10 @@ const player = makePlayer(
 
 const controls = makeControls(data.controls, (p) => {
   const next = solve(p);
-  if (!isWhole(next)) return "These values together leave the numbers that can be computed with.";
+  const flaw = flawOf(next);
+  if (flaw) return flaw;
   solution = next;
+  setText(byId("address-said"), "");
   redrawSoon();
   return null;
 });
@@ -62,22 +62,6 @@ const keeping = makeKeeping({
   stretch: seen,
   starts: controls.starts,
 });
-
-function solve(p) {
-  return {
-    motion: motionOf(p),
-    simple: simplified(p),
-    v_c: criticalVelocity(p),
-    v_c_simple: firstOrderCriticalVelocity(p),
-  };
-}
-
-/** Whether every number of a solution is one. */
-function isWhole({ motion: { cycle, numbers, first, slip }, simple }) {
-  const needed = [...Object.values(numbers), ...Object.values(simple), first, slip.rate, slip.scale];
-  const cyclic = cycle.exists ? [cycle.T, cycle.f, cycle.delta_x, cycle.x_dot_peak] : [];
-  return [...needed, ...cyclic].every(Number.isFinite) && numbers.w > 0 && slip.slow >= 0;
-}
 
 function redrawSoon() {
   if (waiting) return;
@@ -94,7 +78,7 @@ function redraw() {
   schematic.arrange(motion, scene.width, scene.height);
   redrawTime();
   showPreset(motion.p);
-  writeAddress(motion.p);
+  writeAddress(controls.wanted);
 }
 
 /** Draw what depends on the stretch of time. */
@@ -115,11 +99,18 @@ function resize() {
 
 function takeAddress() {
   // A jump to a place in the page asks for nothing, and must not cost the setting.
-  if (byId(location.hash.slice(1))) return writeAddress(controls.setting);
+  if (byId(location.hash.slice(1))) return writeAddress(controls.wanted);
   const { values, bad } = valuesIn(location.hash);
   const problems = bad.map((part) => `${part} is no number.`);
+  for (const [name, value] of Object.entries(values)) {
+    const objection = controls.objectionTo(name, value);
+    if (!objection) continue;
+    problems.push(objection);
+    delete values[name];
+  }
+  seen.release();
   // What the address leaves out is as at the start, whatever was shown before.
-  for (const asked of [{ ...controls.starts, ...data.setting }, values]) {
+  for (const asked of [controls.starts, data.setting, values]) {
     try {
       controls.set(asked);
     } catch (error) {

@@ -15,7 +15,7 @@ const LONGEST_BREAK = 0.1;
  * @param {(t: number) => void} show called with the time of the cursor [s]
  * @param {(t: number) => string} tell the cursor's numbers in words, for who cannot see them
  * @returns {object} refresh(): after another stretch or setting; point(t): follow the pointer, or
- *   null: let go; play(), pause()
+ *   null: let go; play()
  */
 export function makePlayer(stretch, show, tell) {
   const button = byId("play");
@@ -31,6 +31,7 @@ export function makePlayer(stretch, show, tell) {
 
   function refresh() {
     scrub.value = Math.round(share * SCRUB_STEPS);
+    if (!playing) scrub.setAttribute("aria-valuetext", tell(now()));
     show(now());
   }
 
@@ -50,18 +51,19 @@ export function makePlayer(stretch, show, tell) {
     if (playing === wanted) return;
     playing = wanted;
     setText(button, playing ? "Pause" : "Play");
-    button.setAttribute("aria-pressed", String(playing));
-    if (!playing) scrub.setAttribute("aria-valuetext", tell(now()));
+    // The time alone is enough while it runs.
+    scrub.removeAttribute("aria-valuetext");
+    if (!playing) refresh();
     last = performance.now();
     if (playing) requestAnimationFrame(step);
   }
 
   on(button, "click", () => setPlaying(!playing));
   on(scrub, "input", () => {
+    const chosen = Number(scrub.value) / SCRUB_STEPS;
     setPlaying(false);
-    share = Number(scrub.value) / SCRUB_STEPS;
-    show(now());
-    scrub.setAttribute("aria-valuetext", tell(now()));
+    share = chosen;
+    refresh();
   });
 
   return {
@@ -72,6 +74,5 @@ export function makePlayer(stretch, show, tell) {
       refresh();
     },
     play: () => setPlaying(true),
-    pause: () => setPlaying(false),
   };
 }

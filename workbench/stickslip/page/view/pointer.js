@@ -57,7 +57,8 @@ export function listen(chart, stretch, { read, changed }) {
   const zoom = (event) => {
     if (!event.ctrlKey && !event.metaKey) return;
     event.preventDefault();
-    stretch.zoom(Math.exp(0.002 * event.deltaY), timeAt(placeOf(event)));
+    const turn = Math.min(Math.max(0.002 * event.deltaY, -2), 2);
+    stretch.zoom(Math.exp(turn), timeAt(placeOf(event)));
     changed();
   };
   on(svg, "wheel", zoom, { passive: false });

@@ -1,12 +1,12 @@
 /** The phase portrait: velocity of the mass over the spring's extension. */
 
+import { axisOf } from "./axis.js";
 import { portraitPath, slipNodes } from "./curves.js";
 import { draw, put, setText } from "./dom.js";
 import { makeFrame, px } from "./frame.js";
-import { scaleFor } from "./units.js";
 
-/** Pixels that a loop is computed for. */
-const LOOP_PIXELS = 240;
+/** Swings of a slip without end that are drawn. */
+const SWINGS = 20;
 
 /**
  * Bring the portrait to life.
@@ -24,16 +24,14 @@ export function makePortrait(svg) {
 
   function show(motion) {
     const { cycle, slip, numbers, p, z_s } = motion;
-    // A slip without end is followed until it has settled.
-    const end = cycle.exists ? cycle.t_slip : Math.min(30 / slip.slow, 60 * slip.scale);
-    const nodes = slipNodes(slip, 0, end, LOOP_PIXELS);
-    const states = nodes.map((tau) => motion.slipping(0, 0, tau));
+    const end = cycle.exists ? cycle.t_slip : Math.min(30 / slip.slow, SWINGS * slip.scale);
+    const states = slipNodes(slip, 0, end, Infinity).map((tau) => motion.slipping(tau, 0, tau));
     const settled = (numbers.F_k + p.c * p.v) / p.k;
     frame.scale(
-      axis([0, z_s, settled, ...states.map(({ z }) => z)], "length", "z in"),
-      axis([0, p.v, ...states.map(({ x_dot }) => x_dot)], "velocity", "ẋ in"),
+      axisOf([0, z_s, settled, ...states.map(({ z }) => z)], "length", "z", 0.08),
+      axisOf([0, p.v, ...states.map(({ x_dot }) => x_dot)], "velocity", "ẋ", 0.08),
     );
-    curve.setAttribute("d", portraitPath(motion, frame, nodes));
+    curve.setAttribute("d", portraitPath(motion, frame, states));
     threshold.setAttribute("d", `M${px(frame.x(z_s))} ${frame.area.top}V${frame.area.bottom}`);
     const left = px(frame.x(settled));
     const top = px(frame.y(p.v));
@@ -52,12 +50,4 @@ export function makePortrait(svg) {
       put(dot, { cx: px(frame.x(z)), cy: px(frame.y(x_dot)) });
     },
   };
-}
-
-function axis(values, kind, title) {
-  const low = Math.min(...values);
-  const high = Math.max(...values);
-  const room = 0.08 * (high - low);
-  const { size, unit } = scaleFor(Math.max(Math.abs(low), Math.abs(high)), kind);
-  return { low: low - room, high: high + room, size, title: `${title} ${unit}` };
 }

@@ -19,15 +19,17 @@ export function makeReadouts() {
 
   return {
     fit(motion, seen) {
-      const { cycle, numbers, p, z_s } = motion;
+      const { cycle, numbers, slip, p, z_s } = motion;
+      // Without friction the spring is as long as its swing.
+      const longest = Math.max(z_s + (slip.overshoot?.growth ?? 0), p.v / numbers.w);
       setText(overshoot, overshootInWords(motion));
       // While the cursor moves, units and decimals stand still.
       scales = {
         t: rangeOf(seen.to, "time", seen.to - seen.from),
         x: rangeOf(p.v * seen.to, "length", p.v * (seen.to - seen.from)),
         x_dot: rangeOf(cycle.exists ? cycle.x_dot_peak : p.v, "velocity"),
-        z: rangeOf(z_s, "length"),
-        F: rangeOf(numbers.F_s, "force"),
+        z: rangeOf(longest, "length"),
+        F: rangeOf(p.k * longest, "force"),
       };
     },
     show({ t, mode, x, x_pull, x_dot, z, F }) {
@@ -61,9 +63,10 @@ function overshootInWords({ slip, p, numbers }) {
   const force = slip.overshoot ? p.k * slip.overshoot.growth : 0;
   if (!(force > 0)) return "";
   const percent = (100 * force) / numbers.F_s;
+  const part = percent < 0.01 ? "less than 0.01" : digits(percent, 2);
+  const inPercent = Number.isFinite(percent) ? ` (${part} %)` : "";
   return (
-    `F passes the break-away line by ${quantity(force, "force")} ` +
-    `(${percent < 0.01 ? "less than 0.01" : digits(percent, 2)} %): ` +
+    `F passes the break-away line by ${quantity(force, "force")}${inPercent}: ` +
     "the mass breaks away on it, but the pulled end outruns it until it is as fast."
   );
 }

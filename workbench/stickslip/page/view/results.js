@@ -67,9 +67,11 @@ function fill(cell, value, words) {
 
 /** The deviation of the simplified value in words, and whether it deserves a mark. */
 function deviation(exact, simple) {
-  if (!Number.isFinite(exact) || !Number.isFinite(simple) || exact === 0) {
-    return { words: "–", far: false };
+  if (!Number.isFinite(simple) || exact === simple) {
+    return { words: exact === simple ? "0 %" : "–", far: false };
   }
+  // The designers' formulas know of no end of the cycle.
+  if (!(exact > 0)) return { words: "▲ no cycle", far: true };
   const off = simple / exact - 1;
   const far = Math.abs(off) > FAR_OFF;
   const mark = far ? "▲ " : "";
@@ -97,7 +99,7 @@ function inWords({ cycle, numbers, p }, v_c) {
 }
 
 function whyNone({ zeta, Delta }, p, v_c) {
-  if (zeta >= 1) return `The slip is over-damped (ζ = ${digits(zeta, 3)}).`;
+  if (zeta >= 1) return `The slip does not swing (ζ = ${digits(zeta, 3)}).`;
   if (Delta === 0) return "There is damping and no gap between μs and μk.";
   return `The pull at ${quantity(p.v, "velocity")} is above the critical velocity ${quantity(v_c, "velocity")}.`;
 }

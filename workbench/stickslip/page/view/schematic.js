@@ -2,6 +2,7 @@
 
 import { draw, put, setText } from "./dom.js";
 import { px } from "./frame.js";
+import { shortest } from "./typed.js";
 import { quantity, scaleFor } from "./units.js";
 
 /** Jumps that one window holds; then it flips on, like the screen of an oscilloscope. */
@@ -22,7 +23,6 @@ const ROOM = { left: 18, block: 50, tall: 44, pull: 68, below: 36 };
  */
 export function makeSchematic(svg) {
   let show = () => {};
-  svg.classList.add("schematic");
   return {
     arrange(motion, width, height) {
       svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
@@ -170,11 +170,12 @@ function drawSpring(svg, shortest, level) {
 
 function drawPull(svg, v, level) {
   const group = draw(svg, "g", { class: "pull", transform: `translate(0 ${level})` });
-  const { size, unit } = scaleFor(v, "velocity");
   draw(group, "circle", { cx: 4, r: 4 });
   draw(group, "path", { d: "M8 0H44" });
   draw(group, "path", { class: "head", d: "M54 0l-12 -5v10z" });
-  write(group, `${Number((v / size).toPrecision(4))}\u00a0${unit}`, { x: 29, y: -13 });
+  const { size, unit } = scaleFor(v, "velocity");
+  const speed = shortest(Number((v / size).toPrecision(4)));
+  write(group, `${speed}\u00a0${unit}`, { x: 29, y: -13 });
   return group;
 }
 

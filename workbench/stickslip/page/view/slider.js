@@ -13,7 +13,10 @@ const STEPS = 300;
 export function sliderEnds(control, value) {
   const { low, high, scale } = control;
   if (value >= low && value <= high) return { low, high };
-  if (scale !== "log") return { low, high: Number((1.25 * value).toPrecision(2)) };
+  if (scale !== "log") {
+    const rounded = (number) => Number(number.toPrecision(2));
+    return value > high ? { low, high: rounded(1.25 * value) } : { low: rounded(0.5 * value), high };
+  }
   const decade = Math.floor(Math.log10(value));
   return { low: Number(`1e${decade - 1}`), high: Number(`1e${decade + 2}`) };
 }

@@ -1,17 +1,19 @@
 /** The stretch of time that the charts show. */
 
+/** The whole picture is this long, if the cycles in it are not fewer or more than these [s]. */
 const USUAL = 10;
 const FEWEST = 2;
 const MOST = 40;
+/** Cycles in the longest stretch. */
 const MOST_ZOOMED_OUT = 200;
+/** The shortest stretch, as a part of a swing. */
 const LEAST_ZOOMED_IN = 1e-5;
 
 /**
  * Keep the stretch of time: the whole picture, until a person chooses another.
  *
- * @returns {object} from, to [s], span, whole (whether it is the picture's own choice);
- *   fit(motion) after a new setting; choose(from, to), zoom(factor, at), move(share), reset(),
- *   release()
+ * @returns {object} from, to [s], span; fit(motion) after a new setting; choose(from, to),
+ *   zoom(factor, at), move(share), reset(), release()
  */
 export function makeStretch() {
   let motion = null;
@@ -19,22 +21,20 @@ export function makeStretch() {
   let to = USUAL;
   let whole = true;
 
-  /** A cycle, or where there is none a swing or a decay of the slip. */
-  const period = () => beat(motion);
-
   function reset() {
     whole = true;
     ({ from, to } = wholePicture(motion));
   }
 
+  /** The latest end of a stretch that begins at a time: it counts cycles, and the load-up as none. */
+  const latest = (start) => Math.max(start, motion.first) + MOST_ZOOMED_OUT * motion.beat;
+
   function choose(start, end) {
-    const longest = motion.first + MOST_ZOOMED_OUT * period();
     const shortest = Math.max(LEAST_ZOOMED_IN * motion.slip.scale, 1e-9 * end);
-    const span = Math.min(Math.max(end - start, shortest), longest);
-    // What is too short or too long is set right about its middle.
-    const middle = 0.5 * (start + end);
-    from = Math.max(middle - 0.5 * span, 0);
-    to = from + span;
+    const span = Math.max(end - start, shortest);
+    // What is too short is set right about its middle.
+    from = Math.max(0.5 * (start + end) - 0.5 * span, 0);
+    to = Math.min(from + span, latest(from));
     whole = false;
   }
 
@@ -48,12 +48,9 @@ export function makeStretch() {
     get span() {
       return to - from;
     },
-    get whole() {
-      return whole;
-    },
     fit(next) {
       motion = next;
-      if (whole || to - from > motion.first + MOST_ZOOMED_OUT * period()) reset();
+      if (whole || to > latest(from)) reset();
     },
     /** Let the next setting choose the whole picture. */
     release() {
@@ -71,17 +68,13 @@ export function makeStretch() {
   };
 }
 
-function beat({ cycle, slip }) {
-  return cycle.exists ? cycle.T : slip.scale;
-}
-
 /** Ten seconds, or where a cycle is much shorter or longer, the first load-up and some cycles. */
 function wholePicture(motion) {
-  const { first } = motion;
-  const period = beat(motion);
-  const cycles = (USUAL - first) / period;
+  const { first, beat } = motion;
+  const cycles = (USUAL - first) / beat;
   if (cycles >= FEWEST && cycles <= MOST) return { from: 0, to: USUAL };
   const count = cycles > MOST ? 12 : 4;
-  const from = first > 6 * period ? first - period : 0;
-  return { from, to: first + count * period };
+  // A load-up of many cycles would leave them no room.
+  const from = first > 6 * beat ? first - beat : 0;
+  return { from, to: first + count * beat };
 }

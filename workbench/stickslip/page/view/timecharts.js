@@ -1,5 +1,6 @@
 /** Position and spring force over time: two charts with one stretch of time and one cursor. */
 
+import { axisOf } from "./axis.js";
 import { seenPhases, timePath } from "./curves.js";
 import { draw, put, setText } from "./dom.js";
 import { makeFrame, px } from "./frame.js";
@@ -7,6 +8,7 @@ import { quantity, scaleFor } from "./units.js";
 
 /** A phase's name is written into its band where that is this wide [px]. */
 const ROOM_FOR_NAME = 38;
+/** The overshoot is explained where it is this high [px]. */
 const ROOM_FOR_OVERSHOOT = 2;
 /** A letter of a note is about this wide [px]. */
 const LETTER = 6.2;
@@ -16,7 +18,7 @@ const LETTER = 6.2;
  *
  * @param {SVGSVGElement} svgX for the position
  * @param {SVGSVGElement} svgF for the force
- * @returns {object} frames: of both; resize(), show(motion, seen): draw them; mark(state): move the
+ * @returns {object} charts: both; resize(); show(motion, seen): draw them; mark(state): move the
  *   cursor there
  */
 export function makeTimeCharts(svgX, svgF) {
@@ -37,7 +39,7 @@ export function makeTimeCharts(svgX, svgF) {
     const points = phases.flatMap((phase) => phase.points);
     const time = timeAxis(seen);
     const edges = [points[0].x, points[points.length - 1].x, p.v * seen.from, p.v * seen.to];
-    x.frame.scale(time, lengthAxis(edges));
+    x.frame.scale(time, axisOf(edges, "length", "x and v t", 0.06));
     F.frame.scale(time, forceAxis(motion, seen, points));
     position.setAttribute("d", timePath(phases, x.frame, "x", "x_dot"));
     force.setAttribute("d", timePath(phases, F.frame, "F", "F_dot"));
@@ -152,23 +154,11 @@ function timeAxis({ from, to }) {
   return { low: from, high: to, size, title: `time in ${unit}` };
 }
 
-function lengthAxis(values) {
-  const low = Math.min(...values);
-  const high = Math.max(...values);
-  const { size, unit } = scaleFor(Math.max(Math.abs(low), Math.abs(high)), "length");
-  const room = 0.06 * (high - low);
-  return { low: low - room, high: high + room, size, title: `x and v t in ${unit}` };
-}
-
-function forceAxis({ numbers, cycle, slip }, { from, to }, points) {
+function forceAxis({ numbers, beat }, { from, to }, points) {
   const values = points.map(({ F }) => F);
   // Whole cycles are seen against zero and the threshold; a detail for itself.
-  if (to - from >= (cycle.exists ? cycle.T : slip.scale)) values.push(0, numbers.F_s);
-  const low = Math.min(...values);
-  const high = Math.max(...values);
-  const { size, unit } = scaleFor(Math.max(Math.abs(low), Math.abs(high)), "force");
-  const range = high - low || Math.abs(high) || 1;
-  return { low: low - 0.05 * range, high: high + 0.22 * range, size, title: `F in ${unit}` };
+  if (to - from >= beat) values.push(0, numbers.F_s);
+  return axisOf(values, "force", "F", 0.05, 0.22);
 }
 
 /** Write a note where it is inside the plot, else hide it. */

@@ -69,10 +69,12 @@ export function digits(value, count = 4) {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const magnitude = Math.abs(value);
-  const plain =
-    magnitude >= 10 ** count && magnitude < 1e7
+  const readable = magnitude >= 1e-3 && magnitude < Math.max(1e5, 10 ** count);
+  const plain = !readable
+    ? value.toExponential(count - 1).replace("e+", "e")
+    : magnitude >= 10 ** count
       ? value.toFixed(0)
-      : value.toPrecision(count).replace("e+", "e");
+      : value.toPrecision(count);
   return plain.replace(/^-/, "−");
 }
 

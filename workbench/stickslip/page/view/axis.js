@@ -1,0 +1,52 @@
+/** An axis: what it spans, in which unit, and where its marks stand. */
+
+import { digits, scaleFor } from "./units.js";
+
+/** What is spanned is at least this part of its size: less is rounding and no motion. */
+const FINEST = 1e-9;
+const MOST_MARKS = 50;
+
+/**
+ * An axis that spans some values, with room beside them.
+ *
+ * @param {number[]} values SI, one at least
+ * @param {string} kind of quantity, for its unit
+ * @param {string} name of the quantity
+ * @param {number} below part of the range that is left free below the values
+ * @param {number} above the same above them
+ * @returns {{low: number, high: number, size: number, title: string}} ends [SI], the unit's size,
+ *   and the title
+ */
+export function axisOf(values, kind, name, below, above = below) {
+  const least = Math.min(...values);
+  const most = Math.max(...values);
+  const largest = Math.max(Math.abs(least), Math.abs(most));
+  const { size, unit } = scaleFor(largest, kind);
+  const middle = 0.5 * (least + most);
+  const range = Math.max(most - least, FINEST * largest) || size;
+  return {
+    low: middle - (0.5 + below) * range,
+    high: middle + (0.5 + above) * range,
+    size,
+    title: `${name} in ${unit}`,
+  };
+}
+
+/** Round values within an axis and their texts, about `count` of them. */
+export function ticks({ low, high, size }, count) {
+  const bottom = low / size;
+  const top = high / size;
+  const rough = (top - bottom) / count;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * [1, 2, 5, 10].find((each) => each * power >= rough * 0.9999);
+  const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  const first = Math.ceil(bottom / step - 1e-9);
+  const marks = [];
+  for (let n = 0; n < MOST_MARKS && (first + n) * step <= top + 1e-9 * step; n++) {
+    const value = (first + n) * step;
+    const plain = decimals <= 9 && Math.abs(value) < 1e9;
+    const text = plain ? value.toFixed(decimals) : digits(value, 12);
+    marks.push({ value: value * size, text: text.replace(/^-/, "−") });
+  }
+  return marks;
+}
