@@ -118,7 +118,7 @@ def test_without_damping_there_is_no_critical_velocity(page: Page) -> None:
 
 
 def test_where_there_is_no_cycle_the_page_says_why(page: Page) -> None:
-    """Too fast a pull, too much damping and no gap are told apart; the simplified cycle is marked."""
+    """Too fast a pull, too much damping and no gap are told apart; what has no cycle is marked."""
     reasons = {
         "above the critical velocity": {"c": 5.0, "v": 0.2},
         "does not swing": {"c": 100.0, "v": 0.02},

@@ -104,7 +104,9 @@ def test_the_wheel_zooms_only_with_ctrl_and_at_the_pointer(page: Page) -> None:
     page.keyboard.up("Control")
     start, end = view(page)
     assert end - start == pytest.approx(2.5)
-    assert (4.0 - start) / (end - start) == pytest.approx(0.4, abs=2e-3)
+    # A browser reports a wheel at whole pixels: what was under it is known to one of those before.
+    pixel = 10.0 / drawing.time_axis(page, "x-chart").width
+    assert (4.0 - start) / (end - start) == pytest.approx(0.4, abs=pixel / (end - start))
 
 
 def test_a_zoom_outlives_a_slider_and_ends_with_a_preset(page: Page) -> None:
