@@ -1,23 +1,17 @@
 """Options for the FMU's parameters and inputs, described by its variable table."""
 
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
 from stickslip.quantities import help_text, option_name
 
-
-def parameter(name: str) -> Any:
-    """Give the option of a parameter; what is typed stays a text until it is read."""
-    return _quantity(name, "Parameters (a number in SI, or with a unit: 1kN/m, 0.5 N/um, 2 kg)")
-
-
-def held_input(name: str, *spellings: str) -> Any:
-    """Give the option of an input, which is held over the run; `spellings` are further names."""
-    return _quantity(name, "Inputs, held over the run (20mm/s, 5 N)", *spellings)
+_PARAMETERS = "Parameters (a number in SI, or with a unit: 1kN/m, 0.5 N/um, 2 kg)"
+_INPUTS = "Inputs, held over the run (20mm/s, 5 N)"
 
 
 def _quantity(name: str, panel: str, *spellings: str) -> Any:
+    """Give the option of a variable; what is typed stays a text until it is read."""
     return typer.Option(
         option_name(name),
         *spellings,
@@ -26,3 +20,17 @@ def _quantity(name: str, panel: str, *spellings: str) -> Any:
         rich_help_panel=panel,
         show_default=False,
     )
+
+
+Mass = Annotated[str | None, _quantity("m", _PARAMETERS)]
+Gravity = Annotated[str | None, _quantity("g", _PARAMETERS)]
+Stiffness = Annotated[str | None, _quantity("k", _PARAMETERS)]
+Damping = Annotated[str | None, _quantity("c", _PARAMETERS)]
+StaticFriction = Annotated[str | None, _quantity("mu_s", _PARAMETERS)]
+KineticFriction = Annotated[str | None, _quantity("mu_k", _PARAMETERS)]
+StartPosition = Annotated[str | None, _quantity("x_start", _PARAMETERS)]
+StartVelocity = Annotated[str | None, _quantity("x_dot_start", _PARAMETERS)]
+StartExtension = Annotated[str | None, _quantity("z_start", _PARAMETERS)]
+PullingVelocity = Annotated[str | None, _quantity("v", _INPUTS)]
+Load = Annotated[str | None, _quantity("load", _INPUTS)]
+ExternalForce = Annotated[str | None, _quantity("F_ext", _INPUTS, "--f-ext")]

@@ -5,27 +5,33 @@ from typing import Annotated
 
 import typer
 
-from stickslip.commands.options import held_input, parameter
+from stickslip.commands.options import (
+    Damping,
+    Gravity,
+    KineticFriction,
+    Mass,
+    PullingVelocity,
+    StaticFriction,
+    Stiffness,
+)
 from stickslip.commands.shared import say
 from stickslip.errors import CommandError
 from stickslip.quantities import option_name, read_values
 
 DEFAULT_PAGE = Path("stick-slip.html")
 
-Typed = str | None
-
 
 def page(
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="FILE", help="File to write.")
     ] = DEFAULT_PAGE,
-    m: Annotated[Typed, parameter("m")] = None,
-    g: Annotated[Typed, parameter("g")] = None,
-    k: Annotated[Typed, parameter("k")] = None,
-    c: Annotated[Typed, parameter("c")] = None,
-    mu_s: Annotated[Typed, parameter("mu_s")] = None,
-    mu_k: Annotated[Typed, parameter("mu_k")] = None,
-    v: Annotated[Typed, held_input("v")] = None,
+    m: Mass = None,
+    g: Gravity = None,
+    k: Stiffness = None,
+    c: Damping = None,
+    mu_s: StaticFriction = None,
+    mu_k: KineticFriction = None,
+    v: PullingVelocity = None,
 ) -> None:
     """Write the interactive page: one HTML file that works without a network."""
     text = _page({"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k, "v": v})
@@ -34,13 +40,13 @@ def page(
 
 
 def explore(
-    m: Annotated[Typed, parameter("m")] = None,
-    g: Annotated[Typed, parameter("g")] = None,
-    k: Annotated[Typed, parameter("k")] = None,
-    c: Annotated[Typed, parameter("c")] = None,
-    mu_s: Annotated[Typed, parameter("mu_s")] = None,
-    mu_k: Annotated[Typed, parameter("mu_k")] = None,
-    v: Annotated[Typed, held_input("v")] = None,
+    m: Mass = None,
+    g: Gravity = None,
+    k: Stiffness = None,
+    c: Damping = None,
+    mu_s: StaticFriction = None,
+    mu_k: KineticFriction = None,
+    v: PullingVelocity = None,
 ) -> None:
     """Open the interactive page in the browser: drag a slider, see it stick and slip."""
     import tempfile
@@ -56,7 +62,7 @@ def explore(
         raise typer.Exit(1)
 
 
-def _page(typed: dict[str, Typed]) -> str:
+def _page(typed: dict[str, str | None]) -> str:
     """Assemble the page that begins with the values typed, or with the FMU's start values."""
     from stickslip.page import page as assemble
     from stickslip.page import page_range

@@ -6,7 +6,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.commands.options import held_input, parameter
+from stickslip.commands.options import (
+    Damping,
+    ExternalForce,
+    Gravity,
+    KineticFriction,
+    Load,
+    Mass,
+    PullingVelocity,
+    StartExtension,
+    StartPosition,
+    StartVelocity,
+    StaticFriction,
+    Stiffness,
+)
 from stickslip.commands.shared import build_fmu, console, say
 from stickslip.errors import CommandError
 from stickslip.quantities import read_experiment, read_values
@@ -29,18 +42,18 @@ def simulate(
         Path | None,
         typer.Option(metavar="FILE", help="The FMU to simulate; default: one built for this run."),
     ] = None,
-    m: Annotated[str | None, parameter("m")] = None,
-    g: Annotated[str | None, parameter("g")] = None,
-    k: Annotated[str | None, parameter("k")] = None,
-    c: Annotated[str | None, parameter("c")] = None,
-    mu_s: Annotated[str | None, parameter("mu_s")] = None,
-    mu_k: Annotated[str | None, parameter("mu_k")] = None,
-    x_start: Annotated[str | None, parameter("x_start")] = None,
-    x_dot_start: Annotated[str | None, parameter("x_dot_start")] = None,
-    z_start: Annotated[str | None, parameter("z_start")] = None,
-    v: Annotated[str | None, held_input("v")] = None,
-    load: Annotated[str | None, held_input("load")] = None,
-    F_ext: Annotated[str | None, held_input("F_ext", "--f-ext")] = None,
+    m: Mass = None,
+    g: Gravity = None,
+    k: Stiffness = None,
+    c: Damping = None,
+    mu_s: StaticFriction = None,
+    mu_k: KineticFriction = None,
+    x_start: StartPosition = None,
+    x_dot_start: StartVelocity = None,
+    z_start: StartExtension = None,
+    v: PullingVelocity = None,
+    load: Load = None,
+    F_ext: ExternalForce = None,
     start_time: Annotated[str, typer.Option(metavar="TIME", help="First time [s].")] = "0",
     stop_time: Annotated[str, typer.Option(metavar="TIME", help="Last time [s].")] = "10",
     output_interval: Annotated[
