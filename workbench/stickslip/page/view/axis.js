@@ -1,6 +1,6 @@
 /** An axis: what it spans, in which unit, and where its marks stand. */
 
-import { digits, scaleFor } from "./units.js";
+import { scaleFor } from "./units.js";
 
 /** What is spanned is at least this part of its size: less is rounding and no motion. */
 const FINEST = 1e-9;
@@ -38,15 +38,27 @@ export function ticks({ low, high, size }, count) {
   const top = high / size;
   const rough = (top - bottom) / count;
   const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * [1, 2, 5, 10].find((each) => each * power >= rough * 0.9999);
+  const steps = [0.5, 1, 2, 5, 10].map((each) => each * power);
+  const index = steps.findIndex((each) => each >= rough * 0.9999);
+  // A single mark is no scale.
+  const marks = multiples(steps[index], bottom, top);
+  const { step, values } = marks.values.length > 1 ? marks : multiples(steps[index - 1], bottom, top);
   const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  const most = Math.max(-bottom, top);
+  const plain = most > 1e-4 && most < 1e6;
+  return values.map((value) => {
+    const exponential = value === 0 ? "0" : Number(value.toPrecision(12)).toExponential();
+    const text = plain ? value.toFixed(decimals) : exponential.replace("e+", "e");
+    return { value: value * size, text: text.replace(/^-/, "−") };
+  });
+}
+
+/** The multiples of a step from bottom to top. */
+function multiples(step, bottom, top) {
+  const values = [];
   const first = Math.ceil(bottom / step - 1e-9);
-  const marks = [];
-  for (let n = 0; n < MOST_MARKS && (first + n) * step <= top + 1e-9 * step; n++) {
-    const value = (first + n) * step;
-    const plain = decimals <= 9 && Math.abs(value) < 1e9;
-    const text = plain ? value.toFixed(decimals) : digits(value, 12);
-    marks.push({ value: value * size, text: text.replace(/^-/, "−") });
+  for (let n = first; values.length < MOST_MARKS && n * step <= top + 1e-9 * step; n++) {
+    values.push(n * step);
   }
-  return marks;
+  return { step, values };
 }

@@ -33,6 +33,8 @@ export function makeControls(table, accept) {
       ends: box.querySelectorAll(".ends span"),
       said: box.querySelector(".said"),
       shown: null,
+      state: null,
+      written: null,
     };
     on(row.slider, "input", () => slide(row));
     on(row.text, "input", () => type(row));
@@ -94,13 +96,20 @@ export function makeControls(table, accept) {
   }
 
   function show(row, rewrite) {
-    const { control, slider, text } = row;
+    const { control, slider, text, said } = row;
+    const isKinetic = control.name === "mu_k";
     const value = setting[control.name];
-    if (slider !== document.activeElement || rewrite || control.name === "mu_k") place(row, value);
+    const note = isKinetic ? clampNote() : "";
+    const state = `${value} ${isKinetic ? setting.mu_s : ""} ${note}`;
+    // To set a slider where it stands already would still cost a layout.
+    if (state === row.state && text.value === row.written && !said.dataset.bad) return;
+    row.state = state;
+    if (slider !== document.activeElement || rewrite || isKinetic) place(row, value);
     else slider.setAttribute("aria-valuetext", `${typedText(value, control)} ${control.unit}`);
     if (rewrite || text !== document.activeElement) write(row);
+    row.written = text.value;
     text.removeAttribute("aria-invalid");
-    say(row, control.name === "mu_k" ? clampNote() : "", false);
+    say(row, note, false);
   }
 
   function place(row, value) {

@@ -5,6 +5,8 @@ import { draw, put, setText } from "./dom.js";
 
 /** Pixels beside the plot: for the texts of the axes. */
 const MARGIN = { left: 54, right: 12, top: 8, bottom: 34 };
+/** A letter of a mark is about this wide [px]. */
+const WIDE = 7.7;
 /** Pixels between two marks, about. */
 const APART = { x: 90, y: 38 };
 
@@ -61,11 +63,15 @@ export function makeFrame(svg) {
     };
     for (const { value, text } of ticks(horizontal, Math.max(area.width / APART.x, 2))) {
       path += `M${px(x(value))} ${px(area.top)}V${px(area.bottom)}`;
-      label(text, x(value), area.bottom + 15, "middle");
+      const edge = area.right + MARGIN.right;
+      const cut = x(value) + 0.5 * WIDE * text.length > edge;
+      label(text, cut ? edge : x(value), area.bottom + 15, cut ? "end" : "middle");
     }
     for (const { value, text } of ticks(vertical, Math.max(area.height / APART.y, 2))) {
       path += `M${px(area.left)} ${px(y(value))}H${px(area.right)}`;
-      label(text, area.left - 5, y(value) + 4, "end");
+      // What the margin cannot hold stands inside, above its line.
+      if (WIDE * text.length > MARGIN.left - 5) label(text, area.left + 4, y(value) - 3, "start");
+      else label(text, area.left - 5, y(value) + 4, "end");
     }
     for (const element of pool.splice(used)) element.remove();
     grid.setAttribute("d", path);

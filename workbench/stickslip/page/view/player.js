@@ -21,13 +21,13 @@ export function makePlayer(stretch, show, tell) {
   const button = byId("play");
   const scrub = byId("scrub");
   const speed = byId("speed");
-  // Where the cursor is in what is seen, from 0 to 1: so it stays in sight when that changes.
+  // Where cursor and pointer are in what is seen, from 0 to 1: both stay there when that changes.
   let share = 0;
   let pointed = null;
   let playing = false;
   let last = 0;
 
-  const now = () => pointed ?? stretch.from + share * stretch.span;
+  const now = () => stretch.from + (pointed ?? share) * stretch.span;
 
   function refresh() {
     scrub.value = Math.round(share * SCRUB_STEPS);
@@ -69,8 +69,8 @@ export function makePlayer(stretch, show, tell) {
   return {
     refresh,
     point(t) {
-      pointed = t;
-      if (t !== null && !playing) share = Math.min(Math.max((t - stretch.from) / stretch.span, 0), 1);
+      pointed = t === null ? null : (t - stretch.from) / stretch.span;
+      if (!playing) share = pointed ?? share;
       refresh();
     },
     play: () => setPlaying(true),

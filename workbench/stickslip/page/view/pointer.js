@@ -49,6 +49,7 @@ export function listen(chart, stretch, { read, changed }) {
     changed();
   });
   on(svg, "pointercancel", end);
+  on(window, "keydown", ({ key }) => key === "Escape" && end());
   on(svg, "pointerleave", () => read(null));
   on(svg, "dblclick", () => {
     stretch.reset();

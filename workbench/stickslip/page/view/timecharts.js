@@ -39,7 +39,7 @@ export function makeTimeCharts(svgX, svgF) {
     const points = phases.flatMap((phase) => phase.points);
     const time = timeAxis(seen);
     const edges = [points[0].x, points[points.length - 1].x, p.v * seen.from, p.v * seen.to];
-    x.frame.scale(time, axisOf(edges, "length", "x and v t", 0.06));
+    x.frame.scale(time, axisOf(edges, "length", "x and v t", 0.13, 0.06));
     F.frame.scale(time, forceAxis(motion, seen, points));
     position.setAttribute("d", timePath(phases, x.frame, "x", "x_dot"));
     force.setAttribute("d", timePath(phases, F.frame, "F", "F_dot"));

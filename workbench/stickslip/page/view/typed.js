@@ -16,7 +16,10 @@ export function readTyped(text, control) {
   const unit = control.unit ? ` ${control.unit}` : "";
   if (typed === "") return { objection: "A number is needed." };
   if (/^[+-]?\d+,\d+$/.test(typed)) return { objection: "Write the decimals after a point." };
-  if (!NUMBER.test(typed)) return { objection: `“${shortened(typed)}” is no number.` };
+  if (!NUMBER.test(typed)) {
+    const hint = /^[+-]?\.?\d/.test(typed) ? " Type it alone, without unit or blanks." : "";
+    return { objection: `“${shortened(typed)}” is no number.${hint}` };
+  }
   const shown = Number(typed);
   if (!Number.isFinite(shown)) {
     return { objection: `${shortened(typed)} is larger than any number that can be computed with.` };
@@ -29,7 +32,8 @@ export function readTyped(text, control) {
     const range = `from ${control.least} to ${control.most}${unit}`;
     return { objection: `${shortened(typed)}${unit} is out of range: ${range}.` };
   }
-  return { value: shifted(typed, -control.decimals) };
+  // A typed -0 is a 0.
+  return { value: shifted(typed, -control.decimals) + 0 };
 }
 
 /** The text of an SI value in the control's unit, with all its digits. */
