@@ -12,9 +12,11 @@ export function on(element, type, act, options) {
   element.addEventListener(type, act, options);
 }
 
-/** Give an element these attributes. */
+/** Give an element these attributes; the same value again would cost a layout. */
 export function put(element, attributes) {
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (element.getAttribute(name) !== `${value}`) element.setAttribute(name, value);
+  }
 }
 
 /** Give an element this text; the same text again would cost a layout. */

@@ -39,7 +39,7 @@ export function makeFrame(svg) {
   let axes = null;
 
   function resize(width, height) {
-    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    put(svg, { viewBox: `0 0 ${width} ${height}` });
     area.right = Math.max(width - MARGIN.right, area.left + 10);
     area.bottom = Math.max(height - MARGIN.bottom, area.top + 10);
     area.width = area.right - area.left;
@@ -74,7 +74,7 @@ export function makeFrame(svg) {
       else label(text, area.left - 5, y(value) + 4, "end");
     }
     for (const element of pool.splice(used)) element.remove();
-    grid.setAttribute("d", path);
+    put(grid, { d: path });
     place(titles[0], horizontal.title, area.right, area.bottom + 30);
     place(titles[1], vertical.title, area.left + 5, area.top + 11);
   }

@@ -31,11 +31,11 @@ export function makePortrait(svg) {
       axisOf([0, z_s, settled, ...states.map(({ z }) => z)], "length", "z", 0.08),
       axisOf([0, p.v, ...states.map(({ x_dot }) => x_dot)], "velocity", "ẋ", 0.08),
     );
-    curve.setAttribute("d", portraitPath(motion, frame, states));
-    threshold.setAttribute("d", `M${px(frame.x(z_s))} ${frame.area.top}V${frame.area.bottom}`);
+    put(curve, { d: portraitPath(motion, frame, states) });
+    put(threshold, { d: `M${px(frame.x(z_s))} ${frame.area.top}V${frame.area.bottom}` });
     const left = px(frame.x(settled));
     const top = px(frame.y(p.v));
-    centre.setAttribute("d", `M${left - 5} ${top}h10M${left} ${top - 5}v10`);
+    put(centre, { d: `M${left - 5} ${top}h10M${left} ${top - 5}v10` });
     setText(centreName, "steady sliding");
     const anchor = left > frame.area.left + 90 ? "end" : "start";
     put(centreName, { x: left, y: top - 8, "text-anchor": anchor });

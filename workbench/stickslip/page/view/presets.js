@@ -20,8 +20,11 @@ export function makePresets(presets, names, choose) {
     on(buttons.get(preset.id), "click", () => choose(valuesOf(preset)));
   }
 
+  let shown = null;
   return function show(setting) {
     const current = presets.find((preset) => names.every((name) => preset[name] === setting[name]));
+    if (shown === current) return;
+    shown = current;
     for (const [id, button] of buttons) {
       button.setAttribute("aria-pressed", String(id === current?.id));
     }

@@ -1,6 +1,6 @@
 /** The numbers of the cycle: exact and simplified side by side, and how far they are apart. */
 
-import { byId, setText } from "./dom.js";
+import { byId, put, setText } from "./dom.js";
 import { digits, quantity, scaleFor } from "./units.js";
 
 /** From this deviation on the simplified value is marked. */
@@ -61,7 +61,7 @@ function text(value, row, scale) {
 }
 
 function fill(cell, value, words) {
-  cell.value = String(value);
+  put(cell, { value });
   setText(cell, words);
 }
 

@@ -14,7 +14,8 @@ const ROOM = { left: 18, block: 50, tall: 44, pull: 68, below: 36 };
 /**
  * Draw the model in an empty SVG element.
  *
- * What is shown depends on the setting and the state alone, so time may run either way.
+ * What is shown depends on the setting and the state alone, so time may run either way. All is
+ * drawn once; a setting or a state only moves it.
  *
  * @param {SVGSVGElement} svg
  * @returns {{arrange: function(object, number, number), show: function(object)}}
@@ -22,50 +23,49 @@ const ROOM = { left: 18, block: 50, tall: 44, pull: 68, below: 36 };
  *   show(state): put everything where a state of motion.at has it
  */
 export function makeSchematic(svg) {
+  const layGround = makeGround(svg);
+  const layPlaces = makePlaces(svg);
+  const layRuler = makeRuler(svg);
+  const layGauge = makeGauge(svg);
+  const stretch = makeSpring(svg);
+  const pull = makePull(svg);
+  const place = makeMass(svg);
   let show = () => {};
-  return {
-    arrange(motion, width, height) {
-      svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-      svg.replaceChildren();
-      show = drawScene(svg, motion, width, height);
-    },
-    show: (state) => show(state),
-  };
-}
 
-function drawScene(svg, motion, width, height) {
-  const reach = reachOf(motion);
-  const shortest = Math.min(Math.max(width / 18, 34), 54);
-  const free = width - ROOM.left - ROOM.block - shortest - ROOM.pull;
-  const scale = Math.max(free, 40) / (reach.length + reach.end - reach.low);
-  const ground = height - ROOM.below;
-  const level = ground - ROOM.tall / 2;
-  // So long relaxed that the most compressed spring still has its shortest length.
-  const relaxed = shortest - reach.low * scale;
+  function arrange(motion, width, height) {
+    put(svg, { viewBox: `0 0 ${width} ${height}` });
+    const reach = reachOf(motion);
+    const shortest = Math.min(Math.max(width / 18, 34), 54);
+    const free = width - ROOM.left - ROOM.block - shortest - ROOM.pull;
+    const scale = Math.max(free, 40) / (reach.length + reach.end - reach.low);
+    const ground = height - ROOM.below;
+    const level = ground - ROOM.tall / 2;
+    // So long relaxed that the most compressed spring still has its shortest length.
+    const relaxed = shortest - reach.low * scale;
+    layGround(width, ground);
+    layPlaces(motion.cycle, scale, ground);
+    const turnRuler = layRuler(reach.length, scale, width, ground);
+    const fill = layGauge(motion, reach, width);
+    pull.name(motion.p.v);
+    let shownPage = null;
 
-  drawGround(svg, width, ground);
-  drawPlaces(svg, motion.cycle, scale, ground);
-  const turnRuler = drawRuler(svg, reach.length, scale, width, ground);
-  const fill = drawGauge(svg, motion, reach, width);
-  const stretch = drawSpring(svg, shortest, level);
-  const pull = drawPull(svg, motion.p.v, level);
-  const place = drawMass(svg, ground);
-  let shownPage = null;
+    show = ({ mode, x, z }) => {
+      // The mass may stand a rounding short of the position that begins a window.
+      const page = Math.floor((x / reach.length) * (1 + 2 * Number.EPSILON) + 1e-9);
+      const start = page * reach.length;
+      if (page !== shownPage) turnRuler(start);
+      shownPage = page;
+      const left = ROOM.left + (x - start) * scale;
+      const right = left + ROOM.block;
+      const length = Math.max(relaxed + z * scale, shortest);
+      place(left, ground, mode);
+      stretch(right, length, level, shortest);
+      pull.place(right + length, level);
+      fill(z);
+    };
+  }
 
-  return ({ mode, x, z }) => {
-    // The mass may stand a rounding short of the position that begins a window.
-    const page = Math.floor((x / reach.length) * (1 + 2 * Number.EPSILON) + 1e-9);
-    const start = page * reach.length;
-    if (page !== shownPage) turnRuler(start);
-    shownPage = page;
-    const left = ROOM.left + (x - start) * scale;
-    const right = left + ROOM.block;
-    const length = Math.max(relaxed + z * scale, shortest);
-    place(left, mode);
-    stretch(right, length);
-    pull.setAttribute("transform", `translate(${px(right + length)} ${level})`);
-    fill(z);
-  };
+  return { arrange, show: (state) => show(state) };
 }
 
 /** Lengths [m]: of a window, and of the spring the least, the most, that at a window's end. */
@@ -82,46 +82,65 @@ function reachOf({ p, numbers, cycle, slip, z_s }) {
   return { low, high, end, length: JUMPS_SHOWN * stride };
 }
 
-function drawGround(svg, width, ground) {
-  let hatch = "";
-  for (let x = 2; x < width + 8; x += 9) hatch += `M${x} ${ground + 1}l-7 7`;
+/** Returns what lays the ground at a height in a width [px]. */
+function makeGround(svg) {
   const group = draw(svg, "g", { class: "ground" });
-  draw(group, "path", { class: "hatch", d: hatch });
-  draw(group, "path", { d: `M0 ${ground}H${width}` });
-}
-
-/** Lines where the mass sticks, if they stand apart. */
-function drawPlaces(svg, { delta_x }, scale, ground) {
-  if (!(delta_x * scale > 40)) return;
-  const at = (i) => px(ROOM.left + ROOM.block / 2 + i * delta_x * scale);
-  let d = "";
-  for (let i = 0; i <= JUMPS_SHOWN; i++) d += `M${at(i)} ${ground - ROOM.tall - 6}V${ground}`;
-  draw(svg, "path", { class: "places", d });
-}
-
-/** Returns what labels the ruler for the window that starts at a position [m]. */
-function drawRuler(svg, length, scale, width, ground) {
-  const group = draw(svg, "g", { class: "ruler" });
-  const { size, unit } = scaleFor(length, "length");
-  const step = roundStep(58 / (scale * size));
-  const apart = step * size * scale;
-  const zero = ROOM.left + ROOM.block / 2;
-  const ticks = draw(group, "path");
-  const y = ground + 29;
-  write(group, unit, { x: width - 6, y, class: "unit" });
-  const labels = Array.from({ length: width / apart + 3 }, () => write(group, "", { y }));
-  return (start) => {
-    const first = Math.floor(start / (step * size) - zero / apart);
+  const hatch = draw(group, "path", { class: "hatch" });
+  const line = draw(group, "path");
+  return (width, ground) => {
     let d = "";
-    labels.forEach((label, i) => {
-      const at = zero + (first + i - start / (step * size)) * apart;
-      for (let j = 0; j < 5; j++) d += `M${px(at + j * apart * 0.2)} ${ground + 11}v${j ? 4 : 7}`;
-      const text = String(Number(((first + i) * step).toPrecision(12)));
-      const roomy = (first + i) % Math.ceil((text.length * 8) / apart) === 0;
-      setText(label, roomy && at > 12 && at < width - 44 ? text : "");
-      label.setAttribute("x", px(at));
-    });
-    ticks.setAttribute("d", d);
+    for (let x = 2; x < width + 8; x += 9) d += `M${x} ${ground + 1}l-7 7`;
+    put(hatch, { d });
+    put(line, { d: `M0 ${ground}H${width}` });
+  };
+}
+
+/** Returns what marks where the mass sticks, if these places stand apart. */
+function makePlaces(svg) {
+  const places = draw(svg, "path", { class: "places" });
+  return ({ delta_x }, scale, ground) => {
+    const at = (i) => px(ROOM.left + ROOM.block / 2 + i * delta_x * scale);
+    let d = "";
+    for (let i = 0; i <= JUMPS_SHOWN && delta_x * scale > 40; i++) {
+      d += `M${at(i)} ${ground - ROOM.tall - 6}V${ground}`;
+    }
+    put(places, { d });
+  };
+}
+
+/**
+ * Returns what scales the ruler for a window's length [m]; that returns what labels it for the
+ * window that starts at a position [m].
+ */
+function makeRuler(svg) {
+  const group = draw(svg, "g", { class: "ruler" });
+  const marks = draw(group, "path");
+  const name = draw(group, "text", { class: "unit" });
+  const labels = [];
+  return (length, scale, width, ground) => {
+    const { size, unit } = scaleFor(length, "length");
+    const step = roundStep(58 / (scale * size));
+    const apart = step * size * scale;
+    const zero = ROOM.left + ROOM.block / 2;
+    const y = ground + 29;
+    setText(name, unit);
+    put(name, { x: width - 6, y });
+    const count = Math.floor(width / apart + 3);
+    while (labels.length < count) labels.push(draw(group, "text"));
+    for (const label of labels.splice(count)) label.remove();
+    return (start) => {
+      const first = Math.floor(start / (step * size) - zero / apart);
+      let d = "";
+      labels.forEach((label, i) => {
+        const at = zero + (first + i - start / (step * size)) * apart;
+        for (let j = 0; j < 5; j++) d += `M${px(at + j * apart * 0.2)} ${ground + 11}v${j ? 4 : 7}`;
+        const text = String(Number(((first + i) * step).toPrecision(12)));
+        const roomy = (first + i) % Math.ceil((text.length * 8) / apart) === 0;
+        setText(label, roomy && at > 12 && at < width - 44 ? text : "");
+        put(label, { x: px(at), y });
+      });
+      put(marks, { d });
+    };
   };
 }
 
@@ -131,73 +150,82 @@ function roundStep(least) {
   return decade * [1, 2, 5, 10].find((factor) => factor * decade >= least * 0.999);
 }
 
-/** Returns what fills the gauge for a spring extension [m]. */
-function drawGauge(svg, { numbers, z_s }, { low, high }, width) {
+/** Returns what scales the gauge for a motion; that returns what fills it for an extension [m]. */
+function makeGauge(svg) {
   const left = 104;
-  const length = Math.max(Math.min(260, width - left - 30), 40);
-  const at = (z) => left + ((z - low) / (high - low)) * length;
   const group = draw(svg, "g", { class: "gauge" });
   write(group, "spring force F", { x: 6, y: 17, class: "what" });
-  draw(group, "rect", { class: "range", x: left, y: 9, width: length, height: 9 });
+  const range = draw(group, "rect", { class: "range", x: left, y: 9, height: 9 });
   const bar = draw(group, "rect", { class: "force", y: 9, height: 9 });
-  if (low < 0) draw(group, "path", { class: "zero", d: `M${px(at(0))} 7v13` });
-  draw(group, "path", { class: "limit", d: `M${px(at(z_s))} 5v17` });
-  const half = 74;
-  const middle = Math.min(Math.max(at(z_s), left + half), width - half - 4);
-  const name = write(group, "break-away F", { x: px(middle), y: 33 });
+  const zero = draw(group, "path", { class: "zero" });
+  const limit = draw(group, "path", { class: "limit" });
+  const name = write(group, "break-away F", { y: 33 });
   write(name, "s", { class: "index", dy: 3 }, "tspan");
-  write(name, ` = ${quantity(numbers.F_s, "force")}`, { dy: -3 }, "tspan");
-  return (z) => {
-    put(bar, { x: px(Math.min(at(0), at(z))), width: px(Math.abs(at(z) - at(0))) });
+  const force = write(name, "", { dy: -3 }, "tspan");
+  return ({ numbers, z_s }, { low, high }, width) => {
+    const length = Math.max(Math.min(260, width - left - 30), 40);
+    const at = (z) => left + ((z - low) / (high - low)) * length;
+    const half = 74;
+    put(range, { width: length });
+    put(zero, { d: low < 0 ? `M${px(at(0))} 7v13` : "" });
+    put(limit, { d: `M${px(at(z_s))} 5v17` });
+    put(name, { x: px(Math.min(Math.max(at(z_s), left + half), width - half - 4)) });
+    setText(force, ` = ${quantity(numbers.F_s, "force")}`);
+    return (z) => {
+      put(bar, { x: px(Math.min(at(0), at(z))), width: px(Math.abs(at(z) - at(0))) });
+    };
   };
 }
 
-/** Returns what stretches the spring from a place to a length [px]. */
-function drawSpring(svg, shortest, level) {
+/** Returns what stretches the spring from a place to a length at a level [px]. */
+function makeSpring(svg) {
   const spring = draw(svg, "polyline", { class: "spring" });
   const lead = 6;
-  const bends = 2 * Math.floor((shortest - 2 * lead) / 5.2);
-  return (left, length) => {
+  return (left, length, level, shortest) => {
+    const bends = 2 * Math.floor((shortest - 2 * lead) / 5.2);
     const pitch = (length - 2 * lead) / bends;
     let points = `${px(left)},${level} ${px(left + lead)},${level}`;
     for (let i = 0; i < bends; i++) {
       points += ` ${px(left + lead + (i + 0.5) * pitch)},${level + (i % 2 ? 9 : -9)}`;
     }
     points += ` ${px(left + length - lead)},${level} ${px(left + length)},${level}`;
-    spring.setAttribute("points", points);
+    put(spring, { points });
   };
 }
 
-function drawPull(svg, v, level) {
-  const group = draw(svg, "g", { class: "pull", transform: `translate(0 ${level})` });
+/** Returns what names the speed of the pulled end [m/s], and what puts it at a place [px]. */
+function makePull(svg) {
+  const group = draw(svg, "g", { class: "pull" });
   draw(group, "circle", { cx: 4, r: 4 });
   draw(group, "path", { d: "M8 0H44" });
   draw(group, "path", { class: "head", d: "M54 0l-12 -5v10z" });
-  const { size, unit } = scaleFor(v, "velocity");
-  const speed = shortest(Number((v / size).toPrecision(4)));
-  write(group, `${speed}\u00a0${unit}`, { x: 29, y: -13 });
-  return group;
+  const name = write(group, "", { x: 29, y: -13 });
+  return {
+    name(v) {
+      const { size, unit } = scaleFor(v, "velocity");
+      setText(name, `${shortest(Number((v / size).toPrecision(4)))}\u00a0${unit}`);
+    },
+    place(left, level) {
+      put(group, { transform: `translate(${px(left)} ${level})` });
+    },
+  };
 }
 
-/** Returns what puts the block with its left edge at a place [px] and tells stick from slip. */
-function drawMass(svg, ground) {
+/** Returns what puts the block with its left edge at a place on the ground [px]. */
+function makeMass(svg) {
   const { block, tall } = ROOM;
-  const group = draw(svg, "g", { class: "mass" });
-  let teeth = `M4 ${ground}`;
-  for (let i = 0; i < 6; i++) teeth += "l3.5 7l3.5 -7";
-  draw(group, "path", { class: "teeth solid", d: `${teeth}z` });
-  const trail = [12, 22, 32].map((y, i) => `M-5 ${ground - y}h${i === 1 ? -15 : -10}`);
-  draw(group, "path", { class: "trail", d: trail.join("") });
-  const top = ground - tall;
-  draw(group, "rect", { class: "body", x: 1, y: top, width: block - 2, height: tall - 1, rx: 5 });
-  const word = write(group, "", { x: block / 2, y: top + tall / 2 + 4 });
-  draw(group, "path", { class: "solid", d: `M${block / 2 - 3.5} ${ground + 9}h7l-3.5 5z` });
+  const group = draw(svg, "g");
+  draw(group, "path", { class: "teeth solid", d: `M4 0${"l3.5 7l3.5 -7".repeat(6)}z` });
+  draw(group, "path", { class: "trail", d: "M-5 -12h-10M-5 -22h-15M-5 -32h-10" });
+  draw(group, "rect", { class: "body", x: 1, y: -tall, width: block - 2, height: tall - 1, rx: 5 });
+  const word = write(group, "", { x: block / 2, y: 4 - tall / 2 });
+  draw(group, "path", { class: "solid", d: `M${block / 2 - 3.5} 9h7l-3.5 5z` });
   let shown = null;
-  return (left, mode) => {
-    group.setAttribute("transform", `translate(${px(left)} 0)`);
+  return (left, ground, mode) => {
+    put(group, { transform: `translate(${px(left)} ${ground})` });
     if (mode === shown) return;
     shown = mode;
-    group.setAttribute("class", mode === 0 ? "mass stick" : "mass slip");
+    put(group, { class: mode === 0 ? "mass stick" : "mass slip" });
     setText(word, mode === 0 ? "STICK" : "SLIP");
   };
 }

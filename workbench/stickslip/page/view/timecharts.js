@@ -41,13 +41,13 @@ export function makeTimeCharts(svgX, svgF) {
     const edges = [points[0].x, points[points.length - 1].x, p.v * seen.from, p.v * seen.to];
     x.frame.scale(time, axisOf(edges, "length", "x and v t", 0.13, 0.06));
     F.frame.scale(time, forceAxis(motion, seen, points));
-    position.setAttribute("d", timePath(phases, x.frame, "x", "x_dot"));
-    force.setAttribute("d", timePath(phases, F.frame, "F", "F_dot"));
+    put(position, { d: timePath(phases, x.frame, "x", "x_dot") });
+    put(force, { d: timePath(phases, F.frame, "F", "F_dot") });
     const { left, right } = x.frame.area;
     const [start, end] = [seen.from, seen.to].map((t) => px(x.frame.y(p.v * t)));
-    pull.setAttribute("d", `M${left} ${start}L${right} ${end}`);
+    put(pull, { d: `M${left} ${start}L${right} ${end}` });
     const level = px(F.frame.y(numbers.F_s));
-    threshold.setAttribute("d", `M${left} ${level}H${right}`);
+    put(threshold, { d: `M${left} ${level}H${right}` });
     note(thresholdName, `Fₛ = ${quantity(numbers.F_s, "force")}`, right - 4, level + 13, F.frame);
     showOvershoot(motion, seen, phases);
     x.shade(phases);
@@ -127,13 +127,13 @@ function makeChart(svg) {
     for (const { kind, start, end } of phases) {
       paths[kind] += `M${px(frame.x(start))} ${top}H${px(frame.x(end))}V${bottom}H${px(frame.x(start))}Z`;
     }
-    sticks.setAttribute("d", paths.stick);
-    slips.setAttribute("d", paths.slip);
+    put(sticks, { d: paths.stick });
+    put(slips, { d: paths.slip });
   }
 
   function mark(t, value) {
     const left = px(frame.x(t));
-    line.setAttribute("d", `M${left} ${frame.area.top}V${frame.area.bottom}`);
+    put(line, { d: `M${left} ${frame.area.top}V${frame.area.bottom}` });
     put(dot, { cx: left, cy: px(frame.y(value)) });
   }
 
