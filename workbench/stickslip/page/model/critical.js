@@ -16,7 +16,7 @@ export function criticalVelocity(p) {
   return zeta < 1 ? w * Delta * Math.exp(-logCriticalLambda(zeta)) : 0;
 }
 
-/** The handbooks' critical velocity [m/s], the first order of the exact one; NaN without damping. */
+/** The handbooks' critical velocity [m/s], first order of the exact one; NaN without damping. */
 export function firstOrderCriticalVelocity(p) {
   const { Delta, zeta } = numbersOf(p);
   return p.c === 0 ? NaN : (p.k * Delta) / Math.sqrt(4 * Math.PI * zeta * p.k * p.m);

@@ -91,7 +91,7 @@ function dampedSlip(lambda_, zeta) {
   };
 }
 
-/** Solve G(delta) = 1/D in sqrt(1 - G), which is nearly linear in delta: 1 - G begins as its square. */
+/** Solve G(delta) = 1/D in sqrt(1 - G), nearly linear in delta as 1 - G begins as its square. */
 function timeBeforeMinimum(logD, zeta, nu) {
   const target = Math.sqrt(-Math.expm1(-logD));
   if (target === 0) return 0;

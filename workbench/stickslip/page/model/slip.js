@@ -39,7 +39,8 @@ function integralOfK(fast, slow, tau, K) {
  * @returns {object}
  *   at(tau): displacement of the mass [m], x_dot [m/s], x_ddot [m/s^2], growth of the spring [m];
  *   overshoot: tau [s] and growth [m] where the spring is longest, null where it has no maximum;
- *   rate [rad/s] of the fastest change; fast, slow [1/s]: its two rates of decay; scale [s]: a swing
+ *   rate [rad/s] of the fastest change; fast, slow [1/s]: its two rates of decay; scale [s]: that
+ *   of a swing, or of the slower decay
  */
 export function slipFromRest(p) {
   const { Delta, w, zeta, lambda_ } = numbersOf(p);

@@ -42,7 +42,8 @@ export function ticks({ low, high, size }, count) {
   const index = steps.findIndex((each) => each >= rough * 0.9999);
   // A single mark is no scale.
   const marks = multiples(steps[index], bottom, top);
-  const { step, values } = marks.values.length > 1 ? marks : multiples(steps[index - 1], bottom, top);
+  const isScale = marks.values.length > 1;
+  const { step, values } = isScale ? marks : multiples(steps[index - 1], bottom, top);
   const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   const most = Math.max(-bottom, top);
   const plain = most > 1e-4 && most < 1e6;

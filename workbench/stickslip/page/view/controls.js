@@ -136,7 +136,8 @@ export function makeControls(table, accept) {
 
   function clampNote() {
     if (asked === setting.mu_k) return "";
-    return `Held at ${Number(setting.mu_k.toPrecision(6))}: ${asked} is too near to μs or above it.`;
+    const held = Number(setting.mu_k.toPrecision(6));
+    return `Held at ${held}: ${asked} is too near to μs = ${setting.mu_s}, or above.`;
   }
 
   function say(row, text, bad) {

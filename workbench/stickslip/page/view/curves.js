@@ -75,9 +75,10 @@ export function timePath(phases, frame, name, slope) {
       if (!last || kind === "stick") path += `${path ? "L" : "M"}${here}`;
       else {
         const third = (point.t - last.t) / 3;
-        path +=
-          `C${px(frame.x(last.t + third))} ${px(frame.y(last[name] + third * last[slope]))}` +
-          ` ${px(frame.x(point.t - third))} ${px(frame.y(point[name] - third * point[slope]))} ${here}`;
+        const out = px(frame.y(last[name] + third * last[slope]));
+        const into = px(frame.y(point[name] - third * point[slope]));
+        path += `C${px(frame.x(last.t + third))} ${out}`;
+        path += ` ${px(frame.x(point.t - third))} ${into} ${here}`;
       }
     });
   }

@@ -42,17 +42,17 @@ export function makeKeeping({ motion, stretch, starts }) {
   atClick("save-csv", () => {
     const text = csvText(motion(), stretch.from, stretch.to);
     save("stick-slip.csv", new Blob([text], { type: "text/csv" }));
-    return "stick-slip.csv: SI units, the events at their exact times.";
+    return "stick-slip.csv: SI units, events at their exact times.";
   });
   atClick("save-svg", () => {
     save("stick-slip.svg", new Blob([picture().text], { type: "image/svg+xml" }));
-    return "stick-slip.svg: both charts and the phase portrait.";
+    return "stick-slip.svg: charts and portrait.";
   });
   atClick("save-png", async () => {
     const { text, width, height } = picture();
     const background = getComputedStyle(document.body).backgroundColor;
     save("stick-slip.png", await pngOf(text, width, height, FINENESS, background));
-    return "stick-slip.png: both charts and the phase portrait.";
+    return "stick-slip.png: charts and portrait.";
   });
   atClick("copy", async () => {
     try {

@@ -26,6 +26,7 @@ export function makePlayer(stretch, show, tell) {
   let pointed = null;
   let playing = false;
   let last = 0;
+  let frame = 0;
 
   const now = () => stretch.from + (pointed ?? share) * stretch.span;
 
@@ -44,7 +45,7 @@ export function makePlayer(stretch, show, tell) {
       share = (share + rate * passed) % 1;
       refresh();
     }
-    requestAnimationFrame(step);
+    frame = requestAnimationFrame(step);
   }
 
   function setPlaying(wanted) {
@@ -55,7 +56,9 @@ export function makePlayer(stretch, show, tell) {
     scrub.removeAttribute("aria-valuetext");
     if (!playing) refresh();
     last = performance.now();
-    if (playing) requestAnimationFrame(step);
+    // Stopped and started within one frame, it still runs once.
+    cancelAnimationFrame(frame);
+    if (playing) frame = requestAnimationFrame(step);
   }
 
   on(button, "click", () => setPlaying(!playing));

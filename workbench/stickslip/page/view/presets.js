@@ -1,4 +1,4 @@
-/** The presets: settings of known things, each with what it shows and where its numbers are from. */
+/** The presets: settings of known things, each with what it shows and its source. */
 
 import { byId, on, setText } from "./dom.js";
 

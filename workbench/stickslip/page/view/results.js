@@ -46,18 +46,15 @@ export function makeResults() {
 function showRow(row, exact, simple) {
   const known = Number.isFinite(exact) ? exact : simple;
   const scale = scaleFor(known, row.kind);
-  fill(row.exact, exact, row.name === "v_c" && exact === Infinity ? "none" : text(exact, row, scale));
-  fill(row.simple, simple, text(simple, row, scale));
+  const [ofExact, ofSimple] = [exact, simple].map((value) => quantity(value, row.kind, scale));
+  fill(row.exact, exact, row.name === "v_c" && exact === Infinity ? "none" : ofExact);
+  fill(row.simple, simple, ofSimple);
   const { words, far } = deviation(exact, simple);
   if (row.shown === words) return;
   row.shown = words;
   setText(row.off, words);
   row.off.classList.toggle("mark", far);
   if (far) row.off.append(hidden(", more than 5 % off"));
-}
-
-function text(value, row, scale) {
-  return quantity(value, row.kind, scale);
 }
 
 function fill(cell, value, words) {
@@ -91,7 +88,9 @@ function hidden(words) {
 
 /** One sentence on what this setting does. */
 function inWords({ cycle, numbers, p }, v_c) {
-  if (!cycle.exists) return `No cycle: it breaks away once and then slides. ${whyNone(numbers, p, v_c)}`;
+  if (!cycle.exists) {
+    return `No cycle: it breaks away once and then slides. ${whyNone(numbers, p, v_c)}`;
+  }
   const { delta_x, T, t_stick, t_slip } = cycle;
   const jump = `It jumps ${quantity(delta_x, "length")} every ${quantity(T, "time")}`;
   if (t_stick === 0) return `${jump} and never sticks: there is no gap between μs and μk.`;
@@ -101,5 +100,6 @@ function inWords({ cycle, numbers, p }, v_c) {
 function whyNone({ zeta, Delta }, p, v_c) {
   if (zeta >= 1) return `The slip does not swing (ζ = ${digits(zeta, 3)}).`;
   if (Delta === 0) return "There is damping and no gap between μs and μk.";
-  return `The pull at ${quantity(p.v, "velocity")} is above the critical velocity ${quantity(v_c, "velocity")}.`;
+  const [pull, critical] = [p.v, v_c].map((each) => quantity(each, "velocity"));
+  return `The pull at ${pull} is above the critical velocity ${critical}.`;
 }

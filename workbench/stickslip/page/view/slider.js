@@ -15,7 +15,8 @@ export function sliderEnds(control, value) {
   if (value >= low && value <= high) return { low, high };
   if (scale !== "log") {
     const rounded = (number) => Number(number.toPrecision(2));
-    return value > high ? { low, high: rounded(1.25 * value) } : { low: rounded(0.5 * value), high };
+    if (value > high) return { low, high: rounded(1.25 * value) };
+    return { low: rounded(0.5 * value), high };
   }
   const decade = Math.floor(Math.log10(value));
   return { low: Number(`1e${decade - 1}`), high: Number(`1e${decade + 2}`) };

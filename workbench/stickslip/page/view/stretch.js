@@ -26,7 +26,7 @@ export function makeStretch() {
     ({ from, to } = wholePicture(motion));
   }
 
-  /** The latest end of a stretch that begins at a time: it counts cycles, and the load-up as none. */
+  /** The latest end of a stretch that begins at a time: cycles count, the load-up does not. */
   const latest = (start) => Math.max(start, motion.first) + MOST_ZOOMED_OUT * motion.beat;
 
   function choose(start, end) {

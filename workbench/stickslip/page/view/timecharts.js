@@ -65,7 +65,8 @@ export function makeTimeCharts(svgX, svgF) {
     const width = LETTER * words.length;
     // Beside the title of the axis, not on it; where it has no room the caption says it alone.
     const leftmost = area.left + 60;
-    const room = F.frame.y(numbers.F_s) - top >= ROOM_FOR_OVERSHOOT && leftmost + width < area.right;
+    const isHigh = F.frame.y(numbers.F_s) - top >= ROOM_FOR_OVERSHOOT;
+    const room = isHigh && leftmost + width < area.right;
     const at = Math.min(Math.max(left + 4, leftmost), area.right - width);
     note(overshoot, room && left < area.right ? words : "", at, top - 4, F.frame);
   }
@@ -125,7 +126,8 @@ function makeChart(svg) {
     const { top, bottom } = frame.area;
     const paths = { stick: "", slip: "" };
     for (const { kind, start, end } of phases) {
-      paths[kind] += `M${px(frame.x(start))} ${top}H${px(frame.x(end))}V${bottom}H${px(frame.x(start))}Z`;
+      const [left, right] = [start, end].map((t) => px(frame.x(t)));
+      paths[kind] += `M${left} ${top}H${right}V${bottom}H${left}Z`;
     }
     put(sticks, { d: paths.stick });
     put(slips, { d: paths.slip });

@@ -22,7 +22,7 @@ export function readTyped(text, control) {
   }
   const shown = Number(typed);
   if (!Number.isFinite(shown)) {
-    return { objection: `${shortened(typed)} is larger than any number that can be computed with.` };
+    return { objection: `${shortened(typed)} is larger than can be computed with.` };
   }
   if (shown < 0 || (shown === 0 && control.least > 0)) {
     const range = control.least > 0 ? "above 0" : "0 or more";

@@ -64,7 +64,7 @@ export function scaleFor(value, kind) {
   return { size, unit };
 }
 
-/** A number with this many significant digits, a typeset minus, and no exponent where it can be avoided. */
+/** A number with this many significant digits, a typeset minus, an exponent only where needed. */
 export function digits(value, count = 4) {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
@@ -102,7 +102,7 @@ export function fixed(value, { size, unit, decimals }) {
   return `${text.replace(/^-/, "")}\u00a0${unit}`;
 }
 
-/** The shortest text of a double times ten to a power, its digits unchanged: ("0.02", 3) is "20". */
+/** A double from its shortest text, times ten to a power, rounded once: ("0.02", 3) is 20. */
 export function shifted(text, power) {
   const [mantissa, exponent = "0"] = text.toLowerCase().split("e");
   return Number(`${mantissa}e${Number(exponent) + power}`);
