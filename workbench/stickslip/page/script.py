@@ -4,9 +4,9 @@ A browser loads no modules from a file without a server, so the lines of import 
 the modules share one scope; a name that two of them use is refused.
 """
 
+import posixpath
 import re
 from collections.abc import Mapping
-from pathlib import PurePosixPath
 from typing import Final
 
 _IMPORT: Final = re.compile(r'^import \{[^}]*\} from "(?P<path>\.[^"]*)";\n', re.MULTILINE)
@@ -50,8 +50,11 @@ def joined(modules: Mapping[str, str], entry: str) -> str:
 
 def imports(path: str, source: str) -> list[str]:
     """Give the paths of the modules that the one at `path` imports, relative to the page."""
-    folder = PurePosixPath(path).parent
-    return [_resolved(folder, found["path"]) for found in _IMPORT.finditer(source)]
+    folder = posixpath.dirname(path)
+    return [
+        posixpath.normpath(posixpath.join(folder, found["path"]))
+        for found in _IMPORT.finditer(source)
+    ]
 
 
 def _in_order(modules: Mapping[str, str], entry: str) -> list[str]:
@@ -70,13 +73,3 @@ def _in_order(modules: Mapping[str, str], entry: str) -> list[str]:
 
     visit(entry, ())
     return order
-
-
-def _resolved(folder: PurePosixPath, relative: str) -> str:
-    parts: list[str] = []
-    for part in (folder / relative).parts:
-        if part == "..":
-            parts.pop()
-        elif part != ".":
-            parts.append(part)
-    return "/".join(parts)

@@ -21,7 +21,7 @@ export function valuesIn(hash) {
 }
 
 /** The part of an address that asks for these values. */
-export function hashOf(values) {
+function hashOf(values) {
   return `#${Object.entries(values)
     .map(([name, value]) => `${name}=${value}`)
     .join("&")}`;
