@@ -53,7 +53,7 @@ hold(globals())
 """
 
 
-def build(destination: Path, documentation: Optional[Mapping[str, bytes]] = None) -> Path:
+def build(destination: Path, parts: Optional[Mapping[str, bytes]] = None) -> Path:
     """Build the FMU.
 
     Parameters
@@ -61,8 +61,9 @@ def build(destination: Path, documentation: Optional[Mapping[str, bytes]] = None
     destination
         The file to write, ending in .fmu, or the folder that gets StickSlip.fmu. Folders are
         made. What was there stays until the new file is whole.
-    documentation
-        Files of the FMU's documentation/ folder, by their path in it.
+    parts
+        Files that travel beside what is built here, such as documentation/index.html, by their
+        path in the FMU.
 
     Returns
     -------
@@ -92,7 +93,7 @@ def build(destination: Path, documentation: Optional[Mapping[str, bytes]] = None
         with _imports_apart():
             FmuBuilder.build_FMU(slave, raw, project_files=[workshop / package])
         entries = _entries(raw)
-    entries.update({f"documentation/{name}": data for name, data in (documentation or {}).items()})
+    entries.update(parts or {})
     _write(entries, target)
     return target
 

@@ -161,9 +161,9 @@ def test_a_build_works_beside_the_running_fmu(fmu_path: Path, tmp_path: Path) ->
     assert before.tolist() == after.tolist()
 
 
-def test_documentation_is_packed(tmp_path: Path) -> None:
-    """Files handed to the packer stand in documentation/."""
-    built = packer.build(tmp_path, {"index.html": b"<html></html>"})
+def test_parts_are_packed(tmp_path: Path) -> None:
+    """Files handed to the packer travel under their path."""
+    built = packer.build(tmp_path, {"documentation/index.html": b"<html></html>"})
     with zipfile.ZipFile(built) as archive:
         assert archive.read("documentation/index.html") == b"<html></html>"
         assert archive.testzip() is None

@@ -46,7 +46,7 @@ def build_fmu(target: Path, option: str) -> Path:
 
     with Meter("Building the FMU"):
         try:
-            return build(target, {"index.html": page().encode()})
+            return build(target, {"documentation/index.html": page().encode()})
         except OSError as error:
             reason = error.strerror or str(error)
             raise CommandError(f"{option} {target}: cannot write the FMU: {reason}") from error
