@@ -8,9 +8,12 @@ from types import TracebackType
 import fmpy
 from fmpy.fmi2 import FMU2Slave
 
+CO_SIMULATION = 1
+"""fmi2Type."""
+
 
 class BareSlave:
-    """One initialized instance with its two hottest calls.
+    """One initialized instance with the calls that importers make most.
 
     Parameters
     ----------
@@ -53,8 +56,38 @@ class BareSlave:
                 do_step(component, now, step_size, yes)
                 get_real(component, chosen, count, values)
 
+        state = ctypes.c_void_p()
+        kept = ctypes.byref(state)
+        get_state, set_state = library["fmi2GetFMUstate"], library["fmi2SetFMUstate"]
+        free_state = library["fmi2FreeFMUstate"]
+
+        def step_and_go_back(times: int) -> None:
+            for _ in range(times):
+                get_state(component, kept)
+                do_step(component, now, step_size, yes)
+                set_state(component, state)
+                free_state(component, kept)
+
+        make, free = library["fmi2Instantiate"], library["fmi2FreeInstance"]
+        make.restype = ctypes.c_void_p
+        identity = (
+            b"another",
+            CO_SIMULATION,
+            description.guid.encode(),
+            (Path(self._folder) / "resources").as_uri().encode(),
+            ctypes.byref(self._slave.callbacks),
+            0,
+            0,
+        )
+
+        def instantiate(times: int) -> None:
+            for _ in range(times):
+                free(ctypes.c_void_p(make(*identity)))
+
         self.step = step
         self.step_and_get = step_and_get
+        self.step_and_go_back = step_and_go_back
+        self.instantiate = instantiate
 
     def __enter__(self) -> "BareSlave":
         return self

@@ -29,6 +29,7 @@ from stickslip_ref import Parameters, simulate, steady_cycle
 
 ROUNDS = 15
 CALLS = 5_000
+INSTANCES = 50
 POINTS = 1_000_000
 TEN_OUTPUTS = ["x", "x_dot", "x_pull", "z", "F", "F_friction", "F_s", "t_stick", "t_slip", "T"]
 
@@ -67,11 +68,19 @@ def best_of(rounds: int, *sides: Callable[[], object]) -> list[float]:
 
 
 def measure_calls(ours: Path, empty: Path) -> list[Measurement]:
-    """Time fmi2DoStep at 1 ms, alone and with fmi2GetReal of ten outputs."""
+    """Time the calls of an importer: steps at 1 ms, outputs, going back, instances."""
     with BareSlave(ours, TEN_OUTPUTS) as slave, BareSlave(empty, TEN_OUTPUTS) as yardstick:
         alone = best_of(ROUNDS, lambda: slave.step(CALLS), lambda: yardstick.step(CALLS))
         both = best_of(
             ROUNDS, lambda: slave.step_and_get(CALLS), lambda: yardstick.step_and_get(CALLS)
+        )
+        back = best_of(
+            ROUNDS,
+            lambda: slave.step_and_go_back(CALLS // 5),
+            lambda: yardstick.step_and_go_back(CALLS // 5),
+        )
+        made = best_of(
+            ROUNDS, lambda: slave.instantiate(INSTANCES), lambda: yardstick.instantiate(INSTANCES)
         )
     against = "empty pythonfmu slave"
     return [
@@ -85,6 +94,22 @@ def measure_calls(ours: Path, empty: Path) -> list[Measurement]:
             both[1] / CALLS,
             against,
             1.0,
+        ),
+        Measurement(
+            "state: get, step, set, free",
+            "round",
+            back[0] / (CALLS // 5),
+            back[1] / (CALLS // 5),
+            against,
+            1.5,
+        ),
+        Measurement(
+            "fmi2Instantiate + fmi2FreeInstance",
+            "instance",
+            made[0] / INSTANCES,
+            made[1] / INSTANCES,
+            against,
+            1.3,
         ),
     ]
 
