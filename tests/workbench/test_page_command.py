@@ -1,6 +1,5 @@
 """`stickslip page` and `stickslip explore` as a person meets them."""
 
-import zipfile
 from pathlib import Path
 
 import pytest
@@ -88,10 +87,3 @@ def test_without_a_browser_explore_says_where_the_page_is(
     assert answer.code == 1
     assert Path(answer.out.strip()).is_file()
     assert "no browser" in answer.err
-
-
-def test_the_fmu_carries_the_page(command: Command, tmp_path: Path) -> None:
-    """Who unpacks the FMU finds the page as its documentation."""
-    assert command.in_fresh_process("build", "-o", "a.fmu").code == 0
-    with zipfile.ZipFile(tmp_path / "a.fmu") as archive:
-        assert archive.read("documentation/index.html").decode() == page()

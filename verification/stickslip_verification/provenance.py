@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip_verification.fmu import FmuFile
+from stickslip_verification.fmu.digest import content_digest
 
 PACKAGES = ("stickslip", "numpy", "scipy", "mpmath", "fmpy", "pythonfmu")
 
@@ -28,6 +29,7 @@ def collect(fmu: FmuFile, command: str | None = None) -> dict[str, Any]:
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "fmu": {
             "file": fmu.path.name,
+            "content": content_digest(fmu.path),
             "sha256": hashlib.sha256(fmu.path.read_bytes()).hexdigest(),
             "fmi_version": fmu.fmi_version,
             "names": None if names is None else names.name,

@@ -13,6 +13,7 @@ import typer
 from typer.exceptions import TyperException
 
 from stickslip.commands.build import build
+from stickslip.commands.host import host
 from stickslip.commands.lint import lint
 from stickslip.commands.page import explore, page
 from stickslip.commands.prove import prove
@@ -39,7 +40,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-for command in (build, simulate, explore, page, verify, score, prove, lint):
+for command in (build, simulate, explore, page, verify, score, prove, lint, host):
     app.command()(command)
 
 

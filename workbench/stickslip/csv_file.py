@@ -1,6 +1,7 @@
 """Samples as a CSV file in fmpy's format, which `fmpy.util.read_csv` reads back."""
 
 import os
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,8 @@ from numpy.typing import NDArray
 from stickslip.files import writing
 
 
-def write_csv(samples: NDArray[np.void], target: Path, option: str) -> None:
-    """Write samples to `target`; a file is written whole or not at all.
+def csv_bytes(samples: NDArray[np.void]) -> bytes:
+    """Give samples as the bytes of a CSV file.
 
     fmpy writes a Boolean as ``True``, which its own reader refuses, so Booleans become 0 and 1.
 
@@ -19,6 +20,27 @@ def write_csv(samples: NDArray[np.void], target: Path, option: str) -> None:
     ----------
     samples
         Structured array, shape (n,): ``time`` [s] and outputs, SI.
+    """
+    numeric = np.dtype(
+        [
+            (name, np.int8 if samples.dtype[name] == np.bool_ else samples.dtype[name])
+            for name in samples.dtype.names or ()
+        ]
+    )
+    with tempfile.TemporaryFile() as stream:
+        # fmpy opens and closes what it is given: a second descriptor of the stream.
+        _fmpy_write_csv(os.dup(stream.fileno()), samples.astype(numeric))
+        stream.seek(0)
+        return stream.read()
+
+
+def write_csv(samples: NDArray[np.void], target: Path, option: str) -> None:
+    """Write samples to `target`; a file is written whole or not at all.
+
+    Parameters
+    ----------
+    samples
+        As for `csv_bytes`.
     target
         The file.
     option
@@ -29,12 +51,5 @@ def write_csv(samples: NDArray[np.void], target: Path, option: str) -> None:
     CommandError
         If the file cannot be written.
     """
-    numeric = np.dtype(
-        [
-            (name, np.int8 if samples.dtype[name] == np.bool_ else samples.dtype[name])
-            for name in samples.dtype.names or ()
-        ]
-    )
     with writing(target, option) as stream:
-        # fmpy opens and closes what it is given: a second descriptor of the stream.
-        _fmpy_write_csv(os.dup(stream.fileno()), samples.astype(numeric))
+        stream.write(csv_bytes(samples))

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from stickslip_verification.report.html import render, write_report
     from stickslip_verification.report.json_file import as_json, write_json
     from stickslip_verification.report.junit import as_junit
+    from stickslip_verification.report.packed import packed_report
     from stickslip_verification.report.pdf import PdfUnavailableError, check_pdf, write_pdf
     from stickslip_verification.report.plots import course_tolerances, draw_case
     from stickslip_verification.report.words import ClaimSection
@@ -26,6 +27,7 @@ _HOME = {
     "check_pdf": "pdf",
     "course_tolerances": "plots",
     "draw_case": "plots",
+    "packed_report": "packed",
     "render": "html",
     "write_json": "json_file",
     "write_pdf": "pdf",
@@ -40,6 +42,7 @@ __all__ = [
     "check_pdf",
     "course_tolerances",
     "draw_case",
+    "packed_report",
     "render",
     "write_json",
     "write_pdf",

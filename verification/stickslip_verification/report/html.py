@@ -9,13 +9,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from stickslip_verification import baseline
 from stickslip_verification.catalogue import Meaning
 from stickslip_verification.margins import error_text
 from stickslip_verification.report import kill_view, order_plot, plots, svg, view
+from stickslip_verification.report.environment import environment, text_of
 from stickslip_verification.report.json_file import json_text
 from stickslip_verification.report.junit import as_junit
 from stickslip_verification.report.words import KINDS, SIDES, WORTH, ClaimSection
@@ -23,16 +23,22 @@ from stickslip_verification.trial import convergence
 from stickslip_verification.verdict import NOT_APPLICABLE, NOTED, ObservedOrder, Verdict
 from stickslip_verification.whole_file import write_whole
 
-TEMPLATES = Path(__file__).parent / "templates"
-
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
 
-NAMELESS = {"file": "the FMU", "sha256": "unknown", "fmi_version": "", "names": "", "problems": ""}
+NAMELESS = {
+    "file": "the FMU",
+    "sha256": "unknown",
+    "content": "",
+    "fmi_version": "",
+    "names": "",
+    "problems": "",
+}
 """What page one has of an FMU, where the provenance does not say."""
 
 LABELS = {
     "created": "made",
     "fmu.file": "FMU",
+    "fmu.content": "SHA-256 of what is in it, without extra/",
     "fmu.sha256": "SHA-256 of the FMU",
     "fmu.fmi_version": "FMI version",
     "fmu.names": "names of its variables",
@@ -79,7 +85,7 @@ def render(
         [number for _, numbers in (*failures, *noted) for number in numbers]
         + [number for _, number in nearest]
     )
-    return _environment().get_template("index.html.j2").render(
+    return environment().get_template("index.html.j2").render(
         word="pass" if verdict.passed else "fail",
         reasons=_reasons(verdict),
         fmu=NAMELESS | dict(verdict.provenance.get("fmu") or {}),
@@ -101,8 +107,8 @@ def render(
         claims=[_claim(claim, number) for number, claim in enumerate(claims)],
         moves=None if margins is None else _moves(margins),
         provenance=list(_told(_dated(verdict, margins))),
-        style=Markup((TEMPLATES / "style.css").read_text(encoding="utf-8")),
-        script=Markup((TEMPLATES / "filter.js").read_text(encoding="utf-8")),
+        style=text_of("style.css"),
+        script=text_of("filter.js"),
     )  # fmt: skip
 
 
@@ -123,19 +129,6 @@ def write_report(
     files = {"report.json": json_text(verdict), "junit.xml": as_junit(verdict), "index.html": page}
     for name, text in files.items():
         write_whole(folder / name, text)
-
-
-def _environment() -> Environment:
-    environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters["slug"] = lambda word: "-".join(str(word).lower().split())
-    return environment
 
 
 def _reasons(verdict: Verdict) -> list[str]:

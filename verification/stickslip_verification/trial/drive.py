@@ -26,7 +26,6 @@ def is_ours(fmu: FmuFile) -> bool:
     """Whether an FMU says that it is our block: by its identifier, and by names as they are."""
     return (
         fmu.model_identifier == OUR_IDENTIFIER
-        and fmu.fmi_version == "2.0"
         and not fmu.names.targets
     )
 

@@ -1,22 +1,72 @@
-"""`stickslip build`: the FMU as a file."""
+"""`stickslip build`: the FMU as a file, with its documentation and its evidence."""
 
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from stickslip.commands.shared import DEFAULT_FMU, build_fmu
+from stickslip.commands.shared import DEFAULT_FMU, build_fmu, long_work, pack_evidence, say
+
+if TYPE_CHECKING:
+    from stickslip_verification import Verdict
+
+
+class FmiVersion(StrEnum):
+    """The versions of FMI that there is a face for."""
+
+    TWO = "2"
+    THREE = "3"
+
+    @property
+    def major(self) -> Literal[2, 3]:
+        """The version as the packer takes it."""
+        return 2 if self is FmiVersion.TWO else 3
+
+
+_CASE = "default"
+"""The case that a build judges; `stickslip verify --pack` judges all of them."""
 
 
 def build(
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", metavar="DIR|FILE.fmu", help="Folder or file to write."),
-    ] = DEFAULT_FMU,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR|FILE.fmu",
+            help="Folder or file to write; in a folder, the file has the name of its kind.",
+        ),
+    ] = DEFAULT_FMU.parent,
+    fmi: Annotated[
+        FmiVersion, typer.Option(help="The standard: 2.0, or 3.0 as StickSlip_fmi3.fmu.")
+    ] = FmiVersion.TWO,
+    bare: Annotated[
+        bool, typer.Option("--bare", help="Leave the evidence (extra/) out; a second faster.")
+    ] = False,
 ) -> None:
-    """Build the FMU; print its path, size and SHA-256."""
+    """Build the FMU; print its path, size and SHA-256.
+
+    It carries its documentation, and as evidence the default experiment, its result and a report
+    on that; `stickslip verify --pack` puts in the report on every case.
+    """
     import hashlib
 
-    fmu = build_fmu(output, "-o")
+    fmu = build_fmu(output, "-o", fmi.major)
+    failed = False
+    if not bare:
+        verdict = _verdict(fmu)
+        failed = not verdict.passed
+        pack_evidence(fmu, verdict, "-o")
     content = fmu.read_bytes()
     print(f"{fmu}  {len(content)} bytes  SHA-256 {hashlib.sha256(content).hexdigest()}")
+    if failed:
+        say("the default experiment fails its checks, and the FMU says so: see stickslip verify")
+        raise typer.Exit(1)
+
+
+def _verdict(fmu: Path) -> "Verdict":
+    from stickslip_verification import load_cases, verify
+
+    with long_work("Verifying the default experiment", here=False) as progress:
+        return verify(fmu, load_cases(_CASE), progress)

@@ -5,12 +5,14 @@ import io
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from stickslip_verification import Verdict
 
 DEFAULT_FMU = Path("build/StickSlip.fmu")
 
@@ -31,7 +33,7 @@ def console() -> "Console":
     return Console(width=width, markup=False, highlight=False)
 
 
-def build_fmu(target: Path, option: str) -> Path:
+def build_fmu(target: Path, option: str, fmi_version: Literal[2, 3] = 2) -> Path:
     """Build the FMU into a file or a folder, which `option` named; `CommandError` if it cannot."""
     from stickslip.files import check_writable, make_folder
     from stickslip.progress import Meter
@@ -41,17 +43,29 @@ def build_fmu(target: Path, option: str) -> Path:
         check_writable(target, option)
     else:
         make_folder(target, option)
-    from stickslip.page import page
+    from stickslip.handbook import parts
     from stickslip_fmu.packer import build
 
     with Meter("Building the FMU"):
         try:
-            return build(target, {"documentation/index.html": page().encode()})
+            return build(target, parts(fmi_version), fmi_version)
         except OSError as error:
             reason = error.strerror or str(error)
             raise CommandError(f"{option} {target}: cannot write the FMU: {reason}") from error
         except ValueError as error:
             raise CommandError(str(error)) from error
+
+
+def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
+    """Put the evidence into the FMU that was judged, which `option` named."""
+    from stickslip.evidence import evidence
+    from stickslip_fmu.packer import add
+
+    try:
+        add(fmu, evidence(fmu, verdict))
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise CommandError(f"{option} {fmu}: cannot write the FMU: {reason}") from error
 
 
 @contextlib.contextmanager

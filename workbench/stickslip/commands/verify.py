@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.commands.shared import DEFAULT_FMU, build_fmu, console, long_work
+from stickslip.commands.shared import DEFAULT_FMU, build_fmu, console, long_work, pack_evidence
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
@@ -60,6 +60,10 @@ def verify(
     accept: Annotated[
         bool, typer.Option("--accept", help="Keep what came out as second values of the suite.")
     ] = False,
+    pack: Annotated[
+        bool,
+        typer.Option("--pack", help="Put the verdict into our FMU, as its evidence (extra/)."),
+    ] = False,
     pdf: Annotated[
         Path | None, typer.Option(metavar="FILE.pdf", help="Write the report here as well.")
     ] = None,
@@ -79,11 +83,15 @@ def verify(
         return
     _check(fmu, names, time_limit)
     _check_accept(accept, names, cases, chosen)
+    if pack and names is not None:
+        raise CommandError("--pack does not go with --names: evidence is packed into our own FMU")
     name_map = _names(names)
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
     verdict = _verdict(fmu, chosen, name_map, strict, jobs, time_limit, _mutants(mutants))
     written = _write(verdict, chosen, earlier, output, pdf)
+    if pack:
+        _pack(fmu or DEFAULT_FMU, verdict)
     screen = console()
     if all_:
         screen.print(tables.verdict_table(verdict, screen.width))
@@ -242,6 +250,12 @@ def _write(
 
     with Meter("Writing the report"):
         return verdict_report.write(verdict, cases, earlier, output, pdf)
+
+
+def _pack(fmu: Path, verdict: "Verdict") -> None:
+    if not verdict.ours:
+        raise CommandError(f"--pack: {fmu} is not one of ours: it is left as it is")
+    pack_evidence(fmu, verdict, "--fmu")
 
 
 def _accept(verdict: "Verdict") -> None:

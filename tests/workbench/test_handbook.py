@@ -1,0 +1,128 @@
+"""What a person finds in the FMU: documentation, page, icon, licences."""
+
+import io
+import re
+from html.parser import HTMLParser
+from pathlib import PurePosixPath
+from typing import Literal
+
+import pytest
+from PIL import Image
+
+from stickslip.handbook import parts
+from stickslip.handbook.icon import icon
+from stickslip.page import page
+from stickslip_fmu.variables import VARIABLES
+
+# Elements that end where they begin.
+VOID = {"meta", "br", "link", "img", "input", "hr"}
+
+
+class Reader(HTMLParser):
+    """Collects links, ids, text and whatever would be fetched; checks that every tag closes."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.ids: set[str] = set()
+        self.fetched: list[str] = []
+        self.open: list[str] = []
+        self.text = ""
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Take a tag and its attributes."""
+        if tag not in VOID:
+            self.open.append(tag)
+        for name, value in attrs:
+            if name == "href" and value is not None:
+                (self.links if tag == "a" else self.fetched).append(value)
+            elif name == "src" and value is not None:
+                self.fetched.append(value)
+            elif name == "id" and value is not None:
+                self.ids.add(value)
+
+    def handle_endtag(self, tag: str) -> None:
+        """Take an end tag: it must be that of what was opened last."""
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        """Take text."""
+        self.text += data
+
+
+@pytest.mark.parametrize("fmi_version", [2, 3])
+@pytest.mark.parametrize("name", ["documentation/index.html", "documentation/fmi-ls-ref.html"])
+def test_a_document_is_one_file_and_its_links_lead_somewhere(
+    fmi_version: Literal[2, 3], name: str
+) -> None:
+    """Nothing is fetched; every link is an id of the page or a file of the FMU."""
+    files = parts(fmi_version)
+    text = files[name].decode()
+    found = Reader(text)
+    assert found.open == []
+    assert found.fetched == []
+    assert "url(" not in text
+    assert "@import" not in text
+    evidence = "extra/org.fmi-standard.fmi-ls-ref/"
+    there = {*files, evidence + "report.html", evidence + "fmi-ls-manifest.xml"}
+    for link in found.links:
+        file, _, anchor = link.partition("#")
+        if file:
+            assert resolved(name, file) in there, link
+        if anchor:
+            assert anchor in found.ids
+
+
+def resolved(document: str, link: str) -> str:
+    """Give the path in the FMU that a relative link of a document leads to."""
+    parts_of: list[str] = list(PurePosixPath(document).parent.parts)
+    for step in link.split("/"):
+        if step == "..":
+            parts_of.pop()
+        else:
+            parts_of.append(step)
+    return "/".join(parts_of)
+
+
+def test_the_interface_is_the_variable_table() -> None:
+    """Each variable stands in the documentation once, with its unit and what it is."""
+    text = parts()["documentation/index.html"].decode()
+    rows = re.findall(r'<tr><th scope="row"><code>(\w+)</code></th><td class="n">([^<]*)', text)
+    assert sorted(name for name, _ in rows) == sorted(row.name for row in VARIABLES)
+    units = dict(rows)
+    plain = Reader(text).text
+    for row in VARIABLES:
+        assert units[row.name] == ("" if row.unit == "1" else row.unit or row.kind)
+        assert row.description in plain
+
+
+def test_the_page_lies_beside_the_documentation() -> None:
+    """What `stickslip page` writes is documentation/explore.html."""
+    assert parts()["documentation/explore.html"].decode() == page()
+
+
+def test_licences_stand_where_each_standard_wants_them() -> None:
+    """Ours and the wrapper's, each with its text, behind one entry."""
+    for files, folder, wrapper in (
+        (parts(2), "licenses", "pythonfmu"),
+        (parts(3), "documentation/licenses", "pythonfmu3"),
+    ):
+        entry = files[f"{folder}/license.txt"].decode()
+        for name in (f"{wrapper}.txt", "stickslip.txt"):
+            assert name in entry
+            assert "MIT License" in files[f"{folder}/{name}"].decode()
+
+
+def test_the_icon_is_a_small_square_picture() -> None:
+    """It is a PNG of 256 pixels square that shows more than one colour, the same at every call."""
+    picture = icon()
+    assert picture == icon()
+    assert len(picture) < 10_000
+    with Image.open(io.BytesIO(picture)) as drawn:
+        assert (drawn.format, drawn.size) == ("PNG", (256, 256))
+        colours = drawn.convert("RGB").getcolors(100_000)
+    assert colours is not None
+    # Mass, spring, ground and paper, beside the mixed colours of edges.
+    assert sum(count > 200 for count, _ in colours) >= 4

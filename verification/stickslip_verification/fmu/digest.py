@@ -1,0 +1,27 @@
+"""A digest of what an FMU holds, which the evidence packed beside it leaves as it was."""
+
+from __future__ import annotations
+
+import hashlib
+import zipfile
+from pathlib import Path
+from typing import Final
+
+EVIDENCE: Final = "extra/"
+"""The folder of an FMU that tells of it and is no part of it."""
+
+
+def content_digest(fmu: Path) -> str:
+    """Give the SHA-256 of an FMU's content without its extra/ folder, in hexadecimal.
+
+    It is that of the list which ``sha256sum`` prints of the unpacked files, in the order of the
+    bytes of their names: how the archive is packed makes no difference.
+    """
+    with zipfile.ZipFile(fmu) as archive:
+        names = (name for name in archive.namelist() if not name.endswith("/"))
+        lines = [
+            f"{hashlib.sha256(archive.read(name)).hexdigest()}  {name}\n"
+            for name in sorted(names, key=str.encode)
+            if not name.startswith(EVIDENCE)
+        ]
+    return hashlib.sha256("".join(lines).encode()).hexdigest()

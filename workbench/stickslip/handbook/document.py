@@ -1,0 +1,79 @@
+"""The FMU's own documentation: model, interface, importing, how it was verified; one file."""
+
+from importlib.resources import files
+from typing import Any, Final
+
+from stickslip_fmu.release import DATE, VERSION
+from stickslip_fmu.variables import VARIABLES, Variable
+
+_SOURCES: Final = files("stickslip.handbook")
+_TITLES: Final = {
+    ("parameter", False): "Parameters",
+    ("input", False): "Inputs",
+    ("output", False): "Outputs: the motion",
+    ("output", True): "Outputs: the last cycle",
+}
+"""The tables of the interface, by causality and whether the cycle meter holds the value."""
+
+
+def document(fmi_version: int) -> str:
+    """Give documentation/index.html of the FMU for FMI 2.0 or 3.0 (2 or 3)."""
+    return _rendered(
+        "index.html.j2",
+        fmi_version=fmi_version,
+        licences="../licenses" if fmi_version == 2 else "licenses",
+        groups=_groups(),
+    )
+
+
+def notes_on_references() -> str:
+    """Give documentation/fmi-ls-ref.html: what lies in extra/, and how to use it."""
+    return _rendered("fmi-ls-ref.html.j2")
+
+
+def _rendered(template: str, **names: Any) -> str:
+    from jinja2 import Environment, StrictUndefined
+    from markupsafe import Markup
+    from rcssmin import cssmin
+
+    environment = Environment(
+        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined
+    )
+    style = Markup(cssmin(_text("handbook.css")))
+    return environment.from_string(_text(template)).render(
+        version=VERSION, date=DATE.partition("T")[0], style=style, **names
+    )
+
+
+def _text(name: str) -> str:
+    return (_SOURCES / name).read_text(encoding="utf-8")
+
+
+def _groups() -> list[tuple[str, list[dict[str, str]]]]:
+    """Give the rows of the interface tables, by what they are to a user."""
+    groups: dict[str, list[dict[str, str]]] = {}
+    for row in VARIABLES:
+        metered = row.attribute.startswith("meter.")
+        name = _TITLES[row.causality, metered]
+        groups.setdefault(name, []).append(_row(row))
+    return list(groups.items())
+
+
+def _row(row: Variable) -> dict[str, str]:
+    return {
+        "name": row.name,
+        "type": row.kind,
+        "unit": "" if row.unit == "1" else row.unit,
+        "start": "" if row.start is None else f"{row.start:g}",
+        "range": _range(row),
+        "when": row.variability if row.causality == "parameter" else "",
+        "what": row.description,
+    }
+
+
+def _range(row: Variable) -> str:
+    if row.minimum is None:
+        return ""
+    if row.maximum is not None:
+        return f"{row.minimum} to {row.maximum}"
+    return "above 0" if row.minimum > 0 else "at least 0"

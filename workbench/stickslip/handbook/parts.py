@@ -1,0 +1,35 @@
+"""The files of the FMU that are there to be read, by their path in it."""
+
+from typing import Literal
+
+from stickslip.handbook.document import document, notes_on_references
+from stickslip.handbook.icon import icon
+from stickslip.handbook.licences import licences
+from stickslip.page import page
+
+
+def parts(fmi_version: Literal[2, 3] = 2) -> dict[str, bytes]:
+    """Give the files that a person finds in the FMU.
+
+    Parameters
+    ----------
+    fmi_version
+        2 or 3: the two standards keep licences and the icon in different places.
+
+    Returns
+    -------
+    dict of bytes
+        ``documentation/index.html`` and what it leads to, the icon, the licences.
+    """
+    licence_folder, icon_file = (
+        ("licenses", "model.png")
+        if fmi_version == 2
+        else ("documentation/licenses", "terminalsAndIcons/icon.png")
+    )
+    return {
+        "documentation/index.html": document(fmi_version).encode(),
+        "documentation/explore.html": page().encode(),
+        "documentation/fmi-ls-ref.html": notes_on_references().encode(),
+        icon_file: icon(),
+        **{f"{licence_folder}/{name}": text for name, text in licences(fmi_version).items()},
+    }
