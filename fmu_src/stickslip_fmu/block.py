@@ -6,6 +6,7 @@ parameter took another value; nothing else re-bases the motion.
 """
 
 import math
+from operator import attrgetter
 from typing import Any, Dict, List, Optional, Tuple, Union
 
 from .arcs import SlipArc, StickArc
@@ -20,6 +21,32 @@ MOST_TRANSITIONS = 2**24
 # After every so many transitions the rest of a step is estimated from the part that is done.
 _TRANSITIONS_TO_ESTIMATE = 4096
 
+# All that the motion and the meter go on from; what a block shows follows from it.
+_STATE = (
+    "wanted",
+    "_settings",
+    "mu_k_used",
+    "F_s",
+    "_kinetic",
+    "_gap",
+    "_oscillator",
+    "_origin",
+    "_arc",
+    "mode",
+    "_duration",
+    "_elapsed",
+    "_elapsed_low",
+    "_x",
+    "_W_pull",
+    "_W_k",
+    "_Q_friction",
+    "meter",
+    "_started",
+    "_changed",
+    "_plain",
+)
+_freeze = attrgetter(*_STATE)
+
 _NOT_FINITE = "the motion or its forces leave the range of double-precision numbers"
 
 
@@ -29,7 +56,7 @@ class Block:
     Parameters
     ----------
     settings
-        Parameters, inputs and start values; the block keeps a copy.
+        Parameters, inputs and start values.
     start_time
         What `meter.t_event` shows until the first transition [s].
 
@@ -64,7 +91,7 @@ class Block:
     _elapsed_low: float
 
     def __init__(self, settings: Settings, start_time: float = 0.0) -> None:
-        self.wanted = settings.copy()
+        self.wanted = settings
         self._x = CompensatedSum(settings.x_start)
         self._W_pull = CompensatedSum()
         self._W_k = CompensatedSum()
@@ -84,7 +111,7 @@ class Block:
     def set(self, name: str, value: float) -> None:
         """Set an input or tunable parameter; it acts from the start of the next step."""
         if getattr(self.wanted, name) != value:
-            setattr(self.wanted, name, value)
+            self.wanted = self.wanted.changed(name, value)
             self._changed = True
             self._plain = False
 
@@ -116,6 +143,12 @@ class Block:
                 self.stale = True
                 return
         self._advance_through(time, step)
+
+    def date_start(self, time: float) -> None:
+        """Let `meter.t_event` show that the simulation starts at `time` [s], if it has not yet."""
+        if not self._started:
+            self._part()
+            self.meter.t_event = time
 
     def refresh(self) -> None:
         """Compute the motion where the block stands; raises BlockError where it is not finite."""
@@ -159,6 +192,22 @@ class Block:
         heat = self._arc.heat(self._elapsed, self._displacement)
         return _finite(self._Q_friction.plus(heat))
 
+    def freeze(self) -> Tuple[Any, ...]:
+        """Return the whole state for `thaw`, of this block or another, quickly.
+
+        It is not written to again: the block parts with what it has handed out before it
+        changes it.
+        """
+        self._x.frozen = True
+        frozen: Tuple[Any, ...] = _freeze(self)
+        return frozen
+
+    def thaw(self, frozen: Tuple[Any, ...]) -> None:
+        """Take up a state that `freeze` returned, bit for bit."""
+        for name, value in zip(_STATE, frozen):
+            setattr(self, name, value)
+        self.stale = True
+
     def save(self) -> Dict[str, Any]:
         """Return the whole state as plain numbers, lists and dictionaries, for `restore`."""
         return {
@@ -180,6 +229,7 @@ class Block:
         self.wanted = Settings(saved["settings"])
         self._adopt_settings()
         self.wanted = Settings(saved["wanted"])
+        self._part()
         self._place(*saved["arc"])
         self._elapsed, self._elapsed_low = saved["elapsed"]
         self._x.restore(saved["x"])
@@ -198,6 +248,7 @@ class Block:
             raise BlockError(f"step size h = {step!r} s is out of range: above 0 and finite")
         if not math.isfinite(time):
             raise BlockError(f"communication point t = {time!r} s is out of range: a finite number")
+        self._part()
         if self._changed:
             self._change_settings(time)
         if not self._started:
@@ -220,6 +271,18 @@ class Block:
         self._elapsed_low = low
         self._plain = True
         self.stale = True
+
+    def _part(self) -> None:
+        """Make sums and meter the block's own, where a frozen state holds them too.
+
+        They are frozen together, so one tells of all.
+        """
+        if self._x.frozen:
+            self._x = self._x.copy()
+            self._W_pull = self._W_pull.copy()
+            self._W_k = self._W_k.copy()
+            self._Q_friction = self._Q_friction.copy()
+            self.meter = self.meter.copy()
 
     def _pass_event(self, time: float) -> None:
         """Go through the end of the arc, at `time` [s], into the next one."""

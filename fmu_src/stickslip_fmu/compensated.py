@@ -17,13 +17,17 @@ def add(high: float, low: float, term: float) -> Tuple[float, float]:
 
 
 class CompensatedSum:
-    """A running sum of floats with a second float for what the first one cannot hold."""
+    """A running sum of floats with a second float for what the first one cannot hold.
 
-    __slots__ = ("high", "low")
+    `frozen` says that a state holds it: then it is to be copied before it is added to.
+    """
+
+    __slots__ = ("frozen", "high", "low")
 
     def __init__(self, start: float = 0.0) -> None:
         self.high = start
         self.low = 0.0
+        self.frozen = False
 
     def add(self, term: float) -> None:
         """Add one term."""
@@ -36,6 +40,12 @@ class CompensatedSum:
     def clear(self) -> None:
         """Start again from zero."""
         self.high = self.low = 0.0
+
+    def copy(self) -> "CompensatedSum":
+        """Return the same sum, to be added to by itself."""
+        twin = CompensatedSum(self.high)
+        twin.low = self.low
+        return twin
 
     def save(self) -> List[float]:
         """Return the sum as two floats, for `restore`."""

@@ -1,10 +1,13 @@
-"""The FMI 2.0 model description, made from the variable table."""
+"""What the model descriptions of all FMI versions share: texts, identity, date, units, elements."""
 
+import hashlib
 import os
+import uuid
 from datetime import datetime, timezone
-from typing import Dict, Iterable, NamedTuple, Tuple
+from typing import Dict, Iterator, Mapping, Tuple
 from xml.etree.ElementTree import Element, SubElement
 
+from .quantities import UNITS, Quantity
 from .release import DATE, VERSION
 from .variables import VALUE_REFERENCES, VARIABLES, Variable
 
@@ -15,45 +18,10 @@ DESCRIPTION = (
     "Solved exactly from event to event, so no result depends on the communication step."
 )
 
-
-class Unit(NamedTuple):
-    """A unit: its SI exponents, and the units a person may rather read with their factors."""
-
-    base: Dict[str, int]
-    displays: Tuple[Tuple[str, float], ...] = ()
-
-
-_UNITS: Dict[str, Unit] = {
-    "kg": Unit({"kg": 1}),
-    "m": Unit({"m": 1}, (("mm", 1e3),)),
-    "s": Unit({"s": 1}, (("ms", 1e3),)),
-    "m/s": Unit({"m": 1, "s": -1}, (("mm/s", 1e3),)),
-    "m/s2": Unit({"m": 1, "s": -2}),
-    "N": Unit({"kg": 1, "m": 1, "s": -2}, (("kN", 1e-3),)),
-    "N/m": Unit({"kg": 1, "s": -2}, (("N/mm", 1e-3),)),
-    "N.s/m": Unit({"kg": 1, "s": -1}),
-    "J": Unit({"kg": 1, "m": 2, "s": -2}, (("mJ", 1e3),)),
-    "Hz": Unit({"s": -1}),
-    "1": Unit({}),
-}
-
-# The display unit of a variable is the first one of its unit, for these units.
-_SHOWN_OTHERWISE = ("m", "m/s")
-
-_LOG_CATEGORIES = {
+# The categories of messages that every face tells.
+LOG_CATEGORIES = {
     "logStatusWarning": "A value was taken, but not as it was given.",
     "logAll": "All messages.",
-}
-
-_CAPABILITIES = {
-    "modelIdentifier": MODEL,
-    "needsExecutionTool": "false",
-    "canHandleVariableCommunicationStepSize": "true",
-    "canInterpolateInputs": "false",
-    "canBeInstantiatedOnlyOncePerProcess": "false",
-    "canNotUseMemoryManagementFunctions": "true",
-    "canGetAndSetFMUstate": "true",
-    "canSerializeFMUstate": "true",
 }
 
 _EXPERIMENT = {"startTime": "0.0", "stopTime": "10.0", "stepSize": "0.01"}
@@ -73,22 +41,32 @@ def generation_time() -> str:
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def model_description(guid: str, generator: str) -> Element:
-    """Return the root of modelDescription.xml.
+def identity(package: str) -> str:
+    """Return the identifier of what is packed under this name, which tells the content.
+
+    In braces and 8-4-4-4-12 digits, as importers know it.
+    """
+    return f"{{{uuid.UUID(bytes=hashlib.sha256(package.encode()).digest()[:16])}}}"
+
+
+def root_element(version: str, identifier: Tuple[str, str], generator: str) -> Element:
+    """Return the root of modelDescription.xml, still empty.
 
     Parameters
     ----------
-    guid
-        Identifies the content; the binary checks nothing against it.
+    version
+        Of FMI.
+    identifier
+        The attribute that identifies the FMU, and its value; no binary compares it.
     generator
         Name and version of what wraps the slave.
     """
-    root = Element(
+    return Element(
         "fmiModelDescription",
         {
-            "fmiVersion": "2.0",
+            "fmiVersion": version,
             "modelName": MODEL,
-            "guid": guid,
+            identifier[0]: identifier[1],
             "description": DESCRIPTION,
             "author": "The stickslip engineers",
             "version": VERSION,
@@ -99,28 +77,43 @@ def model_description(guid: str, generator: str) -> Element:
             "variableNamingConvention": "flat",
         },
     )
-    SubElement(root, "CoSimulation", _CAPABILITIES)
-    _add_units(SubElement(root, "UnitDefinitions"))
-    categories = SubElement(root, "LogCategories")
-    for name, text in _LOG_CATEGORIES.items():
-        SubElement(categories, "Category", {"name": name, "description": text})
-    SubElement(root, "DefaultExperiment", _EXPERIMENT)
-    variables = SubElement(root, "ModelVariables")
-    for variable in VARIABLES:
-        _add_variable(variables, variable)
-    _add_structure(SubElement(root, "ModelStructure"))
-    return root
 
 
-def _add_units(parent: Element) -> None:
-    for name, unit in _UNITS.items():
+def add_units(root: Element) -> None:
+    """Add the unit definitions."""
+    parent = SubElement(root, "UnitDefinitions")
+    for name, unit in UNITS.items():
         element = SubElement(parent, "Unit", {"name": name})
         SubElement(element, "BaseUnit", {base: str(power) for base, power in unit.base.items()})
         for display, factor in unit.displays:
             SubElement(element, "DisplayUnit", {"name": display, "factor": repr(factor)})
 
 
-def _add_variable(parent: Element, variable: Variable) -> None:
+def add_log_categories(root: Element, categories_of_face: Mapping[str, str]) -> None:
+    """Add the categories that messages belong to, with what they mean."""
+    categories = SubElement(root, "LogCategories")
+    for name, text in categories_of_face.items():
+        SubElement(categories, "Category", {"name": name, "description": text})
+
+
+def add_experiment(root: Element) -> None:
+    """Add the default experiment; a tolerance would mean nothing."""
+    SubElement(root, "DefaultExperiment", _EXPERIMENT)
+
+
+def type_attributes(quantity: Quantity) -> Dict[str, str]:
+    """Return what a type of Reals says: quantity, units, order of magnitude."""
+    if quantity.kind != "Real":
+        return {}
+    attributes = {"quantity": quantity.quantity, "unit": quantity.unit}
+    if quantity.shown_in:
+        attributes["displayUnit"] = quantity.shown_in
+    attributes["nominal"] = repr(quantity.nominal)
+    return attributes
+
+
+def variable_attributes(variable: Variable) -> Dict[str, str]:
+    """Return what every FMI version says of a variable, but for its values."""
     attributes = {
         "name": variable.name,
         "valueReference": str(VALUE_REFERENCES[variable.name]),
@@ -130,44 +123,43 @@ def _add_variable(parent: Element, variable: Variable) -> None:
     }
     if variable.causality != "input":
         attributes["initial"] = "calculated" if variable.start is None else "exact"
-    element = SubElement(parent, "ScalarVariable", attributes)
-    typed = SubElement(element, variable.kind)
-    if variable.unit:
-        typed.set("unit", variable.unit)
-        if variable.unit in _SHOWN_OTHERWISE:
-            typed.set("displayUnit", _UNITS[variable.unit].displays[0][0])
+    return attributes
+
+
+def value_attributes(variable: Variable) -> Dict[str, str]:
+    """Return type, bounds and start of a variable.
+
+    What the type says is repeated, for readers that do not look it up.
+    """
+    attributes = {"declaredType": variable.quantity, **type_attributes(variable.type)}
     for key, value in (
         ("min", variable.minimum),
         ("max", variable.maximum),
-        ("nominal", variable.nominal),
         ("start", variable.start),
     ):
         if value is not None:
-            typed.set(key, repr(value))
+            attributes[key] = repr(value)
+    return attributes
 
 
-def _add_structure(parent: Element) -> None:
-    outputs = [variable for variable in VARIABLES if variable.causality == "output"]
-    known = SubElement(parent, "Outputs")
-    for variable in outputs:
-        # What is set acts from the next step on, so no output feeds through.
-        SubElement(known, "Unknown", {"index": _index(variable.name), "dependencies": ""})
-    unknowns = SubElement(parent, "InitialUnknowns")
-    for variable in outputs:
+def outputs() -> Iterator[Variable]:
+    """Give the outputs. What is set acts from the next step on, so none depends on an input."""
+    return (variable for variable in VARIABLES if variable.causality == "output")
+
+
+def initial_unknowns(offset: int = 0) -> Iterator[Tuple[Variable, Dict[str, str]]]:
+    """Give what is calculated at the start, with the attributes that say from what.
+
+    The known variables are numbered from `offset` on.
+    """
+    for variable in outputs():
         if variable.start is None:
-            SubElement(
-                unknowns,
-                "Unknown",
+            numbers = sorted(VALUE_REFERENCES[name] + offset for name in variable.depends)
+            kind = "constant" if variable.in_proportion else "dependent"
+            yield (
+                variable,
                 {
-                    "index": _index(variable.name),
-                    "dependencies": " ".join(_indices(variable.depends)),
+                    "dependencies": " ".join(map(str, numbers)),
+                    "dependenciesKind": " ".join([kind] * len(numbers)),
                 },
             )
-
-
-def _index(name: str) -> str:
-    return str(VALUE_REFERENCES[name] + 1)
-
-
-def _indices(names: Iterable[str]) -> Iterable[str]:
-    return map(str, sorted(VALUE_REFERENCES[name] + 1 for name in names))

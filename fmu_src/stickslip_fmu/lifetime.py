@@ -1,13 +1,13 @@
-"""What pythonfmu's wrapper releases without owning it, made up for.
+"""What the wrappers release without owning it, made up for.
 
-At every exception that escapes to it, the wrapper releases its instance, its class and its log
-queue and yet keeps using them; at every instantiation it releases the globals of the slave's
-module. Each release is met here by one more reference, so that the counts stay true: nothing is
-freed too early, and nothing is kept for ever. It also puts the FMU's folder on the module search
-path at every instantiation, where once is enough.
+At every exception that escapes to it, a wrapper releases its instance, its class and its log
+queue and yet keeps using them; pythonfmu's releases the globals of the slave's module too, at every
+instantiation. Each release is met here by one more reference, so that the counts stay true: nothing
+is freed too early, and nothing is kept for ever. Both wrappers also put the FMU's folder on the
+module search path at every instantiation, where once is enough.
 
-At the end of the process it releases its hold on the interpreter twice, the second time in freed
-memory, if it is still loaded then. So it is made to let go before, while that is still sound.
+At the end of the process a wrapper releases its hold on the interpreter twice, the second time in
+freed memory, if it is still loaded then. So it is made to let go before, while that is still sound.
 """
 
 import atexit
@@ -27,6 +27,9 @@ else:
 # Where counts cannot be raised, what was given is kept alive instead, for good.
 _kept: List[Any] = []
 
+# Where FMI 2.0 and FMI 3.0 keep the binary for Linux.
+_PLATFORMS = ("linux64", "x86_64-linux")
+
 # Folders of the FMU that instances came from; each has a wrapper of its own.
 _folders: Set[Path] = set()
 
@@ -42,10 +45,14 @@ def give_reference(lost: Any) -> None:
 def hold(module_globals: Dict[str, Any]) -> None:
     """Make up for one more execution of the slave's module, whose globals these are."""
     give_reference(module_globals)
-    resources = Path(module_globals["__file__"]).parent
-    while sys.path.count(str(resources)) > 1:
-        sys.path.remove(str(resources))
-    _folders.add(resources.parent)
+    settle(str(Path(module_globals["__file__"]).parent))
+
+
+def settle(resources: str) -> None:
+    """Make up for one more instance of the FMU whose resources are in this folder."""
+    while sys.path.count(resources) > 1:
+        sys.path.remove(resources)
+    _folders.add(Path(resources).parent)
 
 
 @atexit.register
@@ -59,7 +66,8 @@ def _let_go() -> None:
     if only_if_loaded is None or not _counts_can_be_raised:
         return
     for folder in _folders:
-        library = folder / "binaries" / "linux64" / "StickSlip.so"
-        # It may be unloaded, or another wrapper without that function.
-        with contextlib.suppress(OSError, AttributeError):
-            ctypes.CDLL(str(library), mode=only_if_loaded).finalizePythonInterpreter()
+        for platform in _PLATFORMS:
+            library = folder / "binaries" / platform / "StickSlip.so"
+            # It may be unloaded, or another wrapper without that function.
+            with contextlib.suppress(OSError, AttributeError):
+                ctypes.CDLL(str(library), mode=only_if_loaded).finalizePythonInterpreter()

@@ -111,6 +111,14 @@ class CycleMeter:
         self._relief.clear()
         self._peak = 0.0
 
+    def copy(self) -> "CycleMeter":
+        """Return a meter that shows the same and counts on by itself."""
+        twin = CycleMeter(self.t_event)
+        for name in self.__slots__:
+            value = getattr(self, name)
+            setattr(twin, name, value.copy() if isinstance(value, CompensatedSum) else value)
+        return twin
+
     def save(self) -> Dict[str, Any]:
         """Return the whole meter as plain numbers and lists, for `restore`."""
         return {

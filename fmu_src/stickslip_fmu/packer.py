@@ -1,7 +1,7 @@
-"""Makes StickSlip.fmu: the block, its FMI 2.0 face and pythonfmu's binaries in one file.
+"""Makes StickSlip.fmu: the block, its face and the wrapper's binaries in one file.
 
-pythonfmu builds the archive; a second pass makes it the same, byte for byte, at every build:
-names sorted, dates fixed, deflated.
+The wrapper's builder makes the archive, pythonfmu's for FMI 2.0 and pythonfmu3's for FMI 3.0; a
+second pass makes it the same, byte for byte, at every build: names sorted, dates fixed, deflated.
 """
 
 import hashlib
@@ -11,33 +11,82 @@ import tempfile
 import zipfile
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Dict, Iterator, Mapping, Optional
+from typing import Any, Dict, Iterator, Literal, Mapping, NamedTuple, Optional, Tuple
 
-from pythonfmu import __version__ as wrapper_version
-from pythonfmu.builder import FmuBuilder
+import pythonfmu
+import pythonfmu3
 
 from .description import MODEL
 
 _HERE = Path(__file__).parent
 
-# What travels: everything the face needs. Standard library and pythonfmu only.
-PACKED = (
+# What travels with every face: standard library only.
+_SHARED = (
     "__init__.py",
     "arcs.py",
     "block.py",
     "compensated.py",
     "description.py",
-    "fmi2.py",
+    "face.py",
     "friction.py",
+    "handles.py",
     "lifetime.py",
     "meter.py",
     "oscillator.py",
     "quadrature.py",
+    "quantities.py",
+    "references.py",
     "release.py",
     "roots.py",
     "settings.py",
+    "state.py",
     "variables.py",
 )
+
+
+class _Face(NamedTuple):
+    """One FMI version: what else travels, its wrapper, and the slave's own file."""
+
+    modules: Tuple[str, ...]
+    wrapper: str
+    builder: Any
+    slave: str
+    file_name: str
+
+
+_FACES: Dict[int, _Face] = {
+    2: _Face(
+        ("description2.py", "fmi2.py"),
+        f"pythonfmu {pythonfmu.__version__}",
+        pythonfmu.FmuBuilder,
+        """\
+from {package}.fmi2 import StickSlip
+from {package}.lifetime import hold
+
+hold(globals())
+""",
+        f"{MODEL}.fmu",
+    ),
+    # pythonfmu3 looks for the class in the text of the file that it is told.
+    3: _Face(
+        ("description3.py", "fmi3.py"),
+        f"pythonfmu3 {pythonfmu3.__version__}",
+        pythonfmu3.FmuBuilder,
+        """\
+from pythonfmu3 import Fmi3Slave
+
+from {package} import fmi3
+
+
+class StickSlip(fmi3.StickSlip, Fmi3Slave):
+    pass
+""",
+        f"{MODEL}_fmi3.fmu",
+    ),
+}
+
+# Everything that travels.
+PACKED = tuple(sorted({*_SHARED, *(name for face in _FACES.values() for name in face.modules)}))
 
 # The packed package is named by this and its content.
 _PACKAGE = "stickslip_fmu_"
@@ -45,25 +94,22 @@ _PACKAGE = "stickslip_fmu_"
 # The earliest date that an archive can bear.
 _ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
 
-_SLAVE = """\
-from {package}.fmi2 import StickSlip
-from {package}.lifetime import hold
 
-hold(globals())
-"""
-
-
-def build(destination: Path, parts: Optional[Mapping[str, bytes]] = None) -> Path:
+def build(
+    destination: Path, parts: Optional[Mapping[str, bytes]] = None, face: Literal[2, 3] = 2
+) -> Path:
     """Build the FMU.
 
     Parameters
     ----------
     destination
-        The file to write, ending in .fmu, or the folder that gets StickSlip.fmu. Folders are
-        made. What was there stays until the new file is whole.
+        The file to write, ending in .fmu, or the folder that gets StickSlip.fmu, and for FMI 3.0
+        StickSlip_fmi3.fmu. Folders are made. What was there stays until the new file is whole.
     parts
         Files that travel beside what is built here, such as documentation/index.html, by their
         path in the FMU.
+    face
+        The major version of FMI.
 
     Returns
     -------
@@ -77,30 +123,40 @@ def build(destination: Path, parts: Optional[Mapping[str, bytes]] = None) -> Pat
     ValueError
         If SOURCE_DATE_EPOCH is set to something else than whole seconds.
     """
-    target = destination if destination.suffix == ".fmu" else destination / f"{MODEL}.fmu"
+    chosen = _FACES[face]
+    target = destination if destination.suffix == ".fmu" else destination / chosen.file_name
     target.parent.mkdir(parents=True, exist_ok=True)
-    sources = {name: (_HERE / name).read_bytes() for name in PACKED}
+    sources = {name: (_HERE / name).read_bytes() for name in (*_SHARED, *chosen.modules)}
     # Two FMUs in one process share their modules by name, so the name tells the content.
-    package = _PACKAGE + _digest(sources)
+    package = _PACKAGE + _digest(chosen, sources)
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         workshop = Path(folder)
         (workshop / package).mkdir()
         for name, content in sources.items():
             (workshop / package / name).write_bytes(content)
         slave = workshop / f"{package}_slave.py"
-        slave.write_text(_SLAVE.format(package=package), encoding="utf-8")
-        raw = workshop / "raw.fmu"
+        slave.write_text(chosen.slave.format(package=package), encoding="utf-8")
         with _imports_apart():
-            FmuBuilder.build_FMU(slave, raw, project_files=[workshop / package])
+            raw = chosen.builder.build_FMU(
+                slave, workshop / "raw", project_files=[workshop / package]
+            )
         entries = _entries(raw)
     entries.update(parts or {})
     _write(entries, target)
     return target
 
 
-def _digest(sources: Mapping[str, bytes]) -> str:
+def add(fmu: Path, parts: Mapping[str, bytes]) -> None:
+    """Put files into an FMU built here, by their path in it; those already there are replaced.
+
+    Raises OSError if it cannot be written; what was there stays then.
+    """
+    _write({**_entries(fmu), **parts}, fmu)
+
+
+def _digest(face: _Face, sources: Mapping[str, bytes]) -> str:
     """Return a name for this content: 16 hexadecimal digits."""
-    digest = hashlib.sha256(wrapper_version.encode())
+    digest = hashlib.sha256(f"{face.wrapper}\0{face.slave}".encode())
     for name in sorted(sources):
         digest.update(f"\0{name}\0{len(sources[name])}\0".encode() + sources[name])
     return digest.hexdigest()[:16]
@@ -130,9 +186,11 @@ def _unload() -> None:
 
 
 def _entries(archive: Path) -> Dict[str, bytes]:
-    """Return the files of an archive by name."""
+    """Return the files of an archive by name, but for sources that nobody could build."""
     with zipfile.ZipFile(archive) as source:
-        return {name: source.read(name) for name in source.namelist()}
+        return {
+            name: source.read(name) for name in source.namelist() if not name.startswith("sources/")
+        }
 
 
 def _write(entries: Mapping[str, bytes], target: Path) -> None:

@@ -10,6 +10,8 @@ class BlockError(ValueError):
 class Settings:
     """Parameters, inputs and start values [SI units]: docs/theory.md (1).
 
+    Once made they stay as they are, so blocks and states may share them: see `changed`.
+
     Parameters
     ----------
     values
@@ -56,8 +58,28 @@ class Settings:
         return {name: getattr(self, name) for name in self.__slots__}
 
     def copy(self) -> "Settings":
-        """Return the same values, free to change."""
-        return Settings(self.as_dict())
+        """Return the same values, to be changed by whoever asks."""
+        # Written out, for it is done whenever an input changes.
+        twin = Settings.__new__(Settings)
+        twin.F_ext = self.F_ext
+        twin.c = self.c
+        twin.g = self.g
+        twin.k = self.k
+        twin.load = self.load
+        twin.m = self.m
+        twin.mu_k = self.mu_k
+        twin.mu_s = self.mu_s
+        twin.v = self.v
+        twin.x_dot_start = self.x_dot_start
+        twin.x_start = self.x_start
+        twin.z_start = self.z_start
+        return twin
+
+    def changed(self, name: str, value: float) -> "Settings":
+        """Return these values, but for one."""
+        twin = self.copy()
+        setattr(twin, name, value)
+        return twin
 
     def normal_force(self) -> float:
         """Return m g + load [N]; raises BlockError where the load would lift the mass."""

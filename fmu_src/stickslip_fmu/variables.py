@@ -1,12 +1,15 @@
-"""The variable table of the FMU: the one place for names, units, starts, bounds and texts.
+"""The variable table of the FMU: the one place for names, quantities, starts, bounds and texts.
 
-The model description, the documentation and the tests are made from it. `attribute` is where a
+The model descriptions, the documentation and the tests are made from it. `attribute` is where a
 `block.Block` holds the value, so an output is one row here and one attribute there.
 """
 
 import math
 import sys
 from typing import Dict, NamedTuple, Optional, Tuple
+
+from .meter import MOST_SLIPS
+from .quantities import QUANTITIES, Quantity
 
 # Ranges are closed; "above zero" starts at the smallest number with all its digits.
 _ABOVE_ZERO = sys.float_info.min
@@ -17,8 +20,10 @@ class Variable(NamedTuple):
 
     Attributes
     ----------
-    name, kind, unit
-        Name, FMI type (Real, Integer or Boolean) and unit ("" where there is none).
+    name, quantity
+        Its name, and that of its type in `quantities.QUANTITIES`.
+    kind, unit
+        What that type says: Real, Integer or Boolean, and the unit ("" where there is none).
     causality, variability
         As FMI 2.0 defines them.
     start
@@ -29,13 +34,14 @@ class Variable(NamedTuple):
         Where a Block holds it.
     minimum, maximum
         Closed bounds, or None.
-    nominal
-        Order of magnitude of a Real, or None.
     depends
         Parameters and inputs that determine the initial value of a calculated output.
+    in_proportion
+        Whether the initial value moves in proportion to each of those, by a fixed factor.
     """
 
     name: str
+    quantity: str
     kind: str
     unit: str
     causality: str
@@ -45,8 +51,13 @@ class Variable(NamedTuple):
     attribute: str
     minimum: Optional[float] = None
     maximum: Optional[float] = None
-    nominal: Optional[float] = None
     depends: Tuple[str, ...] = ()
+    in_proportion: bool = False
+
+    @property
+    def type(self) -> Quantity:
+        """Its type: unit, display unit, order of magnitude."""
+        return QUANTITIES[self.quantity]
 
     @property
     def settable(self) -> bool:
@@ -71,141 +82,163 @@ class Variable(NamedTuple):
         return f"{text}, at least {low:.3g}" if 0.0 < value < low else text
 
 
+def _variable(
+    name: str,
+    quantity: str,
+    causality: str,
+    variability: str,
+    start: Optional[float],
+    description: str,
+    attribute: str,
+    minimum: Optional[float] = None,
+    maximum: Optional[float] = None,
+    depends: Tuple[str, ...] = (),
+    in_proportion: bool = False,
+) -> Variable:
+    kind, unit = QUANTITIES[quantity].kind, QUANTITIES[quantity].unit
+    return Variable(
+        name,
+        quantity,
+        kind,
+        unit,
+        causality,
+        variability,
+        start,
+        description,
+        attribute,
+        minimum,
+        maximum,
+        depends,
+        in_proportion,
+    )
+
+
 def _parameter(
     name: str,
-    unit: str,
+    quantity: str,
     variability: str,
     start: float,
     description: str,
     minimum: Optional[float] = None,
-    nominal: Optional[float] = None,
 ) -> Variable:
-    return Variable(
-        name,
-        "Real",
-        unit,
-        "parameter",
-        variability,
-        start,
-        description,
-        "wanted." + name,
-        minimum=minimum,
-        nominal=nominal,
+    return _variable(
+        name, quantity, "parameter", variability, start, description, "wanted." + name, minimum
     )
 
 
-def _input(name: str, unit: str, start: float, description: str) -> Variable:
-    return Variable(name, "Real", unit, "input", "continuous", start, description, "wanted." + name)
+def _input(name: str, quantity: str, start: float, description: str) -> Variable:
+    return _variable(name, quantity, "input", "continuous", start, description, "wanted." + name)
 
 
 def _motion(
     name: str,
-    unit: str,
+    quantity: str,
     description: str,
     depends: Tuple[str, ...],
     minimum: Optional[float] = None,
     variability: str = "continuous",
+    in_proportion: bool = False,
 ) -> Variable:
-    return Variable(
+    return _variable(
         name,
-        "Real",
-        unit,
+        quantity,
         "output",
         variability,
         None,
         description,
         name,
-        minimum=minimum,
+        minimum,
         depends=depends,
+        in_proportion=in_proportion,
     )
 
 
-def _state(name: str, kind: str, description: str, bounds: Optional[Tuple[int, int]]) -> Variable:
-    low, high = bounds or (None, None)
-    return Variable(
+def _state(
+    name: str, quantity: str, description: str, bounds: Tuple[Optional[int], Optional[int]]
+) -> Variable:
+    return _variable(
+        name, quantity, "output", "discrete", None, description, name, *bounds, _REST_TEST
+    )
+
+
+def _metered(
+    name: str,
+    quantity: str,
+    description: str,
+    minimum: Optional[float] = None,
+    maximum: Optional[float] = None,
+) -> Variable:
+    start = 0.0 if QUANTITIES[quantity].kind == "Real" else 0
+    return _variable(
         name,
-        kind,
-        "",
+        quantity,
         "output",
         "discrete",
-        None,
+        start,
         description,
-        name,
-        minimum=low,
-        maximum=high,
-        depends=_REST_TEST,
-    )
-
-
-def _metered(name: str, unit: str, description: str, minimum: Optional[float] = None) -> Variable:
-    return Variable(
-        name, "Real", unit, "output", "discrete", 0.0, description, "meter." + name, minimum
+        "meter." + name,
+        minimum,
+        maximum,
     )
 
 
 def _account(name: str, description: str, minimum: Optional[float] = None) -> Variable:
-    return Variable(
-        name, "Real", "J", "output", "continuous", 0.0, description, name, minimum=minimum
-    )
+    return _variable(name, "Energy", "output", "continuous", 0.0, description, name, minimum)
 
 
 _WEIGHT = ("m", "g", "load")
 _REST_TEST = (*_WEIGHT, "k", "mu_s", "x_dot_start", "z_start", "F_ext")
 
 VARIABLES: Tuple[Variable, ...] = (
-    _parameter("m", "kg", "fixed", 1.0, "Mass", _ABOVE_ZERO),
-    _parameter("g", "m/s2", "fixed", 9.81, "Gravity", _ABOVE_ZERO),
-    _parameter("k", "N/m", "tunable", 1000.0, "Spring stiffness", _ABOVE_ZERO, 1000.0),
-    _parameter("c", "N.s/m", "tunable", 0.0, "Viscous damping between mass and way", 0.0),
-    _parameter("mu_s", "1", "tunable", 0.5, "Static friction coefficient", 0.0),
+    _parameter("m", "Mass", "fixed", 1.0, "Mass", _ABOVE_ZERO),
+    _parameter("g", "Acceleration", "fixed", 9.81, "Gravity", _ABOVE_ZERO),
+    _parameter("k", "Stiffness", "tunable", 1000.0, "Spring stiffness", _ABOVE_ZERO),
+    _parameter("c", "Damping", "tunable", 0.0, "Viscous damping between mass and way", 0.0),
+    _parameter("mu_s", "FrictionCoefficient", "tunable", 0.5, "Static friction coefficient", 0.0),
     _parameter(
         "mu_k",
-        "1",
+        "FrictionCoefficient",
         "tunable",
         0.3,
         "Kinetic friction coefficient; above mu_s it is clamped, see mu_k_used",
         0.0,
     ),
-    _parameter("x_start", "m", "fixed", 0.0, "Initial position of the mass"),
-    _parameter("x_dot_start", "m/s", "fixed", 0.0, "Initial velocity of the mass"),
-    _parameter("z_start", "m", "fixed", 0.0, "Initial spring extension"),
-    _input("v", "m/s", 0.02, "Velocity of the pulled end, held over a step"),
-    _input("load", "N", 0.0, "Normal force on top of m g, at least -m g, held over a step"),
-    _input("F_ext", "N", 0.0, "External force on the mass along the way, held over a step"),
-    _motion("x", "m", "Position of the mass", ("x_start",)),
-    _motion("x_dot", "m/s", "Velocity of the mass", ("x_dot_start",)),
-    _motion("x_pull", "m", "Position of the pulled end", ("x_start", "z_start")),
-    _motion("z", "m", "Spring extension x_pull - x", ("z_start",)),
-    _motion("F", "N", "Spring force k z", ("k", "z_start")),
+    _parameter("x_start", "Position", "fixed", 0.0, "Initial position of the mass"),
+    _parameter("x_dot_start", "Velocity", "fixed", 0.0, "Initial velocity of the mass"),
+    _parameter("z_start", "Length", "fixed", 0.0, "Initial spring extension"),
+    _input("v", "Velocity", 0.02, "Velocity of the pulled end, held over a step"),
+    _input("load", "Force", 0.0, "Normal force on top of m g, at least -m g, held over a step"),
+    _input("F_ext", "Force", 0.0, "External force on the mass along the way, held over a step"),
+    _motion("x", "Position", "Position of the mass", ("x_start",), in_proportion=True),
+    _motion("x_dot", "Velocity", "Velocity of the mass", ("x_dot_start",), in_proportion=True),
+    _motion(
+        "x_pull",
+        "Position",
+        "Position of the pulled end",
+        ("x_start", "z_start"),
+        in_proportion=True,
+    ),
+    _motion("z", "Length", "Spring extension x_pull - x", ("z_start",), in_proportion=True),
+    _motion("F", "Force", "Spring force k z", ("k", "z_start")),
     _motion(
         "F_friction",
-        "N",
+        "Force",
         "Friction on the mass, with its viscous part",
         (*_REST_TEST, "c", "mu_k"),
     ),
-    _motion("F_s", "N", "Break-away force mu_s N", (*_WEIGHT, "mu_s"), 0.0),
-    _state("sticking", "Boolean", "Whether the mass sticks", None),
-    _state("mode", "Integer", "-1 slips backward, 0 sticks, +1 slips forward", (-1, 1)),
-    _metered("delta_x", "m", "Displacement of the mass in the last completed slip"),
-    _metered("spring_drop", "m", "Fall of z over the last completed slip"),
-    _metered("t_stick", "s", "Length of the last completed stick", 0.0),
-    _metered("t_slip", "s", "Length of the last completed slip", 0.0),
-    _metered("T", "s", "Time between the last two break-aways", 0.0),
-    _metered("f", "Hz", "Frequency 1/T of the stick-slip cycle", 0.0),
-    _metered("x_dot_peak", "m/s", "Extreme velocity of the last completed slip"),
-    Variable(
-        "n_slips",
-        "Integer",
-        "",
-        "output",
-        "discrete",
-        0,
-        "Completed slips",
-        "meter.n_slips",
-        minimum=0,
-    ),
+    _motion("F_s", "Force", "Break-away force mu_s N", (*_WEIGHT, "mu_s"), 0.0),
+    _state("sticking", "Flag", "Whether the mass sticks", (None, None)),
+    _state("mode", "SlipDirection", "-1 slips backward, 0 sticks, +1 slips forward", (-1, 1)),
+    _metered("delta_x", "Length", "Displacement of the mass in the last completed slip"),
+    _metered("spring_drop", "Length", "Fall of z over the last completed slip"),
+    _metered("t_stick", "Duration", "Length of the last completed stick", 0.0),
+    _metered("t_slip", "Duration", "Length of the last completed slip", 0.0),
+    _metered("T", "Duration", "Time between the last two break-aways", 0.0),
+    _metered("f", "Frequency", "Frequency 1/T of the stick-slip cycle", 0.0),
+    _metered("x_dot_peak", "Velocity", "Extreme velocity of the last completed slip"),
+    _metered("n_slips", "Count", "Completed slips", 0, MOST_SLIPS),
     # Not metered from zero: before the first transition it shows the start time.
-    _motion("t_event", "s", "Time of the last transition", (), variability="discrete")._replace(
+    _motion("t_event", "Time", "Time of the last transition", (), variability="discrete")._replace(
         attribute="meter.t_event"
     ),
     _account("W_pull", "Work done by the pulling end"),
@@ -213,7 +246,7 @@ VARIABLES: Tuple[Variable, ...] = (
     _account("Q_friction", "Heat made by friction and damping", 0.0),
     _motion(
         "mu_k_used",
-        "1",
+        "FrictionCoefficient",
         "Kinetic friction coefficient after the clamp",
         ("mu_s", "mu_k"),
         0.0,

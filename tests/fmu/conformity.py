@@ -1,0 +1,78 @@
+"""What strangers' checkers find in an FMU, and FMUs spoilt on purpose to show that they look."""
+
+import logging
+import os
+import zipfile
+from io import BytesIO
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmpy.validation import validate_fmu
+from lxml import etree  # type: ignore[import-untyped]
+
+_DESCRIPTION = "modelDescription.xml"
+
+
+def description_of(fmu: Path) -> bytes:
+    """Return the model description as it stands in the file."""
+    with zipfile.ZipFile(fmu) as archive:
+        return archive.read(_DESCRIPTION)
+
+
+def by_schema(fmu: Path) -> list[str]:
+    """Return what breaks the XML schema of the FMI version that the FMU names."""
+    document = etree.parse(BytesIO(description_of(fmu)))
+    version = document.getroot().get("fmiVersion")[0]
+    folder = Path(fmpy.__file__).parent / "schema" / f"fmi{version}"
+    schema = etree.XMLSchema(etree.parse(str(folder / f"fmi{version}ModelDescription.xsd")))
+    schema.validate(document)
+    return [str(error) for error in schema.error_log]
+
+
+def by_fmpy(fmu: Path) -> list[str]:
+    """Return what fmpy's validation finds."""
+    return list(validate_fmu(str(fmu)))
+
+
+def by_toolbox(fmu: Path) -> list[str]:
+    """Return what `fmutool -check` finds: schema, then meaning."""
+    try:
+        from fmu_manipulation_toolbox.checker import get_checkers
+        from fmu_manipulation_toolbox.operations import FMU
+    except ImportError as error:
+        reason = f"NOT CHECKED WITH fmutool: {error}. Needed: pip install '.[importers]'."
+        if os.environ.get("CI"):
+            pytest.fail(reason)
+        pytest.skip(reason)
+    told: list[str] = []
+
+    class Listener(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            told.append(record.getMessage())
+
+    listener = Listener(logging.WARNING)
+    logger = logging.getLogger("fmu_manipulation_toolbox")
+    logger.addHandler(listener)
+    try:
+        with FMU(str(fmu)) as opened:
+            checkers = [checker() for checker in get_checkers()]
+            for checker in checkers:
+                opened.apply_operation(checker)
+    finally:
+        logger.removeHandler(listener)
+    assert len(checkers) >= 2
+    return told
+
+
+CHECKERS = (by_schema, by_fmpy, by_toolbox)
+
+
+def spoilt(fmu: Path, folder: Path, old: str, new: str) -> Path:
+    """Return a copy of the FMU in `folder` with the first `old` in its description made `new`."""
+    text = description_of(fmu).decode()
+    assert old in text
+    copy = folder / f"spoilt-{fmu.name}"
+    with zipfile.ZipFile(copy, "w") as archive:
+        archive.writestr(_DESCRIPTION, text.replace(old, new, 1))
+    return copy

@@ -1,0 +1,136 @@
+"""The FMI 3.0 model description, made from the same table, and the file that carries it."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import fmpy
+import pytest
+
+from stickslip_fmu import packer
+from stickslip_fmu.quantities import QUANTITIES
+from stickslip_fmu.variables import VARIABLES
+
+from .conformity import CHECKERS, by_fmpy, by_schema, by_toolbox, spoilt
+
+Checker = Callable[[Path], list[str]]
+
+
+@pytest.fixture(scope="module")
+def fmi3_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the FMU with the FMI 3.0 face."""
+    return packer.build(tmp_path_factory.mktemp("fmi3"), face=3)
+
+
+@pytest.mark.parametrize("checker", CHECKERS)
+def test_checkers_find_nothing(fmi3_path: Path, checker: Checker) -> None:
+    """The XML schema, fmpy and fmutool have nothing to say of the FMU."""
+    assert checker(fmi3_path) == []
+
+
+@pytest.mark.parametrize(
+    ("checker", "old", "new"),
+    [
+        (by_schema, 'variability="fixed"', 'variability="frozen"'),
+        (by_schema, '<Item name="Sticks" value="0"', '<Item name="Sticks"'),
+        (by_fmpy, '<Output valueReference="12" dependencies=""/>', ""),
+        (by_fmpy, 'causality="independent"', 'causality="local"'),
+        (by_toolbox, 'variability="fixed"', 'variability="frozen"'),
+        (by_toolbox, '<Output valueReference="12" dependencies=""/>', ""),
+        (by_toolbox, 'name="g" valueReference="1"', 'name="g" valueReference="0"'),
+    ],
+)
+def test_checkers_find_a_spoilt_description(
+    fmi3_path: Path, tmp_path: Path, checker: Checker, old: str, new: str
+) -> None:
+    """Each checker, which is content with the FMU, convicts one spoilt in a single place."""
+    assert checker(spoilt(fmi3_path, tmp_path, old, new))
+
+
+def test_description_is_the_table_and_the_time(fmi3_path: Path) -> None:
+    """Every row of the table stands in the model description, and the independent variable."""
+    description = fmpy.read_model_description(str(fmi3_path))
+    *rows, time = description.modelVariables
+    assert (time.name, time.causality, time.unit) == ("time", "independent", "s")
+    kinds = {"Real": {"Float64"}, "Integer": {"Int32", "Enumeration"}, "Boolean": {"Boolean"}}
+    for found, row in zip(rows, VARIABLES, strict=True):
+        assert found.name == row.name
+        assert found.type in kinds[row.kind]
+        assert (found.causality, found.variability) == (row.causality, row.variability)
+        assert (found.unit or "") == row.unit
+        assert found.description == row.description
+        assert found.declaredType.name == row.quantity
+        for text, value in (
+            (found.start, row.start),
+            (found.min, row.minimum),
+            (found.max, row.maximum),
+        ):
+            assert (text is None) == (value is None)
+            assert value is None or text == repr(value)
+        if row.kind == "Real":
+            assert float(found.nominal) == row.type.nominal
+    assert [each.name for each in description.typeDefinitions] == list(QUANTITIES)
+
+
+def test_both_versions_tell_the_same(fmi3_path: Path, fmu_path: Path) -> None:
+    """Units, dependencies, experiment and texts are those of the FMI 2.0 description."""
+    new, old = (fmpy.read_model_description(str(each)) for each in (fmi3_path, fmu_path))
+    for kind in ("outputs", "initialUnknowns"):
+        assert [
+            (each.variable.name, [on.name for on in each.dependencies], each.dependenciesKind)
+            for each in getattr(new, kind)
+        ] == [
+            (each.variable.name, [on.name for on in each.dependencies], each.dependenciesKind)
+            for each in getattr(old, kind)
+        ]
+    for a, b in zip(new.unitDefinitions, old.unitDefinitions, strict=True):
+        assert a.name == b.name
+        assert all(getattr(a.baseUnit, si) == getattr(b.baseUnit, si) for si in ("kg", "m", "s"))
+        assert [(d.name, d.factor) for d in a.displayUnits] == [
+            (d.name, d.factor) for d in b.displayUnits
+        ]
+    for number in ("startTime", "stopTime", "stepSize", "tolerance"):
+        assert getattr(new.defaultExperiment, number) == getattr(old.defaultExperiment, number)
+    for text in ("description", "author", "version", "copyright", "license", "modelName"):
+        assert getattr(new, text) == getattr(old, text)
+    assert new.generationDateAndTime == old.generationDateAndTime
+    assert new.instantiationToken != old.guid
+
+
+def test_the_mode_is_an_enumeration(fmi3_path: Path) -> None:
+    """It has a name for each direction of slip, and the values of FMI 2.0."""
+    description = fmpy.read_model_description(str(fmi3_path))
+    mode = next(each for each in description.modelVariables if each.name == "mode")
+    assert mode.type == "Enumeration"
+    assert [(each.name, int(each.value)) for each in mode.declaredType.items] == [
+        ("SlipsBackward", -1),
+        ("Sticks", 0),
+        ("SlipsForward", 1),
+    ]
+
+
+def test_the_description_claims_only_what_is_there(fmi3_path: Path) -> None:
+    """States and variable steps, no event mode, no early return, no clock."""
+    description = fmpy.read_model_description(str(fmi3_path))
+    slave = description.coSimulation
+    assert description.modelExchange is None
+    assert description.scheduledExecution is None
+    assert slave.modelIdentifier == "StickSlip"
+    assert slave.needsExecutionTool is False
+    assert slave.canGetAndSetFMUstate
+    assert slave.canSerializeFMUstate
+    assert slave.canHandleVariableCommunicationStepSize
+    assert not slave.hasEventMode
+    assert not slave.mightReturnEarlyFromDoStep
+    assert not slave.providesIntermediateUpdate
+    assert re.fullmatch(
+        r"\{[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}\}", description.instantiationToken
+    )
+
+
+def test_two_builds_are_the_same_bytes(fmi3_path: Path, tmp_path: Path) -> None:
+    """A second build gives the same file, under the name that tells the version."""
+    again = packer.build(tmp_path / "again", {"documentation/index.html": b"<html/>"}, face=3)
+    assert again.name == fmi3_path.name == "StickSlip_fmi3.fmu"
+    assert again.read_bytes() != fmi3_path.read_bytes()
+    assert packer.build(tmp_path, face=3).read_bytes() == fmi3_path.read_bytes()
