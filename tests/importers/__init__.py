@@ -1,0 +1,1 @@
+"""The FMU as simulators other than ours import it."""

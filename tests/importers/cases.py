@@ -1,0 +1,59 @@
+"""What every importer runs: three cases of one block, as data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Case:
+    """A run at equal communication steps.
+
+    Attributes
+    ----------
+    name
+        How a caller asks for it.
+    start
+        Parameters and inputs at the start, by name, SI; what is missing keeps its start value.
+    step
+        Communication step [s].
+    steps
+        How many of them.
+    changes
+        Inputs set at a communication point, by the number of the step that begins there.
+    """
+
+    name: str
+    start: Mapping[str, float]
+    step: float
+    steps: int
+    changes: Mapping[int, Mapping[str, float]] = field(default_factory=dict)
+
+
+_PULLED_ABOUT: Mapping[int, Mapping[str, float]] = {
+    # In stick, before the second break-away: from here on F_s is higher.
+    50: {"load": 6.0},
+    90: {"v": -0.03},
+    150: {"F_ext": 3.0},
+    170: {"F_ext": 0.0},
+    # F_s falls below the spring force: the mass breaks away at this communication point.
+    200: {"load": -4.0, "v": 0.05},
+    # A pulse against the pull turns a slip round.
+    260: {"F_ext": -9.0},
+    263: {"F_ext": 0.0},
+    300: {"v": 0.0},
+    330: {"v": -0.015, "load": 0.0},
+}
+_DAMPED = {"c": 2.0, "mu_k": 0.25, "v": 0.03}
+
+CASES: Mapping[str, Case] = {
+    case.name: case
+    for case in (
+        Case("default", {}, 0.01, 1000),
+        Case("inputs", _DAMPED, 0.01, 400, _PULLED_ABOUT),
+        # Ends in a slip, with every input away from its start: what a restart must undo.
+        Case("restart", _DAMPED, 0.01, 270, _PULLED_ABOUT),
+    )
+}
+"""Cases by name. `restart` is run twice in one process, by the importer's own means."""

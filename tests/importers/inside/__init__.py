@@ -1,0 +1,1 @@
+"""Runs in processes that cannot import the project; see `process.py`."""
