@@ -148,7 +148,7 @@ PLANTED = {
     "refusal-step-zero": ("refuses-step-zero", "a step of 0.0 s was taken"),
     "refusal-step-back": ("refuses-step-negative", "a step of -0.001 s was taken"),
     "clamp-silent": ("warns-of-clamp", "the log does not say 0.375: it is empty"),
-    "meter-ignores-start-time": ("starts-at-start-time", "t_event is 0.0 at the start, not 5.0"),
+    "meter-ignores-start-time": ("starts-at-start-time", "t_event begins with 0.0, not 5.0"),
     "failure-forgotten": ("fails-until-reset", "after a refusal it can still step"),
     "unit-declared-mm": ("declared-units", "delta_x is declared in mm, not m"),
 }

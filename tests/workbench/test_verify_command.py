@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification.cases import CASES_FOLDER
+from stickslip_verification.fmu.digest import content_digest
 from tests.verification.foreign import building
 
 from .running import PROGRAM, Command
@@ -212,3 +214,32 @@ def test_the_linter_names_what_is_wrong(command: Command, tmp_path: Path) -> Non
     assert answer.code == 1
     assert "other.toml: its id is 'one-step'" in answer.out
     assert "'seems' is no reason" in answer.out
+
+
+def test_the_fmi_3_face_is_judged_as_ours(command: Command, tmp_path: Path) -> None:
+    """It meets the same truths at the same tolerances, and keeps its own contract."""
+    assert command.in_fresh_process("build", "--fmi", "3", "-o", ".").code == 0
+    fmu = tmp_path / "StickSlip_fmi3.fmu"
+    answer = command("verify", "--fmu", fmu, "--cases", "start-beyond")
+    assert answer.code == 0, answer.out
+    ours = command("verify", "--fmu", fmu, "--cases", "start-beyond", "--all", "-o", "a.json")
+    assert "noted" not in ours.out
+
+
+def test_the_verdict_is_packed_into_our_fmu_alone(
+    command: Command, tmp_path: Path, fmu_path: Path, slider: Path
+) -> None:
+    """--pack leaves the content as it was and adds the evidence; a foreign FMU is not touched."""
+    own = Path(shutil.copy(fmu_path, tmp_path / "own.fmu"))
+    assert command("verify", "--fmu", own, "--cases", "one-step", "--pack").code == 0
+    digest = content_digest(fmu_path)
+    assert content_digest(own) == digest
+    with zipfile.ZipFile(own) as archive:
+        report = archive.read("extra/org.fmi-standard.fmi-ls-ref/report.html").decode()
+    assert digest in report
+    assert "one-step" in report
+    assert digest in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
+    before = slider.read_bytes()
+    answer = command("verify", "--fmu", slider, "--names", NAMES, "--cases", "one-step", "--pack")
+    assert (answer.code, "--pack does not go with --names" in answer.err) == (2, True)
+    assert slider.read_bytes() == before

@@ -24,10 +24,7 @@ class NotApplicableError(Exception):
 
 def is_ours(fmu: FmuFile) -> bool:
     """Whether an FMU says that it is our block: by its identifier, and by names as they are."""
-    return (
-        fmu.model_identifier == OUR_IDENTIFIER
-        and not fmu.names.targets
-    )
+    return fmu.model_identifier == OUR_IDENTIFIER and not fmu.names.targets
 
 
 @dataclass(frozen=True)
