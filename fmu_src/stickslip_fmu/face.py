@@ -19,6 +19,8 @@ from .state import State, from_bytes
 from .variables import Variable, start_values
 
 _WARNING = 1
+# So often a simulator may set or write out the state that one failed call has left it without.
+_CALLS_WITH_NULL = 8
 
 _Method = TypeVar("_Method", bound=Callable[..., Any])
 
@@ -117,8 +119,10 @@ class Face:
         except BaseException as error:  # whatever it is, the importing process must survive it
             # The simulator is left with no state. Where it sets that or writes it out all the
             # same, the wrapper fails before it calls anybody here.
-            self._give_references()
-            self._give_references()
+            for _ in range(_CALLS_WITH_NULL):
+                self._give_references()
+            # What is not taken of these keeps the instance for good, so let it be a small one.
+            self.__dict__.pop("_block", None)
             raise self._fail(error) from None
 
     @entry
@@ -186,6 +190,11 @@ class Face:
         _pair(vrs, values)
         for reference, value in zip(vrs, values):
             self._settable(kind, reference, value)
+
+    def _refuse_texts(self, vrs: Sequence[int]) -> None:
+        """Refuse, for there are no texts; where one is unreadable the list of values has a hole."""
+        for reference in vrs:
+            self._references.variable("String", reference)
 
     def _settable(self, kind: str, reference: int, value: float) -> Variable:
         """Return the variable that is to take `value`; raises BlockError where it cannot."""

@@ -82,7 +82,7 @@ class StickSlip(Face, Fmi2Slave):  # type: ignore[misc]
     @entry
     def set_string(self, vrs: List[int], values: List[str]) -> None:
         """Refuse: there are no strings."""
-        self._refuse_to_set("String", vrs, values)
+        self._refuse_texts(vrs)
 
     def to_xml(self, model_options: Optional[Dict[str, str]] = None) -> Any:
         """Return the model description, which the builder writes; the options are fixed."""

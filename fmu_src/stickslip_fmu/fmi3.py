@@ -148,7 +148,7 @@ class StickSlip(Face, Fmi3Slave):  # type: ignore[misc]
     @entry
     def set_string(self, vrs: List[int], values: List[str]) -> None:
         """Refuse: there are no strings."""
-        self._refuse_to_set("String", vrs, values)
+        self._refuse_texts(vrs)
 
     set_time = _absent("fmi3SetTime")
     update_discrete_states = _absent("fmi3UpdateDiscreteStates")

@@ -6,6 +6,7 @@ the object and not what else may lie there by then, a handle that was freed stay
 empty and with references to lose.
 """
 
+import atexit
 import sys
 from collections import deque
 from typing import Any, Callable, Deque, Optional, Tuple
@@ -34,6 +35,13 @@ def _clear(grave: Tuple[Any, ...]) -> None:
 
 
 _graves: Deque[Tuple["Handle", ...]] = deque()
+
+
+@atexit.register
+def _clear_all() -> None:
+    """Make up for all of them: at the end of the process they go without a look."""
+    while _graves:
+        _clear(_graves.popleft())
 
 
 class Handle:

@@ -87,12 +87,6 @@ class Importer:
         return False
 
 
-def everything(importer: Importer, slave: FMU2Slave) -> list[float]:
-    """Return every Real of the FMU."""
-    reals = [each for each in importer.description.modelVariables if each.type == "Real"]
-    return list(slave.getReal([each.valueReference for each in reals]))
-
-
 def default_run(importer: Importer) -> Any:
     """Return the default run's last row, at steps of 0.01 s and in one step."""
     rows = [
@@ -181,92 +175,6 @@ def initialization(importer: Importer) -> Any:
     return {"at_once": at_once, "waiting": waiting, "after": importer.get(slave, "F", "t_event")}
 
 
-def rollback(importer: Importer) -> Any:
-    """Roll back in mid-slip, and through bytes; return whether all outputs repeat."""
-    slave = importer.instance(c=0.5)
-    time = 0.0
-    for _ in range(57):
-        slave.doStep(time, 0.0111)
-        time += 0.0111
-    assert importer.get_integer(slave, "mode") == 1
-    importer.set(slave, "v", 0.03)
-    state = slave.getFMUstate()
-    data = slave.serializeFMUstate(state)
-    runs = []
-    for which in ("first", "rolled back", "from bytes"):
-        if which == "from bytes":
-            slave.freeFMUstate(state)
-            state = slave.deSerializeFMUstate(data)
-        if which != "first":
-            slave.setFMUstate(state)
-        run = []
-        for index in range(50):
-            slave.doStep(time + 0.02 * index, 0.02)
-            run.append(everything(importer, slave))
-        runs.append(run)
-    other = importer.instance("b")
-    other.setFMUstate(other.deSerializeFMUstate(data))
-    run = []
-    for index in range(50):
-        other.doStep(time + 0.02 * index, 0.02)
-        run.append(everything(importer, other))
-    runs.append(run)
-    broken = slave.deSerializeFMUstate(b"no state")
-    return {
-        "same": [each == runs[0] for each in runs],
-        "refused": importer.fails(slave.setFMUstate, broken),
-    }
-
-
-def bad_states(importer: Importer) -> Any:
-    """Spoil a good state in every place and restore it; return how many were refused."""
-    slave = importer.instance(c=0.5)
-    for index in range(30):
-        slave.doStep(0.02 * index, 0.02)
-    good = json.loads(slave.serializeFMUstate(slave.getFMUstate()))
-    slave.freeInstance()
-    refused = tried = 0
-    for path in leaves(good):
-        bad: Any
-        for bad in (None, "x", float("nan"), float("inf"), -1e400, [], {}, True, 10**400):
-            state = json.loads(json.dumps(good))
-            place = state
-            for key in path[:-1]:
-                place = place[key]
-            if path[-2:] == ["arc", 3] and bad is None:
-                continue
-            if isinstance(place[path[-1]], type(bad)) and isinstance(bad, (bool, str)):
-                continue
-            place[path[-1]] = bad
-            tried += 1
-            refused += refuses(importer, json.dumps(state).encode())
-    for garbage in (b"", b"{", b"[]", b"null", b"[" * 100_000, b'{"block": 1}', b"\xff"):
-        tried += 1
-        refused += refuses(importer, garbage)
-    return [tried, refused]
-
-
-def refuses(importer: Importer, state: bytes) -> bool:
-    """Whether an instance refuses a serialized state, and lives on after a reset."""
-    slave = importer.instance()
-    refused = importer.fails(slave.setFMUstate, slave.deSerializeFMUstate(state))
-    slave.reset()
-    importer.start(slave)
-    slave.doStep(0.0, 0.1)
-    slave.freeInstance()
-    return refused
-
-
-def leaves(tree: Any, path: tuple[Any, ...] = ()) -> Any:
-    """Give the path of every number, text and truth value in a state."""
-    if isinstance(tree, (dict, list)):
-        items = tree.items() if isinstance(tree, dict) else enumerate(tree)
-        for key, value in items:
-            yield from leaves(value, (*path, key))
-    else:
-        yield list(path)
-
-
 def silent(importer: Importer) -> Any:
     """Fail, and warn, while standard error cannot be written."""
 
@@ -312,26 +220,6 @@ def passing_clamp(importer: Importer) -> Any:
     for index in range(5):
         slave.doStep(0.1 * (index + 1), 0.1)
     return importer.get(slave, "mu_k_used")
-
-
-def many_instances(importer: Importer) -> Any:
-    """Make, run and free a thousand instances, two hundred of them at once."""
-    speeds = [0.01 + 1e-4 * index for index in range(200)]
-    together = [importer.instance(f"v{v}", v=v) for v in speeds]
-    for slave in together:
-        slave.doStep(0.0, 0.5)
-    found = [
-        importer.get(slave, "x_pull")[0] / (0.01 + 1e-4 * index)
-        for index, slave in enumerate(together)
-    ]
-    for slave in together:
-        slave.terminate()
-        slave.freeInstance()
-    for index in range(800):
-        slave = importer.instance(f"j{index}")
-        slave.doStep(0.0, 0.1)
-        slave.freeInstance()
-    return [min(found), max(found), sum(str(importer.folder) in path for path in sys.path)]
 
 
 def modules(importer: Importer) -> Any:

@@ -1,7 +1,6 @@
 """The built FMU in a fresh process that cannot import the project."""
 
 import json
-import math
 import subprocess
 import sys
 from pathlib import Path
@@ -77,19 +76,6 @@ def test_outputs_follow_in_initialization_and_wait_afterwards(fmu_path: Path) ->
     assert found["after"][1] == 5.0
 
 
-def test_a_state_restores_everything(fmu_path: Path) -> None:
-    """A rollback in mid-slip, also through bytes and into another instance, repeats every bit."""
-    found, _ = imported(fmu_path, "rollback")
-    assert found == {"same": [True] * 4, "refused": True}
-
-
-def test_a_spoilt_state_is_refused(fmu_path: Path) -> None:
-    """A state with anything but a fitting finite number in any place, or garbage, is refused."""
-    (tried, refused), errors = imported(fmu_path, "bad_states")
-    assert refused == tried > 500
-    assert "internal error" not in errors
-
-
 def test_it_survives_without_standard_error(fmu_path: Path) -> None:
     """Where standard error cannot be written, failures stay failures and warnings harmless."""
     alive, _ = imported(fmu_path, "silent")
@@ -107,14 +93,6 @@ def test_only_a_clamp_that_acts_is_warned_of(fmu_path: Path) -> None:
     (used,), errors = imported(fmu_path, "passing_clamp")
     assert used == 0.2 - 0.01
     assert errors.count("clamped") == 1
-
-
-def test_instances_are_independent(fmu_path: Path) -> None:
-    """Two hundred instances at once keep to themselves, and a thousand come and go."""
-    (low, high, entries), _ = imported(fmu_path, "many_instances")
-    assert entries <= 1
-    assert math.isclose(low, 0.5, rel_tol=1e-12)
-    assert math.isclose(high, 0.5, rel_tol=1e-12)
 
 
 def test_the_standard_library_is_enough(fmu_path: Path) -> None:

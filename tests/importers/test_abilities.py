@@ -76,7 +76,7 @@ def test_the_tables_have_every_importer_and_column() -> None:
     """No importer that is tried is left out of a table, and no column is without a probe."""
     assert tuple(WHAT_IT_CAN) == IMPORTERS
     assert tuple(REFUSED) == IMPORTERS
-    columns = {"importer", "messages", "a refused start value", *COLUMNS}
+    columns = {"importer", "any folder", "messages", "a refused start value", *COLUMNS}
     assert all(set(row) == columns for row in WHAT_IT_CAN.values())
 
 
@@ -86,6 +86,21 @@ def test_what_an_importer_can_do(asked: Asked, importer: str) -> None:
     found = asked(importer, "tried").answer
     seen = {column: "yes" if found[probe] else "no" for column, probe in COLUMNS.items()}
     assert seen == {column: WHAT_IT_CAN[importer][column] for column in COLUMNS}
+
+
+@pytest.mark.parametrize("importer", IMPORTERS)
+def test_whether_the_folder_matters(fmu_path: Path, tmp_path: Path, importer: str) -> None:
+    """Where an importer encodes the address of the FMU's folder, the wrapper cannot read it."""
+    need(importer)
+    folder = tmp_path / "é"
+    folder.mkdir()
+    try:
+        done = ask("abilities", "begin", fmu_path, folder, needs(importer), importer).answer
+    except ImporterError as error:
+        seen = "crash" if error.code < 0 else str(error)
+    else:
+        seen = "yes" if done else "no"
+    assert seen == WHAT_IT_CAN[importer]["any folder"]
 
 
 @pytest.mark.parametrize("importer", IMPORTERS)

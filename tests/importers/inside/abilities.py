@@ -25,6 +25,11 @@ def tried(fmu: str, order: Any) -> dict[str, bool]:
     return kinds | {name: getattr(probes, name)(fmu) for name in TRIED_ON_THE_BLOCK}
 
 
+def begin(fmu: str, importer: str) -> bool:
+    """Return whether the FMU does two steps with an input changed between them."""
+    return bool(_probes(importer).inputs(fmu))
+
+
 def log(fmu: str, importer: str) -> None:
     """Have the FMU send a warning while the importer is asked for messages."""
     _probes(importer).log(fmu)

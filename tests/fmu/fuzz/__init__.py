@@ -1,0 +1,1 @@
+"""Random sequences of FMI calls: made, played on the binary, and judged."""

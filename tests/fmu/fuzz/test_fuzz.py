@@ -1,0 +1,102 @@
+"""Whatever is called, in whatever order: the FMU lives, and answers as it promises."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from stickslip_verification.mutants import Mutant, plant
+from stickslip_verification.mutants.planted import Substitution
+from tests.fmu.fuzz.sequences import sequence
+from tests.fmu.fuzz.trial import Trial, table
+
+# Further seeds: FUZZ_FIRST=100001 FUZZ_COUNT=1000000 python -m pytest tests/fmu/fuzz
+FIRST = int(os.environ.get("FUZZ_FIRST", "1"))
+COUNT = int(os.environ.get("FUZZ_COUNT", "10000"))
+
+# What each function must have given at least once in a thousand sequences, or the set is too tame.
+MET = [
+    *((name, status) for name in ("enter", "exit", "set_up", "step", "terminate", "get_state")
+      for status in (0, 4)),
+    *((f"{verb} {kind}", status) for verb in ("get", "set")
+      for kind in ("Real", "Integer", "Boolean", "String") for status in (0, 4)),
+    *((name, 0) for name in ("instantiate", "free", "reset", "free_state", "serialize",
+                             "deserialize", "debug", "version", "get RealStatus",
+                             "get BooleanStatus")),
+    *((name, 3) for name in ("cancel", "directional", "SetRealInputDerivatives",
+                             "GetRealOutputDerivatives", "get Status")),
+    *((name, 2) for name in ("get IntegerStatus", "get StringStatus")),
+    *((f"set_state in {where}", 0) for where in (
+        "instantiated", "initialization", "stick", "forward slip", "backward slip",
+        "damped stick", "damped forward slip", "damped backward slip", "terminated")),
+    ("set_state in failed", 4),
+]  # fmt: skip
+
+
+def test_no_sequence_of_calls_crashes_hangs_or_misleads(fmu_path: Path, tmp_path: Path) -> None:
+    """Ten thousand random lives give the status, the values and the words that are promised."""
+    trial = Trial(fmu_path, tmp_path)
+    seeds = range(FIRST, FIRST + COUNT)
+    findings = trial.run([sequence(seed) for seed in seeds], processes=2)
+    for number, finding in findings.items():
+        again = f"python -m tests.fmu.fuzz.trial --first {seeds[number]} --count 1"
+        pytest.fail(f"seed {seeds[number]}: {trial.shrunk(finding)}\n{again}")
+    if COUNT >= 1000:
+        missed = [each for each in MET if not trial.counts[each]]
+        assert not missed, table(trial.counts)
+
+
+STEP = "        if not 0.0 < step < math.inf:\n"
+
+FAULTS = {
+    "takes NaN": (
+        ("variables.py", "if math.isfinite(value) and value >= low:", "if not value < low:"),
+        "set: status 0, expected 4",
+    ),
+    "lets the load lift the mass": (
+        ("settings.py", "if not self.load >= -weight:", "if False:"),
+        "status 0, expected 4: the load lifts the mass",
+    ),
+    "crashes": (
+        (
+            "block.py",
+            STEP,
+            f"        if step == 2.0:\n            __import__('os').abort()\n{STEP}",
+        ),
+        "the process ends by SIGABRT",
+    ),
+    "hangs": (
+        ("block.py", STEP, f"        while step == 2.0:\n            pass\n{STEP}"),
+        "a call hangs",
+    ),
+    "exits": (
+        (
+            "block.py",
+            STEP,
+            f"        if step == 2.0:\n            __import__('os')._exit(0)\n{STEP}",
+        ),
+        "the process stops",
+    ),
+    "fails without its own words": (
+        ("block.py", STEP, f"        1.0 / (step - 2.0)\n{STEP}"),
+        "internal error: ZeroDivisionError",
+    ),
+    "forgets the sum of its heat": (
+        ("block.py", '    "_Q_friction",\n', ""),
+        "get: gives",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_planted_fault_is_convicted(fmu_path: Path, tmp_path: Path, fault: str) -> None:
+    """An FMU that fails in a way looked for here is found out, by calls that can be repeated."""
+    change, reason = FAULTS[fault]
+    bad = plant(fmu_path, Mutant("bad", "", (), (Substitution(*change),), (), Path()), tmp_path)
+    trial = Trial(bad, tmp_path, seconds=0.5)
+    findings = trial.run([sequence(seed) for seed in range(1, 401)])
+    convicted = [each for each in findings.values() if reason in each.reason]
+    assert convicted, findings
+    shortest = trial.shrunk(min(convicted, key=lambda each: each.position), rounds=8)
+    again = trial.run([shortest.calls])
+    assert reason in again[0].reason

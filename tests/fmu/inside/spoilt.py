@@ -1,0 +1,55 @@
+"""Serialized states that were spoilt on their way."""
+
+import json
+from typing import Any
+
+from tests.fmu.importer import Importer
+
+
+def tried(importer: Importer, _: Any) -> Any:
+    """Spoil a good state in every place and restore it; return how many were refused."""
+    slave = importer.instance(c=0.5)
+    for index in range(30):
+        slave.doStep(0.02 * index, 0.02)
+    good = json.loads(slave.serializeFMUstate(slave.getFMUstate()))
+    slave.freeInstance()
+    refused = tried = 0
+    for path in _leaves(good):
+        bad: Any
+        for bad in (None, "x", float("nan"), float("inf"), -1e400, [], {}, True, 10**400):
+            state = json.loads(json.dumps(good))
+            place = state
+            for key in path[:-1]:
+                place = place[key]
+            if path[-2:] == ["arc", 3] and bad is None:
+                continue
+            if isinstance(place[path[-1]], type(bad)) and isinstance(bad, (bool, str)):
+                continue
+            place[path[-1]] = bad
+            tried += 1
+            refused += _refuses(importer, json.dumps(state).encode())
+    for garbage in (b"", b"{", b"[]", b"null", b"[" * 100_000, b'{"block": 1}', b"\xff"):
+        tried += 1
+        refused += _refuses(importer, garbage)
+    return [tried, refused]
+
+
+def _refuses(importer: Importer, state: bytes) -> bool:
+    """Whether an instance refuses a serialized state, and lives on after a reset."""
+    slave = importer.instance()
+    refused = importer.fails(slave.setFMUstate, slave.deSerializeFMUstate(state))
+    slave.reset()
+    importer.start(slave)
+    slave.doStep(0.0, 0.1)
+    slave.freeInstance()
+    return refused
+
+
+def _leaves(tree: Any, path: tuple[Any, ...] = ()) -> Any:
+    """Give the path of every number, text and truth value in a state."""
+    if isinstance(tree, (dict, list)):
+        items = tree.items() if isinstance(tree, dict) else enumerate(tree)
+        for key, value in items:
+            yield from _leaves(value, (*path, key))
+    else:
+        yield list(path)
