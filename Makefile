@@ -37,9 +37,11 @@ bench: $(VENV)/ready-to-test
 docs: $(VENV)/ready
 	$(BIN)/stickslip simulate --stop-time 2 --plot docs/stick-slip.png
 	$(BIN)/python docs/generate.py
+	$(BIN)/python -m examples.feed_axis study
 
 docs-check: $(VENV)/ready
 	$(BIN)/python docs/generate.py --check
+	$(BIN)/python -m examples.feed_axis study --check
 
 clean:
 	rm -rf build report $(VENV)

@@ -27,9 +27,6 @@ else:
 # Where counts cannot be raised, what was given is kept alive instead, for good.
 _kept: List[Any] = []
 
-# Where FMI 2.0 and FMI 3.0 keep the binary for Linux.
-_PLATFORMS = ("linux64", "x86_64-linux")
-
 # Folders of the FMU that instances came from; each has a wrapper of its own.
 _folders: Set[Path] = set()
 
@@ -66,8 +63,7 @@ def _let_go() -> None:
     if only_if_loaded is None or not _counts_can_be_raised:
         return
     for folder in _folders:
-        for platform in _PLATFORMS:
-            library = folder / "binaries" / platform / "StickSlip.so"
+        for library in folder.glob("binaries/*/*.so"):
             # It may be unloaded, or another wrapper without that function.
             with contextlib.suppress(OSError, AttributeError):
                 ctypes.CDLL(str(library), mode=only_if_loaded).finalizePythonInterpreter()

@@ -1,0 +1,1 @@
+"""What the block is good for: whole examples, each a folder to start from."""

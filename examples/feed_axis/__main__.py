@@ -1,0 +1,5 @@
+"""`python -m examples.feed_axis`."""
+
+from .run import main
+
+main()

@@ -1,0 +1,137 @@
+"""The numbers of the axis, in one place: the table on its slideway and the drive that moves it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from stickslip_ref import Parameters
+
+_ABOVE_ZERO: Final = ("m", "k", "J", "pitch", "T_s", "F_max", "acceleration")
+_NOT_NEGATIVE: Final = ("c", "mu_s", "mu_k", "d", "K_v", "omega_v", "T_n", "dead_band", "distance",
+                        "resolution_motor", "resolution_table")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A slideway axis with a ball screw; SI, drive quantities seen at the slide.
+
+    The numbers are illustrative, of a middle-sized machine: table and workpiece of 500 kg, a
+    locked-motor frequency of 45 Hz, a screw of 10 mm pitch.
+
+    Parameters
+    ----------
+    m : float
+        Table and workpiece [kg].
+    k : float
+        Stiffness of screw, nut, bearings and coupling, seen at the slide [N/m].
+    c : float
+        Viscous part of the slideway's friction [N.s/m].
+    mu_s, mu_k : float
+        Static and kinetic friction coefficient of the slideway [-].
+    J : float
+        Inertia of motor, coupling and screw [kg.m2]: a screw of 40 mm and 1.2 m has 2.4e-3.
+    pitch : float
+        Way of the slide per turn [m].
+    d : float
+        Viscous friction of the drive [N.s/m].
+    T_s : float
+        Sample time of the controller [s].
+    K_v : float
+        Position gain [1/s]. 25 1/s is 1.5 m/min per mm of following error; with `omega_v`
+        = 300 1/s it is well below omega_v / 4, where the position loop begins to overshoot.
+    omega_v : float
+        Bandwidth of the velocity loop [rad/s]: K_p = m_d omega_v. Above the resonance of table
+        and screw (283 rad/s) it would only shake the motor; below, the drive grows soft.
+    T_n : float
+        Integral time of the velocity controller [s], 4 / omega_v: the velocity loop is
+        critically damped. 0: no integral.
+    on_table : bool
+        Position is measured on the table, by a linear scale; else on the motor.
+    dead_band : float
+        Position error that is taken as none [m].
+    velocity_feedforward : float
+        Part of the commanded speed that is added to the velocity command [-].
+    friction_feedforward : float
+        Force that is added in the commanded direction [N].
+    F_max : float
+        Limit of the motor force [N]; 12 kN at 10 mm pitch are 19 N m.
+    resolution_motor, resolution_table : float
+        Counts of motor encoder and scale [m]; 0: exact.
+    feed, acceleration, distance : float
+        Set point: speed [m/s], acceleration [m/s2], length of the move [m]; 0 goes on for ever.
+    follow : bool
+        Whether the drive follows the spring within its step; False is for comparison.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range; the message names it and the range.
+    """
+
+    m: float = 500.0
+    k: float = 4e7
+    c: float = 4000.0
+    mu_s: float = 0.20
+    mu_k: float = 0.15
+    J: float = 6e-3
+    pitch: float = 0.01
+    d: float = 1000.0
+    T_s: float = 250e-6
+    K_v: float = 25.0
+    omega_v: float = 300.0
+    T_n: float = 4.0 / 300.0
+    on_table: bool = True
+    dead_band: float = 0.0
+    velocity_feedforward: float = 1.0
+    friction_feedforward: float = 0.0
+    F_max: float = 12e3
+    resolution_motor: float = 1e-8
+    resolution_table: float = 1e-7
+    feed: float = 5e-4
+    acceleration: float = 0.1
+    distance: float = 0.0
+    follow: bool = True
+
+    def __post_init__(self) -> None:
+        for name in _ABOVE_ZERO + _NOT_NEGATIVE:
+            value, above = getattr(self, name), name in _ABOVE_ZERO
+            if not (value > 0.0 if above else value >= 0.0) or math.isinf(value):
+                least = "above" if above else "at least"
+                raise ValueError(f"{name} = {value!r} is out of range: finite and {least} 0")
+        if self.mu_k > self.mu_s:
+            raise ValueError(f"mu_k = {self.mu_k!r} is out of range: at most mu_s = {self.mu_s!r}")
+
+    @property
+    def m_d(self) -> float:
+        """Inertia of the drive, seen at the slide [kg]: J (2 pi / pitch)^2."""
+        return self.J * (2.0 * math.pi / self.pitch) ** 2
+
+    @property
+    def K_p(self) -> float:  # noqa: N802 - the symbol of control engineers
+        """Gain of the velocity controller [N.s/m]: m_d omega_v."""
+        return self.m_d * self.omega_v
+
+    @property
+    def slideway(self) -> Parameters:
+        """The table pulled at the feed by a motor that does not give way, for closed forms."""
+        return Parameters(m=self.m, k=self.k, c=self.c, mu_s=self.mu_s, mu_k=self.mu_k, v=self.feed)
+
+    def of_table(self) -> dict[str, float]:
+        """Return the start values of StickSlip.fmu; the drive starts at rest, so v is 0."""
+        values = {name: float(getattr(self, name)) for name in ("m", "k", "c", "mu_s", "mu_k")}
+        return {**values, "v": 0.0}
+
+    def of_drive(self) -> dict[str, float]:
+        """Return the start values of ServoDrive.fmu."""
+        same = (
+            "J pitch d T_s K_v K_p T_n dead_band velocity_feedforward friction_feedforward F_max "
+            "resolution_motor resolution_table feed acceleration distance"
+        )
+        values: dict[str, float] = {name: float(getattr(self, name)) for name in same.split()}
+        return {
+            **values,
+            "on_table": int(self.on_table),
+            "k": float(self.k) if self.follow else 0.0,
+        }

@@ -1,0 +1,142 @@
+"""Makes the tables and pictures of docs/feed-axis.md, and checks its tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from . import plots, study
+from .axis import Axis
+from .coupling import Order, Run, simulate
+from .monolithic import solve
+
+STEPS: Final = (1e-3, 500e-6, 250e-6, 125e-6, 62.5e-6)
+"""Communication steps of the convergence study [s]."""
+
+WAYS: Final[dict[str, tuple[Order, bool]]] = {
+    "as shipped": ("jacobi", True),
+    "table before drive": ("table first", True),
+    "force held": ("jacobi", False),
+}
+"""Ways of coupling: what steps when, and whether the drive follows the spring."""
+
+COUPLING_TIME: Final = 0.5
+
+TOLERANCE: Final = 0.02
+"""Relative, of the numbers in the tables. On another machine a count of an encoder may fall the
+other way; a jump of 10 um then moves by a count of 0.1 um, and so does the cycle."""
+
+Tell = Callable[[str], None]
+
+
+def write_document(document: Path, folder: Path, tell: Tell) -> None:
+    """Write tables and pictures anew, from FMUs in `folder`."""
+    made = dict(study.tables(folder, tell))
+    errors = coupling_errors(folder)
+    made["coupling"] = coupling_table(errors)
+    text = study.with_tables(document.read_text(encoding="utf-8"), made)
+    document.write_text(text, encoding="utf-8", newline="\n")
+    pictures = document.with_suffix("")
+    pictures.mkdir(exist_ok=True)
+    tell("pictures")
+    for name, svg in pictures_of(folder, errors).items():
+        (pictures / f"{name}.svg").write_text(svg, encoding="utf-8", newline="\n")
+
+
+def check_document(
+    document: Path, folder: Path, tell: Tell, variants: tuple[str, ...] | None = None
+) -> list[str]:
+    """Return what the tables of the how-to say otherwise than runs of the FMUs in `folder`.
+
+    Parameters
+    ----------
+    document
+        The how-to.
+    folder
+        Where the FMUs are.
+    tell
+        Takes what is being done.
+    variants
+        Names of the variants to look at; all where None.
+    """
+    text = document.read_text(encoding="utf-8")
+    wrong = []
+    for name, of, row in (
+        ("creep", study.CREEPING, study.creep_row),
+        ("hunting", study.HUNTING, study.hunting_row),
+    ):
+        told = study.rows_of(text, name)
+        names = [each.name for each in of]
+        if list(told) != names:
+            wrong.append(f"{name}: the rows are {list(told)}, not {names}")
+            continue
+        for variant in of:
+            if variants is None or variant.name in variants:
+                tell(f"{name}: {variant.name}")
+                wrong += study.differences(told[variant.name], row(folder, variant), TOLERANCE)
+    return wrong
+
+
+def coupling_errors(folder: Path) -> dict[str, list[float]]:
+    """Return the largest error of the table's position [m], by way of coupling, over `STEPS`."""
+    axis = exact_axis()
+    truth = solve(axis, COUPLING_TIME).column("x", axis)
+    errors = {}
+    for name, (order, follow) in WAYS.items():
+        errors[name] = [
+            position_error(
+                simulate(folder, replace(axis, follow=follow), COUPLING_TIME, step, order),
+                truth,
+                step / axis.T_s,
+            )
+            for step in STEPS
+        ]
+    return errors
+
+
+def exact_axis() -> Axis:
+    """Return the axis without encoder counts, whose rounding would hide how errors shrink."""
+    return replace(study.BASE, resolution_motor=0.0, resolution_table=0.0)
+
+
+def position_error(run: Run, truth: plots.Array, samples_per_step: float) -> float:
+    """Return the largest error of the table's position [m] where run and truth have a point."""
+    if samples_per_step >= 1.0:
+        truth = truth[:: round(samples_per_step)]
+        return float(np.max(np.abs(run["x"] - truth)))
+    return float(np.max(np.abs(run["x"][:: round(1.0 / samples_per_step)] - truth)))
+
+
+def coupling_table(errors: dict[str, list[float]]) -> list[str]:
+    """Return the lines of the table of coupling errors."""
+    lines = [
+        "| communication step [µs] | " + " | ".join(errors) + " |",
+        "|---" * (1 + len(errors)) + "|",
+    ]
+    for row, step in enumerate(STEPS):
+        cells = [f"{step * 1e6:g}", *(f"{values[row] * 1e6:.3g}" for values in errors.values())]
+        lines.append("| " + " | ".join(cells) + " |")
+    return lines
+
+
+def pictures_of(folder: Path, errors: dict[str, list[float]]) -> dict[str, str]:
+    """Return the pictures of the how-to by name, as SVG text."""
+    base = study.VARIANTS[0]
+    creeping = {each.name: study.creep_run(folder, each) for each in study.CREEPING}
+    holding = {each.name: study.hunting_run(folder, each) for each in study.HUNTING}
+    rising = study.rising_run(folder, base.axis)
+    jump = float(np.max(creeping[base.name]["delta_x"][-100:]))
+    with plots.styled():
+        pages = {
+            "creeping": plots.creeping(creeping[base.name], base.axis, 1.5, 0.2),
+            "creeping-variants": plots.small_multiples(creeping, 1.5, 0.15, (1e-3, "ms")),
+            "rising": plots.rising(rising, base.axis),
+            "hunting": plots.holding(holding[base.name], base.axis, 6.0, 3.0),
+            "hunting-variants": plots.small_multiples(holding, 6.0, 6.0, (1.0, "s")),
+            "coupling": plots.convergence(STEPS, errors, jump),
+        }
+        return {name: plots.as_svg(page) for name, page in pages.items()}

@@ -1,0 +1,138 @@
+"""The FMI 2.0 face of the drive, for pythonfmu's wrapper.
+
+The wrapper releases references that it does not own at every exception that escapes to it
+(`lifetime`). So each method that it calls ends in a value, or in an error that `_fail` made.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from pythonfmu import Fmi2Slave
+
+from .controller import Controller, Gains
+from .drive import Drive
+from .lifetime import give_reference
+from .setpoint import SetPoint
+from .variables import VARIABLES
+
+
+class DriveError(Exception):
+    """A call that failed; the text is for the user of the simulator."""
+
+
+def _entry(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Make a method safe to be called by the wrapper."""
+
+    @functools.wraps(method)
+    def guarded(self: ServoDrive, *arguments: Any) -> Any:
+        try:
+            if self._fault is not None:
+                raise DriveError(self._fault)
+            return method(self, *arguments)
+        except BaseException as error:  # whatever it is, the importing process must survive it
+            raise self._fail(error) from None
+
+    return guarded
+
+
+class ServoDrive(Fmi2Slave):  # type: ignore[misc]
+    """The servo drive as a slave."""
+
+    def __init__(self, **arguments: Any) -> None:
+        super().__init__(**arguments)
+        self.modelName = "ServoDrive"
+        self._values: dict[str, float] = {each.name: each.start for each in VARIABLES}
+        self._drive: Drive | None = None
+        self._controller: Controller | None = None
+        self._set_point = SetPoint(0.0, 1.0, 0.0)
+        self._time = 0.0
+        self._fault: str | None = None
+
+    @_entry
+    def exit_initialization_mode(self) -> None:
+        """Start the drive at rest from what was set."""
+        values = self._values
+        self._set_point = SetPoint(values["feed"], values["acceleration"], values["distance"])
+        gains = Gains(**{name: values[name] for name in Gains._fields})  # type: ignore[arg-type]
+        self._controller = Controller(gains, self._set_point)
+        per_turn = values["pitch"] / (2.0 * math.pi)
+        m_d = values["J"] / per_turn**2
+        self._drive = Drive(m_d, values["d"], values["k"], values["T_s"], self._controller)
+        self._time = 0.0
+
+    @_entry
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Advance the drive by one communication step."""
+        drive, controller, values = self._drive, self._controller, self._values
+        if drive is None or controller is None:
+            raise DriveError("doStep is not allowed before the initialization")
+        if not 0.0 < step_size < math.inf:
+            raise DriveError(f"step = {step_size!r} s is out of range: it must be above 0")
+        drive.advance(step_size, values["F"], values["x"])
+        self._time += step_size
+        values["v"] = drive.output
+        values["x_motor"] = drive.x
+        values["x_command"] = self._set_point.at(self._time)[0]
+        values["following_error"] = controller.error
+        values["F_motor"] = drive.F_motor
+        values["F_integral"] = controller.integral
+        return True
+
+    @_entry
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Return Real values by value reference."""
+        return [float(self._values[VARIABLES[reference].name]) for reference in vrs]
+
+    @_entry
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        """Return Integer values by value reference."""
+        return [int(self._values[VARIABLES[reference].name]) for reference in vrs]
+
+    @_entry
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Set inputs at any time, parameters before the start."""
+        self._set(vrs, values)
+
+    @_entry
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """Set parameters before the start."""
+        self._set(vrs, values)
+
+    def to_xml(self, model_options: dict[str, str] | None = None) -> Any:
+        """Return the model description, which the builder writes; the options are fixed."""
+        import pythonfmu  # only a build asks, and an import of the whole builder is slow
+
+        from .description import model_description
+
+        digest = __name__.split(".")[0].rpartition("_")[2]
+        return model_description(digest, f"pythonfmu {pythonfmu.__version__}")
+
+    def _set(self, vrs: Sequence[int], values: Sequence[float]) -> None:
+        for position, reference in enumerate(vrs):
+            value = values[position]
+            variable = VARIABLES[reference]
+            objection = variable.objection(value)
+            if variable.causality == "output":
+                objection = f"{variable.name} is an output: it cannot be set"
+            elif variable.causality == "parameter" and self._drive is not None:
+                objection = f"{variable.name} is fixed: it cannot change after initialization"
+            if objection is not None:
+                raise DriveError(objection)
+            self._values[variable.name] = value
+
+    def _fail(self, error: BaseException) -> DriveError:
+        """Return the exception that ends this and every later call; say it once."""
+        for lost in (self, type(self), self.log_queue):
+            give_reference(lost)
+        if self._fault is None:
+            known = isinstance(error, DriveError)
+            self._fault = str(error) if known else f"internal error: {error!r}"
+            if sys.stderr is not None:
+                sys.stderr.write(f"ServoDrive: {self._fault}\n")
+        # The wrapper hands it to the log, which is read as a printf format.
+        return DriveError(self._fault.replace("%", "%%"))

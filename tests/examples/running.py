@@ -1,0 +1,32 @@
+"""Runs of the coupled FMUs in processes of their own."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+ROOT = Path(__file__).parents[2]
+
+Columns = list[NDArray[np.float64]]
+
+
+def run_all(
+    fmus: Path, runs: Sequence[tuple[Mapping[str, Any], float, float, str]], *columns: str
+) -> list[Columns]:
+    """Return the columns of runs, each given by changes to the axis, stop time, step and order."""
+    words = json.dumps([[*each, columns] for each in runs])
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.examples.loose", str(fmus), words],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+        cwd=ROOT,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    return [[np.array(column) for column in run] for run in json.loads(done.stdout)]
