@@ -24,11 +24,15 @@ except ImportError:  # an embedded Python may come without it
 else:
     _counts_can_be_raised = True
 
+# How a loader is asked for what it has and no more; None where that cannot be.
+_ONLY_IF_LOADED = getattr(os, "RTLD_NOLOAD", None)
+
 # Where counts cannot be raised, what was given is kept alive instead, for good.
 _kept: List[Any] = []
 
-# Folders of the FMU that instances came from; each has a wrapper of its own.
-_folders: Set[Path] = set()
+# By its folder of resources, what the binary of an FMU may have been loaded as; each has a wrapper
+# of its own.
+_binaries: Dict[str, Set[str]] = {}
 
 
 def give_reference(lost: Any) -> None:
@@ -49,7 +53,24 @@ def settle(resources: str) -> None:
     """Make up for one more instance of the FMU whose resources are in this folder."""
     while sys.path.count(resources) > 1:
         sys.path.remove(resources)
-    _folders.add(Path(resources).parent)
+    if resources not in _binaries:
+        _binaries[resources] = _names(resources)
+
+
+def _names(resources: str) -> Set[str]:
+    """Return the names under which the binaries beside this folder may have been loaded.
+
+    A simulator may delete the folder before its process ends. Then a loaded binary is found by
+    the name it was loaded as and by no other; a folder from a URI may begin with more slashes.
+    """
+    if _ONLY_IF_LOADED is None:
+        return set()
+    folder = "/" + os.path.dirname(resources).lstrip("/")  # noqa: PTH120 - pathlib keeps two slashes
+    return {
+        name
+        for binary in Path(folder).glob("binaries/*/*.so")
+        for name in (str(binary), str(binary.resolve()))
+    }
 
 
 @atexit.register
@@ -59,11 +80,9 @@ def _let_go() -> None:
     Where the wrapper itself started the interpreter this runs inside that very release, and
     leaves nothing for the second.
     """
-    only_if_loaded = getattr(os, "RTLD_NOLOAD", None)
-    if only_if_loaded is None or not _counts_can_be_raised:
+    if _ONLY_IF_LOADED is None or not _counts_can_be_raised:
         return
-    for folder in _folders:
-        for library in folder.glob("binaries/*/*.so"):
-            # It may be unloaded, or another wrapper without that function.
-            with contextlib.suppress(OSError, AttributeError):
-                ctypes.CDLL(str(library), mode=only_if_loaded).finalizePythonInterpreter()
+    for name in set().union(*_binaries.values()):
+        # It may be unloaded, or another wrapper without that function.
+        with contextlib.suppress(OSError, AttributeError):
+            ctypes.CDLL(name, mode=_ONLY_IF_LOADED).finalizePythonInterpreter()

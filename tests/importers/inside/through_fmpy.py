@@ -30,7 +30,7 @@ class Instance:
             each.name.split(".")[-1]: each for each in reversed(description.modelVariables)
         }
         self.slave = fmpy.instantiate_fmu(folder, description, "CoSimulation")
-        # What is still loaded at the end of the process may bring it down: see docs/importing.md.
+        # FMPy keeps an instance that nobody frees, and with it the library.
         atexit.register(self.slave.freeInstance)
         self.time = 0.0
         self.begin(**start)
