@@ -380,7 +380,8 @@ static Status call(char **words, size_t n_words) {
         if (!strcmp(name, "terminate")) return fmi.terminate(c);
         if (!strcmp(name, "reset")) return fmi.reset(c);
         if (!strcmp(name, "save")) return save();
-        if (!strcmp(name, "restore")) return fmi.set_state(c, current->state);
+        if (!strcmp(name, "restore"))
+            return current->state ? fmi.set_state(c, current->state) : fail("nothing is saved");
     }
     return fail("%s is no call of this host, or has a wrong number of words", name);
 }

@@ -350,7 +350,7 @@ class Block:
 
     def _adopt_settings(self) -> None:
         """Let the wanted settings act, and derive what depends on them alone."""
-        settings = self.wanted.copy()
+        settings = self.wanted
         normal = settings.normal_force()
         self.mu_k_used = kinetic_coefficient(settings.mu_s, settings.mu_k)
         self.F_s, self._kinetic, self._gap = friction_forces(settings.mu_s, self.mu_k_used, normal)

@@ -57,8 +57,8 @@ class Settings:
         """Return the values by name."""
         return {name: getattr(self, name) for name in self.__slots__}
 
-    def copy(self) -> "Settings":
-        """Return the same values, to be changed by whoever asks."""
+    def changed(self, name: str, value: float) -> "Settings":
+        """Return these values, but for one."""
         # Written out, for it is done whenever an input changes.
         twin = Settings.__new__(Settings)
         twin.F_ext = self.F_ext
@@ -73,11 +73,6 @@ class Settings:
         twin.x_dot_start = self.x_dot_start
         twin.x_start = self.x_start
         twin.z_start = self.z_start
-        return twin
-
-    def changed(self, name: str, value: float) -> "Settings":
-        """Return these values, but for one."""
-        twin = self.copy()
         setattr(twin, name, value)
         return twin
 

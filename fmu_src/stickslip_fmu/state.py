@@ -6,7 +6,7 @@ needs no look inside. What comes as bytes is looked at once, when it is read.
 
 import json
 import math
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Iterable, List, Optional, Tuple
 
 from .block import Block
 from .meter import MOST_SLIPS
@@ -97,12 +97,30 @@ def _is_state(state: Any, block: Dict[str, Any]) -> bool:
         and (mode == 0 or force is not None)
         and block["elapsed"][0] >= 0.0
         and 0 <= block["meter"]["n_slips"] <= MOST_SLIPS
+        and all(map(_is_sum, _sums(block)))
+        and all(block["meter"][name] >= 0.0 for name in ("t_slip", "t_stick", "T"))
+        and block["Q_friction"][0] >= 0.0
         and all(
             VARIABLES_BY_NAME[name].objection(value) is None
             for values in (state["settings"], block["settings"], block["wanted"])
             for name, value in values.items()
         )
     )
+
+
+def _sums(block: Dict[str, Any]) -> Iterable[List[float]]:
+    """Return all compensated sums in what a block saved."""
+    names = ("elapsed", "x", "W_pull", "W_k", "Q_friction")
+    return (
+        *(block[name] for name in names),
+        *(value for value in block["meter"].values() if isinstance(value, list)),
+    )
+
+
+def _is_sum(parts: List[float]) -> bool:
+    """Whether the second number is what rounding left of the first, as `compensated.add` has it."""
+    high, low = parts
+    return high + low == high
 
 
 def _is_like(value: Any, pattern: Any, key: str = "") -> bool:

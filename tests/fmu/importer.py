@@ -6,27 +6,13 @@ JSON. The project's packages are barred, so what runs is what the FMU carries.
 
 import atexit
 import json
+import runpy
 import shutil
 import sys
-from importlib.abc import MetaPathFinder
+from pathlib import Path
 from typing import Any
 
-
-class Bar(MetaPathFinder):
-    """Refuses the project's own packages."""
-
-    def find_spec(self, name: str, path: Any, target: Any = None) -> None:
-        """Raise ImportError for a package of the project, pass on every other name."""
-        if name.split(".")[0] in (
-            "stickslip",
-            "stickslip_fmu",
-            "stickslip_ref",
-            "stickslip_verification",
-        ):
-            raise ImportError(f"{name} is barred here")
-
-
-sys.meta_path.insert(0, Bar())
+runpy.run_path(str(Path(__file__).resolve().parents[1] / "barred.py"), run_name="__main__")
 
 import fmpy  # noqa: E402 - the bar comes first
 from fmpy.fmi1 import FMICallException  # noqa: E402

@@ -280,6 +280,7 @@ def test_a_folder_that_the_wrapper_cannot_find_ends_the_process(
         ("jump 1\n", "jump is no call of this host"),
         ("step 0\n", "step is no call of this host, or has a wrong number of words"),
         ("step 0 1\n", "doStep is not allowed here"),
+        ("restore\n", "nothing is saved"),
     ],
 )
 def test_a_wrong_script_is_told(host: Host, script: str, said: str) -> None:

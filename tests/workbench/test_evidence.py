@@ -120,8 +120,11 @@ def test_the_experiment_gives_the_result(built: Path, tmp_path: Path) -> None:
         assert np.array_equal(packed[name], run[name]), name
 
 
-def test_no_sample_falls_on_an_event(built: Path) -> None:
-    """The nearest event is further from any sample than an importer's clock is off, 1e-9 s."""
+def test_no_sample_falls_on_an_event() -> None:
+    """The nearest event is further from any sample than an importer's clock can be off.
+
+    Ecos adds up a thousand steps to an error of 1.7e-13 s; 1e-6 s leaves room for any.
+    """
     events = np.array([event.time for event in simulate(Parameters(), 10.0).events])
     samples = 0.01 * np.arange(1001)
     assert np.min(np.abs(events[:, None] - samples[None, :])) > 1e-6

@@ -6,6 +6,7 @@ from html.parser import HTMLParser
 from pathlib import PurePosixPath
 from typing import Literal
 
+import matplotlib
 import pytest
 from PIL import Image
 
@@ -118,7 +119,8 @@ def test_licences_stand_where_each_standard_wants_them() -> None:
 def test_the_icon_is_a_small_square_picture() -> None:
     """It is a PNG of 256 pixels square that shows more than one colour, the same at every call."""
     picture = icon()
-    assert picture == icon()
+    with matplotlib.rc_context({"savefig.bbox": "tight", "lines.linewidth": 9.0}):
+        assert picture == icon()
     assert len(picture) < 10_000
     with Image.open(io.BytesIO(picture)) as drawn:
         assert (drawn.format, drawn.size) == ("PNG", (256, 256))

@@ -14,8 +14,12 @@ from pathlib import Path
 
 import pytest
 
+from stickslip.commands.shared import pack_evidence
+from stickslip.errors import CommandError
+from stickslip_verification import load_cases
+from stickslip_verification import verify as judge
 from stickslip_verification.cases import CASES_FOLDER
-from stickslip_verification.fmu.digest import content_digest
+from stickslip_verification.fmu import content_digest
 from tests.verification.foreign import building
 
 from .running import PROGRAM, Command
@@ -226,12 +230,14 @@ def test_the_fmi_3_face_is_judged_as_ours(command: Command, tmp_path: Path) -> N
     assert "noted" not in ours.out
 
 
-def test_the_verdict_is_packed_into_our_fmu_alone(
-    command: Command, tmp_path: Path, fmu_path: Path, slider: Path
+def test_the_verdict_is_packed_into_our_fmu(
+    command: Command, tmp_path: Path, fmu_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """--pack leaves the content as it was and adds the evidence; a foreign FMU is not touched."""
+    """--pack leaves the content as it was and adds the evidence of what was judged."""
     own = Path(shutil.copy(fmu_path, tmp_path / "own.fmu"))
-    assert command("verify", "--fmu", own, "--cases", "one-step", "--pack").code == 0
+    some = load_cases("one-step")
+    monkeypatch.setattr("stickslip_verification.load_cases", lambda *_, **__: some)
+    assert command("verify", "--fmu", own, "--pack").code == 0
     digest = content_digest(fmu_path)
     assert content_digest(own) == digest
     with zipfile.ZipFile(own) as archive:
@@ -239,7 +245,33 @@ def test_the_verdict_is_packed_into_our_fmu_alone(
     assert digest in report
     assert "one-step" in report
     assert digest in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
+
+
+def test_what_is_no_evidence_of_ours_is_not_packed(
+    command: Command, tmp_path: Path, fmu_path: Path, slider: Path
+) -> None:
+    """A foreign FMU, some of the cases, a missing or read-only folder: refused before the run."""
     before = slider.read_bytes()
-    answer = command("verify", "--fmu", slider, "--names", NAMES, "--cases", "one-step", "--pack")
-    assert (answer.code, "--pack does not go with --names" in answer.err) == (2, True)
+    own = Path(shutil.copy(fmu_path, tmp_path / "own.fmu"))
+    for arguments, reason in (
+        (("--fmu", slider), "is not one of ours"),
+        (("--fmu", slider, "--names", NAMES), "--pack does not go with --names"),
+        (("--fmu", own, "--cases", "one-step"), "--pack does not go with --cases"),
+        (("--fmu", tmp_path / "none.fmu"), "no such file"),
+    ):
+        answer = command("verify", *arguments, "--pack")
+        assert (answer.code, reason in answer.err) == (2, True), answer.err
+        assert not (tmp_path / "report").exists()
     assert slider.read_bytes() == before
+    assert own.read_bytes() == fmu_path.read_bytes()
+
+
+def test_a_verdict_on_another_content_is_not_packed(tmp_path: Path, fmu_path: Path) -> None:
+    """Where the FMU changed after it was judged, it stays without evidence."""
+    own = Path(shutil.copy(fmu_path, tmp_path / "own.fmu"))
+    verdict = judge(own, load_cases("one-step"))
+    write_without_the_jump(fmu_path, own)
+    before = own.read_bytes()
+    with pytest.raises(CommandError, match="it changed while it was judged"):
+        pack_evidence(own, verdict, "--fmu")
+    assert own.read_bytes() == before

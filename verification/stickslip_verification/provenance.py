@@ -14,7 +14,7 @@ from typing import Any
 from stickslip_verification.fmu import FmuFile
 from stickslip_verification.fmu.digest import content_digest
 
-PACKAGES = ("stickslip", "numpy", "scipy", "mpmath", "fmpy", "pythonfmu")
+PACKAGES = ("stickslip", "numpy", "scipy", "mpmath", "fmpy", "pythonfmu", "pythonfmu3")
 
 
 def collect(fmu: FmuFile, command: str | None = None) -> dict[str, Any]:

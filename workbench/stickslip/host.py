@@ -24,6 +24,7 @@ OLDEST = (3, 8)
 _ELF_64_X86 = (b"\x7fELF\x02", b"\x3e\x00")
 _USUAL_FOLDERS = ("/usr/lib64", "/usr/lib", "/usr/local/lib", "/usr/local/lib64", "/lib64")
 _SECONDS = 30.0
+_ABSENT = "is not there"
 
 _SELF_PORTRAIT = """\
 import json, os, struct, sys, sysconfig
@@ -162,10 +163,13 @@ def find_library(interpreter: Interpreter) -> Path:
     """Return the shared library of an interpreter, or one of its version; else `CommandError`."""
     refused = []
     for candidate in dict.fromkeys(_candidates(interpreter)):
-        if candidate.is_file():
-            objection = _objection(candidate, interpreter)
-            if objection is None:
-                return candidate
+        try:
+            objection = _objection(candidate, interpreter) if candidate.is_file() else _ABSENT
+        except OSError as error:
+            objection = f"cannot be read: {error.strerror or error}"
+        if objection is None:
+            return candidate
+        if objection != _ABSENT:
             refused.append(f"{candidate} {objection}")
     name = f"libpython{interpreter.short_version}.so"
     if refused:

@@ -9,6 +9,7 @@ import json
 import os
 import resource
 import signal
+import traceback
 from collections.abc import Callable
 from typing import Any
 
@@ -46,13 +47,18 @@ def _apart(raw: Raw, each: Probe) -> Any:
     ours, theirs = os.pipe()
     process = os.fork()
     if process == 0:
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        signal.alarm(30)
-        seen = each(raw)
-        for _ in range(100):
-            _run(raw)
-        os.write(theirs, json.dumps(seen).encode())
-        os._exit(0)
+        # It must not go on as the process it is a copy of, whatever happens.
+        try:
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+            signal.alarm(30)
+            seen = each(raw)
+            for _ in range(100):
+                _run(raw)
+        except BaseException:
+            seen = traceback.format_exc()
+        finally:
+            os.write(theirs, json.dumps(seen).encode())
+            os._exit(0)
     os.close(theirs)
     with os.fdopen(ours, "rb") as stream:
         seen = stream.read()

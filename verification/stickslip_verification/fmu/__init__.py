@@ -12,6 +12,7 @@ from stickslip_verification.lazy import face
 
 if TYPE_CHECKING:
     from stickslip_verification.fmu.archive import REQUIRED, FmuFile, available, missing, require
+    from stickslip_verification.fmu.digest import content_digest
     from stickslip_verification.fmu.errors import FmuError
     from stickslip_verification.fmu.instance import FmuInstance, State
     from stickslip_verification.fmu.names import NameMap, NamesError, load_names
@@ -27,6 +28,7 @@ _HOME = {
     "State": "instance",
     "Variable": "variables",
     "available": "archive",
+    "content_digest": "digest",
     "load_names": "names",
     "missing": "archive",
     "require": "archive",
@@ -42,6 +44,7 @@ __all__ = [
     "State",
     "Variable",
     "available",
+    "content_digest",
     "load_names",
     "missing",
     "require",

@@ -39,7 +39,7 @@ LABELS = {
     "created": "made",
     "fmu.file": "FMU",
     "fmu.content": "SHA-256 of what is in it, without extra/",
-    "fmu.sha256": "SHA-256 of the FMU",
+    "fmu.sha256": "SHA-256 of the FMU, as judged",
     "fmu.fmi_version": "FMI version",
     "fmu.names": "names of its variables",
     "fmu.problems": "odd in the file",

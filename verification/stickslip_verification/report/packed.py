@@ -14,6 +14,8 @@ from stickslip_verification.verdict import PASS, CheckResult, Verdict, count
 SHOWN = "default"
 """The case that the page shows comparison by comparison: it is the one that runs as it comes."""
 
+_NAMES = {"2.0": "StickSlip.fmu", "3.0": "StickSlip_fmi3.fmu"}
+
 
 def packed_report(verdict: Verdict) -> str:
     """Give the report that goes into the FMU it judges.
@@ -29,6 +31,8 @@ def packed_report(verdict: Verdict) -> str:
     fmu = verdict.provenance["fmu"]
     return environment().get_template("packed.html.j2").render(
         word="pass" if verdict.passed else "fail",
+        # However the file is called now: that is no part of what it holds.
+        name=_NAMES[fmu["fmi_version"]],
         fmu=fmu,
         total=len(verdict.checks),
         summary=verdict.summary,

@@ -60,7 +60,10 @@ def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
     """Put the evidence into the FMU that was judged, which `option` named."""
     from stickslip.evidence import evidence
     from stickslip_fmu.packer import add
+    from stickslip_verification.fmu import content_digest
 
+    if content_digest(fmu) != verdict.provenance["fmu"]["content"]:
+        raise CommandError(f"{option} {fmu}: it changed while it was judged: nothing is packed")
     try:
         add(fmu, evidence(fmu, verdict))
     except OSError as error:

@@ -83,15 +83,12 @@ def verify(
         return
     _check(fmu, names, time_limit)
     _check_accept(accept, names, cases, chosen)
-    if pack and names is not None:
-        raise CommandError("--pack does not go with --names: evidence is packed into our own FMU")
+    _check_pack(pack, fmu, names, cases)
     name_map = _names(names)
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
     verdict = _verdict(fmu, chosen, name_map, strict, jobs, time_limit, _mutants(mutants))
     written = _write(verdict, chosen, earlier, output, pdf)
-    if pack:
-        _pack(fmu or DEFAULT_FMU, verdict)
     screen = console()
     if all_:
         screen.print(tables.verdict_table(verdict, screen.width))
@@ -106,6 +103,8 @@ def verify(
         screen.print(baseline_table(compare(earlier, verdict)))
     for file in written:
         print(file)
+    if pack:
+        pack_evidence(fmu or DEFAULT_FMU, verdict, "--fmu")
     if accept:
         _accept(verdict)
     elif not verdict.passed:
@@ -142,6 +141,31 @@ def _check_accept(
         raise CommandError("--accept does not go with --names: only our own FMU is accepted")
     if accept and any(case.file.parent != CASES_FOLDER for case in cases):
         raise CommandError(f"--accept does not go with --cases {wanted}: those are not the suite's")
+
+
+def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | None) -> None:
+    """Refuse to pack what is no evidence of our own FMU, or cannot be put into it."""
+    from stickslip.files import check_writable
+
+    if not pack:
+        return
+    if names is not None:
+        raise CommandError("--pack does not go with --names: evidence is packed into our own FMU")
+    if wanted is not None:
+        raise CommandError("--pack does not go with --cases: the FMU carries the verdict on all")
+    if fmu is None:
+        return
+    from stickslip_verification.fmu import FmuError, FmuFile
+    from stickslip_verification.trial.drive import is_ours
+
+    try:
+        file = FmuFile(fmu)
+    except FmuError as error:
+        raise CommandError(str(error)) from error
+    file.close()
+    if not is_ours(file):
+        raise CommandError(f"--pack: {fmu} is not one of ours")
+    check_writable(fmu, "--pack")
 
 
 def _check(fmu: Path | None, names: Path | None, time_limit: float) -> None:
@@ -250,12 +274,6 @@ def _write(
 
     with Meter("Writing the report"):
         return verdict_report.write(verdict, cases, earlier, output, pdf)
-
-
-def _pack(fmu: Path, verdict: "Verdict") -> None:
-    if not verdict.ours:
-        raise CommandError(f"--pack: {fmu} is not one of ours: it is left as it is")
-    pack_evidence(fmu, verdict, "--fmu")
 
 
 def _accept(verdict: "Verdict") -> None:

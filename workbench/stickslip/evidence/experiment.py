@@ -14,7 +14,7 @@ TOLERANCE: Final = 1e-9
 """What an importer may differ by, of the largest value: it may reach its points a rounding off."""
 
 _LEFT_OUT: Final = "J"
-"""The unit of the energy account, which fills a fifth of the file and follows from the rest."""
+"""The unit of the energy account: a third of the packed file, and it follows from the rest."""
 
 
 def result_file(fmu: Path) -> bytes:

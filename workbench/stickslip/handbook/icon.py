@@ -12,6 +12,14 @@ _INK, _MASS, _FORCE = "#16202c", "#1a63c6", "#d9660b"
 
 def icon() -> bytes:
     """Give the icon as PNG, 256 pixels square; the same bytes at every call."""
+    import matplotlib
+
+    # A person's own defaults are no part of the FMU.
+    with matplotlib.rc_context(matplotlib.rcParamsDefault):
+        return _drawn()
+
+
+def _drawn() -> bytes:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(1.0, 1.0))
