@@ -57,8 +57,8 @@ def test_a_spoilt_state_is_refused(fmu_path: Path, tmp_path: Path) -> None:
     assert by_accident == 0
 
 
-# The smallest object of Python takes 16 bytes; one lost at every fourth turn would show in a million
-# turns, one of 53 bytes at each turn in ten thousand.
+# The smallest object of Python takes 16 bytes; one lost at every fourth turn would show in a
+# million turns, one of 53 bytes at each turn in ten thousand.
 LOST_OBJECT = 16
 
 
