@@ -8,9 +8,23 @@ from typing import Final
 
 from stickslip_ref import Parameters
 
-_ABOVE_ZERO: Final = ("m", "k", "J", "pitch", "T_s", "F_max", "acceleration")
+from .servo_drive.drive import inertia_at_slide, objection
+
+_ABOVE_ZERO: Final = ("m", "g", "k", "J", "pitch", "T_s", "F_max", "acceleration")
 _NOT_NEGATIVE: Final = ("c", "mu_s", "mu_k", "d", "K_v", "omega_v", "T_n", "dead_band", "distance",
-                        "resolution_motor", "resolution_table")  # fmt: skip
+                        "resolution_motor", "resolution_table", "velocity_feedforward",
+                        "friction_feedforward")  # fmt: skip
+
+
+_OMEGA_V: Final = 300.0
+
+
+def critically_damped(omega_v: float) -> float:
+    """Return the integral time [s] that critically damps a velocity loop of omega_v [rad/s].
+
+    Its poles are the roots of s^2 + omega_v s + omega_v / T_n, a double one at T_n = 4 / omega_v.
+    """
+    return 4.0 / omega_v
 
 
 @dataclass(frozen=True)
@@ -24,6 +38,8 @@ class Axis:
     ----------
     m : float
         Table and workpiece [kg].
+    g : float
+        Gravity [m/s2].
     k : float
         Stiffness of screw, nut, bearings and coupling, seen at the slide [N/m].
     c : float
@@ -37,7 +53,8 @@ class Axis:
     d : float
         Viscous friction of the drive [N.s/m].
     T_s : float
-        Sample time of the controller [s].
+        Sample time of the controller [s]; how long it may be depends on k, d and m_d
+        (`servo_drive.drive.objection`).
     K_v : float
         Position gain [1/s]. 25 1/s is 1.5 m/min per mm of following error; with `omega_v`
         = 300 1/s it is well below omega_v / 4, where the position loop begins to overshoot.
@@ -45,8 +62,8 @@ class Axis:
         Bandwidth of the velocity loop [rad/s]: K_p = m_d omega_v. Above the resonance of table
         and screw (283 rad/s) it would only shake the motor; below, the drive grows soft.
     T_n : float
-        Integral time of the velocity controller [s], 4 / omega_v: the velocity loop is
-        critically damped. 0: no integral.
+        Integral time of the velocity controller [s], that of `critically_damped`. 0: no
+        integral.
     on_table : bool
         Position is measured on the table, by a linear scale; else on the motor.
     dead_band : float
@@ -71,6 +88,7 @@ class Axis:
     """
 
     m: float = 500.0
+    g: float = 9.81
     k: float = 4e7
     c: float = 4000.0
     mu_s: float = 0.20
@@ -80,8 +98,8 @@ class Axis:
     d: float = 1000.0
     T_s: float = 250e-6
     K_v: float = 25.0
-    omega_v: float = 300.0
-    T_n: float = 4.0 / 300.0
+    omega_v: float = _OMEGA_V
+    T_n: float = critically_damped(_OMEGA_V)
     on_table: bool = True
     dead_band: float = 0.0
     velocity_feedforward: float = 1.0
@@ -102,11 +120,14 @@ class Axis:
                 raise ValueError(f"{name} = {value!r} is out of range: finite and {least} 0")
         if self.mu_k > self.mu_s:
             raise ValueError(f"mu_k = {self.mu_k!r} is out of range: at most mu_s = {self.mu_s!r}")
+        too_long = objection(self.m_d, self.d, self._followed, self.T_s)
+        if too_long is not None:
+            raise ValueError(too_long)
 
     @property
     def m_d(self) -> float:
         """Inertia of the drive, seen at the slide [kg]: J (2 pi / pitch)^2."""
-        return self.J * (2.0 * math.pi / self.pitch) ** 2
+        return inertia_at_slide(self.J, self.pitch)
 
     @property
     def K_p(self) -> float:  # noqa: N802 - the symbol of control engineers
@@ -114,13 +135,25 @@ class Axis:
         return self.m_d * self.omega_v
 
     @property
+    def F_s(self) -> float:  # noqa: N802 - as in the block
+        """Break-away force [N]."""
+        return self.mu_s * self.m * self.g
+
+    @property
+    def F_k(self) -> float:  # noqa: N802 - as F_s
+        """Kinetic friction [N], without its viscous part."""
+        return self.mu_k * self.m * self.g
+
+    @property
     def slideway(self) -> Parameters:
         """The table pulled at the feed by a motor that does not give way, for closed forms."""
-        return Parameters(m=self.m, k=self.k, c=self.c, mu_s=self.mu_s, mu_k=self.mu_k, v=self.feed)
+        return Parameters(
+            m=self.m, g=self.g, k=self.k, c=self.c, mu_s=self.mu_s, mu_k=self.mu_k, v=self.feed
+        )
 
     def of_table(self) -> dict[str, float]:
         """Return the start values of StickSlip.fmu; the drive starts at rest, so v is 0."""
-        values = {name: float(getattr(self, name)) for name in ("m", "k", "c", "mu_s", "mu_k")}
+        values = {name: float(getattr(self, name)) for name in ("m", "g", "k", "c", "mu_s", "mu_k")}
         return {**values, "v": 0.0}
 
     def of_drive(self) -> dict[str, float]:
@@ -130,8 +163,9 @@ class Axis:
             "resolution_motor resolution_table feed acceleration distance"
         )
         values: dict[str, float] = {name: float(getattr(self, name)) for name in same.split()}
-        return {
-            **values,
-            "on_table": int(self.on_table),
-            "k": float(self.k) if self.follow else 0.0,
-        }
+        return {**values, "on_table": int(self.on_table), "k": self._followed}
+
+    @property
+    def _followed(self) -> float:
+        """The stiffness that the drive is told [N/m]."""
+        return float(self.k) if self.follow else 0.0

@@ -16,8 +16,6 @@ from .axis import Axis
 
 Vector = NDArray[np.float64]
 
-_G = 9.81
-
 # Motor position and speed, table position and speed, integral, command, one.
 _X_MOTOR, _V_MOTOR, _X, _X_DOT, _INTEGRAL, _COMMAND, _ONE = range(7)
 
@@ -138,7 +136,7 @@ def hunting_period(axis: Axis) -> float:
     at_rest = first_slip(axis)
     if not axis.on_table or axis.T_n == 0.0 or at_rest is None or at_rest.jump <= 0.0:
         return math.inf
-    swing = 2.0 * axis.mu_s * axis.m * _G - at_rest.relief
+    swing = 2.0 * axis.F_s - at_rest.relief
     softness = 1.0 / axis.k + axis.T_n / axis.K_p
     return 2.0 * swing * softness / (axis.K_v * 0.5 * at_rest.jump)
 
@@ -174,7 +172,7 @@ def _load(axis: Axis, rates: Vector, state: Vector) -> tuple[Vector, float]:
     """Follow a stick to its break-away; return the state there and the time it took [s]."""
     h = _look(axis)
     step = expm(rates * h)
-    F_s, time = axis.mu_s * axis.m * _G, 0.0
+    F_s, time = axis.F_s, 0.0
     # Ten times the load-up of a relaxed spring by the feed alone.
     longest = 10.0 * F_s / (axis.k * axis.feed)
     while time < longest:
@@ -219,13 +217,13 @@ def _linear_rates(axis: Axis, *, slips: bool) -> Vector:
         rates[_X, _X_DOT] = 1.0
         rates[_X_DOT] = spring / axis.m
         rates[_X_DOT, _X_DOT] -= axis.c / axis.m
-        rates[_X_DOT, _ONE] -= axis.mu_k * _G
+        rates[_X_DOT, _ONE] -= axis.mu_k * axis.g
     return rates
 
 
 def _at_rest(axis: Axis) -> Vector:
     """Return the state at break-away after a slow load-up: the motor at rest, holding F_s."""
-    F_s = axis.mu_s * axis.m * _G
+    F_s = axis.F_s
     state = np.zeros(7)
     state[_X_MOTOR], state[_ONE] = F_s / axis.k, 1.0
     if axis.T_n > 0.0:

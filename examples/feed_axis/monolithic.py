@@ -25,8 +25,6 @@ _X_MOTOR, _V_MOTOR, _X, _X_DOT, _F_MOTOR, _FRICTION = range(6)
 _LOOKS = 8
 """Looks for a transition per sample: 31 us of a slip that lasts 9 ms or more."""
 
-_G = 9.81
-
 
 @dataclass
 class Trajectory:
@@ -82,8 +80,8 @@ class _Plant:
 
     def __init__(self, axis: Axis) -> None:
         self._k = axis.k
-        self._F_s = axis.mu_s * axis.m * _G
-        self._F_k = axis.mu_k * axis.m * _G
+        self._F_s = axis.mu_s * axis.m * axis.g
+        self._F_k = axis.mu_k * axis.m * axis.g
         self._mode = 0
         self._left_at = 0.0
         self._glance = axis.T_s / _LOOKS

@@ -269,7 +269,7 @@ def thinned(t: Array, y: Array) -> NDArray[np.intp]:
 
 def _force(panel: Axes, t: Array, F: Array, axis: Axis, signs: tuple[int, ...]) -> None:
     _curve(panel, t, F, ORANGE)
-    F_s = axis.mu_s * axis.m * 9.81
+    F_s = axis.F_s
     for sign in signs:
         panel.axhline(sign * F_s, color=INK, lw=1.0, ls=(0, (5, 3)))
     panel.annotate("break-away force", (0.0, F_s), xycoords=("axes fraction", "data"),

@@ -23,6 +23,7 @@ from . import masters, ssp
 from .axis import Axis
 from .build import build_drive
 from .coupling import Run
+from .options import axis_with, option
 
 OUTPUT: Final = Path("build/feed_axis")
 
@@ -54,56 +55,69 @@ def build(output: Folder = OUTPUT) -> None:
 @app.command()
 def run(
     master: Annotated[Master, typer.Option(help="Who steps the FMUs.")] = Master.FMPY,
-    feed: Annotated[str, typer.Option(help="Commanded speed.")] = "0.5mm/s",
+    feed: Annotated[str | None, option("feed", "Commanded speed.")] = None,
     distance: Annotated[
-        str, typer.Option(help="Length of a move, after which the axis holds; 0: the feed goes on.")
-    ] = "0",
-    acceleration: Annotated[str, typer.Option(help="Commanded acceleration.")] = "0.1",
-    m: Annotated[str, typer.Option("--m", help="Mass of the table.")] = "500kg",
-    k: Annotated[str, typer.Option("--k", help="Stiffness of the screw.")] = "40N/um",
-    c: Annotated[str, typer.Option("--c", help="Viscous friction of the way.")] = "4kN.s/m",
-    mu_s: Annotated[float, typer.Option(help="Static friction coefficient.")] = 0.20,
-    mu_k: Annotated[float, typer.Option(help="Kinetic friction coefficient.")] = 0.15,
-    K_v: Annotated[float, typer.Option("--kv", help="Position gain [1/s].")] = 25.0,
+        str | None,
+        option("distance", "Length of a move, after which the axis holds; 0: the feed goes on."),
+    ] = None,
+    acceleration: Annotated[str | None, option("acceleration", "Commanded acceleration.")] = None,
+    m: Annotated[str | None, option("m", "Mass of the table.")] = None,
+    k: Annotated[str | None, option("k", "Stiffness of the screw.")] = None,
+    c: Annotated[str | None, option("c", "Viscous friction of the way.")] = None,
+    mu_s: Annotated[float | None, option("mu_s", "Static friction coefficient.")] = None,
+    mu_k: Annotated[float | None, option("mu_k", "Kinetic friction coefficient.")] = None,
+    K_v: Annotated[float | None, option("K_v", "Position gain.")] = None,
     omega_v: Annotated[
-        float, typer.Option(help="Bandwidth of the velocity loop [1/s]; T_n is 4 / omega_v.")
-    ] = 300.0,
-    integral: Annotated[bool, typer.Option(help="Velocity loop with integral.")] = True,
+        float | None, option("omega_v", "Bandwidth of the velocity loop; T_n is 4 / omega_v.")
+    ] = None,
+    integral: Annotated[
+        bool | None, typer.Option("--integral/--no-integral", help="Velocity loop with integral.")
+    ] = None,
     on_table: Annotated[
-        bool, typer.Option("--on-table/--on-motor", help="Where the position is measured.")
-    ] = True,
-    dead_band: Annotated[str, typer.Option(help="Position error taken as none.")] = "0",
-    velocity_feedforward: Annotated[float, typer.Option(help="Part of the speed added.")] = 1.0,
-    friction_feedforward: Annotated[str, typer.Option(help="Force added.")] = "0",
+        bool | None, typer.Option("--on-table/--on-motor", help="Where the position is measured.")
+    ] = None,
+    dead_band: Annotated[str | None, option("dead_band", "Position error taken as none.")] = None,
+    velocity_feedforward: Annotated[
+        float | None, option("velocity_feedforward", "Part of the speed added.")
+    ] = None,
+    friction_feedforward: Annotated[
+        str | None, option("friction_feedforward", "Force added.")
+    ] = None,
     stop_time: Annotated[str, typer.Option(metavar="TIME", help="End of the run.")] = "2",
-    step: Annotated[str, typer.Option(metavar="TIME", help="Communication step.")] = "0.25ms",
+    step: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="Communication step.", show_default="the sample time"),
+    ] = None,
     output: Folder = OUTPUT,
 ) -> None:
     """Run the axis in a master; print what was found, write FeedAxis.ssp, run.csv and run.svg."""
-    axis = Axis(
-        m=parse(m, "kg", "--m"),
-        k=parse(k, "N/m", "--k"),
-        c=parse(c, "N.s/m", "--c"),
-        mu_s=mu_s,
-        mu_k=mu_k,
-        K_v=K_v,
-        omega_v=omega_v,
-        T_n=4.0 / omega_v if integral and omega_v else 0.0,
-        on_table=on_table,
-        dead_band=parse(dead_band, "m", "--dead-band"),
-        velocity_feedforward=velocity_feedforward,
-        friction_feedforward=parse(friction_feedforward, "N", "--friction-feedforward"),
-        feed=parse(feed, "m/s", "--feed"),
-        acceleration=parse(acceleration, "m/s2", "--acceleration"),
-        distance=parse(distance, "m", "--distance"),
-    )
-    stop, h = parse(stop_time, "s", "--stop-time"), parse(step, "s", "--step")
+    given: dict[str, str | float | None] = {
+        "feed": feed,
+        "distance": distance,
+        "acceleration": acceleration,
+        "m": m,
+        "k": k,
+        "c": c,
+        "mu_s": mu_s,
+        "mu_k": mu_k,
+        "K_v": K_v,
+        "omega_v": omega_v,
+        "on_table": on_table,
+        "dead_band": dead_band,
+        "velocity_feedforward": velocity_feedforward,
+        "friction_feedforward": friction_feedforward,
+    }
+    axis = axis_with(given, integral)
+    stop = parse(stop_time, "s", "--stop-time")
+    h = axis.T_s if step is None else parse(step, "s", "--step")
     if axis.K_v == 0.0 or axis.omega_v == 0.0:
         raise CommandError("--kv and --omega-v must be above 0: without them nothing is controlled")
     if axis.feed == 0.0:
-        raise CommandError(f"--feed {feed!r}: an axis that is told to stand shows nothing")
+        raise CommandError("--feed must not be 0: an axis that is told to stand shows nothing")
     if not 0.0 < h <= stop / 10.0:
-        raise CommandError(f"--step {step!r} must be above 0 and a tenth of --stop-time at most")
+        raise CommandError(
+            f"--step = {h:g} s is out of range: above 0, a tenth of --stop-time at most"
+        )
     file = write_all(output, axis)
     found = run_in(master.value, file, stop, h)
     _tell(axis, found)
@@ -176,6 +190,9 @@ def main() -> None:
         app(prog_name="python -m examples.feed_axis")
     except (CommandError, ValueError) as error:
         _say(str(error))
+        sys.exit(2)
+    except OSError as error:
+        _say(f"{error.filename or ''}: {error.strerror or error}".lstrip(": "))
         sys.exit(2)
 
 

@@ -1,10 +1,11 @@
 """Writes FeedAxis.ssp: both FMUs, how they are wired, and the numbers of the axis."""
 
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
+
+from stickslip_fmu.packer import write_archive
 
 from .axis import Axis
 
@@ -56,8 +57,6 @@ PARAMETER_SET: Final = "axis"
 
 _INLINE: Final = f"{_SSD}ParameterValues"
 
-_DATE: Final = (1980, 1, 1, 0, 0, 0)
-
 
 def write_ssp(target: Path, axis: Axis, fmus: Path) -> Path:
     """Write the SSP file and return its path.
@@ -79,12 +78,7 @@ def write_ssp(target: Path, axis: Axis, fmus: Path) -> Path:
         "parameters.ssv": _document(_of_system(values)),
         **{f"resources/{name}": (fmus / name).read_bytes() for name in _FMUS.values()},
     }
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in entries.items():
-            info = zipfile.ZipInfo(name, _DATE)
-            info.compress_type = zipfile.ZIP_DEFLATED
-            info.external_attr = 0o644 << 16
-            archive.writestr(info, content)
+    write_archive(entries, target)
     return target
 
 

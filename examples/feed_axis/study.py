@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip_ref import critical_velocity, steady_cycle
 
-from .axis import Axis
+from .axis import Axis, critically_damped
 from .coupling import Run, simulate
 from .estimates import critical_feed, first_slip, hunting_period, steady_slip
 from .measure import creep, hunting
@@ -25,7 +25,7 @@ HUNTING_TIME: Final = 12.0
 RISING_TIME: Final = 3.0
 """Lengths of the runs [s]: of creeping at least 20 jumps, of hunting 5 periods and more."""
 
-MOVE: Final[Mapping[str, Any]] = {"feed": 5e-3, "acceleration": 0.1, "distance": 0.01}
+MOVE: Final[Mapping[str, Any]] = {"feed": 5e-3, "distance": 0.01}
 """A move of 10 mm at 5 mm/s, after which the axis holds its target."""
 
 
@@ -42,19 +42,17 @@ class Variant:
         return replace(BASE, **self.changes)
 
 
-_FRICTION = BASE.mu_k * BASE.m * 9.81
-
 VARIANTS: Final = (
     Variant("as it is"),
     Variant("no velocity feed-forward", {"velocity_feedforward": 0.0}),
-    Variant("friction feed-forward 736 N", {"friction_feedforward": _FRICTION}),
+    Variant("friction feed-forward 736 N", {"friction_feedforward": BASE.F_k}),
     Variant("stiffer, k = 100 N/µm", {"k": 1e8}),
     Variant("smaller gap, µ_s = 0.16", {"mu_s": 0.16}),
     Variant("faster, 2 mm/s", {"feed": 2e-3}),
     Variant("position on the motor", {"on_table": False}),
     Variant("no integral", {"T_n": 0.0}),
     Variant("K_v = 50 1/s", {"K_v": 50.0}),
-    Variant("velocity loop 600 1/s", {"omega_v": 600.0, "T_n": 4.0 / 600.0}),
+    Variant("velocity loop 600 1/s", {"omega_v": 600.0, "T_n": critically_damped(600.0)}),
     Variant("viscous, c = 16 kN s/m", {"c": 16e3}),
     Variant("dead band of 10 µm", {"dead_band": 10e-6}),
 )
@@ -181,8 +179,13 @@ def rows_of(document: str, name: str) -> dict[str, list[str]]:
     """Return the rows of a table in the how-to by their first cell."""
     _, _, rest = document.partition(f"<!-- table: {name} -->\n")
     table, _, _ = rest.partition("<!-- end of table -->")
-    lines = [line.strip("|").split("|") for line in table.splitlines()[2:]]
-    return {cells[0].strip(): [cell.strip() for cell in cells] for cells in lines}
+    return rows_in(table.splitlines())
+
+
+def rows_in(lines: list[str]) -> dict[str, list[str]]:
+    """Return the rows of a table in Markdown by their first cell."""
+    rows = [line.strip("|").split("|") for line in lines[2:]]
+    return {cells[0].strip(): [cell.strip() for cell in cells] for cells in rows}
 
 
 def differences(told: list[str], found: list[str], tolerance: float) -> list[str]:

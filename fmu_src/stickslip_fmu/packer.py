@@ -2,6 +2,7 @@
 
 The wrapper's builder makes the archive, pythonfmu's for FMI 2.0 and pythonfmu3's for FMI 3.0; a
 second pass makes it the same, byte for byte, at every build: names sorted, dates fixed, deflated.
+`pack` and `write_archive` do so for any slave.
 """
 
 import hashlib
@@ -127,23 +128,42 @@ def build(
     target = destination if destination.suffix == ".fmu" else destination / chosen.file_name
     target.parent.mkdir(parents=True, exist_ok=True)
     sources = {name: (_HERE / name).read_bytes() for name in (*_SHARED, *chosen.modules)}
+    entries = pack(_PACKAGE, sources, chosen.slave, face)
+    write_archive({**entries, **(parts or {})}, target)
+    return target
+
+
+def pack(
+    prefix: str, sources: Mapping[str, bytes], slave: str, face: Literal[2, 3] = 2
+) -> Dict[str, bytes]:
+    """Return the files of an FMU by their path in it, for `write_archive`.
+
+    Parameters
+    ----------
+    prefix
+        What the name of the packed package begins with; the rest tells the content.
+    sources
+        The modules of the package by file name.
+    slave
+        Text of the file that imports the slave, with {package} for the name of the package.
+    face
+        The major version of FMI.
+    """
+    chosen = _FACES[face]
     # Two FMUs in one process share their modules by name, so the name tells the content.
-    package = _PACKAGE + _digest(chosen, sources)
+    package = prefix + _digest(chosen.wrapper, slave, sources)
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         workshop = Path(folder)
         (workshop / package).mkdir()
         for name, content in sources.items():
             (workshop / package / name).write_bytes(content)
-        slave = workshop / f"{package}_slave.py"
-        slave.write_text(chosen.slave.format(package=package), encoding="utf-8")
-        with _imports_apart():
+        file = workshop / f"{package}_slave.py"
+        file.write_text(slave.format(package=package), encoding="utf-8")
+        with _imports_apart(prefix):
             raw = chosen.builder.build_FMU(
-                slave, workshop / "raw", project_files=[workshop / package]
+                file, workshop / "raw", project_files=[workshop / package]
             )
-        entries = _entries(raw)
-    entries.update(parts or {})
-    _write(entries, target)
-    return target
+        return _entries(raw)
 
 
 def add(fmu: Path, parts: Mapping[str, bytes]) -> None:
@@ -151,50 +171,14 @@ def add(fmu: Path, parts: Mapping[str, bytes]) -> None:
 
     Raises OSError if it cannot be written; what was there stays then.
     """
-    _write({**_entries(fmu), **parts}, fmu)
+    write_archive({**_entries(fmu), **parts}, fmu)
 
 
-def _digest(face: _Face, sources: Mapping[str, bytes]) -> str:
-    """Return a name for this content: 16 hexadecimal digits."""
-    digest = hashlib.sha256(f"{face.wrapper}\0{face.slave}".encode())
-    for name in sorted(sources):
-        digest.update(f"\0{name}\0{len(sources[name])}\0".encode() + sources[name])
-    return digest.hexdigest()[:16]
+def write_archive(entries: Mapping[str, bytes], target: Path) -> None:
+    """Write an archive whose bytes depend on its entries alone, or nothing at all.
 
-
-@contextmanager
-def _imports_apart() -> Iterator[None]:
-    """Let pythonfmu's builder import what it packs, apart from what this process has loaded.
-
-    It imports the slave by name and leaves it, and its folder, in the import system; and where
-    the same FMU runs in this process, that name is taken by files that may be gone.
+    Raises OSError if it cannot be written; what was there stays then.
     """
-    path = list(sys.path)
-    loaded = {name: module for name, module in sys.modules.items() if name.startswith(_PACKAGE)}
-    _unload()
-    try:
-        yield
-    finally:
-        sys.path[:] = path
-        _unload()
-        sys.modules.update(loaded)
-
-
-def _unload() -> None:
-    for name in [name for name in sys.modules if name.startswith(_PACKAGE)]:
-        del sys.modules[name]
-
-
-def _entries(archive: Path) -> Dict[str, bytes]:
-    """Return the files of an archive by name, but for sources that nobody could build."""
-    with zipfile.ZipFile(archive) as source:
-        return {
-            name: source.read(name) for name in source.namelist() if not name.startswith("sources/")
-        }
-
-
-def _write(entries: Mapping[str, bytes], target: Path) -> None:
-    """Write an archive whose bytes depend on its entries alone, or nothing at all."""
     handle, name = tempfile.mkstemp(dir=target.parent, prefix=".", suffix=".part")
     part = Path(name)
     try:
@@ -210,6 +194,45 @@ def _write(entries: Mapping[str, bytes], target: Path) -> None:
     except BaseException:
         part.unlink()
         raise
+
+
+def _digest(wrapper: str, slave: str, sources: Mapping[str, bytes]) -> str:
+    """Return a name for this content: 16 hexadecimal digits."""
+    digest = hashlib.sha256(f"{wrapper}\0{slave}".encode())
+    for name in sorted(sources):
+        digest.update(f"\0{name}\0{len(sources[name])}\0".encode() + sources[name])
+    return digest.hexdigest()[:16]
+
+
+@contextmanager
+def _imports_apart(prefix: str) -> Iterator[None]:
+    """Let pythonfmu's builder import what it packs, apart from what this process has loaded.
+
+    It imports the slave by name and leaves it, and its folder, in the import system; and where
+    the same FMU runs in this process, that name is taken by files that may be gone.
+    """
+    path = list(sys.path)
+    loaded = {name: module for name, module in sys.modules.items() if name.startswith(prefix)}
+    _unload(prefix)
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        _unload(prefix)
+        sys.modules.update(loaded)
+
+
+def _unload(prefix: str) -> None:
+    for name in [name for name in sys.modules if name.startswith(prefix)]:
+        del sys.modules[name]
+
+
+def _entries(archive: Path) -> Dict[str, bytes]:
+    """Return the files of an archive by name, but for sources that nobody could build."""
+    with zipfile.ZipFile(archive) as source:
+        return {
+            name: source.read(name) for name in source.namelist() if not name.startswith("sources/")
+        }
 
 
 def _in_order(entries: Mapping[str, bytes]) -> Iterator[str]:

@@ -20,13 +20,19 @@ def run_all(
 ) -> list[Columns]:
     """Return the columns of runs, each given by changes to the axis, stop time, step and order."""
     words = json.dumps([[*each, columns] for each in runs])
+    found = json.loads(output_of("loose", str(fmus), words))
+    return [[np.array(column) for column in run] for run in found]
+
+
+def output_of(program: str, *arguments: str, timeout: float = 120.0) -> str:
+    """Return what a program of this folder prints."""
     done = subprocess.run(
-        [sys.executable, "-m", "tests.examples.loose", str(fmus), words],
+        [sys.executable, "-m", f"tests.examples.{program}", *arguments],
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=timeout,
         cwd=ROOT,
     )
     assert done.returncode == 0, done.stderr[-2000:]
-    return [[np.array(column) for column in run] for run in json.loads(done.stdout)]
+    return done.stdout

@@ -1,6 +1,7 @@
 """What coupling in steps does to drive and table, and that it vanishes as the step falls."""
 
 import itertools
+import json
 import math
 import random
 from pathlib import Path
@@ -10,17 +11,20 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from examples.feed_axis import document, study
 from examples.feed_axis.axis import Axis
-from examples.feed_axis.document import STEPS, WAYS, coupling_table, exact_axis
+from examples.feed_axis.document import WAYS, check_coupling, exact_axis
 from examples.feed_axis.estimates import coupling_damping
 from examples.feed_axis.monolithic import solve
 from examples.feed_axis.study import rows_of
 from stickslip_ref import Parameters, steady_cycle
 
 from .in_process import couple, make_block
-from .running import ROOT, run_all
+from .running import ROOT, output_of, run_all
 
 Array = NDArray[np.float64]
+
+TEXT = (ROOT / "docs/feed-axis.md").read_text(encoding="utf-8")
 
 EXACT = {"resolution_motor": 0.0, "resolution_table": 0.0}
 
@@ -38,22 +42,8 @@ FREE: dict[str, Any] = {
 @pytest.fixture(scope="module")
 def errors(fmus: Path) -> dict[str, list[float]]:
     """Return the largest error of the table's position [m] by way of coupling, over `STEPS`."""
-    axis = exact_axis()
-    truth = solve(axis, 0.5).column("x", axis)
-    runs = [
-        ({**EXACT, "follow": follow}, 0.5, step, order)
-        for order, follow in WAYS.values()
-        for step in STEPS
-    ]
-    found = iter(run_all(fmus, runs, "time", "x"))
-    return {name: [error_at_samples(axis, truth, *next(found)) for _ in STEPS] for name in WAYS}
-
-
-def error_at_samples(axis: Axis, truth: Array, time: Array, x: Array) -> float:
-    """Return the largest error where the run has a sample of the controller."""
-    sample = time / axis.T_s
-    at = np.abs(sample - np.rint(sample)) < 1e-6
-    return float(np.max(np.abs(x[at] - truth[np.rint(sample[at]).astype(int)])))
+    found: dict[str, list[float]] = json.loads(output_of("coupled", str(fmus)))
+    return found
 
 
 def orders(errors: list[float]) -> list[float]:
@@ -79,14 +69,34 @@ def test_other_couplings_converge_with_the_step_only(
 
 
 def test_the_how_to_tells_these_errors(errors: dict[str, list[float]]) -> None:
-    """The table of coupling errors in the how-to is that of these runs."""
-    told = rows_of((ROOT / "docs/feed-axis.md").read_text(encoding="utf-8"), "coupling")
-    for line in coupling_table(errors)[2:]:
-        step, *found = (cell.strip() for cell in line.strip("|").split("|"))
-        # Three digits are told, and rounding changes the last one.
-        assert [float(cell) for cell in told[step][1:]] == pytest.approx(
-            [float(cell) for cell in found], rel=0.01
-        )
+    """The table of coupling errors in the how-to is that of these runs; another is found wrong."""
+    assert check_coupling(TEXT, errors) == []
+    finest = f"{errors['as shipped'][-1] * 1e6:#.3g}"
+    wrong = check_coupling(TEXT.replace(f"| {finest} |", "| 0.00901 |"), errors)
+    assert wrong == [f"62.5: 0.00901 is told, {finest} was found"]
+    assert len(check_coupling(TEXT.replace("| 62.5 |", "| 50 |"), errors)) == 1
+
+
+def test_the_check_of_the_how_to_reads_all_three_tables(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a table of variants and that of the coupling tell wrong, `study --check` reports."""
+    how_to = tmp_path / "how-to.md"
+    how_to.write_text(TEXT, encoding="utf-8")
+    rows = {name: rows_of(TEXT, name) for name in ("creep", "hunting", "coupling")}
+    told = [row[1:] for row in rows["coupling"].values()]
+    as_told = {
+        way: [1e-6 * float(cells[column]) for cells in told] for column, way in enumerate(WAYS)
+    }
+    monkeypatch.setattr(study, "creep_row", lambda _, each: rows["creep"][each.name])
+    monkeypatch.setattr(study, "hunting_row", lambda _, each: rows["hunting"][each.name])
+    monkeypatch.setattr(document, "coupling_errors", lambda _: as_told)
+    assert document.check_document(how_to, tmp_path, lambda _: None) == []
+    rows["creep"]["as it is"][1] = "19.4"
+    rows["hunting"]["no integral"][1] = "no"
+    as_told["force held"][0] *= 1.1
+    wrong = document.check_document(how_to, tmp_path, lambda _: None)
+    assert [line.partition(":")[0] for line in wrong] == ["as it is", "no integral", "1000"]
 
 
 def test_coupling_damps_by_what_the_how_to_derives(fmus: Path) -> None:
@@ -154,23 +164,44 @@ def test_uneven_steps_are_as_good_as_even_ones() -> None:
 
 
 def test_a_step_short_by_rounding_neither_loses_nor_doubles_a_sample() -> None:
-    """Steps of 0.00024999999999999 s and a rest of 1e-16 s give what even steps give."""
+    """Steps of 0.00024999999999 s and a rest of 1e-14 s give what even steps give."""
     axis = exact_axis()
     even = couple(axis, [axis.T_s] * 800)
     rounded = couple(axis, [step for _ in range(800) for step in (axis.T_s - 1e-14, 1e-14)])
-    # Speeds differ by 1e-14 / 2.5e-4 of themselves in each step, and motion is 1e-4 m.
-    assert rounded.x[-1] == pytest.approx(even.x[-1], abs=1e-9)
+    x = np.array(even.x)
+    # At the rest the drive sees the table once more before it says its speed, so nut and motor do
+    # not part by what one prediction misses, 1.5e-11 m. By that over the feed a jump begins at
+    # another time, and is off by that times the table's speed, 5 feeds; there are 5 jumps.
+    missed = float(np.max(np.abs(np.array(even.x_motor) - np.array(even.x_pull))))
+    speed = np.diff(x) / axis.T_s
+    jumps = np.count_nonzero((speed[1:] > 0.0) & (speed[:-1] == 0.0))
+    off = np.abs(np.array(rounded.x[::2]) - x)
+    # One sample lost or doubled moves the table by 2e-8 m or more.
+    assert float(off.max()) < jumps * missed * float(speed.max()) / axis.feed < 1e-9
+    # And how long the rest is does not matter: speeds differ by 1e-12 / 2.5e-4 of themselves in a
+    # step, which the next makes good; the motion is 1e-4 m.
+    longer = couple(axis, [step for _ in range(800) for step in (axis.T_s - 1e-12, 1e-12)])
+    apart = np.abs(np.array(rounded.x) - np.array(longer.x))
+    assert float(apart[::2].max()) < 1e-12 / axis.T_s * 1e-4
 
 
-def test_nut_and_motor_stay_together() -> None:
-    """Where the block has its pulled end, the motor is, to a prediction of one step."""
+def test_nut_and_motor_part_by_what_one_prediction_misses() -> None:
+    """The table's second difference D, by the spring and by the controller: no more, no less."""
     axis = exact_axis()
     motion = couple(axis, [axis.T_s] * 4000)
-    apart = np.abs(np.array(motion.x_motor) - np.array(motion.x_pull))
-    # The largest force that one step does not see, k h^2 a with a = (F_s - F_k)/m, moves the
-    # drive by that over m_d times h^2.
-    h, a = axis.T_s, (axis.mu_s - axis.mu_k) * 9.81
-    assert float(apart.max()) < axis.k * h * h * a / axis.m_d * h * h * 10.0
+    h, x = axis.T_s, np.array(motion.x)
+    apart = np.array(motion.x_motor) - np.array(motion.x_pull)
+    D = x[2:] - 2.0 * x[1:-1] + x[:-2]
+    # What is predicted for a step lets the table go on as it went in the step before the last:
+    # at tau into the step it is then off by D (1 + tau/h). The spring so misses k D (1 + tau/h),
+    # which moves the drive by 2/3 k D h^2 / m_d; the controller misses K_p K_v (1 + h/T_n) D,
+    # the other way.
+    spring = 2.0 / 3.0 * axis.k / axis.m_d
+    controller = 0.5 * axis.omega_v * axis.K_v * (1.0 + h / axis.T_n)
+    expected = (spring - controller) * h * h * D[:-1]
+    # The next terms are smaller by (w h)^2 = 1.1e-3, the spring's answer to this very motion.
+    assert np.max(np.abs(apart[3:] - expected)) < 1.1e-3 * np.max(np.abs(expected))
+    assert np.max(np.abs(expected)) > 1e-11
 
 
 def test_a_drive_that_never_gives_way_leaves_the_steady_cycle(fmus: Path) -> None:

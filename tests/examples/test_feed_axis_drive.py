@@ -1,23 +1,26 @@
 """The servo drive: set point, controller, and ServoDrive.fmu as an importer meets it."""
 
+import ast
+import math
 import subprocess
 import sys
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
-from examples.feed_axis import servo_drive
 from examples.feed_axis.axis import Axis
 from examples.feed_axis.document import exact_axis
 from examples.feed_axis.monolithic import solve
+from examples.feed_axis.servo_drive.drive import Drive
 from examples.feed_axis.servo_drive.setpoint import SetPoint
-from tests.test_architecture import newer_than_3_8
+from tests.test_architecture import imports_in, modules_of, newer_than_3_8
 
 from .in_process import couple, make_drive
-
-SOURCES = sorted(Path(servo_drive.__file__).parent.glob("*.py"))
+from .running import ROOT
 
 
 @pytest.mark.parametrize(
@@ -70,11 +73,104 @@ def test_a_limited_force_is_limited_alike_in_the_whole_loop() -> None:
     assert np.max(np.abs(np.array(motion.x) - truth.column("x", axis))) < 2e-7
 
 
-def test_nothing_but_the_standard_library_and_pythonfmu_travels() -> None:
-    """What stands in the FMU is Python 3.8."""
-    assert len(SOURCES) > 5
-    for file in SOURCES:
-        assert not newer_than_3_8(file.read_text(encoding="utf-8")), file.name
+def test_nothing_but_the_standard_library_and_pythonfmu_travels(
+    fmus: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What stands in the FMU is Python 3.8, and imports itself, pythonfmu and Python's library."""
+    with zipfile.ZipFile(fmus / "ServoDrive.fmu") as archive:
+        archive.extractall(tmp_path)
+    resources = tmp_path / "resources"
+    (package,) = (each.name for each in resources.glob("servo_drive_*") if each.is_dir())
+    assert {each.name for each in resources.iterdir()} == {
+        package,
+        f"{package}_slave.py",
+        "pythonfmu",
+        "slavemodule.txt",
+    }
+    monkeypatch.syspath_prepend(str(resources))
+    files = modules_of(package)
+    assert len(files) > 5
+    allowed = {package, "pythonfmu", *sys.stdlib_module_names}
+    for file in files:
+        source = file.read_text(encoding="utf-8")
+        assert not newer_than_3_8(source), file.name
+        found = list(imports_in(file, ast.parse(source), package))
+        assert not [str(each) for each in found if each.top not in allowed]
+
+
+def test_two_builds_are_the_same_bytes(fmus: Path, tmp_path: Path) -> None:
+    """Built again, by another process, the drive's FMU and the SSP file are the same bytes."""
+    for folder in (tmp_path / "one", tmp_path / "two"):
+        program = (
+            "import pathlib, sys; from examples.feed_axis.axis import Axis; "
+            "from examples.feed_axis.run import write_all; "
+            "write_all(pathlib.Path(sys.argv[1]), Axis())"
+        )
+        subprocess.run([sys.executable, "-c", program, str(folder)], check=True, cwd=ROOT)
+    for name in ("ServoDrive.fmu", "FeedAxis.ssp"):
+        first, second = ((tmp_path / each / name).read_bytes() for each in ("one", "two"))
+        assert first == second
+        with zipfile.ZipFile(tmp_path / "one" / name) as archive:
+            # No entry tells when it was made.
+            assert {each.date_time for each in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+    built = (fmus / "ServoDrive.fmu").read_bytes()
+    assert built == (tmp_path / "one/ServoDrive.fmu").read_bytes()
+
+
+def test_the_drive_starts_as_the_axis_is(fmus: Path) -> None:
+    """The start values of ServoDrive.fmu are the example's axis, to the last bit."""
+    from fmpy import read_model_description
+
+    description = read_model_description(str(fmus / "ServoDrive.fmu"))
+    starts = {
+        each.name: float(each.start)
+        for each in description.modelVariables
+        if each.causality == "parameter"
+    }
+    assert starts == Axis().of_drive()
+    assert float(description.defaultExperiment.stepSize) == Axis().T_s
+
+
+@pytest.mark.parametrize(("w", "d"), [(0.5, 0.0), (0.0, 0.5), (0.4, 0.18)])
+def test_a_sample_as_long_as_may_be_is_solved(w: float, d: float) -> None:
+    """At the bound T_s (delta + sqrt(delta^2 + w^2)) = 1/2 the motion is that of the matrix."""
+    # Units in which T_s and the inertia are 1.
+    k, r = w * w, 0.5 * d + math.hypot(0.5 * d, w)
+    assert r == pytest.approx(0.5, abs=1e-15)
+    drive = Drive(1.0, d, k, 1.0, make_drive(Axis())[1])
+    drive.x, drive.v, drive.F_motor = 0.25, -1.0, 1.5
+    at_zero, speed = 0.5, 0.75
+    # State: way, speed, time, 1; the table goes on at `speed`.
+    rates = np.zeros((4, 4))
+    rates[0, 1] = rates[2, 3] = 1.0
+    rates[1] = -k, -d, k * speed, drive.F_motor - at_zero
+    start = np.array([drive.x, drive.v, 0.0, 1.0])
+    first, second = (rates @ start)[1], (rates @ rates @ start)[1]
+    drive._move(1.0, at_zero, speed)
+    x, v, *_ = expm(rates) @ start
+    # What the series leaves out; beside it the rounding of some numbers around 1.
+    left_out = 4.1e-14 * max(abs(first), abs(second) / r)
+    assert drive.v == pytest.approx(v, abs=left_out + 1e-15)
+    assert drive.x == pytest.approx(x, abs=left_out + 1e-15)
+
+
+def test_a_sample_too_long_for_the_motion_is_refused() -> None:
+    """Beyond the bound, by spring or by friction, axis and drive name T_s, value and range."""
+    usual = Axis()
+    longest = 0.5 / math.sqrt(usual.k / usual.m_d)
+    Axis(T_s=0.999 * longest, d=0.0)
+    with pytest.raises(ValueError, match=r"T_s = .* at most 0\.00385 s with k = 4e\+07 N/m"):
+        Axis(T_s=1.001 * longest, d=0.0)
+    with pytest.raises(ValueError, match=r"T_s = 0\.00025 s is out of range.*d = 1e\+09"):
+        Axis(d=1e9, follow=False)
+    # A drive that holds the force has no resonance.
+    assert Axis(k=1e12, follow=False).of_drive()["k"] == 0.0
+    _, controller = make_drive(usual)
+    with pytest.raises(ValueError, match=r"T_s = 0\.00025 s is out of range.*k = 1e\+12"):
+        Drive(usual.m_d, 0.0, 1e12, usual.T_s, controller)
+    for pitch in (1e-300, 1e300):
+        with pytest.raises(ValueError, match=r"m_d = .* is out of range"):
+            Axis(pitch=pitch)
 
 
 def test_the_description_has_no_findings(fmus: Path) -> None:
@@ -135,14 +231,36 @@ for round_ in range(100):
     seen += slave.getReal([references["x_command"]])[0] > 0.0
     slave.terminate()
     slave.freeInstance()
+
+def too_long(slave):
+    slave.setReal([references["k"]], [1e12])
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+
+calls = [
+    lambda slave: slave.getBoolean([0]),
+    lambda slave: slave.setBoolean([0], [True]),
+    lambda slave: slave.getString([0]),
+    lambda slave: slave.setString([0], ["text"]),
+    lambda slave: slave.getInteger([0]),
+    lambda slave: slave.setInteger([0], [1]),
+    lambda slave: slave.getReal([references["on_table"]]),
+    lambda slave: slave.setReal([1000], [1.0]),
+    too_long,
+]
+for call in calls:
+    slave = fresh()
+    for repeat in range(50):
+        seen += fails(call, slave)
+    slave.freeInstance()
 print(seen)
 """
 
 
-def test_three_hundred_instances_and_six_hundred_refusals_leave_a_process_that_goes_on(
+def test_hundreds_of_instances_and_a_thousand_refusals_leave_a_process_that_goes_on(
     fmus: Path,
 ) -> None:
-    """Bad values are refused with name and range, and neither they nor many instances crash."""
+    """Wrong values, types and references are refused with a reason, and nothing crashes."""
     done = subprocess.run(
         [sys.executable, "-I", "-c", HOST, str(fmus / "ServoDrive.fmu")],
         capture_output=True,
@@ -151,7 +269,13 @@ def test_three_hundred_instances_and_six_hundred_refusals_leave_a_process_that_g
         timeout=120,
     )
     assert done.returncode == 0, done.stderr[-2000:]
-    assert done.stdout.split() == ["700"]
+    assert done.stdout.split() == [str(7 * 100 + 9 * 50)]
     assert "T_s = 0.0 s is out of range: it must be finite, above 0" in done.stderr
     assert "K_v is fixed: it cannot change after initialization" in done.stderr
+    assert "J is of type Real, not Boolean" in done.stderr
+    assert "J is of type Real, not String" in done.stderr
+    assert "J is of type Real, not Integer" in done.stderr
+    assert "on_table is of type Integer, not Real" in done.stderr
+    assert "there is no variable with value reference 1000" in done.stderr
+    assert "T_s = 0.00025 s is out of range: it must be at most 2.43e-05 s" in done.stderr
     assert "internal error" not in done.stderr

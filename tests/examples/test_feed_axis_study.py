@@ -1,5 +1,6 @@
 """What the how-to tells of the axis: its numbers, what they mean, its pictures."""
 
+import inspect
 import re
 import subprocess
 import sys
@@ -11,10 +12,13 @@ import pytest
 
 from examples.feed_axis import study
 from examples.feed_axis.axis import Axis
+from examples.feed_axis.estimates import first_slip
 from examples.feed_axis.monolithic import solve
+from examples.feed_axis.options import axis_with
 from examples.feed_axis.plots import thinned
+from examples.feed_axis.run import OUTPUT, run
 
-from .running import ROOT
+from .running import ROOT, output_of
 
 HOW_TO = ROOT / "docs/feed-axis.md"
 TEXT = HOW_TO.read_text(encoding="utf-8")
@@ -25,18 +29,9 @@ BASE = "as it is"
 
 
 def test_the_tables_are_those_of_runs_today(fmus: Path) -> None:
-    """Rows of both tables, run anew, are as told; every row has a variant and the other way."""
+    """Rows of three variants, run anew, are as told; every row has a variant and the other way."""
     variants = (BASE, "position on the motor", "dead band of 10 µm")
-    done = subprocess.run(
-        [sys.executable, "-m", "tests.examples.checking", str(fmus), str(HOW_TO), *variants],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=200,
-        cwd=ROOT,
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
-    assert done.stdout == ""
+    assert output_of("checking", str(fmus), str(HOW_TO), *variants, timeout=200.0) == ""
 
 
 def test_a_wrong_number_in_a_table_is_found() -> None:
@@ -108,7 +103,7 @@ def test_what_ends_hunting_and_what_does_not() -> None:
     rests = {name for name, row in HUNTING.items() if row[1] == "yes"}
     assert rests == {"position on the motor", "no integral", "dead band of 10 µm"}
     axis = Axis()
-    F_s = axis.mu_s * axis.m * 9.81
+    F_s = axis.F_s
     assert abs(float(HUNTING["position on the motor"][6])) < F_s / axis.k * 1e6
     left = abs(float(HUNTING["no integral"][6]))
     assert left < F_s / (axis.K_p * axis.K_v) * 1e6
@@ -125,23 +120,90 @@ def test_without_a_gap_the_axis_comes_to_rest() -> None:
 
 def test_the_command_runs_the_axis_and_refuses_what_is_no_speed(tmp_path: Path) -> None:
     """One command writes the SSP file, the samples and the picture; wrong use exits with 2."""
-    command = [sys.executable, "-m", "examples.feed_axis", "run", "--output", str(tmp_path)]
-    words = ["--on-motor", "--feed", "0.3mm/s", "--stop-time", "0.5"]
-    done = subprocess.run(
-        [*command, *words], capture_output=True, text=True, check=False, timeout=120, cwd=ROOT
-    )
+    words = ["--on-motor", "--feed", "0.3mm/s", "--stop-time", "0.5", "--output", str(tmp_path)]
+    done = feed_axis("run", *words)
     assert done.returncode == 0, done.stderr[-2000:]
     assert done.stderr == ""
     assert {"FeedAxis.ssp", "run.csv", "run.svg"} <= {file.name for file in tmp_path.iterdir()}
     rows = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True)
     # Friction winds the screw up: the table stays behind the motor, by F_s / k at most.
     assert 0.0 < rows["x_motor"][-1] - rows["x"][-1] < 1.01 * 981.0 / 4e7
-    wrong = subprocess.run(
-        [*command, "--feed", "5N"], capture_output=True, text=True, check=False, timeout=120,
-        cwd=ROOT,
-    )  # fmt: skip
+    wrong = feed_axis("run", "--feed", "5N")
     assert wrong.returncode == 2
     assert "expected a velocity in m/s" in wrong.stderr
+
+
+def feed_axis(*words: str) -> subprocess.CompletedProcess[str]:
+    """Run the example's command."""
+    return subprocess.run(
+        [sys.executable, "-m", "examples.feed_axis", *words],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+        cwd=ROOT,
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        ("run -o {file}", "{file}: File exists"),
+        ("build -o {file}/nope", "{file}/nope: Not a directory"),
+        ("study --document {folder}/missing.md", "{folder}/missing.md: No such file or directory"),
+        ("study --check --document {folder}", "{folder}: Is a directory"),
+        (
+            "run -o {folder} --k 1e12",
+            "T_s = 0.00025 s is out of range: it must be at most 2.43e-05",
+        ),
+        ("run -o {folder} --kv -1", "K_v = -1.0 is out of range: finite and at least 0"),
+    ],
+)
+def test_what_cannot_be_done_is_one_line(words: str, reason: str, tmp_path: Path) -> None:
+    """A file in the way, one that is missing, an axis beyond the range: a line, and exit code 2."""
+    file = tmp_path / "file"
+    file.touch()
+    names = {"file": str(file), "folder": str(tmp_path)}
+    done = feed_axis(*words.format(**names).split())
+    assert done.returncode == 2
+    assert done.stdout == ""
+    (line,) = done.stderr.splitlines()
+    assert reason.format(**names) in line
+
+
+def test_what_is_not_given_is_that_of_the_axis(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Options change what they name; T_n follows omega_v; all else is as it stands in `Axis`."""
+    nothing = dict.fromkeys(("m", "k", "K_v", "omega_v", "on_table", "feed"))
+    assert axis_with(nothing, None) == Axis()
+    stiff = axis_with({**nothing, "k": "100N/um", "on_table": False}, None)
+    assert stiff == Axis(k=1e8, on_table=False)
+    assert axis_with({**nothing, "omega_v": 600.0}, None) == Axis(omega_v=600.0, T_n=4.0 / 600.0)
+    assert axis_with(nothing, False) == Axis(T_n=0.0)
+    other = Axis(m=700.0, omega_v=200.0, T_n=0.05, K_v=20.0)
+    monkeypatch.setattr("examples.feed_axis.options.Axis", lambda: other)
+    assert axis_with({**nothing, "K_v": 30.0}, None) == replace(other, K_v=30.0)
+    assert axis_with(nothing, True) == replace(other, T_n=4.0 / 200.0)
+
+
+def test_every_option_starts_as_the_axis_is() -> None:
+    """No option of `run` for a field of the axis has a number of its own."""
+    own = {"master": "fmpy", "stop_time": "2", "output": OUTPUT}
+    for name, parameter in inspect.signature(run).parameters.items():
+        assert parameter.default == own.get(name)
+
+
+def test_gravity_is_one_number() -> None:
+    """Another gravity reaches the table's FMU, closed forms and the whole loop alike."""
+    axis = Axis(g=4.905)
+    assert axis.of_table()["g"] == axis.slideway.g == 4.905
+    slip, usual = first_slip(axis), first_slip(Axis())
+    assert slip is not None
+    assert usual is not None
+    # The jump out of rest is linear in the forces.
+    assert slip.jump == pytest.approx(0.5 * usual.jump, rel=1e-9)
+    # Half the weight breaks away at half the force.
+    F, x = (solve(axis, 0.15).column(name, axis) for name in ("F", "x"))
+    assert float(F[x == 0.0].max()) == pytest.approx(0.5 * 981.0, rel=1e-2)
 
 
 def test_pictures_are_small_and_dateless() -> None:

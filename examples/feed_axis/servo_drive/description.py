@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement
 
-from .variables import VARIABLES, Variable
+from .variables import VALUE_REFERENCES, VARIABLES, Variable
 
 MODEL = "ServoDrive"
 
@@ -62,7 +62,8 @@ def model_description(guid: str, generator: str) -> Element:
         unit = SubElement(units, "Unit", {"name": name})
         SubElement(unit, "BaseUnit", {each: str(power) for each, power in base.items()})
         SubElement(unit, "DisplayUnit", {"name": shown, "factor": repr(factor)})
-    SubElement(root, "DefaultExperiment", {"startTime": "0.0", "stepSize": "0.00025"})
+    step = repr(VARIABLES[VALUE_REFERENCES["T_s"]].start)
+    SubElement(root, "DefaultExperiment", {"startTime": "0.0", "stepSize": step})
     variables = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(VARIABLES):
         _add(variables, reference, variable)

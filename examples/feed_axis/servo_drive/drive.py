@@ -16,10 +16,50 @@ makes good, so that pulled end and motor never drift apart.
 
 from __future__ import annotations
 
+import math
+
 from .controller import Controller
 
-# Terms of the Taylor series of a motion; over one sample w h < 0.5, so the last one is 1e-14.
+# Terms of the Taylor series of a speed, and how long a sample may be for them, in units of 1 / r
+# (`objection`). Since |v^(n)| <= C r^(n-1), with C the larger of |v'| and |v''| / r, what is left
+# out over a time h is below C h (r h)^12 / 13! / (1 - r h / 14) = 4.1e-14 C h at r h = 0.5.
 _TERMS = 12
+_LONGEST = 0.5
+
+
+def inertia_at_slide(J: float, pitch: float) -> float:
+    """Return the inertia [kg] that J [kg.m2] is at the slide, with `pitch` [m] a turn.
+
+    It is J (2 pi / pitch)^2, docs/feed-axis.md (1); 0 or infinity where no double holds it.
+    """
+    per_metre = 2.0 * math.pi / pitch
+    return J * per_metre * per_metre
+
+
+def objection(m_d: float, d: float, k: float, T_s: float) -> str | None:
+    """Return why the motion cannot be told over a sample, with name, value and range; else None.
+
+    Parameters
+    ----------
+    m_d, d, k, T_s
+        As of `Drive`.
+
+    Notes
+    -----
+    Between samples m_d v'' + d v' + k v is constant, so from one derivative to the next v grows
+    by r = delta + sqrt(delta^2 + k/m_d) at most, with delta = d / (2 m_d): the root of
+    r^2 = 2 delta r + k/m_d.
+    """
+    if not 0.0 < m_d < math.inf:
+        return f"m_d = {m_d!r} kg is out of range: J (2 pi / pitch)^2 must be finite, above 0"
+    delta = 0.5 * d / m_d
+    r = delta + math.hypot(delta, math.sqrt(k / m_d))
+    if r * T_s <= _LONGEST:
+        return None
+    return (
+        f"T_s = {T_s!r} s is out of range: it must be at most {_LONGEST / r:.3g} s "
+        f"with k = {k:g} N/m, d = {d:g} N.s/m and m_d = {m_d:.4g} kg"
+    )
 
 
 class Drive:
@@ -37,9 +77,17 @@ class Drive:
         Sample time of the controller [s].
     controller
         The controller, sampled at 0, T_s, 2 T_s, ...
+
+    Raises
+    ------
+    ValueError
+        If T_s is too long for its motion; the message names values and range.
     """
 
     def __init__(self, m_d: float, d: float, k: float, T_s: float, controller: Controller) -> None:
+        refused = objection(m_d, d, k, T_s)
+        if refused is not None:
+            raise ValueError(refused)
         self._m_d, self._d, self._k, self._T_s = m_d, d, k, T_s
         self._controller = controller
         self.x = 0.0
@@ -110,7 +158,7 @@ class Drive:
                 return
 
     def _move(self, h: float, at_zero: float, speed: float) -> None:
-        """Solve m_d dv/dt = F_motor - F - d v over h [s], exactly, by its Taylor series."""
+        """Solve m_d dv/dt = F_motor - F - d v over h [s], T_s at most, by its Taylor series."""
         force = self.F_motor - at_zero - self._k * self.x - self._d * self.v
         derivative = force / self._m_d
         following = (self._k * (speed - self.v) - self._d * derivative) / self._m_d

@@ -15,10 +15,10 @@ from typing import Any
 from pythonfmu import Fmi2Slave
 
 from .controller import Controller, Gains
-from .drive import Drive
+from .drive import Drive, inertia_at_slide, objection
 from .lifetime import give_reference
 from .setpoint import SetPoint
-from .variables import VARIABLES
+from .variables import VARIABLES, Variable
 
 
 class DriveError(Exception):
@@ -60,9 +60,12 @@ class ServoDrive(Fmi2Slave):  # type: ignore[misc]
         self._set_point = SetPoint(values["feed"], values["acceleration"], values["distance"])
         gains = Gains(**{name: values[name] for name in Gains._fields})  # type: ignore[arg-type]
         self._controller = Controller(gains, self._set_point)
-        per_turn = values["pitch"] / (2.0 * math.pi)
-        m_d = values["J"] / per_turn**2
-        self._drive = Drive(m_d, values["d"], values["k"], values["T_s"], self._controller)
+        m_d = inertia_at_slide(values["J"], values["pitch"])
+        d, k, T_s = values["d"], values["k"], values["T_s"]
+        refused = objection(m_d, d, k, T_s)
+        if refused is not None:
+            raise DriveError(refused)
+        self._drive = Drive(m_d, d, k, T_s, self._controller)
         self._time = 0.0
 
     @_entry
@@ -86,22 +89,43 @@ class ServoDrive(Fmi2Slave):  # type: ignore[misc]
     @_entry
     def get_real(self, vrs: list[int]) -> list[float]:
         """Return Real values by value reference."""
-        return [float(self._values[VARIABLES[reference].name]) for reference in vrs]
+        return [float(self._value("Real", each)) for each in vrs]
 
     @_entry
     def get_integer(self, vrs: list[int]) -> list[int]:
         """Return Integer values by value reference."""
-        return [int(self._values[VARIABLES[reference].name]) for reference in vrs]
+        return [int(self._value("Integer", each)) for each in vrs]
+
+    @_entry
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """Refuse: there are no Booleans."""
+        return [bool(self._value("Boolean", each)) for each in vrs]
+
+    @_entry
+    def get_string(self, vrs: list[int]) -> list[str]:
+        """Refuse: there are no strings."""
+        return [str(self._value("String", each)) for each in vrs]
 
     @_entry
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set inputs at any time, parameters before the start."""
-        self._set(vrs, values)
+        self._set("Real", vrs, values)
 
     @_entry
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
         """Set parameters before the start."""
-        self._set(vrs, values)
+        self._set("Integer", vrs, values)
+
+    @_entry
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """Refuse: there are no Booleans."""
+        self._set("Boolean", vrs, values)
+
+    @_entry
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """Refuse: there are no strings; where one is unreadable the list of values has a hole."""
+        for reference in vrs:
+            _variable("String", reference)
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Any:
         """Return the model description, which the builder writes; the options are fixed."""
@@ -112,10 +136,13 @@ class ServoDrive(Fmi2Slave):  # type: ignore[misc]
         digest = __name__.split(".")[0].rpartition("_")[2]
         return model_description(digest, f"pythonfmu {pythonfmu.__version__}")
 
-    def _set(self, vrs: Sequence[int], values: Sequence[float]) -> None:
+    def _value(self, kind: str, reference: int) -> float:
+        return self._values[_variable(kind, reference).name]
+
+    def _set(self, kind: str, vrs: Sequence[int], values: Sequence[float]) -> None:
         for position, reference in enumerate(vrs):
             value = values[position]
-            variable = VARIABLES[reference]
+            variable = _variable(kind, reference)
             objection = variable.objection(value)
             if variable.causality == "output":
                 objection = f"{variable.name} is an output: it cannot be set"
@@ -136,3 +163,13 @@ class ServoDrive(Fmi2Slave):  # type: ignore[misc]
                 sys.stderr.write(f"ServoDrive: {self._fault}\n")
         # The wrapper hands it to the log, which is read as a printf format.
         return DriveError(self._fault.replace("%", "%%"))
+
+
+def _variable(kind: str, reference: int) -> Variable:
+    """Return the variable behind a value reference; raises DriveError where there is none."""
+    if not 0 <= reference < len(VARIABLES):
+        raise DriveError(f"there is no variable with value reference {reference}")
+    variable = VARIABLES[reference]
+    if variable.kind != kind:
+        raise DriveError(f"{variable.name} is of type {variable.kind}, not {kind}")
+    return variable

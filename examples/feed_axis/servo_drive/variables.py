@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from .drive import inertia_at_slide
+
 
 class Variable(NamedTuple):
     """One variable: as FMI 2.0 defines it, SI.
@@ -67,9 +69,13 @@ def _output(name: str, unit: str, description: str) -> Variable:
     return Variable(name, unit, "output", 0.0, description)
 
 
+# The start values are those of the example's axis, whose drive has this inertia [kg.m2], this way
+# a turn [m] and this bandwidth of the velocity loop [rad/s]; a test compares them.
+_J, _PITCH, _OMEGA_V = 6e-3, 0.01, 300.0
+
 VARIABLES: tuple[Variable, ...] = (
-    _positive("J", "kg.m2", 6e-3, "Inertia of motor, coupling and screw"),
-    _positive("pitch", "m", 0.01, "Way of the slide per turn of the screw"),
+    _positive("J", "kg.m2", _J, "Inertia of motor, coupling and screw"),
+    _positive("pitch", "m", _PITCH, "Way of the slide per turn of the screw"),
     _not_negative("d", "N.s/m", 1000.0, "Viscous friction of the drive, seen at the slide"),
     _not_negative(
         "k",
@@ -79,8 +85,15 @@ VARIABLES: tuple[Variable, ...] = (
     ),
     _positive("T_s", "s", 250e-6, "Sample time of the controller"),
     _not_negative("K_v", "1/s", 25.0, "Gain of the position controller"),
-    _not_negative("K_p", "N.s/m", 7.1e5, "Gain of the velocity controller, seen at the slide"),
-    _not_negative("T_n", "s", 0.0133, "Integral time of the velocity controller; 0: no integral"),
+    _not_negative(
+        "K_p",
+        "N.s/m",
+        inertia_at_slide(_J, _PITCH) * _OMEGA_V,
+        "Gain of the velocity controller, seen at the slide",
+    ),
+    _not_negative(
+        "T_n", "s", 4.0 / _OMEGA_V, "Integral time of the velocity controller; 0: no integral"
+    ),
     Variable(
         "on_table",
         "",
@@ -98,7 +111,7 @@ VARIABLES: tuple[Variable, ...] = (
     _not_negative("resolution_motor", "m", 1e-8, "Count of the motor's encoder; 0: exact"),
     _not_negative("resolution_table", "m", 1e-7, "Count of the table's scale; 0: exact"),
     Variable("feed", "m/s", "parameter", 5e-4, "Commanded speed"),
-    _positive("acceleration", "m/s2", 1.0, "Commanded acceleration"),
+    _positive("acceleration", "m/s2", 0.1, "Commanded acceleration"),
     _not_negative("distance", "m", 0.0, "Length of the move, after which it holds; 0: goes on"),
     Variable("F", "N", "input", 0.0, "Spring force that pulls the drive back"),
     Variable("x", "m", "input", 0.0, "Position of the table"),
