@@ -189,11 +189,18 @@ def write_archive(entries: Mapping[str, bytes], target: Path) -> None:
                 info.external_attr = 0o644 << 16
                 info.create_system = 3
                 archive.writestr(info, entries[entry], compresslevel=9)
-        part.chmod(0o644)
+        part.chmod(0o666 & ~_umask())
         part.replace(target)
     except BaseException:
         part.unlink()
         raise
+
+
+def _umask() -> int:
+    # A temporary file is private; what was asked for is not.
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
 
 
 def _digest(wrapper: str, slave: str, sources: Mapping[str, bytes]) -> str:

@@ -15,6 +15,7 @@ from stickslip_verification.fmu import (
     NameMap,
     available,
     missing,
+    new_folder,
     require,
 )
 from stickslip_verification.fmu.names import Target
@@ -262,3 +263,24 @@ def test_another_name_makes_another_fmu(tmp_path: Path) -> None:
     """A foreign FMU under another name says so in its description, and has what was set."""
     fmu = FmuFile(build("misbehaving", tmp_path, "Renamed", {"WHAT": "'raise'"}))
     assert fmu.model_identifier == "Renamed"
+
+
+def test_it_is_unpacked_where_the_wrapper_can_read_the_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A blank in the name of the temporary folder is fine; an umlaut or a # is walked around."""
+    for name, kept in (("a b", True), ("ü", False), ("a#b", False)):
+        folder = tmp_path / name
+        folder.mkdir()
+        monkeypatch.setattr("tempfile.tempdir", str(folder))
+        made = new_folder()
+        made.rmdir()
+        assert (made.parent == folder) is kept
+
+
+def test_no_plain_folder_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where there is none, the reason names the folder and what to set."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "ü"))
+    monkeypatch.setattr("stickslip_verification.fmu.unpacking._ELSEWHERE", ())
+    with pytest.raises(FmuError, match=r"ü: FMUs made with pythonfmu .* set TMPDIR"):
+        new_folder()

@@ -349,3 +349,34 @@ def test_a_damaged_fmu_is_wrong_use(
     assert answer.code == 2
     assert "damaged.fmu" in answer.err
     assert answer.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("closing", [">&-", "2>&-", ">&- 2>&-"])
+def test_closed_streams_are_no_failure(closing: str, tmp_path: Path) -> None:
+    """Who closes standard output or error gets the file all the same, and no traceback."""
+    line = f'"{sys.executable}" -c "{PROGRAM}" page -o page.html {closing}'
+    done = subprocess.run(
+        ["sh", "-c", line], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "page.html").is_file()
+
+
+def test_a_full_output_is_told(tmp_path: Path) -> None:
+    """Where the output cannot be written, one line says so, and the code is not that of success."""
+    line = f'"{sys.executable}" -c "{PROGRAM}" --version >/dev/full'
+    done = subprocess.run(["sh", "-c", line], capture_output=True, text=True, check=False)
+    assert done.returncode in (1, 2)
+    assert "No space left" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_temporary_folder_with_an_umlaut_is_no_obstacle(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The FMU is unpacked where its wrapper can read the name."""
+    folder = tmp_path / "ü"
+    folder.mkdir()
+    monkeypatch.setenv("TMPDIR", str(folder))
+    answer = command.in_fresh_process("simulate", "--stop-time", "1")
+    assert answer.code == 0, answer.err

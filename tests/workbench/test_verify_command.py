@@ -275,3 +275,15 @@ def test_a_verdict_on_another_content_is_not_packed(tmp_path: Path, fmu_path: Pa
     with pytest.raises(CommandError, match="it changed while it was judged"):
         pack_evidence(own, verdict, "--fmu")
     assert own.read_bytes() == before
+
+
+def test_a_later_run_leaves_the_evidence_in_the_fmu(command: Command, tmp_path: Path) -> None:
+    """`verify` without a file judges the one that `build` left, where that is still the same."""
+    assert command.in_fresh_process("build").code == 0
+    fmu = tmp_path / "build" / "StickSlip.fmu"
+    before = fmu.read_bytes()
+    assert command.in_fresh_process("verify", "--cases", "one-step").code == 0
+    assert fmu.read_bytes() == before
+    fmu.write_bytes(b"no FMU")
+    assert command.in_fresh_process("verify", "--cases", "one-step").code == 0
+    assert content_digest(fmu)

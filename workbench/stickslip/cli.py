@@ -41,7 +41,8 @@ app = typer.Typer(
 )
 
 for command in (build, simulate, explore, page, verify, score, prove, lint, host):
-    app.command()(command)
+    # Told whole: what is made of the text by itself is cut after 45 letters.
+    app.command(short_help=(command.__doc__ or "").partition("\n")[0])(command)
 
 
 def _show_version(wanted: bool) -> None:
@@ -68,6 +69,9 @@ def main() -> None:
     The code is 0 for done, 1 for a failed check or a reader that went away, 2 for wrong use, 70
     for an internal error, 130 for interrupted.
     """
+    # Who closes a stream does not want to see it; writing there must not fail.
+    sys.stdout = sys.stdout or open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115, PTH123
+    sys.stderr = sys.stderr or open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115, PTH123
     for stream in (sys.stdout, sys.stderr):
         # A pipe or file in a code page without Greek gets a question mark, not a crash.
         if isinstance(stream, io.TextIOWrapper):
@@ -77,7 +81,9 @@ def main() -> None:
     code = _exit_code()
     try:
         sys.stdout.flush()
-    except BrokenPipeError:
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError):
+            say(f"cannot write the output: {error.strerror or error}")
         # Python flushes once more on its way out, and would complain of the closed pipe.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = code or 1
@@ -91,7 +97,8 @@ def _exit_code() -> int:
         say(str(error))
         return WRONG_USE
     except TyperException as error:
-        say(f"{error.format_message().rstrip('.')}; see stickslip --help")
+        text = error.format_message().replace("Value error, ", "").rstrip(".")
+        say(f"{text}; see stickslip --help")
         return WRONG_USE
     except KeyboardInterrupt:
         code = INTERRUPTED

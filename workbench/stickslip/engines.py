@@ -6,9 +6,9 @@ Both are sampled at the same times and give the same `Run`.
 import contextlib
 import io
 import math
-import tempfile
+import shutil
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -160,7 +160,7 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, 
 
     known = {variable.name for variable in description.modelVariables}
     with (
-        tempfile.TemporaryDirectory(prefix="stickslip-") as folder,
+        _unpacked(fmu) as folder,
         deferred_interrupt() as interrupted,
         # The FMU says a failure on standard error too, for importers that drop its log.
         contextlib.redirect_stderr(io.StringIO()) as said,
@@ -171,7 +171,6 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, 
             return not interrupted()
 
         try:
-            fmpy.extract(str(fmu), unzipdir=folder)
             samples = fmpy.simulate_fmu(
                 folder,
                 start_time=what.start_time,
@@ -195,11 +194,34 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, 
     return Run("fmu", dict(what.parameters), samples, events, hidden), messages
 
 
+@contextlib.contextmanager
+def _unpacked(fmu: Path) -> Iterator[str]:
+    """Unpack an FMU for as long as it runs."""
+    import fmpy
+
+    from stickslip_verification.fmu import FmuError, new_folder
+
+    try:
+        folder = new_folder()
+    except FmuError as error:
+        raise CommandError(str(error)) from error
+    try:
+        fmpy.extract(str(fmu), unzipdir=str(folder))
+    except Exception as error:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise CommandError(f"{fmu}: {_one_line(error)}") from error
+    try:
+        yield str(folder)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
 def _description(fmu: Path) -> Any:
     import fmpy
 
     if not fmu.is_file():
-        raise CommandError(f"--fmu {fmu}: there is no such file")
+        reason = "it is not a file" if fmu.exists() else "there is no such file"
+        raise CommandError(f"--fmu {fmu}: {reason}")
     try:
         description = fmpy.read_model_description(str(fmu))
     except Exception as error:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from stickslip_verification.fmu.errors import FmuError
     from stickslip_verification.fmu.instance import FmuInstance, State
     from stickslip_verification.fmu.names import NameMap, NamesError, load_names
+    from stickslip_verification.fmu.unpacking import new_folder
     from stickslip_verification.fmu.variables import Variable
 
 _HOME = {
@@ -31,6 +32,7 @@ _HOME = {
     "content_digest": "digest",
     "load_names": "names",
     "missing": "archive",
+    "new_folder": "unpacking",
     "require": "archive",
 }
 
@@ -47,6 +49,7 @@ __all__ = [
     "content_digest",
     "load_names",
     "missing",
+    "new_folder",
     "require",
 ]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import tempfile
 import weakref
 import xml.etree.ElementTree as ElementTree
 import zipfile
@@ -19,6 +18,7 @@ from stickslip_verification.fmu.fmi2 import Fmi2Instance
 from stickslip_verification.fmu.fmi3 import Fmi3Instance
 from stickslip_verification.fmu.instance import FmuInstance
 from stickslip_verification.fmu.names import NameMap
+from stickslip_verification.fmu.unpacking import new_folder
 from stickslip_verification.fmu.variables import Variable, collect, extra_outputs
 
 _FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
@@ -75,7 +75,7 @@ class FmuFile:
         self.once_per_process: bool = interface.canBeInstantiatedOnlyOncePerProcess
         self.variables: Mapping[str, Variable] = collect(path.name, description, self.names)
         self.extra_outputs: tuple[str, ...] = extra_outputs(description, self.variables)
-        self.folder = Path(tempfile.mkdtemp(prefix="stickslip-fmu-"))
+        self.folder = new_folder()
         self.close = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
         try:
             fmpy.extract(str(path), unzipdir=str(self.folder))

@@ -33,7 +33,7 @@ def _weasyprint() -> Any:
     try:
         return import_module("weasyprint")
     except ImportError:
-        raise PdfUnavailableError("no WeasyPrint here: pip install 'stickslip[pdf]'") from None
+        raise PdfUnavailableError("no WeasyPrint here: pip install weasyprint") from None
     except OSError as error:
         library = str(error).splitlines()[0]
         raise PdfUnavailableError(

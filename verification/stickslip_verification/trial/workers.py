@@ -15,6 +15,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import TimeoutError as Late
 from dataclasses import dataclass
+from multiprocessing import forkserver, resource_tracker
 from multiprocessing.context import BaseContext
 from pathlib import Path
 from types import TracebackType
@@ -42,6 +43,9 @@ TIME_LIMIT = 60.0
 
 PROBE_LIMIT = 10.0
 """Seconds that one probe may take; it takes milliseconds."""
+
+_ERRORS = 2
+"""The descriptor of standard error."""
 
 
 def jobs_here() -> int:
@@ -216,4 +220,38 @@ def _context() -> BaseContext:
     context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
     if "forkserver" in methods:
         context.set_forkserver_preload([__name__])
+        _start_server()
     return context
+
+
+def _start_server() -> None:
+    """Start the process that is forked: deaf to Ctrl-C and silent from its first moment on.
+
+    By itself it turns deaf once it has loaded everything, which takes a second; and a process that
+    it forks while the work is called off has nothing to say that is of use.
+    """
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        with _silent():
+            forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """Let what is started here write its errors nowhere."""
+    try:
+        kept = os.dup(_ERRORS)
+    except OSError:  # closed already
+        yield
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, _ERRORS)
+    os.close(nowhere)
+    try:
+        yield
+    finally:
+        os.dup2(kept, _ERRORS)
+        os.close(kept)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from stickslip.commands.shared import DEFAULT_FMU, build_fmu, long_work, pack_evidence, say
+from stickslip.commands.shared import DEFAULT_FMU, build_fmu, long_work, pack_evidence, say, tell_of
 
 if TYPE_CHECKING:
     from stickslip_verification import Verdict
@@ -50,16 +50,13 @@ def build(
     It carries its documentation, and as evidence the default experiment, its result and a report
     on that; `stickslip verify --pack` puts in the report on every case.
     """
-    import hashlib
-
     fmu = build_fmu(output, "-o", fmi.major)
     failed = False
     if not bare:
         verdict = _verdict(fmu)
         failed = not verdict.passed
         pack_evidence(fmu, verdict, "-o")
-    content = fmu.read_bytes()
-    print(f"{fmu}  {len(content)} bytes  SHA-256 {hashlib.sha256(content).hexdigest()}")
+    tell_of(fmu)
     if failed:
         say("the default experiment fails its checks, and the FMU says so: see stickslip verify")
         raise typer.Exit(1)

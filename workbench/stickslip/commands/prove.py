@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from stickslip.commands.shared import DEFAULT_FMU, build_fmu, console, long_work
+from stickslip.commands.shared import console, current_fmu, long_work
 from stickslip.errors import CommandError
 
 
@@ -29,7 +29,7 @@ def prove(
     if not 0.0 < fraction <= 1.0:
         raise CommandError(f"--fraction {fraction!r}: must be above 0 and at most 1")
     if fmu is None:
-        fmu = build_fmu(DEFAULT_FMU, "--fmu")
+        fmu = current_fmu()
     with long_work("Proving", here=True) as progress:
         try:
             results = prove_all(fmu, seed, fraction, progress)

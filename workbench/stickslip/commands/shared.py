@@ -3,6 +3,7 @@
 import contextlib
 import io
 import sys
+import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -54,6 +55,31 @@ def build_fmu(target: Path, option: str, fmi_version: Literal[2, 3] = 2) -> Path
             raise CommandError(f"{option} {target}: cannot write the FMU: {reason}") from error
         except ValueError as error:
             raise CommandError(str(error)) from error
+
+
+def current_fmu() -> Path:
+    """Build the FMU anew where `stickslip build` puts it, unless it is there as it would be built.
+
+    What is there may carry evidence, which a bare one would take away.
+    """
+    import tempfile
+
+    from stickslip_verification.fmu import content_digest
+
+    with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+        built = build_fmu(Path(folder), "--fmu")
+        with contextlib.suppress(OSError, zipfile.BadZipFile):
+            if content_digest(DEFAULT_FMU) == content_digest(built):
+                return DEFAULT_FMU
+    return build_fmu(DEFAULT_FMU, "--fmu")
+
+
+def tell_of(fmu: Path) -> None:
+    """Print where an FMU is, its size and its SHA-256."""
+    import hashlib
+
+    content = fmu.read_bytes()
+    print(f"{fmu}  {len(content)} bytes  SHA-256 {hashlib.sha256(content).hexdigest()}")
 
 
 def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:

@@ -1,5 +1,6 @@
 """`stickslip verify`: an FMU and the reference judged, and the report of it."""
 
+import os
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -8,7 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.commands.shared import DEFAULT_FMU, build_fmu, console, long_work, pack_evidence
+from stickslip.commands.shared import (
+    DEFAULT_FMU,
+    console,
+    current_fmu,
+    long_work,
+    pack_evidence,
+    tell_of,
+)
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
@@ -105,6 +113,7 @@ def verify(
         print(file)
     if pack:
         pack_evidence(fmu or DEFAULT_FMU, verdict, "--fmu")
+        tell_of(fmu or DEFAULT_FMU)
     if accept:
         _accept(verdict)
     elif not verdict.passed:
@@ -166,11 +175,13 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
     if not is_ours(file):
         raise CommandError(f"--pack: {fmu} is not one of ours")
     check_writable(fmu, "--pack")
+    if not os.access(fmu, os.W_OK):
+        raise CommandError(f"--pack {fmu}: it is write-protected")
 
 
 def _check(fmu: Path | None, names: Path | None, time_limit: float) -> None:
     if fmu is not None and not fmu.is_file():
-        raise CommandError(f"--fmu {fmu}: no such file")
+        raise CommandError(f"--fmu {fmu}: {'not a file' if fmu.exists() else 'no such file'}")
     if names is not None and fmu is None:
         raise CommandError("--names goes with --fmu: our own FMU needs no map")
     if not 0.0 < time_limit < float("inf"):
@@ -243,7 +254,7 @@ def _verdict(
     from stickslip_verification import FmuError, MutantError, verify
 
     if fmu is None:
-        fmu = build_fmu(DEFAULT_FMU, "--fmu")
+        fmu = current_fmu()
     with long_work("Verifying", here=False) as progress:
         try:
             return verify(
