@@ -22,7 +22,8 @@ _OMEGA_V: Final = 300.0
 def critically_damped(omega_v: float) -> float:
     """Return the integral time [s] that critically damps a velocity loop of omega_v [rad/s].
 
-    Its poles are the roots of s^2 + omega_v s + omega_v / T_n, a double one at T_n = 4 / omega_v.
+    That of the drive alone; the spring to a table that sticks makes it swing. Its poles are the
+    roots of s^2 + omega_v s + omega_v / T_n, a double one at T_n = 4 / omega_v.
     """
     return 4.0 / omega_v
 
@@ -56,11 +57,11 @@ class Axis:
         Sample time of the controller [s]; how long it may be depends on k, d and m_d
         (`servo_drive.drive.objection`).
     K_v : float
-        Position gain [1/s]. 25 1/s is 1.5 m/min per mm of following error; with `omega_v`
-        = 300 1/s it is well below omega_v / 4, where the position loop begins to overshoot.
+        Position gain [1/s]. 25 1/s is 1.5 m/min per mm of following error; with the scale a
+        third of 72 1/s, from where on the table that slides is unstable (`sliding_mode`).
     omega_v : float
-        Bandwidth of the velocity loop [rad/s]: K_p = m_d omega_v. Above the resonance of table
-        and screw (283 rad/s) it would only shake the motor; below, the drive grows soft.
+        Bandwidth of the velocity loop [rad/s]: K_p = m_d omega_v. With the scale the damping of
+        the table that slides is greatest at 250 to 300 1/s; above 716 1/s it is unstable.
     T_n : float
         Integral time of the velocity controller [s], that of `critically_damped`. 0: no
         integral.

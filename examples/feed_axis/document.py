@@ -159,8 +159,8 @@ def pictures_of(folder: Path, errors: dict[str, list[float]]) -> dict[str, str]:
             "creeping": plots.creeping(creeping[base.name], base.axis, 1.5, 0.2),
             "creeping-variants": plots.small_multiples(creeping, 1.5, 0.15, (1e-3, "ms")),
             "rising": plots.rising(rising, base.axis),
-            "hunting": plots.holding(holding[base.name], base.axis, 6.0, 3.0),
-            "hunting-variants": plots.small_multiples(holding, 6.0, 6.0, (1.0, "s")),
+            "hunting": plots.holding(holding[base.name], base.axis, 15.0, 3.0),
+            "hunting-variants": plots.small_multiples(holding, None, 6.0, (1.0, "s")),
             "coupling": plots.convergence(STEPS, errors, jump),
         }
         return {name: plots.as_svg(page) for name, page in pages.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -72,7 +73,7 @@ def coupling_damping(w_d: float, w: float, h: float) -> float:
 
 
 def first_slip(axis: Axis) -> Slip | None:
-    """Return the slip out of rest, the spring loaded slowly; docs/feed-axis.md (5).
+    """Return the slip out of rest, the motor at rest at break-away; docs/feed-axis.md (5).
 
     The drive is the continuous, linear one: no sampling, no encoder counts.
     """
@@ -123,22 +124,37 @@ def jumps_over_feed(axis: Axis) -> Iterator[tuple[float, float]]:
         feed *= _FASTER
 
 
+@functools.lru_cache
 def critical_feed(axis: Axis) -> float:
     """Return the feed [m/s] at which jumping ends when the feed rises slowly; 0 without any."""
     return max((feed for feed, _ in jumps_over_feed(axis)), default=0.0)
 
 
-def hunting_period(axis: Axis) -> float:
-    """Return the period of hunting around the target [s]; docs/feed-axis.md (6).
+def hunting_slip(axis: Axis) -> Slip | None:
+    """Return the slip of hunting around the target; docs/feed-axis.md (6).
 
-    Infinite where nothing winds up: position on the motor, no integral, or no gap.
+    None where nothing winds up: position on the motor, or no integral; where a slip does not end;
+    and where the dead band takes the error that a jump leaves for none.
+
+    Notes
+    -----
+    Before the break-away the motor creeps at v_d = alpha K_v J / 2, so the integral feeds drive
+    and spring in series, and during the slip it goes on at v_d but for what (5) tells:
+    J = J_5 + v_d t_slip.
     """
     at_rest = first_slip(axis)
     if not axis.on_table or axis.T_n == 0.0 or at_rest is None or at_rest.jump <= 0.0:
-        return math.inf
-    swing = 2.0 * axis.F_s - at_rest.relief
+        return None
+    alpha = 1.0 / (1.0 + axis.k * axis.T_n / axis.K_p)
+    longer = 1.0 - 0.5 * alpha * axis.K_v * at_rest.t_slip
+    if longer <= 0.0:
+        return None
+    jump = at_rest.jump / longer
+    if 0.5 * jump <= axis.dead_band:
+        return None
     softness = 1.0 / axis.k + axis.T_n / axis.K_p
-    return 2.0 * swing * softness / (axis.K_v * 0.5 * at_rest.jump)
+    period = 4.0 / axis.K_v * (2.0 * axis.F_s * softness / jump - 1.0)
+    return replace(at_rest, jump=jump, period=period)
 
 
 class _End(NamedTuple):

@@ -120,7 +120,7 @@ def holding(run: Run, axis: Axis, start: float, length: float) -> Figure:
 
 
 def small_multiples(
-    runs: Mapping[str, Run], start: float, length: float, unit: tuple[float, str]
+    runs: Mapping[str, Run], start: float | None, length: float, unit: tuple[float, str]
 ) -> Figure:
     """Draw what the table is off its command by, one panel a variant, all to the same scale.
 
@@ -129,7 +129,7 @@ def small_multiples(
     runs
         Runs by the names of their variants.
     start, length
-        What to show of each [s].
+        What to show of each [s]; where start is None, its end.
     unit
         Size [s] and symbol of the unit of time.
     """
@@ -140,8 +140,9 @@ def small_multiples(
     page = Figure(figsize=(_WIDTH, 1.55 * rows + 0.3), layout="constrained")
     panels = page.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for panel, (name, run) in zip(panels.ravel(), runs.items(), strict=False):
-        part = _window(run, start, start + length)
-        t = (part["time"] - start) / unit[0]
+        begin = float(run["time"][-1]) - length if start is None else start
+        part = _window(run, begin, begin + length)
+        t = (part["time"] - begin) / unit[0]
         panel.axhline(0.0, color=GREY, lw=0.8)
         _curve(panel, t, (part["x"] - part["x_command"]) * 1e6, BLUE)
         panel.set_title(name.replace("µ_s", "$\\mu_s$").replace("K_v", "$K_v$"))

@@ -214,11 +214,15 @@ def _tell(axis: Axis, found: Run) -> None:
 def _creeping(axis: Axis, found: Run) -> list[tuple[str, str, str]]:
     from .estimates import critical_feed, steady_slip
     from .measure import creep
+    from .sliding import sliding_mode
 
     seen = creep(found)
     # Backward everything is the same with the other sign.
     axis = replace(axis, feed=abs(axis.feed))
     expected, rigid = steady_slip(axis), _rigid(axis)
+    damping = sliding_mode(axis).damping
+    # What shakes by itself never slides evenly.
+    ends = f"{critical_feed(axis) * 1e3:.3g} mm/s" if damping > 0.0 else "nowhere"
     return [
         ("jumps in the second half", str(seen.jumps), ""),
         ("jump", _micro(seen.jump), _micro(expected.jump) if expected else "none"),
@@ -226,20 +230,21 @@ def _creeping(axis: Axis, found: Run) -> list[tuple[str, str, str]]:
         ("period", _seconds(seen.period), _seconds(expected.period) if expected else "none"),
         ("mean following error", _micro(seen.error), ""),
         ("unevenness, rms", _micro(seen.unevenness), ""),
-        ("jumping ends at a feed of", "", f"{critical_feed(axis) * 1e3:.3g} mm/s"),
+        ("jumping ends at a feed of", "", ends),
         ("the same on a rigid drive", "", f"{rigid['v_c'] * 1e3:.3g} mm/s"),
+        ("damping ratio while it slides", "", f"{damping * 100:.2g} %"),
     ]
 
 
 def _holding(axis: Axis, found: Run) -> list[tuple[str, str, str]]:
-    from .estimates import first_slip, hunting_period
+    from .estimates import hunting_slip
     from .measure import hunting
 
-    seen, expected = hunting(found), first_slip(axis)
+    seen, expected = hunting(found), hunting_slip(axis)
     return [
         ("comes to rest", "yes" if seen.stops else "no", ""),
         ("jump", _micro(seen.jump), _micro(expected.jump) if expected else "none"),
-        ("period", _seconds(seen.period), _seconds(hunting_period(axis))),
+        ("period", _seconds(seen.period), _seconds(expected.period) if expected else "none"),
         ("mean distance from the target", _micro(seen.offset), ""),
     ]
 

@@ -20,6 +20,10 @@ from .lifetime import give_reference
 from .setpoint import SetPoint
 from .variables import VARIABLES, Variable
 
+_NO_STATES = "states cannot be taken, set or written out: canGetAndSetFMUstate is false"
+# So often a simulator may set or write out the state that a refused call has left it without.
+_CALLS_WITH_NULL = 8
+
 
 class DriveError(Exception):
     """A call that failed; the text is for the user of the simulator."""
@@ -127,6 +131,30 @@ class ServoDrive(Fmi2Slave):  # type: ignore[misc]
         for reference in vrs:
             _variable("String", reference)
 
+    # The description says that there are no states. Where a simulator asks all the same, a refusal
+    # is what it must get: pythonfmu's own calls would restore nothing and say that they had.
+
+    def _get_fmu_state(self) -> Any:
+        # The simulator is left with no state. Where it sets that or writes it out all the same, the
+        # wrapper fails before it calls anybody here.
+        for _ in range(_CALLS_WITH_NULL):
+            self._give_references()
+        raise self._fail(DriveError(_NO_STATES))
+
+    @_entry
+    def _set_fmu_state(self, state: Any) -> None:
+        raise DriveError(_NO_STATES)
+
+    # The wrapper calls the next two without an instance and could not survive an exception.
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: Any) -> bytes:
+        return b"null"
+
+    @staticmethod
+    def _fmu_state_from_bytes(content: bytes) -> list[Any]:
+        return []
+
     def to_xml(self, model_options: dict[str, str] | None = None) -> Any:
         """Return the model description, which the builder writes; the options are fixed."""
         import pythonfmu  # only a build asks, and an import of the whole builder is slow
@@ -154,8 +182,7 @@ class ServoDrive(Fmi2Slave):  # type: ignore[misc]
 
     def _fail(self, error: BaseException) -> DriveError:
         """Return the exception that ends this and every later call; say it once."""
-        for lost in (self, type(self), self.log_queue):
-            give_reference(lost)
+        self._give_references()
         if self._fault is None:
             known = isinstance(error, DriveError)
             self._fault = str(error) if known else f"internal error: {error!r}"
@@ -163,6 +190,11 @@ class ServoDrive(Fmi2Slave):  # type: ignore[misc]
                 sys.stderr.write(f"ServoDrive: {self._fault}\n")
         # The wrapper hands it to the log, which is read as a printf format.
         return DriveError(self._fault.replace("%", "%%"))
+
+    def _give_references(self) -> None:
+        """Make up for what the wrapper loses at one failure."""
+        for lost in (self, type(self), self.log_queue):
+            give_reference(lost)
 
 
 def _variable(kind: str, reference: int) -> Variable:
