@@ -109,6 +109,26 @@ class Face:
         self._ready = False
         self._phase = "terminated"
 
+    @entry
+    def get_boolean(self, vrs: List[int]) -> List[bool]:
+        """Return Boolean values by value reference."""
+        return self._read("Boolean", vrs)
+
+    @entry
+    def get_string(self, vrs: List[int]) -> List[str]:
+        """Refuse: there are no strings."""
+        return self._read("String", vrs)
+
+    @entry
+    def set_boolean(self, vrs: List[int], values: List[bool]) -> None:
+        """Take nothing: no Boolean is an input."""
+        self._refuse_to_set("Boolean", vrs, values)
+
+    @entry
+    def set_string(self, vrs: List[int], values: List[str]) -> None:
+        """Refuse: there are no strings."""
+        self._refuse_texts(vrs)
+
     def _get_fmu_state(self) -> Handle:
         try:
             if self._fault is not None:

@@ -55,16 +55,6 @@ class StickSlip(Face, Fmi2Slave):  # type: ignore[misc]
         return self._read("Integer", vrs)
 
     @entry
-    def get_boolean(self, vrs: List[int]) -> List[bool]:
-        """Return Boolean values by value reference."""
-        return self._read("Boolean", vrs)
-
-    @entry
-    def get_string(self, vrs: List[int]) -> List[str]:
-        """Refuse: there are no strings."""
-        return self._read("String", vrs)
-
-    @entry
     def set_real(self, vrs: List[int], values: List[float]) -> None:
         """Set parameters and inputs; in a running simulation they act from the next step on."""
         self._set("Real", vrs, values)
@@ -74,15 +64,9 @@ class StickSlip(Face, Fmi2Slave):  # type: ignore[misc]
         """Take nothing but start values before the start: no Integer is an input."""
         self._refuse_to_set("Integer", vrs, values)
 
-    @entry
-    def set_boolean(self, vrs: List[int], values: List[bool]) -> None:
-        """Take nothing: no Boolean is an input."""
-        self._refuse_to_set("Boolean", vrs, values)
-
-    @entry
-    def set_string(self, vrs: List[int], values: List[str]) -> None:
-        """Refuse: there are no strings."""
-        self._refuse_texts(vrs)
+    # For a text that it cannot read the wrapper looks this up with an exception pending, and then
+    # Python gives up at the first class that lacks it.
+    set_string = Face.set_string
 
     def to_xml(self, model_options: Optional[Dict[str, str]] = None) -> Any:
         """Return the model description, which the builder writes; the options are fixed."""

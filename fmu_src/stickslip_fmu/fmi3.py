@@ -109,16 +109,6 @@ class StickSlip(Face, Fmi3Slave):  # type: ignore[misc]
         return self._read("UInt64", vrs)
 
     @entry
-    def get_boolean(self, vrs: List[int]) -> List[bool]:
-        """Return Boolean values by value reference."""
-        return self._read("Boolean", vrs)
-
-    @entry
-    def get_string(self, vrs: List[int]) -> List[str]:
-        """Refuse: there are no strings."""
-        return self._read("String", vrs)
-
-    @entry
     def set_float64(self, vrs: List[int], values: List[float]) -> None:
         """Set parameters and inputs; in a running simulation they act from the next step on."""
         if TIME in vrs:
@@ -139,16 +129,6 @@ class StickSlip(Face, Fmi3Slave):  # type: ignore[misc]
     def set_uint64(self, vrs: List[int], values: List[int]) -> None:
         """Refuse: there are none."""
         self._refuse_to_set("UInt64", vrs, values)
-
-    @entry
-    def set_boolean(self, vrs: List[int], values: List[bool]) -> None:
-        """Refuse: no Boolean is an input."""
-        self._refuse_to_set("Boolean", vrs, values)
-
-    @entry
-    def set_string(self, vrs: List[int], values: List[str]) -> None:
-        """Refuse: there are no strings."""
-        self._refuse_texts(vrs)
 
     set_time = _absent("fmi3SetTime")
     update_discrete_states = _absent("fmi3UpdateDiscreteStates")
