@@ -1,0 +1,103 @@
+"""Facts about `tools/same.py`, which says whether a change left reports and FMUs as they were."""
+
+import copy
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stickslip_verification import load_mutants
+from stickslip_verification.mutants import plant
+
+TOOL = Path(__file__).parents[1] / "tools" / "same.py"
+
+ROW = {
+    "case": "default",
+    "check": "T-exact",
+    "side": "fmu",
+    "expected": 0.3,
+    "got": 0.3,
+    "tolerance": 1e-12,
+    "measure": "relative",
+    "verdict": "pass",
+}
+REPORT: dict[str, Any] = {
+    "checks": [ROW, {**ROW, "side": "reference"}],
+    "kills": {"rows": [{"mutant": "tanh", "failing": {"T-exact": 3}}]},
+    "provenance": {"created": "today"},
+}
+
+
+def same(old: Path, new: Path, *options: str) -> tuple[int, str]:
+    """Run the tool; return its exit code and what it printed."""
+    done = subprocess.run(
+        [sys.executable, str(TOOL), str(old), str(new), *options],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+def changed(report: dict[str, Any], *path: str | int, to: object) -> dict[str, Any]:
+    """Return a report with another value at a path."""
+    twin = copy.deepcopy(report)
+    node: Any = twin
+    for part in path[:-1]:
+        node = node[part]
+    node[path[-1]] = to
+    return twin
+
+
+@pytest.mark.parametrize(
+    ("new", "code", "told"),
+    [
+        (changed(REPORT, "provenance", "created", to="tomorrow"), 0, "the same"),
+        (changed(REPORT, "checks", 1, "got", to=0.30000000000000004), 1, "T-exact (reference): {"),
+        (changed(REPORT, "checks", 0, "tolerance", to=1e-11), 1, "rows: 2 and 2, 1 different"),
+        (changed(REPORT, "checks", 0, "check", to="T"), 1, "default / T-exact (fmu): gone"),
+        (changed(REPORT, "kills", "rows", 0, "failing", "T-exact", to=2), 1, "tanh: {'T-exact': 3"),
+    ],
+)
+def test_reports_differ_by_what_a_row_compared(
+    tmp_path: Path, new: dict[str, Any], code: int, told: str
+) -> None:
+    """A value, a tolerance, a check or a detection that changed is told; a date is not."""
+    for name, report in (("old", REPORT), ("new", new)):
+        (tmp_path / f"{name}.json").write_text(json.dumps(report), encoding="utf-8")
+    found, printed = same(tmp_path / "old.json", tmp_path / "new.json")
+    assert (found, told in printed) == (code, True), printed
+
+
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        ("description-type", "ScalarVariable mu_s 1: {"),
+        ("meter-jump-unsigned", "delta_x: sample"),
+    ],
+)
+def test_fmus_differ_by_description_or_bits(
+    fmu_path: Path, tmp_path: Path, fault: str, told: str
+) -> None:
+    """One other word of the description or bit of an output is told; an FMU is itself."""
+    planted = plant(fmu_path, load_mutants(fault)[0], tmp_path)
+    assert same(fmu_path, fmu_path, "--sequences", "3") == (
+        0,
+        "elements of the description: 173 and 173, 0 different\n"
+        "random sequences: 66 and 66, 0 different\nthe same\n",
+    )
+    code, printed = same(fmu_path, planted, "--sequences", "12")
+    assert (code, told in printed) == (1, True), printed
+
+
+def test_what_cannot_be_compared_is_refused(tmp_path: Path) -> None:
+    """A missing file, or a report and an FMU, end with exit code 2 and a line."""
+    report = tmp_path / "report.json"
+    report.write_text(json.dumps(REPORT), encoding="utf-8")
+    (tmp_path / "a.fmu").touch()
+    for other, told in (("none.json", "no such file"), ("a.fmu", "two report.json or two .fmu")):
+        code, printed = same(report, tmp_path / other)
+        assert (code, told in printed) == (2, True)
