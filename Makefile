@@ -10,10 +10,10 @@ verify: $(VENV)/ready
 	$(BIN)/stickslip build --bare
 	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --pack
 
-# The suite on trial as well: every planted fault must fail a check named in advance. Minutes.
+# The suite on trial as well: every planted fault must fail a check named in advance.
 convict: $(VENV)/ready
 	$(BIN)/stickslip build --bare
-	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --mutants
+	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --fault '*'
 
 test: $(VENV)/ready-to-test
 	$(BIN)/python -m pytest

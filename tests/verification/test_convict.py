@@ -66,6 +66,33 @@ def test_a_fault_that_does_not_fit_is_told(fmu_path: Path) -> None:
     assert "friction.py" in (kills.rows[0].broken or "")
 
 
+def test_in_the_gate_a_fault_is_tried_where_it_was_foretold(fmu_path: Path) -> None:
+    """The first foretold check that fails ends it, in one case; idle checks are not asked for."""
+    kills = convict(fmu_path, [fault("constant-g")], ground(), load_laws(), jobs=1, whole=False)
+    (row,) = kills.rows
+    assert row.caught
+    assert set(row.failing.values()) == {1}
+    assert set(row.failing) <= set(row.wanted)
+    assert kills.idle == {}
+    assert kills.passed
+
+
+def test_a_fault_of_the_interface_needs_its_probe_alone(fmu_path: Path) -> None:
+    """A refusal that is missing is seen by the probe that was foretold, and by it alone."""
+    kills = convict(fmu_path, [fault("refusal-nan")], ground(), load_laws(), jobs=1, whole=False)
+    assert kills.rows[0].failing == {"refuses-nan": 1}
+
+
+def test_a_fault_that_was_foretold_wrongly_is_tried_on_everything(fmu_path: Path) -> None:
+    """Where no foretold check fails, the row says which others do, so the next try is right."""
+    wrong = replace(fault("constant-g"), convicted_by=("mode-and-sticking-agree",))
+    kills = convict(fmu_path, [wrong], ground(), load_laws(), jobs=1, whole=False)
+    (row,) = kills.rows
+    assert not row.caught
+    assert not kills.passed
+    assert row.failing["F_s-course"] == 1
+
+
 def test_a_check_that_kills_nothing_needs_a_reason(fmu_path: Path) -> None:
     """With one fault most checks are idle, and without reasons the suite does not pass."""
     kills = tried(fmu_path, fault("constant-g"))

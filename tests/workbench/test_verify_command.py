@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -20,6 +21,7 @@ from stickslip_verification import load_cases
 from stickslip_verification import verify as judge
 from stickslip_verification.cases import CASES_FOLDER
 from stickslip_verification.fmu import content_digest
+from stickslip_verification.mutants.planted import FAULTS_FOLDER
 from tests.verification.foreign import building
 
 from .running import PROGRAM, Command
@@ -123,6 +125,26 @@ def test_own_cases_can_be_run(command: Command, fmu_path: Path, tmp_path: Path) 
         assert " mine " in answer.out
 
 
+@pytest.mark.parametrize(
+    ("foretold", "code", "told"),
+    [
+        ("F_s-course", 0, "1 of 1 planted faults caught as foretold"),
+        ("stick-holds-x", 1, "SURVIVED mine (wanted stick-holds-x): it fails "),
+    ],
+)
+def test_own_faults_can_be_tried(
+    command: Command, fmu_path: Path, tmp_path: Path, foretold: str, code: int, told: str
+) -> None:
+    """A fault of one's own; foretold wrongly it survives, and what sees it is told."""
+    text = (FAULTS_FOLDER / "constant-g.toml").read_text(encoding="utf-8")
+    text = text.replace('"constant-g"', '"mine"', 1)
+    text = re.sub(r"convicted_by = \[.*?\]", f'convicted_by = ["{foretold}"]', text, flags=re.S)
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    answer = command("verify", "--fmu", fmu_path, "--cases", "default", "--fault", "mine.toml")
+    assert answer.code == code, answer.out
+    assert told in answer.out
+
+
 def test_a_baseline_shows_how_margins_moved(command: Command, fmu_path: Path) -> None:
     """Against its own earlier report nothing moved."""
     arguments = ("verify", "--fmu", fmu_path, "--cases", "one-step", "-o", "old.json")
@@ -145,6 +167,8 @@ def test_a_baseline_shows_how_margins_moved(command: Command, fmu_path: Path) ->
         (["--cases", "{broken}"], "broken.toml: line 1: "),
         (["--baseline", "none.json"], "none.json: no such file"),
         (["--baseline", "{text}"], "text.fmu: "),
+        (["--fault", "nothing"], "--fault"),
+        (["--fault", "none.toml"], "--fault none.toml: no such file"),
         (["--jobs", "0"], "--jobs"),
         (["--time-limit", "-1"], "--time-limit"),
         (["--accept", "--fmu", "{slider}", "--names", "{names}"], "only our own FMU"),

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from stickslip_verification.laws import LawError, load_laws
     from stickslip_verification.linter import lint
     from stickslip_verification.margins import margin
-    from stickslip_verification.mutants import Mutant, MutantError, load_mutants
+    from stickslip_verification.mutants import Mutant, MutantError, load_mutant, load_mutants
     from stickslip_verification.proofs import ProofResult, prove
     from stickslip_verification.report import (
         ClaimSection,
@@ -69,6 +69,7 @@ _HOME = {
     "load_case": "cases",
     "load_cases": "cases",
     "load_laws": "laws",
+    "load_mutant": "mutants",
     "load_mutants": "mutants",
     "load_names": "fmu",
     "packed_report": "report",
@@ -111,6 +112,7 @@ __all__ = [
     "load_case",
     "load_cases",
     "load_laws",
+    "load_mutant",
     "load_mutants",
     "load_names",
     "margin",

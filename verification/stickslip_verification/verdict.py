@@ -175,12 +175,14 @@ class KillMatrix:
     """Every planted fault against every check.
 
     ``checks`` are the columns, in the order of the suite. ``idle`` gives, for each check that kills
-    nothing, why it stays ("" where nothing says why, which fails the suite).
+    nothing, why it stays ("" where nothing says why, which fails the suite). Where it is not
+    ``whole``, each fault was tried on what was foretold alone, up to the first check that failed.
     """
 
     checks: Sequence[str]
     rows: Sequence[Conviction]
     idle: Mapping[str, str]
+    whole: bool = True
 
     @property
     def passed(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -118,6 +118,13 @@ class Laws:
         """Give every law."""
         for each in fields(self):
             yield from getattr(self, each.name)
+
+    def only(self, names: Collection[str]) -> Laws:
+        """Give those of these ids."""
+        families = {each.name: getattr(self, each.name) for each in fields(self)}
+        return Laws(
+            **{family: [law for law in of if law.id in names] for family, of in families.items()}
+        )
 
 
 _SHARED: Mapping[str, Mapping[str, Any]] = {

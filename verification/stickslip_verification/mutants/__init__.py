@@ -12,15 +12,21 @@ from stickslip_verification.lazy import face
 
 if TYPE_CHECKING:
     from stickslip_verification.mutants.maker import plant
-    from stickslip_verification.mutants.planted import Mutant, MutantError, load_mutants
+    from stickslip_verification.mutants.planted import (
+        Mutant,
+        MutantError,
+        load_mutant,
+        load_mutants,
+    )
 
 _HOME = {
     "Mutant": "planted",
     "MutantError": "planted",
+    "load_mutant": "planted",
     "load_mutants": "planted",
     "plant": "maker",
 }
 
-__all__ = ["Mutant", "MutantError", "load_mutants", "plant"]
+__all__ = ["Mutant", "MutantError", "load_mutant", "load_mutants", "plant"]
 
 __getattr__, __dir__ = face(__name__, _HOME)

@@ -39,6 +39,7 @@ class KillView:
     rows: Sequence[FaultRow]
     totals: Sequence[int]
     idle: Sequence[tuple[str, str]]
+    whole: bool
 
     @property
     def caught(self) -> int:
@@ -64,6 +65,7 @@ def of(kills: KillMatrix) -> KillView:
         rows=[_row(row, kills.checks, most) for row in kills.rows],
         totals=[sum(row.failing.get(check, 0) > 0 for row in kills.rows) for check in kills.checks],
         idle=list(kills.idle.items()),
+        whole=kills.whole,
     )
 
 

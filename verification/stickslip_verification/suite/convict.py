@@ -6,6 +6,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import replace
 from pathlib import Path
 
 from stickslip_verification.judging.checks import OURS
@@ -13,7 +14,8 @@ from stickslip_verification.laws import Laws
 from stickslip_verification.mutants import Mutant, MutantError, plant
 from stickslip_verification.mutants.planted import FAULTS_FOLDER, idle_reasons
 from stickslip_verification.suite.ground import Ground, Progress
-from stickslip_verification.suite.run import Trials, judge, try_out
+from stickslip_verification.suite.run import Trials, ask, judge, try_out
+from stickslip_verification.trial import workers
 from stickslip_verification.verdict import CheckResult, Conviction, KillMatrix
 
 LONGEST = 100.0
@@ -30,8 +32,14 @@ def convict(
     laws: Laws,
     jobs: int,
     progress: Progress | None = None,
+    *,
+    whole: bool = True,
 ) -> KillMatrix:
     """Plant each fault in the FMU, run the mutant as any FMU is run, and see what it fails.
+
+    Without `whole` a mutant is tried on what its description foretells, case after case, and no
+    further than the first such check that fails; only one that none of them detects is tried on
+    everything. Which checks are idle is not known then.
 
     What a mutant fails only because it took too long does not count. Where it did not finish a
     case for another reason it fails that check and nothing else, for nothing was compared.
@@ -50,6 +58,8 @@ def convict(
         How many mutants are tried at once, each in a process of its own.
     progress
         Counts the mutants.
+    whole
+        Whether every mutant is tried on every check.
 
     Raises
     ------
@@ -67,7 +77,7 @@ def convict(
         ThreadPoolExecutor(jobs) as threads,
     ):
         futures = {
-            threads.submit(_try, fmu, mutant, short, laws, Path(folder)): mutant
+            threads.submit(_try, fmu, mutant, short, laws, Path(folder), whole): mutant
             for mutant in mutants
         }
         try:
@@ -84,31 +94,27 @@ def convict(
     killing = {check for row in in_order for check in row.failing}
     reasons = idle_reasons()
     idle = {check: reasons.get(check, "") for check in columns if check not in killing}
-    return KillMatrix(checks=columns, rows=in_order, idle=idle)
+    return KillMatrix(checks=columns, rows=in_order, idle=idle if whole else {}, whole=whole)
 
 
 def _try(
-    fmu: Path, mutant: Mutant, ground: Sequence[Ground], laws: Laws, folder: Path
+    fmu: Path, mutant: Mutant, ground: Sequence[Ground], laws: Laws, folder: Path, whole: bool
 ) -> Conviction:
     failing: Mapping[str, int] = {}
     broken = None
+    wanted = tuple(mutant.convicted_by)
     try:
         planted = plant(fmu, mutant, folder)
     except MutantError as error:
         broken = str(error)
     else:
-        trials = try_out(planted, ground, laws, jobs=1, time_limit=TIME_LIMIT)
-        late = set(_late(trials, laws))
-        results = judge(ground, laws, trials, OURS, reference=False)
-        failing = _count(
-            result
-            for result in results
-            if not late & {(result.case, ""), (result.case, result.check)}
-        )
-        if all(answer.value is None for answer in trials.plain.values()):
-            first = next(iter(trials.plain.values()))
-            broken = f"it finished no case: {first.failure}"
-    wanted = tuple(mutant.convicted_by)
+        failing = {} if whole else _first_foretold(planted, wanted, ground, laws)
+        if not failing:
+            trials = try_out(planted, ground, laws, jobs=1, time_limit=TIME_LIMIT)
+            failing = _count(_failures(ground, laws, trials))
+            if all(answer.value is None for answer in trials.plain.values()):
+                first = next(iter(trials.plain.values()))
+                broken = f"it finished no case: {first.failure}"
     return Conviction(
         mutant=mutant.id,
         about=mutant.about,
@@ -117,6 +123,36 @@ def _try(
         caught=any(check in failing for check in wanted),
         broken=broken,
     )
+
+
+def _first_foretold(
+    fmu: Path, wanted: Sequence[str], ground: Sequence[Ground], laws: Laws
+) -> Mapping[str, int]:
+    """Give what fails first of the checks `wanted`, in one case or of the FMU as a whole."""
+    few = laws.only(wanted)
+    every_case = few.residuals or few.runs or few.agreements
+    places: list[Sequence[Ground]] = [
+        [replace(each, laws=[law for law in each.laws if law in few.residuals])]
+        for each in sorted(ground, key=lambda each: len(each.case.steps))
+        if every_case or any(check.id in wanted for check in each.case.checks)
+    ]
+    with workers.Pool(1, TIME_LIMIT, fmu) as pool:
+        # The probes, about no case, are asked beside the first one.
+        for here in places or [[]]:
+            trials = ask(pool, here, few)
+            failing = _count(r for r in _failures(here, few, trials) if r.check in wanted)
+            if failing:
+                return failing
+            few = replace(few, probes=())
+    return {}
+
+
+def _failures(ground: Sequence[Ground], laws: Laws, trials: Trials) -> Iterator[CheckResult]:
+    """Give the checks that failed for what the FMU did, and not for the time it took."""
+    late = set(_late(trials, laws))
+    for result in judge(ground, laws, trials, OURS, reference=False):
+        if result.failed and not late & {(result.case, ""), (result.case, result.check)}:
+            yield result
 
 
 def _late(trials: Trials, laws: Laws) -> Iterator[tuple[str, str]]:
@@ -129,7 +165,7 @@ def _late(trials: Trials, laws: Laws) -> Iterator[tuple[str, str]]:
 
 
 def _count(results: Iterable[CheckResult]) -> Mapping[str, int]:
-    return dict(Counter(result.check for result in results if result.failed))
+    return dict(Counter(result.check for result in results))
 
 
 def _columns(ground: Sequence[Ground], laws: Laws) -> Iterable[str]:

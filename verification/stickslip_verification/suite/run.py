@@ -42,25 +42,34 @@ def try_out(
     fresh: bool = False,
 ) -> Trials:
     """Let an FMU do everything that it is judged by; the arguments are those of `workers.Pool`."""
+    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
+        return ask(pool, ground, laws, progress)
+
+
+def ask(
+    pool: workers.Pool,
+    ground: Sequence[Ground],
+    laws: Laws,
+    progress: Progress | None = None,
+) -> Trials:
+    """Let the FMU of a pool do what it is judged by on this ground and by these laws."""
     cases = [each.case for each in ground]
     kinds = list(dict.fromkeys(law.run for law in laws.runs))
     asked = [(case, kind) for case in cases for kind in kinds]
-    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
-        plain = pool.each(workers.plain_run, [(case,) for case in cases])
-        runs = pool.each(workers.other_run, asked)
-        probes = pool.each(workers.probe, [(law,) for law in laws.probes], most=workers.PROBE_LIMIT)
-        found: dict[str, Answer[Record]] = {}
-        others: dict[tuple[str, str], Answer[Record]] = {}
-        for done, case in enumerate(cases):
-            if progress is not None:
-                progress(f"FMU: {case.id}", done, len(cases))
-            found[case.id] = next(plain)
-        for done, (case, kind) in enumerate(asked):
-            if progress is not None and done % len(kinds) == 0:
-                progress(f"FMU in other runs: {case.id}", done // len(kinds), len(cases))
-            others[case.id, kind] = next(runs)
-        answers = {law.id: next(probes) for law in laws.probes}
-    return Trials(found, others, answers)
+    plain = pool.each(workers.plain_run, [(case,) for case in cases])
+    runs = pool.each(workers.other_run, asked)
+    probes = pool.each(workers.probe, [(law,) for law in laws.probes], most=workers.PROBE_LIMIT)
+    found: dict[str, Answer[Record]] = {}
+    others: dict[tuple[str, str], Answer[Record]] = {}
+    for done, case in enumerate(cases):
+        if progress is not None:
+            progress(f"FMU: {case.id}", done, len(cases))
+        found[case.id] = next(plain)
+    for done, (case, kind) in enumerate(asked):
+        if progress is not None and done % len(kinds) == 0:
+            progress(f"FMU in other runs: {case.id}", done // len(kinds), len(cases))
+        others[case.id, kind] = next(runs)
+    return Trials(found, others, {law.id: next(probes) for law in laws.probes})
 
 
 def judge(

@@ -30,6 +30,7 @@ def verify(
     jobs: int | None = None,
     time_limit: float = workers.TIME_LIMIT,
     mutants: Sequence[Mutant] = (),
+    whole_matrix: bool = True,
     command: str | None = None,
 ) -> Verdict:
     """Judge an FMU and the reference.
@@ -55,6 +56,8 @@ def verify(
         Seconds that the FMU may take for one run of a case.
     mutants
         Faults to plant in the FMU, which must be ours, to try the suite itself.
+    whole_matrix
+        Whether each fault is tried on every check, or on what it foretells alone.
     command
         What to type to get the same again, for the provenance.
 
@@ -81,7 +84,9 @@ def verify(
     trials = try_out(
         fmu, ground, laws, jobs, names, time_limit, progress, fresh=file.once_per_process
     )
-    kills = convict(fmu, mutants, ground, laws, jobs, progress) if mutants else None
+    kills = (
+        convict(fmu, mutants, ground, laws, jobs, progress, whole=whole_matrix) if mutants else None
+    )
     return Verdict(
         checks=load_accepted().attach(judge(ground, laws, trials, trial), fmu=trial.ours),
         provenance=origin,

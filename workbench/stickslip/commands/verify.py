@@ -59,8 +59,15 @@ def verify(
     ] = 60.0,
     mutants: Annotated[
         bool,
-        typer.Option("--mutants", help="Plant faults too: each must fail. Takes some minutes."),
+        typer.Option("--mutants", help="Every planted fault on every check. Takes some minutes."),
     ] = False,
+    fault: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PATTERN|FILE.toml",
+            help="Plant the faults of this pattern, or your own, each on the checks it foretells.",
+        ),
+    ] = None,
     baseline: Annotated[
         Path | None,
         typer.Option(metavar="OLD.json", help="Show how margins moved since this report."),
@@ -95,7 +102,8 @@ def verify(
     name_map = _names(names)
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
-    verdict = _verdict(fmu, chosen, name_map, strict, jobs, time_limit, _mutants(mutants))
+    faults = _mutants(mutants, fault)
+    verdict = _verdict(fmu, chosen, name_map, strict, jobs, time_limit, faults, mutants)
     written = _write(verdict, chosen, earlier, output, pdf)
     screen = console()
     if all_:
@@ -210,15 +218,18 @@ def _baseline(file: Path | None) -> "Baseline | None":
         raise CommandError(f"--baseline {error}") from error
 
 
-def _mutants(wanted: bool) -> "Sequence[Mutant]":
-    from stickslip_verification import MutantError, load_mutants
+def _mutants(every: bool, wanted: str | None) -> "Sequence[Mutant]":
+    """Load the faults that a pattern or a file names, or every fault of the suite."""
+    from stickslip_verification import MutantError, load_mutant, load_mutants
 
-    if not wanted:
+    if not every and wanted is None:
         return ()
     try:
-        return load_mutants()
+        if wanted is not None and wanted.endswith(".toml"):
+            return [load_mutant(Path(wanted))]
+        return load_mutants(wanted)
     except MutantError as error:
-        raise CommandError(str(error)) from error
+        raise CommandError(f"--fault {error}" if wanted is not None else str(error)) from error
 
 
 def _check_targets(output: Path, pdf: Path | None) -> None:
@@ -250,6 +261,7 @@ def _verdict(
     jobs: int | None,
     time_limit: float,
     mutants: "Sequence[Mutant]",
+    whole_matrix: bool,
 ) -> "Verdict":
     from stickslip_verification import FmuError, MutantError, verify
 
@@ -266,6 +278,7 @@ def _verdict(
                 jobs=jobs,
                 time_limit=time_limit,
                 mutants=mutants,
+                whole_matrix=whole_matrix,
                 command=shlex.join(["stickslip", *sys.argv[1:]]),
             )
         except (FmuError, MutantError) as error:
