@@ -31,6 +31,7 @@ from stickslip_verification.record import Record
 from stickslip_verification.trial import convergence
 from stickslip_verification.trial.answer import Answer
 from stickslip_verification.trial.drive import NotApplicableError, run_case
+from stickslip_verification.trial.kept import kept
 from stickslip_verification.trial.probes import PROBES
 from stickslip_verification.trial.runs import RUNS
 from stickslip_verification.trial.sides import ReferenceSide
@@ -57,17 +58,17 @@ def jobs_here() -> int:
 
 def exact(case: Case) -> Answer[Exact]:
     """Compute the exact motion of a case."""
-    return _answer(exact_motion, case)
+    return _answer(kept, exact_motion, case)
 
 
 def reference(case: Case) -> Answer[Record]:
     """Run the reference on a case."""
-    return _answer(ReferenceSide().run, case)
+    return _answer(kept, ReferenceSide().run, case)
 
 
 def observed_order(case: Case, law: Order) -> Answer[ObservedOrder]:
     """Observe how the reference's error falls with its tolerance."""
-    return _answer(convergence.observe, case, law)
+    return _answer(kept, convergence.observe, case, law)
 
 
 def plain_run(case: Case) -> Answer[Record]:
