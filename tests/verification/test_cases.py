@@ -84,11 +84,6 @@ def read(folder: Path, text: str) -> Case:
         ('"end"', '"every_point"', "relative makes no sense over all points"),
         ("fmu = 1e-12", "fmu = -1e-12", "tolerance.fmu: -1e-12 is less than the minimum"),
         ("fmu = 1e-12", "fmu = nan", "tolerance.fmu: nan is not a finite number"),
-        (
-            'formula = "t_slip"\nat = "end"\ntolerance = { measure = "relative", fmu = 1e-12, ref',
-            'at = "end"\ntolerance = { measure = "relative", fmu = 1e-12, ferr',
-            "Additional properties.*'ferrerence'",
-        ),
         ("1e-12, reference = 1e-9", "1e-12", "because.reference: there is no tolerance.reference"),
         ('"rounding"', '" "', "because.fmu: ' ' does not match"),
         (', reference = "integration"', "", "tolerance.reference: its reason is missing: because"),
