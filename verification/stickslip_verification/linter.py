@@ -53,7 +53,7 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
         laws, mutants = load_laws(), load_mutants()
     except (LawError, MutantError) as error:
         return [*findings, str(error)]
-    motions = {case.id: exact_motion(case) for case in cases}
+    motions = {case.file: exact_motion(case) for case in cases}
     findings += _ids(cases, laws)
     findings += _motions(cases, motions)
     findings += _reasons(cases, laws)
@@ -80,10 +80,10 @@ def _ids(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
             yield f"{n} cases have the title {name!r}"
 
 
-def _motions(cases: Sequence[Case], motions: Mapping[str, Exact]) -> Iterator[str]:
+def _motions(cases: Sequence[Case], motions: Mapping[Path, Exact]) -> Iterator[str]:
     """Hold what a case states of its exact motion against it."""
     for case in cases:
-        exact = motions[case.id]
+        exact = motions[case.file]
         happens = exact.facts
         if case.facts is None:
             zero = [check.quantity for check in case.checks if check.because["fmu"] == ZERO]
@@ -188,7 +188,7 @@ def _mutants(cases: Sequence[Case], laws: Laws, mutants: Sequence[Mutant]) -> It
 
 
 def _accepted(
-    cases: Sequence[Case], laws: Laws, accepted: Accepted, motions: Mapping[str, Exact]
+    cases: Sequence[Case], laws: Laws, accepted: Accepted, motions: Mapping[Path, Exact]
 ) -> Iterator[str]:
     """Hold the accepted values against what a verdict on these cases yields."""
     held, wanted = set(accepted.values), set(_yielded(cases, laws, motions))
@@ -199,10 +199,10 @@ def _accepted(
         yield f"{case} / {check} ({side}): an accepted value of no check; {then}"
 
 
-def _yielded(cases: Sequence[Case], laws: Laws, motions: Mapping[str, Exact]) -> Iterator[Key]:
+def _yielded(cases: Sequence[Case], laws: Laws, motions: Mapping[Path, Exact]) -> Iterator[Key]:
     sides = ("fmu", "reference")
     for case in cases:
-        exact = motions[case.id]
+        exact = motions[case.file]
         on_both = [check.id for check in case.checks]
         on_both += [law.id for law in laws.residuals if applies(law, case, exact)]
         yield from ((case.id, check, side) for check in on_both for side in sides)
