@@ -75,6 +75,8 @@ def test_a_change_and_a_reversal_are_restarts() -> None:
     assert rules().course("x").allowed["fmu"] == 2.5e-12
     assert rules({"v": 0.0}).course("x").allowed["fmu"] == 1e-10
     assert rules(facts=Facts(3, reversals=1)).course("x").allowed["fmu"] == 1e-10
+    narrow = rules({"v": 0.0}, mu_k=0.4995).course("x").allowed["fmu"]
+    assert narrow == 1e-9, "a narrow gap amplifies more than a restart"
 
 
 def test_what_is_not_integrated_has_nothing_to_lose() -> None:

@@ -230,7 +230,7 @@ def _own(file: Path, rules: Rules, own: Mapping[str, Any]) -> Rules:
     because = " ".join(own.get("because", "").split())
     if not because and fmu > rule:
         where = where_is(file, ("tolerances", "fmu"))
-        reason = f"{fmu} is looser than the rules' {rule}: because is missing, its reason"
+        reason = f"{fmu} is looser than the rules' {rule} and needs a reason: because"
         raise CaseError(file, where, reason)
     return replace(rules, own_fmu=(fmu, because or rules.tighter(fmu)))
 
@@ -347,9 +347,9 @@ def _written(file: Path, n: int, entry: Mapping[str, Any], rules: Rules) -> Chec
     allowed, reasons = {}, {}
     for side in SIDES:
         if side in own and side not in because:
-            raise refuse(f"its reason is missing: because.{side}", "tolerance", side)
+            raise refuse(f"it needs a reason: because.{side}", "tolerance", side)
         if side in because and side not in own:
-            raise refuse(f"there is no tolerance.{side} that it is the reason of", "because", side)
+            raise refuse(f"a reason without a tolerance.{side}", "because", side)
         if side in own:
             allowed[side], reasons[side] = float(own[side]), " ".join(because[side].split())
         elif rule is not None and rule.measure == measure:

@@ -149,14 +149,15 @@ class Rules:
 
     def fmu_course(self) -> tuple[float, str]:
         """Give the rule's tolerance of the exact block's courses, and its reason."""
-        if len(self.values) > 1 or self.facts.reversals:
+        undisturbed = rounded_up(ROUNDING * self.conditioning)
+        if (len(self.values) > 1 or self.facts.reversals) and undisturbed < DISTURBED:
             return DISTURBED, (
                 "the bound for any input sequence: rounding of a restart at each change or "
                 "reversal, 1e-15, times what a shallow re-stick may amplify it"
             )
-        return rounded_up(ROUNDING * self.conditioning), (
-            "rounding, 1e-12 of the largest value: an undisturbed arc is moved along, not "
-            f"rebuilt; times {self._conditioning_in_words()}"
+        return undisturbed, (
+            "rounding, 1e-12 of the largest value, as an undisturbed arc is moved along and not "
+            f"rebuilt, times {self._conditioning_in_words()}"
         )
 
     def tighter(self, fmu: float) -> str:
