@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from stickslip_verification import CaseError, load_cases
-from stickslip_verification.cases import Case
+from stickslip_verification.cases import At, Case, Truth
+from stickslip_verification.exact import exact_motion
 from stickslip_verification.formulas import FORMULAS
 from stickslip_verification.judging.checks import extract, places
+from stickslip_verification.quantities import GROUPS
 
 from .standing_in import exact_of
 
@@ -21,6 +23,10 @@ GOOD = """\
 id = "good"
 title = "A case"
 about = "It is enough to be read."
+courses = ["x"]
+cycle = { at = { cycle = 1 }, only = ["T"] }
+motion = { slips = 1 }
+tolerances = { fmu = 1e-11 }
 
 [parameters]
 k = 500.0
@@ -36,8 +42,7 @@ set = { v = 0.0 }
 [[checks]]
 id = "slip"
 quantity = "t_slip"
-unit = "s"
-truth = { kind = "closed_form", source = 8, formula = "t_slip" }
+formula = "t_slip"
 at = "end"
 tolerance = { measure = "relative", fmu = 1e-12, reference = 1e-9 }
 because = { fmu = "rounding", reference = "integration" }
@@ -53,7 +58,7 @@ def read(folder: Path, text: str) -> Case:
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("k = 500.0", "k = = 5", "line 6: Invalid value"),
+        ("k = 500.0", "k = = 5", "line 10: Invalid value"),
         ("k = 500.0", "k = -1.0", "parameters.k: -1.0 is less than or equal to the minimum of 0"),
         ("k = 500.0", "kay = 5.0", "parameters: Additional properties.*'kay'"),
         ("k = 500.0", "k = 'much'", "parameters.k: 'much' is not of type 'number'"),
@@ -71,20 +76,46 @@ def read(folder: Path, text: str) -> Case:
         ("time = 0.3", "time = 0.35", "0.35 is not at a communication point"),
         ("time = 0.3", "time = 1.0", "1.0 is not before stop_time"),
         ("{ v = 0.0 }", "{ m = 2.0 }", "experiment.changes.0..set: Additional properties.*'m'"),
-        ('"t_slip"\nunit', '"t_slop"\nunit', "quantity: 't_slop' is not a known quantity"),
-        ('unit = "s"', 'unit = "ms"', "unit: t_slip is in 's', not 'ms'"),
-        ("closed_form", "hearsay", "truth.kind: 'hearsay' is not one of"),
-        ("source = 8", "source = 9", r"truth.source: t_slip is equation \(8\), not \(9\)"),
+        ('"t_slip"\nformula', '"t_slop"\nformula', "quantity: 't_slop' is not a known quantity"),
         ('formula = "t_slip"', 'formula = "t_slop"', "'t_slop' is not a known formula"),
-        ('8, formula = "t_slip"', '7, formula = "spring_relief"', "is in 'm', t_slip in 's'"),
+        ('formula = "t_slip"', 'formula = "spring_relief"', "is in 'm', t_slip in 's'"),
         ('"end"', '"now and then"', "at: 'now and then'"),
         ('"end"', "{ cycle = 0 }", "at.cycle: 0 is less than the minimum of 1"),
         ('"end"', '"every_point"', "relative makes no sense over all points"),
         ("fmu = 1e-12", "fmu = -1e-12", "tolerance.fmu: -1e-12 is less than the minimum"),
         ("fmu = 1e-12", "fmu = nan", "tolerance.fmu: nan is not a finite number"),
-        (", reference = 1e-9", "", "tolerance: 'reference' is a required property"),
+        (
+            "1e-12, reference = 1e-9",
+            "1e-12",
+            "because.reference: a reason without a tolerance.reference",
+        ),
         ('"rounding"', '" "', "because.fmu: ' ' does not match"),
-        (', reference = "integration"', "", "because: 'reference' is a required property"),
+        (', reference = "integration"', "", "tolerance.reference: it needs a reason: because"),
+        ("because = { fmu", "cause = { fmu", "Additional properties.*'cause'"),
+        (
+            'formula = "t_slip"\nat = "end"\ntolerance = { measure = "relative", fmu = 1e-12, ',
+            'at = "end"\ntolerance = { measure = "relative", ',
+            "because.fmu: a reason without a tolerance.fmu",
+        ),
+        ('["x"]', '["x", "y"]', r"line 4, courses.1.: 'y' is not a known output or group: groups"),
+        ('["x"]', '["state", "x"]', r"line 4, courses.1.: 'x' is named twice"),
+        ('["x"]', '["x"]\ncourses_at = "start"', "line 5, courses_at: 'start' is not one of"),
+        ('only = ["T"]', 'only = ["x"]', r"cycle.only.0.: 'x' has no formula in the undamped cyc"),
+        ("{ cycle = 1 }", '"every_point"', "cycle.at: a cycle has no value at every point"),
+        ("k = 500.0", "mu_k = 0.5", "line 5, cycle: without a gap and a pull there is no cycle"),
+        ("k = 500.0", "v = 0.0", "line 5, cycle: without a gap and a pull there is no cycle"),
+        ("k = 500.0", "load = -10.0", "parameters: load = -10.0 is outside load >= -m g"),
+        ("{ v = 0.0 }", "{ load = -10.0 }", r"changes.0..set: load = -10.0 is outside"),
+        ("slips = 1", "slips = -1", "line 6, motion.slips: -1 is less than the minimum"),
+        ("slips = 1", 'slips = 1, zero = ["z"]', r"motion.zero.0.: 'z' is none of the courses: x"),
+        ("slips = 1", "reversals = 1", "motion: 'slips' is a required property"),
+        ("1e-11 }", "1e-9 }", "line 7, tolerances.fmu: 1e-09 is looser than the rules' 1e-10"),
+        (
+            "fmu = 1e-11 }",
+            "conditioning = 2.6 }",
+            "conditioning: 2.6 is above that of the narrowest",
+        ),
+        ("fmu = 1e-11 }", 'because = "so" }', "tolerances: 'fmu' is a dependency of 'because'"),
     ],
 )
 def test_a_broken_case_is_refused_by_file_field_and_reason(
@@ -100,10 +131,86 @@ def test_a_broken_case_is_refused_by_file_field_and_reason(
 
 def test_a_discrete_quantity_has_no_tolerance(tmp_path: Path) -> None:
     """The number of slips is right or wrong, never nearly right."""
-    text = GOOD.replace('"t_slip"\nunit = "s"', '"n_slips"\nunit = "1"')
-    text = text.replace('8, formula = "t_slip"', "16").replace("relative", "absolute")
+    text = GOOD.replace('"t_slip"\nformula = "t_slip"', '"n_slips"').replace("relative", "absolute")
     with pytest.raises(CaseError, match="tolerance: n_slips is discrete"):
         read(tmp_path, text)
+
+
+def test_what_no_rule_gives_must_be_stated(tmp_path: Path) -> None:
+    """A difference of two lengths has no tolerance by rule, nor has a measure of one's own."""
+    check = GOOD[: GOOD.index("tolerance = { measure")]
+    beyond = check.replace('"t_slip"\nformula = "t_slip"', '"slip_beyond_half_period"')
+    told = r"tolerance: no rule gives slip_beyond_half_period a tolerance \(relative\): state fmu"
+    with pytest.raises(CaseError, match=told):
+        read(tmp_path, beyond)
+    only_measure = check + 'tolerance = { measure = "absolute" }\n'
+    with pytest.raises(CaseError, match=r"no rule gives t_slip a tolerance \(absolute\)"):
+        read(tmp_path, only_measure)
+
+
+def test_a_check_that_is_written_out_takes_what_it_leaves_open_from_the_rules(
+    tmp_path: Path,
+) -> None:
+    """One side may have a tolerance of its own, and the other that of the rules."""
+    own = GOOD.replace(", reference = 1e-9", "").replace(', reference = "integration"', "")
+    by_rule = read(tmp_path, GOOD[: GOOD.index("tolerance = { measure")]).checks[-1]
+    mixed = read(tmp_path, own).checks[-1]
+    assert mixed.tolerance == {"fmu": 1e-12, "reference": by_rule.tolerance["reference"]}
+    assert mixed.because == {"fmu": "rounding", "reference": by_rule.because["reference"]}
+    assert (by_rule.unit, by_rule.truth, by_rule.measure) == (
+        "s",
+        Truth("closed_form", 8, "t_slip"),
+        "relative",
+    )
+
+
+BARE = """\
+id = "good"
+title = "A case"
+about = "Parameters and an experiment."
+
+[parameters]
+k = 500.0
+
+[experiment]
+stop_time = 1.5
+steps = { fixed = 0.1 }
+"""
+
+
+def test_an_experiment_is_enough(tmp_path: Path) -> None:
+    """Without a word on checks every group of outputs is held against the exact motion."""
+    case = read(tmp_path, BARE)
+    names = [check.quantity for check in case.checks]
+    assert names == [name for group in GROUPS.values() for name in group]
+    assert all(check.at == At("every_point") for check in case.checks)
+
+
+def test_what_a_case_does_not_state_of_its_motion_is_found(tmp_path: Path) -> None:
+    """The exact motion is followed at the loading, and the tolerances are those of its slips."""
+    facts = exact_motion(read(tmp_path, BARE)).facts
+    assert (facts.slips, facts.reversals) == (2, 0)
+    assert "T" not in facts.zero
+    stated = read(tmp_path, BARE.replace("\n\n[par", "\nmotion = { slips = 2 }\n\n[par", 1))
+    assert read(tmp_path, BARE).checks == stated.checks
+    once = read(tmp_path, BARE.replace("stop_time = 1.5", "stop_time = 0.7")).checks
+    assert next(check for check in once if check.quantity == "T").measure == "absolute"
+
+
+def test_a_case_that_checks_nothing_is_refused(tmp_path: Path) -> None:
+    """An empty list of courses leaves a case without a check."""
+    with pytest.raises(CaseError, match="it checks nothing: no courses, no cycle, no checks"):
+        read(tmp_path, BARE.replace("\n\n[par", "\ncourses = []\n\n[par", 1))
+
+
+def test_a_looser_tolerance_needs_its_reason_and_a_tighter_one_does_not(tmp_path: Path) -> None:
+    """The bound for changing inputs is 1e-10: 1e-11 is told as tighter, 1e-9 with its reason."""
+    (check, *_) = [each for each in read(tmp_path, GOOD).checks if each.id == "x-course"]
+    assert check.tolerance["fmu"] == 1e-11
+    assert check.because["fmu"].startswith("held to 1e-11, tighter than the rule's 1e-10: ")
+    loose = GOOD.replace("fmu = 1e-11 }", 'fmu = 1e-9, because = "it is rough" }')
+    (check, *_) = [each for each in read(tmp_path, loose).checks if each.id == "x-course"]
+    assert (check.tolerance["fmu"], check.because["fmu"]) == (1e-9, "it is rough")
 
 
 def test_ids_are_unique(tmp_path: Path) -> None:
@@ -111,6 +218,8 @@ def test_ids_are_unique(tmp_path: Path) -> None:
     check = GOOD[GOOD.index("[[checks]]") :]
     with pytest.raises(CaseError, match=r"checks\[1\].id: 'slip' is taken"):
         read(tmp_path, GOOD + check)
+    with pytest.raises(CaseError, match=r"checks\[0\].id: 'x-course' is taken"):
+        read(tmp_path, GOOD.replace('id = "slip"', 'id = "x-course"'))
     read(tmp_path, GOOD)
     (tmp_path / "zwei.toml").write_text(GOOD, encoding="utf-8")
     with pytest.raises(CaseError, match=r"zwei.toml: id: 'good' is taken by good.toml"):
@@ -134,7 +243,8 @@ def test_a_good_case_is_read(tmp_path: Path) -> None:
     assert [n for n, step in enumerate(case.steps) if step.changes] == [3]
     assert case.steps[3].changes == {"v": 0.0}
     assert case.stop_time == 1.0
-    (check,) = case.checks
+    assert [check.id for check in case.checks] == ["T-exact", "x-course", "slip"]
+    check = case.checks[-1]
     assert check.tolerance == {"fmu": 1e-12, "reference": 1e-9}
     assert check.because == {"fmu": "rounding", "reference": "integration"}
 

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import CASES_FOLDER, Case, CommunicationStep
+from stickslip_verification.cases import CASES_FOLDER, Case
 from stickslip_verification.exact import exact_motion
+from stickslip_verification.experiment import CommunicationStep
 from stickslip_verification.judging.checks import FOREIGN, OURS
 from stickslip_verification.judging.law_checks import judge_residual
 from stickslip_verification.metrics import METRICS, Course

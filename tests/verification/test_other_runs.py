@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import Case, CommunicationStep
+from stickslip_verification.cases import Case
 from stickslip_verification.exact import exact_motion
+from stickslip_verification.experiment import CommunicationStep
 from stickslip_verification.fmu import FmuFile, NameMap
 from stickslip_verification.fmu.names import NOT_THERE, Target
 from stickslip_verification.judging.checks import FOREIGN, OURS

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from stickslip_verification import truth
-from stickslip_verification.cases import Case, CommunicationStep
+from stickslip_verification.cases import Case
 from stickslip_verification.exact import exact_motion
+from stickslip_verification.experiment import CommunicationStep
 from stickslip_verification.metrics import Course
 from stickslip_verification.metrics.propagation import Slips, State, Wide, slips, state
 

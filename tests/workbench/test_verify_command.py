@@ -235,12 +235,12 @@ def test_the_suite_is_sound(command: Command) -> None:
 
 def test_the_linter_names_what_is_wrong(command: Command, tmp_path: Path) -> None:
     """A reason that says nothing and an id that is not the file's are findings, and exit 1."""
-    text = (CASES_FOLDER / "one-step.toml").read_text(encoding="utf-8")
-    reason = text[text.index('fmu = "') :].split("\n")[0]
-    (tmp_path / "other.toml").write_text(text.replace(reason, 'fmu = "seems fine"'), "utf-8")
+    text = (CASES_FOLDER / "long-run.toml").read_text(encoding="utf-8")
+    reason = text[text.index('because = "') :].split("\n")[0]
+    (tmp_path / "other.toml").write_text(text.replace(reason, 'because = "seems fine"'), "utf-8")
     answer = command("lint", "--cases", tmp_path)
     assert answer.code == 1
-    assert "other.toml: its id is 'one-step'" in answer.out
+    assert "other.toml: its id is 'long-run'" in answer.out
     assert "'seems' is no reason" in answer.out
 
 

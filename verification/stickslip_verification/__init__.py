@@ -14,8 +14,9 @@ from stickslip_verification.lazy import face
 
 if TYPE_CHECKING:
     from stickslip_verification.baseline import Baseline, BaselineError, compare, read_baseline
-    from stickslip_verification.cases import Case, CaseError, load_case, load_cases
+    from stickslip_verification.cases import Case, load_case, load_cases
     from stickslip_verification.catalogue import Meaning, meanings
+    from stickslip_verification.experiment import CaseError
     from stickslip_verification.fmu import FmuError, NameMap, NamesError, load_names
     from stickslip_verification.judging.second import AcceptError, accept
     from stickslip_verification.laws import LawError, load_laws
@@ -51,7 +52,7 @@ _HOME = {
     "Baseline": "baseline",
     "BaselineError": "baseline",
     "Case": "cases",
-    "CaseError": "cases",
+    "CaseError": "experiment",
     "CheckResult": "verdict",
     "FmuError": "fmu",
     "LawError": "laws",

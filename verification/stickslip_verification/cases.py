@@ -1,44 +1,36 @@
 """Verification cases: data files, read, checked and turned into frozen objects.
 
 A case is one TOML file under `case.schema.json`. Everything that can be wrong with it is told
-with the file, the field and the reason before anything runs.
+with the file, the field and the reason before anything runs. Tolerances come from the rules in
+`tolerances`, but for those that a file states.
 """
 
 from __future__ import annotations
 
 import fnmatch
-import itertools
 import math
-import random
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from stickslip_verification.data_file import DataError, objection, read_toml, where_is
-from stickslip_verification.formulas import FORMULAS
-from stickslip_verification.quantities import QUANTITIES
+from stickslip_verification import truth
+from stickslip_verification.data_file import objection, read_toml, where_is
+from stickslip_verification.experiment import (
+    CaseError,
+    CommunicationStep,
+    communication_steps,
+    points,
+)
+from stickslip_verification.formulas import CYCLE, FORMULAS
+from stickslip_verification.quantities import GROUPS, OUTPUT_NAMES, QUANTITIES
+from stickslip_verification.tolerances import Facts, Rules, Tolerance, facts_of
+from stickslip_verification.truth.parameters import complete
 
 HERE = Path(__file__).parent
 CASES_FOLDER = HERE / "cases"
 SCHEMA = HERE / "case.schema.json"
 SIDES = ("fmu", "reference")
-
-SAME_POINT = 1e-9
-"""A change is at a communication point if it is within this fraction of the mean step: the sum of
-many steps differs from the number written in the file by rounding, never by that much."""
-
-
-class CaseError(DataError):
-    """A case file cannot be used; one line with the file, the line or field, and the reason."""
-
-
-@dataclass(frozen=True)
-class CommunicationStep:
-    """One step of ``h`` [s]; ``changes`` (name to value, SI) are set just before it."""
-
-    h: float
-    changes: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -89,7 +81,8 @@ class Case:
 
     ``parameters`` holds only what the case sets (SI); everything else stays at the default of
     each side, so that the defaults are verified too. ``klass`` is contract where what happens is
-    our convention and not physics, such as the clamp.
+    our convention and not physics, such as the clamp. ``facts`` is what the file states of the
+    exact motion, None where it leaves that to the loading.
     """
 
     id: str
@@ -100,6 +93,7 @@ class Case:
     checks: tuple[Check, ...]
     file: Path
     klass: str = "physics"
+    facts: Facts | None = None
 
     @property
     def times(self) -> tuple[float, ...]:
@@ -143,26 +137,34 @@ def load_cases(pattern: str | None = None, folder: Path | None = None) -> list[C
 
 
 def load_case(file: Path) -> Case:
-    """Read one case file; `CaseError` names what is wrong with it and where."""
+    """Read one case file; `CaseError` names what is wrong with it and where.
+
+    A file that states nothing of the exact motion (``motion``) costs the time to follow it.
+    """
     data = read_toml(file, CaseError)
     _validate(file, data)
-    steps = _steps(file, data["experiment"])
-    checks = tuple(_check(file, n, entry) for n, entry in enumerate(data["checks"]))
-    for n, check in enumerate(checks):
-        if any(check.id == other.id for other in checks[:n]):
-            raise CaseError(
-                file, where_is(file, ("checks", n, "id")), f"{check.id!r} is taken by another check"
-            )
+    parameters = {name: float(value) for name, value in data.get("parameters", {}).items()}
+    steps = communication_steps(file, data["experiment"])
+    values = _values(file, parameters, steps)
+    stated = _stated(file, data)
+    facts = facts_of(follow(parameters, steps)) if stated is None else stated
+    rules = _own(file, Rules(values, facts), data.get("tolerances", {}))
     return Case(
         id=data["id"],
         title=data["title"],
         about=data["about"].strip(),
-        parameters={name: float(value) for name, value in data.get("parameters", {}).items()},
+        parameters=parameters,
         steps=steps,
-        checks=checks,
+        checks=_checks(file, data, rules),
         file=file,
         klass=data.get("class", "physics"),
+        facts=stated,
     )
+
+
+def follow(parameters: Mapping[str, float], steps: Iterable[CommunicationStep]) -> truth.Run:
+    """Follow the exact motion through communication steps."""
+    return truth.run(parameters, [truth.Step(step.h, dict(step.changes)) for step in steps])
 
 
 def _validate(file: Path, data: Mapping[str, Any]) -> None:
@@ -185,123 +187,175 @@ def _numbers(node: Any, path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str
         yield path, node
 
 
-def points(lengths: Iterable[float]) -> tuple[float, ...]:
-    """Partial sums, each correctly rounded (Neumaier's compensation), starting at 0."""
-    total = carry = 0.0
-    ends = []
-    for h in lengths:
-        bigger = total + h
-        carry += (total - bigger) + h if abs(total) >= abs(h) else (h - bigger) + total
-        total = bigger
-        ends.append(total + carry)
-    return tuple(ends)
+def _values(
+    file: Path, parameters: Mapping[str, float], steps: Iterable[CommunicationStep]
+) -> tuple[Mapping[str, float], ...]:
+    """Give all values in force at the start and after each change."""
+    where = "parameters"
+    try:
+        values = [complete(parameters)]
+        for n, step in enumerate(step for step in steps if step.changes):
+            where = f"experiment.changes[{n}].set"
+            values.append(complete({**values[-1], **step.changes}))
+    except ValueError as error:
+        raise CaseError(file, where, str(error)) from None
+    return tuple(values)
 
 
-def _steps(file: Path, experiment: Mapping[str, Any]) -> tuple[CommunicationStep, ...]:
-    stop_time = float(experiment["stop_time"])
-    changes = experiment.get("changes", [])
-    for n, change in enumerate(changes):
-        where = f"experiment.changes[{n}].time"
-        if change["time"] >= stop_time:
-            raise CaseError(file, where, f"{change['time']} is not before stop_time {stop_time}")
-        if n and change["time"] <= changes[n - 1]["time"]:
-            raise CaseError(file, where, "the changes are not in the order of time")
-    marks = [float(change["time"]) for change in changes]
-    lengths = _lengths(file, experiment["steps"], stop_time, marks)
-    ends = points(lengths)
-    near = SAME_POINT * stop_time / len(lengths)
-    if abs(ends[-1] - stop_time) > near:
-        reason = f"the steps end at {ends[-1]}, not at stop_time {stop_time}"
-        raise CaseError(file, "experiment.steps", reason)
-    settings: dict[int, dict[str, float]] = {}
-    for n, mark in enumerate(marks):
-        index = min(range(len(ends)), key=lambda i: abs(ends[i] - mark))
-        if abs(ends[index] - mark) > near:
-            reason = f"{mark} is not at a communication point; the nearest is {ends[index]}"
-            raise CaseError(file, f"experiment.changes[{n}].time", reason)
-        settings[index + 1] = {name: float(value) for name, value in changes[n]["set"].items()}
-    return tuple(CommunicationStep(h, settings.get(n, {})) for n, h in enumerate(lengths))
+def _stated(file: Path, data: Mapping[str, Any]) -> Facts | None:
+    """Give what the file states of the exact motion."""
+    if "motion" not in data:
+        return None
+    motion = data["motion"]
+    zero = motion.get("zero", [])
+    courses = _courses(file, data)
+    for n, name in enumerate(zero):
+        if name not in courses:
+            reason = f"{name!r} is none of the courses: {', '.join(courses)}"
+            raise CaseError(file, where_is(file, ("motion", "zero", n)), reason)
+    return Facts(motion["slips"], motion.get("reversals", 0), frozenset(zero))
 
 
-MOST_STEPS = 1_000_000
-"""More steps than any case needs; beyond it the memory would go before the patience."""
+def _own(file: Path, rules: Rules, own: Mapping[str, Any]) -> Rules:
+    """Put what the file states in place of the rules."""
+    conditioning = own.get("conditioning")
+    if conditioning is not None and conditioning > rules.narrowest * (1.0 + 1e-9):
+        where = where_is(file, ("tolerances", "conditioning"))
+        reason = f"{conditioning} is above that of the narrowest gap, {rules.narrowest:.3g}"
+        raise CaseError(file, where, reason)
+    rules = replace(rules, own_conditioning=conditioning)
+    if "fmu" not in own:
+        return rules
+    fmu, rule = float(own["fmu"]), rules.fmu_course()[0]
+    because = " ".join(own.get("because", "").split())
+    if not because and fmu > rule:
+        where = where_is(file, ("tolerances", "fmu"))
+        reason = f"{fmu} is looser than the rules' {rule} and needs a reason: because"
+        raise CaseError(file, where, reason)
+    return replace(rules, own_fmu=(fmu, because or rules.tighter(fmu)))
 
 
-def _lengths(
-    file: Path, steps: Mapping[str, Any], stop_time: float, marks: Sequence[float]
-) -> list[float]:
-    if "list" in steps:
-        return [float(h) for h in steps["list"]]
-    if "fixed" in steps:
-        h = float(steps["fixed"])
-        if stop_time / h > MOST_STEPS:
-            raise _too_many(file, stop_time / h)
-        return [h] * max(1, round(stop_time / h))
-    shortest, longest = float(steps["shortest"]), float(steps["longest"])
-    if shortest > longest:
-        raise CaseError(file, "experiment.steps.shortest", f"{shortest} is above longest {longest}")
-    spread = math.log(longest / shortest)
-    mean = (longest - shortest) / spread if spread > 0.0 else longest
-    if stop_time / mean > MOST_STEPS:
-        raise _too_many(file, stop_time / mean)
-    draw = random.Random(steps["seed"])
-    lengths = []
-    for begin, end in zip((0.0, *marks), (*marks, stop_time), strict=True):
-        marked = [begin]
-        while (left := end - marked[-1]) > 0.0:
-            h = shortest * (longest / shortest) ** draw.random()
-            marked.append(end if h >= left else marked[-1] + h)
-        lengths += [b - a for a, b in itertools.pairwise(marked)]
-    return lengths
+def _courses(file: Path, data: Mapping[str, Any]) -> list[str]:
+    """Give the outputs that are held against the exact motion at every point, groups resolved."""
+    found: list[str] = []
+    for n, name in enumerate(data.get("courses", GROUPS)):
+        where = where_is(file, ("courses", n))
+        if name not in GROUPS and name not in OUTPUT_NAMES:
+            known = f"groups {', '.join(GROUPS)}; outputs {', '.join(OUTPUT_NAMES)}"
+            raise CaseError(file, where, f"{name!r} is not a known output or group: {known}")
+        for output in GROUPS.get(name, (name,)):
+            if output in found:
+                raise CaseError(file, where, f"{output!r} is named twice")
+            found.append(output)
+    return found
 
 
-def _too_many(file: Path, count: float) -> CaseError:
-    return CaseError(file, "experiment.steps", f"{count:.3g} steps; {MOST_STEPS} are too many")
+def _checks(file: Path, data: Mapping[str, Any], rules: Rules) -> tuple[Check, ...]:
+    """Give the checks of a case: formulas of the cycle, courses, and those written out."""
+    checks = []
+    for quantity, formula, at in _cycle(file, data, rules):
+        tolerance = rules.formula(formula)
+        assert tolerance is not None, formula
+        checks.append(_check(f"{quantity}-exact", quantity, formula, at, tolerance))
+    at = At(data.get("courses_at", "every_point"))
+    for quantity in _courses(file, data):
+        tolerance = rules.course(quantity)
+        checks.append(_check(f"{quantity}-course", quantity, None, at, tolerance))
+    for n, entry in enumerate(data.get("checks", [])):
+        check = _written(file, n, entry, rules)
+        if any(check.id == other.id for other in checks):
+            where = where_is(file, ("checks", n, "id"))
+            raise CaseError(file, where, f"{check.id!r} is taken by another check")
+        checks.append(check)
+    if not checks:
+        raise CaseError(file, "", "it checks nothing: no courses, no cycle, no checks")
+    return tuple(checks)
 
 
-def _check(file: Path, n: int, entry: Mapping[str, Any]) -> Check:
-    def here(*path: str) -> str:
-        return where_is(file, ("checks", n, *path))
+def _check(name: str, quantity: str, formula: str | None, at: At, tolerance: Tolerance) -> Check:
+    equation = (QUANTITIES[quantity] if formula is None else FORMULAS[formula]).equation
+    return Check(
+        id=name,
+        quantity=quantity,
+        unit=QUANTITIES[quantity].unit,
+        truth=Truth("closed_form", equation, formula),
+        at=at,
+        measure=tolerance.measure,
+        tolerance=tolerance.allowed,
+        because=tolerance.because,
+    )
 
-    quantity = QUANTITIES.get(entry["quantity"])
+
+def _cycle(file: Path, data: Mapping[str, Any], rules: Rules) -> Iterator[tuple[str, str, At]]:
+    """Give the outputs of the steady cycle that are held against their formulas."""
+    if "cycle" not in data:
+        return
+    cycle = data["cycle"]
+    at = _at(cycle["at"])
+    if at.kind == "every_point":
+        reason = "a cycle has no value at every point: end, { cycle = n } or { event = n }"
+        raise CaseError(file, where_is(file, ("cycle", "at")), reason)
+    if not rules.lambda_:
+        reason = "without a gap and a pull there is no cycle"
+        raise CaseError(file, where_is(file, ("cycle",)), reason)
+    damped = rules.values[0]["c"] > 0.0
+    formulas = {name: pair[damped] for name, pair in CYCLE.items()}
+    there = {name: formula for name, formula in formulas.items() if formula is not None}
+    for n, name in enumerate(cycle.get("only", there)):
+        if name not in there:
+            reason = f"{name!r} has no formula in the {'damped' if damped else 'undamped'} cycle; "
+            where = where_is(file, ("cycle", "only", n))
+            raise CaseError(file, where, f"{reason}these have: {', '.join(there)}")
+        yield name, there[name], at
+
+
+def _at(entry: str | Mapping[str, int]) -> At:
+    return At(entry) if isinstance(entry, str) else At(*next(iter(entry.items())))
+
+
+def _written(file: Path, n: int, entry: Mapping[str, Any], rules: Rules) -> Check:
+    """Build a check that is written out; what it leaves open comes from the rules."""
+
+    def refuse(reason: str, *path: str) -> CaseError:
+        return CaseError(file, where_is(file, ("checks", n, *path)), reason)
+
+    quantity, name = QUANTITIES.get(entry["quantity"]), entry.get("formula")
     if quantity is None:
         known = ", ".join(QUANTITIES)
-        reason = f"{entry['quantity']!r} is not a known quantity: {known}"
-        raise CaseError(file, here("quantity"), reason)
-    if entry["unit"] != quantity.unit:
-        reason = f"{quantity.name} is in {quantity.unit!r}, not {entry['unit']!r}"
-        raise CaseError(file, here("unit"), reason)
-    name = entry["truth"].get("formula")
-    source = entry["truth"]["source"]
+        raise refuse(f"{entry['quantity']!r} is not a known quantity: {known}", "quantity")
     if name is not None:
         if name not in FORMULAS:
             reason = f"{name!r} is not a known formula: {', '.join(FORMULAS)}"
-            raise CaseError(file, here("truth", "formula"), reason)
-        formula = FORMULAS[name]
-        if source != formula.equation:
-            reason = f"{name} is equation ({formula.equation}), not ({source})"
-            raise CaseError(file, here("truth", "source"), reason)
-        if formula.unit != quantity.unit:
-            reason = f"{name} is in {formula.unit!r}, {quantity.name} in {quantity.unit!r}"
-            raise CaseError(file, here("truth", "formula"), reason)
-    at = entry["at"]
-    place = At(at) if isinstance(at, str) else At(*next(iter(at.items())))
-    measure = entry["tolerance"]["measure"]
-    if measure == "relative" and place.kind == "every_point":
+            raise refuse(reason, "formula")
+        if FORMULAS[name].unit != quantity.unit:
+            unit = FORMULAS[name].unit
+            raise refuse(f"{name} is in {unit!r}, {quantity.name} in {quantity.unit!r}", "formula")
+    at = _at(entry["at"])
+    own, because = entry.get("tolerance", {}), entry.get("because", {})
+    rule = rules.formula(name) if name is not None else None
+    if name is None and quantity.name in OUTPUT_NAMES:
+        rule = rules.course(quantity.name)
+    measure = own.get("measure", "relative" if rule is None else rule.measure)
+    if measure == "relative" and at.kind == "every_point":
         reason = "relative makes no sense over all points, where a value may cross zero: of_scale"
-        raise CaseError(file, here("tolerance", "measure"), reason)
+        raise refuse(reason, "tolerance", "measure")
     if quantity.discrete and (
-        measure != "absolute" or any(entry["tolerance"][side] != 0 for side in SIDES)
+        measure != "absolute" or any(own.get(side, 0.0) != 0.0 for side in SIDES)
     ):
         reason = f"{quantity.name} is discrete: measure absolute, tolerance 0 on both sides"
-        raise CaseError(file, here("tolerance"), reason)
-    return Check(
-        id=entry["id"],
-        quantity=quantity.name,
-        unit=quantity.unit,
-        truth=Truth(entry["truth"]["kind"], source, name),
-        at=place,
-        measure=measure,
-        tolerance={side: float(entry["tolerance"][side]) for side in SIDES},
-        because={side: " ".join(entry["because"][side].split()) for side in SIDES},
-    )
+        raise refuse(reason, "tolerance")
+    allowed, reasons = {}, {}
+    for side in SIDES:
+        if side in own and side not in because:
+            raise refuse(f"it needs a reason: because.{side}", "tolerance", side)
+        if side in because and side not in own:
+            raise refuse(f"a reason without a tolerance.{side}", "because", side)
+        if side in own:
+            allowed[side], reasons[side] = float(own[side]), " ".join(because[side].split())
+        elif rule is not None and rule.measure == measure:
+            allowed[side], reasons[side] = rule.allowed[side], rule.because[side]
+        else:
+            of = name or quantity.name
+            reason = f"no rule gives {of} a tolerance ({measure})"
+            raise refuse(f"{reason}: state {side} here and its reason in because", "tolerance")
+    return _check(entry["id"], quantity.name, name, at, Tolerance(measure, allowed, reasons))

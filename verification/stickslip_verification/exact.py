@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip_verification import truth
-from stickslip_verification.cases import Case
+from stickslip_verification.cases import Case, follow
 from stickslip_verification.quantities import OUTPUT_NAMES
 from stickslip_verification.record import Record
+from stickslip_verification.tolerances import Facts, facts_of
 from stickslip_verification.truth.parameters import complete
 
 
@@ -26,17 +26,19 @@ class Exact:
         Every value at the start, the defaults included (SI).
     event_times
         Times of its transitions [s].
+    facts
+        What the tolerances take from it.
     """
 
     record: Record
     start: Mapping[str, float]
     event_times: Sequence[float]
+    facts: Facts
 
 
 def exact_motion(case: Case) -> Exact:
     """Compute the exact motion of a case in high precision, rounded to double once."""
-    steps = [truth.Step(step.h, dict(step.changes)) for step in case.steps]
-    run = truth.run(case.parameters, steps)
+    run = follow(case.parameters, case.steps)
     outputs = {
         name: np.array([float(sample[name]) for sample in run.samples]) for name in OUTPUT_NAMES
     }
@@ -48,4 +50,5 @@ def exact_motion(case: Case) -> Exact:
         ),
         start=complete(case.parameters),
         event_times=[float(event.time) for event in run.events],
+        facts=facts_of(run),
     )

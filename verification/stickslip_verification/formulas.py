@@ -176,36 +176,59 @@ def _damped(name: str) -> Callable[[Parameters], Number]:
 
 @dataclass(frozen=True)
 class Formula:
-    """A named closed form: its unit, its equation number in docs/theory.md, its function."""
+    """A named closed form.
+
+    Attributes
+    ----------
+    unit, equation
+        Its unit and its equation number in docs/theory.md.
+    evaluate
+        From all twelve values at the start to its value.
+    sensitivity
+        Power of 1/lambda by which an error of the state enters an integration, (17); None where
+        it is not of that kind.
+    """
 
     unit: str
     equation: int
     evaluate: Callable[[Parameters], Number]
+    sensitivity: int | None = None
 
 
 FORMULAS: dict[str, Formula] = {
     "break_away_force": Formula("N", 6, break_away_force),
-    "first_load_up": Formula("s", 6, first_load_up),
-    "spring_relief": Formula("m", 7, spring_relief),
-    "t_slip": Formula("s", 8, t_slip),
-    "t_stick": Formula("s", 9, t_stick),
-    "delta_x": Formula("m", 10, delta_x),
-    "period": Formula("s", 10, period),
-    "frequency": Formula("Hz", 10, frequency),
-    "peak_velocity": Formula("m/s", 11, peak_velocity),
+    "first_load_up": Formula("s", 6, first_load_up, 0),
+    "spring_relief": Formula("m", 7, spring_relief, 2),
+    "t_slip": Formula("s", 8, t_slip, 1),
+    "t_stick": Formula("s", 9, t_stick, 2),
+    "delta_x": Formula("m", 10, delta_x, 0),
+    "period": Formula("s", 10, period, 0),
+    "frequency": Formula("Hz", 10, frequency, 0),
+    "peak_velocity": Formula("m/s", 11, peak_velocity, 0),
     "slip_travel_of_the_end": Formula("m", 12, slip_travel_of_the_end),
     "half_period": Formula("s", 12, half_period),
     "slow_slip_excess": Formula("s", 12, slow_slip_excess),
     "fast_slip_deficit": Formula("s", 12, fast_slip_deficit),
-    "load_up_over_stick": Formula("1", 12, load_up_over_stick),
+    "load_up_over_stick": Formula("1", 12, load_up_over_stick, 2),
     "sliding_extension": Formula("m", 3, sliding_extension),
     "pulling_velocity": Formula("m/s", 3, pulling_velocity),
     "sliding_friction": Formula("N", 15, sliding_friction),
     "equal_by_the_meter": Formula("s", 16, nothing),
-    "damped_t_slip": Formula("s", 13, _damped("t_slip")),
-    "damped_t_stick": Formula("s", 13, _damped("t_stick")),
-    "damped_spring_drop": Formula("m", 13, _damped("spring_drop")),
-    "damped_delta_x": Formula("m", 13, _damped("delta_x")),
-    "damped_period": Formula("s", 13, _damped("T")),
+    "damped_t_slip": Formula("s", 13, _damped("t_slip"), 1),
+    "damped_t_stick": Formula("s", 13, _damped("t_stick"), 2),
+    "damped_spring_drop": Formula("m", 13, _damped("spring_drop"), 2),
+    "damped_delta_x": Formula("m", 13, _damped("delta_x"), 0),
+    "damped_period": Formula("s", 13, _damped("T"), 0),
 }
-"""What a case can name as ``truth.formula``."""
+"""What a check can name as ``formula``."""
+
+CYCLE: Mapping[str, tuple[str, str | None]] = {
+    "t_stick": ("t_stick", "damped_t_stick"),
+    "t_slip": ("t_slip", "damped_t_slip"),
+    "T": ("period", "damped_period"),
+    "f": ("frequency", None),
+    "delta_x": ("delta_x", "damped_delta_x"),
+    "spring_drop": ("spring_relief", "damped_spring_drop"),
+    "x_dot_peak": ("peak_velocity", None),
+}
+"""Formula of each output in the steady cycle, without and with damping."""

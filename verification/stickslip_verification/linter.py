@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from stickslip_verification.cases import CASES_FOLDER, Case, CaseError, Check, load_case
-from stickslip_verification.exact import exact_motion
+from stickslip_verification.cases import CASES_FOLDER, Case, Check, load_case
+from stickslip_verification.exact import Exact, exact_motion
+from stickslip_verification.experiment import CaseError
 from stickslip_verification.formulas import FORMULAS
 from stickslip_verification.judging.law_checks import agreeing, applies
 from stickslip_verification.judging.second import Accepted, Key, load_accepted
@@ -17,6 +20,7 @@ from stickslip_verification.metrics import METRICS
 from stickslip_verification.mutants import Mutant, MutantError, load_mutants
 from stickslip_verification.mutants.planted import idle_reasons
 from stickslip_verification.quantities import QUANTITIES
+from stickslip_verification.tolerances import ZERO, Facts
 from stickslip_verification.trial.probes import PROBES
 from stickslip_verification.trial.runs import RUNS
 
@@ -49,13 +53,15 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
         laws, mutants = load_laws(), load_mutants()
     except (LawError, MutantError) as error:
         return [*findings, str(error)]
+    motions = {case.file: exact_motion(case) for case in cases}
     findings += _ids(cases, laws)
+    findings += _motions(cases, motions)
     findings += _reasons(cases, laws)
     findings += _sources(cases, laws)
     findings += _unused(cases, laws)
     findings += _mutants(cases, laws, mutants)
     if folder == CASES_FOLDER:
-        findings += _accepted(cases, laws, load_accepted())
+        findings += _accepted(cases, laws, load_accepted(), motions)
     return findings
 
 
@@ -72,6 +78,41 @@ def _ids(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
     for name, n in Counter(case.title for case in cases).items():
         if n > 1:
             yield f"{n} cases have the title {name!r}"
+
+
+def _motions(cases: Sequence[Case], motions: Mapping[Path, Exact]) -> Iterator[str]:
+    """Hold what a case states of its exact motion against it."""
+    for case in cases:
+        exact = motions[case.file]
+        happens = exact.facts
+        if case.facts is None:
+            zero = [check.quantity for check in case.checks if check.because["fmu"] == ZERO]
+            yield (
+                f"{case.id}: motion is missing, so the exact motion is followed at each loading; "
+                f"write {_as_toml(replace(happens, zero=frozenset(zero)))}"
+            )
+            continue
+        looked_at = {check.quantity for check in case.checks if check.measure == "of_scale"}
+        under_way = int(exact.record.outputs["mode"][-1] != 0)
+        if not 0 <= case.facts.slips - happens.slips <= under_way:
+            or_more = f" or {happens.slips + 1}" if under_way else ""
+            yield f"{case.id}: motion.slips = {case.facts.slips}; it is {happens.slips}{or_more}"
+        if case.facts.reversals != happens.reversals:
+            stated = case.facts.reversals
+            yield f"{case.id}: motion.reversals = {stated}; it is {happens.reversals}"
+        for name in sorted(case.facts.zero - happens.zero):
+            yield f"{case.id}: motion.zero: {name} is not zero throughout"
+        for name in sorted(happens.zero & looked_at):
+            yield f"{case.id}: motion.zero: {name} is zero throughout and not named"
+
+
+def _as_toml(facts: Facts) -> str:
+    parts = [f"slips = {facts.slips}"]
+    if facts.reversals:
+        parts.append(f"reversals = {facts.reversals}")
+    if facts.zero:
+        parts.append(f"zero = [{', '.join(json.dumps(name) for name in sorted(facts.zero))}]")
+    return f"motion = {{ {', '.join(parts)} }}"
 
 
 def _reasons(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
@@ -146,9 +187,11 @@ def _mutants(cases: Sequence[Case], laws: Laws, mutants: Sequence[Mutant]) -> It
         yield from _reason(f"idle check {name}", reason)
 
 
-def _accepted(cases: Sequence[Case], laws: Laws, accepted: Accepted) -> Iterator[str]:
+def _accepted(
+    cases: Sequence[Case], laws: Laws, accepted: Accepted, motions: Mapping[Path, Exact]
+) -> Iterator[str]:
     """Hold the accepted values against what a verdict on these cases yields."""
-    held, wanted = set(accepted.values), set(_yielded(cases, laws))
+    held, wanted = set(accepted.values), set(_yielded(cases, laws, motions))
     then = "run stickslip verify --accept"
     for case, check, side in sorted(wanted - held):
         yield f"{case} / {check} ({side}): no accepted value; {then}"
@@ -156,10 +199,10 @@ def _accepted(cases: Sequence[Case], laws: Laws, accepted: Accepted) -> Iterator
         yield f"{case} / {check} ({side}): an accepted value of no check; {then}"
 
 
-def _yielded(cases: Sequence[Case], laws: Laws) -> Iterator[Key]:
+def _yielded(cases: Sequence[Case], laws: Laws, motions: Mapping[Path, Exact]) -> Iterator[Key]:
     sides = ("fmu", "reference")
     for case in cases:
-        exact = exact_motion(case)
+        exact = motions[case.file]
         on_both = [check.id for check in case.checks]
         on_both += [law.id for law in laws.residuals if applies(law, case, exact)]
         yield from ((case.id, check, side) for check in on_both for side in sides)

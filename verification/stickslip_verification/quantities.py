@@ -26,6 +26,8 @@ class Quantity:
     ----------
     name, unit, meaning
         As they stand in case files and reports; ``unit`` in the spelling of the interface.
+    equation
+        Number in docs/theory.md of what the exact motion takes it from.
     needs
         Outputs it is made from.
     compute
@@ -37,42 +39,56 @@ class Quantity:
 
     name: str
     unit: str
+    equation: int
     meaning: str
     needs: tuple[str, ...]
     compute: Callable[[Columns, Parameters], Series]
     discrete: bool = False
 
 
-def _output(name: str, unit: str, meaning: str, *, discrete: bool = False) -> Quantity:
-    return Quantity(name, unit, meaning, (name,), lambda columns, _: columns[name], discrete)
+def _output(
+    name: str, unit: str, equation: int, meaning: str, *, discrete: bool = False
+) -> Quantity:
+    return Quantity(
+        name, unit, equation, meaning, (name,), lambda columns, _: columns[name], discrete
+    )
 
 
 OUTPUTS: tuple[Quantity, ...] = (
-    _output("x", "m", "position of the mass"),
-    _output("x_dot", "m/s", "velocity of the mass"),
-    _output("x_pull", "m", "position of the pulled end"),
-    _output("z", "m", "spring extension"),
-    _output("F", "N", "spring force"),
-    _output("F_friction", "N", "friction and damping force on the mass"),
-    _output("F_s", "N", "break-away force"),
-    _output("sticking", "1", "whether the mass sticks", discrete=True),
-    _output("mode", "1", "-1 slips backward, 0 sticks, +1 slips forward", discrete=True),
-    _output("delta_x", "m", "displacement in the last completed slip"),
-    _output("spring_drop", "m", "relief of the spring over the last completed slip"),
-    _output("t_stick", "s", "length of the last completed stick"),
-    _output("t_slip", "s", "length of the last completed slip"),
-    _output("T", "s", "time between the last two break-aways"),
-    _output("f", "Hz", "reciprocal of T"),
-    _output("x_dot_peak", "m/s", "extreme velocity of the last completed slip"),
-    _output("n_slips", "1", "number of completed slips", discrete=True),
-    _output("t_event", "s", "time of the last transition"),
-    _output("W_pull", "J", "work done by the pulling end"),
-    _output("W_k", "J", "energy put in by changing the stiffness"),
-    _output("Q_friction", "J", "heat made by friction and damping"),
-    _output("mu_k_used", "1", "kinetic friction coefficient after the clamp"),
+    _output("x", "m", 3, "position of the mass"),
+    _output("x_dot", "m/s", 3, "velocity of the mass"),
+    _output("x_pull", "m", 1, "position of the pulled end"),
+    _output("z", "m", 3, "spring extension"),
+    _output("F", "N", 1, "spring force"),
+    _output("F_friction", "N", 1, "friction and damping force on the mass"),
+    _output("F_s", "N", 6, "break-away force"),
+    _output("sticking", "1", 4, "whether the mass sticks", discrete=True),
+    _output("mode", "1", 4, "-1 slips backward, 0 sticks, +1 slips forward", discrete=True),
+    _output("delta_x", "m", 16, "displacement in the last completed slip"),
+    _output("spring_drop", "m", 16, "relief of the spring over the last completed slip"),
+    _output("t_stick", "s", 16, "length of the last completed stick"),
+    _output("t_slip", "s", 16, "length of the last completed slip"),
+    _output("T", "s", 16, "time between the last two break-aways"),
+    _output("f", "Hz", 16, "reciprocal of T"),
+    _output("x_dot_peak", "m/s", 16, "extreme velocity of the last completed slip"),
+    _output("n_slips", "1", 16, "number of completed slips", discrete=True),
+    _output("t_event", "s", 5, "time of the last transition"),
+    _output("W_pull", "J", 15, "work done by the pulling end"),
+    _output("W_k", "J", 15, "energy put in by changing the stiffness"),
+    _output("Q_friction", "J", 15, "heat made by friction and damping"),
+    _output("mu_k_used", "1", 1, "kinetic friction coefficient after the clamp"),
 )
 
 OUTPUT_NAMES: tuple[str, ...] = tuple(quantity.name for quantity in OUTPUTS)
+
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    "state": ("x", "x_dot", "z"),
+    "forces": ("F", "F_friction"),
+    "events": ("mode", "n_slips", "t_event"),
+    "meter": ("delta_x", "spring_drop", "t_stick", "t_slip", "T", "x_dot_peak"),
+    "energy": ("W_pull", "W_k", "Q_friction"),
+}
+"""Outputs that a case can name together; the others follow from these by a law each."""
 
 
 def _jump_beyond_simplified(columns: Columns, start: Parameters) -> Series:
@@ -105,6 +121,7 @@ DERIVED: tuple[Quantity, ...] = (
     Quantity(
         "jump_beyond_simplified",
         "m",
+        12,
         "delta_x less the designers' 2 (mu_s - mu_k) N/k: the error of that formula",
         ("delta_x",),
         _jump_beyond_simplified,
@@ -112,6 +129,7 @@ DERIVED: tuple[Quantity, ...] = (
     Quantity(
         "slip_beyond_half_period",
         "s",
+        12,
         "t_slip less the designers' pi/w: the error of that formula",
         ("t_slip",),
         _slip_beyond_half_period,
@@ -119,6 +137,7 @@ DERIVED: tuple[Quantity, ...] = (
     Quantity(
         "slip_short_of_full_period",
         "s",
+        12,
         "2 pi/w less t_slip, which goes to 0 as the pull gets fast",
         ("t_slip",),
         _slip_short_of_full_period,
@@ -126,6 +145,7 @@ DERIVED: tuple[Quantity, ...] = (
     Quantity(
         "load_up_over_stick",
         "1",
+        12,
         "the designers' mu_s N/(k v) over t_stick: by how much that formula is too long",
         ("t_stick",),
         _load_up_over_stick,
@@ -133,6 +153,7 @@ DERIVED: tuple[Quantity, ...] = (
     Quantity(
         "heat_per_travel",
         "N",
+        15,
         "Q_friction over the way the mass has gone since the start, always in one direction",
         ("Q_friction", "x"),
         _heat_per_travel,
@@ -140,6 +161,7 @@ DERIVED: tuple[Quantity, ...] = (
     Quantity(
         "period_beyond_phases",
         "s",
+        16,
         "T less t_stick and t_slip, once both belong to the same cycle",
         ("T", "t_stick", "t_slip"),
         _period_beyond_phases,

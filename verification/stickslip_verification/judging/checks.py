@@ -15,6 +15,7 @@ from stickslip_verification.exact import Exact
 from stickslip_verification.formulas import FORMULAS
 from stickslip_verification.quantities import QUANTITIES
 from stickslip_verification.record import Record, Series
+from stickslip_verification.tolerances import INTEGRATION, ROUNDING
 from stickslip_verification.verdict import CheckResult, Measured
 
 GRAIN = {"fmu": 1e-14, "reference": 1e-12}
@@ -22,7 +23,7 @@ GRAIN = {"fmu": 1e-14, "reference": 1e-12}
 libraries differ by a unit in the last place or two of a function (2e-16), of which the closed forms
 of a run add up some dozens; the reference also chooses its steps by them."""
 
-KEPT = {"fmu": 1e-12, "reference": 1e-9}
+KEPT = {"fmu": ROUNDING, "reference": INTEGRATION}
 """The tolerances of the suite before conditioning; what a check allows beyond is its conditioning,
 and the grain grows with it."""
 

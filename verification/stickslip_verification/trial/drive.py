@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip_verification.cases import Case, CommunicationStep, points
+from stickslip_verification.cases import Case
+from stickslip_verification.experiment import CommunicationStep, points
 from stickslip_verification.fmu import FmuError, FmuFile, FmuInstance, available
 from stickslip_verification.quantities import OUTPUT_NAMES
 from stickslip_verification.record import Record

@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from stickslip_verification.cases import Case, CommunicationStep
+from stickslip_verification.cases import Case
+from stickslip_verification.experiment import CommunicationStep
 from stickslip_verification.fmu import FmuFile, FmuInstance, available
 from stickslip_verification.quantities import OUTPUT_NAMES
 from stickslip_verification.record import Record
