@@ -1,14 +1,19 @@
 """The suite on trial: planted faults are convicted as foretold, and nothing else is."""
 
+import re
+import tomllib
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from stickslip_verification import load_laws, load_mutants, verify
+from stickslip_verification.fmu import FmuError, NameMap
+from stickslip_verification.judging.checks import FOREIGN
 from stickslip_verification.mutants import Mutant
-from stickslip_verification.mutants.planted import Substitution, idle_reasons
+from stickslip_verification.mutants.planted import Override, idle_reasons, load_mutant
 from stickslip_verification.suite.convict import convict
 from stickslip_verification.suite.ground import Ground, lay
 from stickslip_verification.verdict import KillMatrix
@@ -46,10 +51,20 @@ def test_faults_are_caught_by_the_checks_that_fit(fmu_path: Path) -> None:
     assert gravity.failing["F_s-course"] == 1
 
 
-def test_what_is_no_fault_is_not_convicted(fmu_path: Path) -> None:
+def overriding(target: str, code: str) -> Mutant:
+    """Return a fault of one override."""
+    return replace(fault("constant-g"), overrides=(Override(target, code),))
+
+
+HARMLESS = (
+    overriding("block.Block.set", "def set(self, name, value):\n    original(self, name, value)"),
+    overriding("master.step", "def step(self, time, h):\n    original(self, time, h)"),
+)
+
+
+@pytest.mark.parametrize("harmless", HARMLESS, ids=["in the FMU", "in its calls"])
+def test_what_is_no_fault_is_not_convicted(fmu_path: Path, harmless: Mutant) -> None:
     """A change that changes nothing fails nothing, so its mutant survives and the suite fails."""
-    comment = Substitution("friction.py", "# The rest test forgives", "# The test of rest forgives")
-    harmless = replace(fault("constant-g"), substitutions=(comment,), additions=())
     kills = tried(fmu_path, harmless)
     (row,) = kills.rows
     assert row.failing == {}
@@ -59,11 +74,10 @@ def test_what_is_no_fault_is_not_convicted(fmu_path: Path) -> None:
 
 
 def test_a_fault_that_does_not_fit_is_told(fmu_path: Path) -> None:
-    """A substitution that matches nothing convicts nobody; the row says why."""
-    lost = Substitution("friction.py", "no such text", "x")
-    kills = tried(fmu_path, replace(fault("constant-g"), substitutions=(lost,), additions=()))
+    """An override of a name that is gone convicts nobody; the row says why."""
+    kills = tried(fmu_path, overriding("friction.breakaway", "def breakaway():\n    return 1.0"))
     assert not kills.rows[0].caught
-    assert "friction.py" in (kills.rows[0].broken or "")
+    assert "no friction.breakaway in the FMU" in (kills.rows[0].broken or "")
 
 
 def test_a_check_that_kills_nothing_needs_a_reason(fmu_path: Path) -> None:
@@ -78,9 +92,7 @@ def test_a_check_that_kills_nothing_needs_a_reason(fmu_path: Path) -> None:
 
 def test_the_matrix_is_part_of_the_verdict(fmu_path: Path) -> None:
     """A verdict with a survivor does not pass, whatever the checks say."""
-    comment = Substitution("friction.py", "# The rest test forgives", "# The test of rest forgives")
-    harmless = replace(fault("constant-g"), substitutions=(comment,), additions=())
-    verdict = verify(fmu_path, [named("one-step")], mutants=[harmless], jobs=1)
+    verdict = verify(fmu_path, [named("one-step")], mutants=[HARMLESS[0]], jobs=1)
     assert verdict.summary["failed"] == 0
     assert verdict.kills is not None
     assert not verdict.passed
@@ -91,3 +103,44 @@ def test_whole_simulators_can_be_planted(fmu_path: Path, name: str) -> None:
     """A fixed-step solver and a regularised friction run as FMUs and are convicted."""
     (row,) = tried(fmu_path, fault(name)).rows
     assert row.caught
+
+
+def test_a_foreign_fmu_carries_faults_in_its_calls(
+    slider_mm: Path, slider_mm_names: NameMap
+) -> None:
+    """An honest FMU without source, by its own names and units, is convicted of what is planted."""
+    wrong_unit, lagging = (fault(name) for name in ("unit-force-in-kgf", "output-x-pull-lags"))
+    how: dict[str, Any] = {"names": slider_mm_names, "trial": FOREIGN}
+    faults = [HARMLESS[1], wrong_unit, lagging]
+    honest, unit, lag = convict(slider_mm, faults, ground(), load_laws(), 2, **how).rows
+    assert honest.failing == {}
+    assert (unit.caught, lag.caught) == (True, True)
+    assert "F_s-course" in unit.failing.keys() - lag.failing.keys()
+
+
+def test_a_foreign_fmu_carries_no_others(slider_mm: Path, slider_mm_names: NameMap) -> None:
+    """A fault in the block's source is refused for an FMU that does not carry it, by its id."""
+    how: dict[str, Any] = {"names": slider_mm_names}
+    with pytest.raises(FmuError, match=r"\w+.fmu: the fault constant-g is planted in our own"):
+        verify(slider_mm, CASES, mutants=[HARMLESS[1], fault("constant-g")], **how)
+    (row,) = convict(slider_mm, [fault("constant-g")], ground(), load_laws(), 1, **how).rows
+    assert "carries no packed source" in (row.broken or "")
+
+
+def test_the_way_to_plant_a_fault_leads_there(fmu_path: Path, tmp_path: Path) -> None:
+    """Each description in the section of CONTRIBUTING.md is a fault that is convicted."""
+    text = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    section = text[text.index("## Plant a fault") :].split("\n## ")[0]
+    described = re.findall(r"(?s)```toml\n(.*?)```", section)
+    assert len(described) == 2
+    files = []
+    for toml in described:
+        files.append(tmp_path / f"{tomllib.loads(toml)['id']}.toml")
+        files[-1].write_text(toml, encoding="utf-8")
+    faults = [load_mutant(file) for file in files]
+    assert [bool(each.hooks) for each in faults] == [False, True]
+    for row in tried(fmu_path, *faults).rows:
+        assert row.caught, row.broken
+    for file in files:
+        file.unlink()
+        assert file.stem not in {mutant.id for mutant in load_mutants()}

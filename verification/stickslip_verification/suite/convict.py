@@ -8,7 +8,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
-from stickslip_verification.judging.checks import OURS
+from stickslip_verification.fmu import NameMap
+from stickslip_verification.judging.checks import OURS, Trial
 from stickslip_verification.laws import Laws
 from stickslip_verification.mutants import Mutant, MutantError, plant
 from stickslip_verification.mutants.planted import FAULTS_FOLDER, idle_reasons
@@ -30,6 +31,10 @@ def convict(
     laws: Laws,
     jobs: int,
     progress: Progress | None = None,
+    *,
+    names: NameMap | None = None,
+    trial: Trial = OURS,
+    fresh: bool = False,
 ) -> KillMatrix:
     """Plant each fault in the FMU, run the mutant as any FMU is run, and see what it fails.
 
@@ -50,6 +55,9 @@ def convict(
         How many mutants are tried at once, each in a process of its own.
     progress
         Counts the mutants.
+    names, trial, fresh
+        For a foreign FMU: the map to its names, how it is judged, and whether it lives only once in
+        a process. What can be planted in it are faults in the calls of the master.
 
     Raises
     ------
@@ -67,7 +75,9 @@ def convict(
         ThreadPoolExecutor(jobs) as threads,
     ):
         futures = {
-            threads.submit(_try, fmu, mutant, short, laws, Path(folder)): mutant
+            threads.submit(
+                _try, fmu, mutant, short, laws, Path(folder), names, trial, fresh=fresh
+            ): mutant
             for mutant in mutants
         }
         try:
@@ -88,7 +98,15 @@ def convict(
 
 
 def _try(
-    fmu: Path, mutant: Mutant, ground: Sequence[Ground], laws: Laws, folder: Path
+    fmu: Path,
+    mutant: Mutant,
+    ground: Sequence[Ground],
+    laws: Laws,
+    folder: Path,
+    names: NameMap | None,
+    trial: Trial,
+    *,
+    fresh: bool,
 ) -> Conviction:
     failing: Mapping[str, int] = {}
     broken = None
@@ -97,9 +115,11 @@ def _try(
     except MutantError as error:
         broken = str(error)
     else:
-        trials = try_out(planted, ground, laws, jobs=1, time_limit=TIME_LIMIT)
+        trials = try_out(
+            planted, ground, laws, 1, names, TIME_LIMIT, fresh=fresh, hooks=mutant.hooks
+        )
         late = set(_late(trials, laws))
-        results = judge(ground, laws, trials, OURS, reference=False)
+        results = judge(ground, laws, trials, trial, reference=False)
         failing = _count(
             result
             for result in results

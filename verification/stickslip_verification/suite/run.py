@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stickslip_verification.cases import Check
-from stickslip_verification.fmu import NameMap
+from stickslip_verification.fmu import Hook, NameMap
 from stickslip_verification.judging import checks, law_checks, run_checks
 from stickslip_verification.judging.checks import REFERENCE, Trial
 from stickslip_verification.laws import Laws, ResidualLaw, RunLaw
@@ -40,12 +40,13 @@ def try_out(
     progress: Progress | None = None,
     *,
     fresh: bool = False,
+    hooks: Sequence[Hook] = (),
 ) -> Trials:
     """Let an FMU do everything that it is judged by; the arguments are those of `workers.Pool`."""
     cases = [each.case for each in ground]
     kinds = list(dict.fromkeys(law.run for law in laws.runs))
     asked = [(case, kind) for case in cases for kind in kinds]
-    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
+    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh, hooks=hooks) as pool:
         plain = pool.each(workers.plain_run, [(case,) for case in cases])
         runs = pool.each(workers.other_run, asked)
         probes = pool.each(workers.probe, [(law,) for law in laws.probes], most=workers.PROBE_LIMIT)

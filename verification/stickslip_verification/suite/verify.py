@@ -54,7 +54,7 @@ def verify(
     time_limit
         Seconds that the FMU may take for one run of a case.
     mutants
-        Faults to plant in the FMU, which must be ours, to try the suite itself.
+        Faults to plant, to try the suite itself. Those that change the FMU are for ours only.
     command
         What to type to get the same again, for the provenance.
 
@@ -70,18 +70,22 @@ def verify(
     try:
         require(file)
         trial = OURS if is_ours(file) else STRICT if strict else FOREIGN
-        if mutants and not trial.ours:
-            raise FmuError(f"{fmu}: faults are planted in our own FMU only")
+        inside = next((mutant for mutant in mutants if mutant.changes_the_fmu), None)
+        if inside is not None and not trial.ours:
+            raise FmuError(f"{fmu}: the fault {inside.id} is planted in our own FMU only")
         origin = provenance.collect(file, command)
     finally:
         file.close()
     laws = load_laws()
     jobs = workers.jobs_here() if jobs is None else jobs
     ground = lay(cases, laws, jobs, progress)
-    trials = try_out(
-        fmu, ground, laws, jobs, names, time_limit, progress, fresh=file.once_per_process
+    fresh = file.once_per_process
+    trials = try_out(fmu, ground, laws, jobs, names, time_limit, progress, fresh=fresh)
+    kills = (
+        convict(fmu, mutants, ground, laws, jobs, progress, names=names, trial=trial, fresh=fresh)
+        if mutants
+        else None
     )
-    kills = convict(fmu, mutants, ground, laws, jobs, progress) if mutants else None
     return Verdict(
         checks=load_accepted().attach(judge(ground, laws, trials, trial), fmu=trial.ours),
         provenance=origin,
