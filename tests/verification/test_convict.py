@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from stickslip_verification import load_laws, load_mutants, verify
-from stickslip_verification.fmu import FmuError, NameMap
+from stickslip_verification.fmu import FmuError, FmuFile, NameMap
 from stickslip_verification.judging.checks import FOREIGN
 from stickslip_verification.mutants import Mutant
 from stickslip_verification.mutants.planted import Override, idle_reasons, load_mutant
@@ -125,6 +125,33 @@ def test_a_foreign_fmu_carries_no_others(slider_mm: Path, slider_mm_names: NameM
         verify(slider_mm, CASES, mutants=[HARMLESS[1], fault("constant-g")], **how)
     (row,) = convict(slider_mm, [fault("constant-g")], ground(), load_laws(), 1, **how).rows
     assert "carries no packed source" in (row.broken or "")
+
+
+@pytest.mark.parametrize("slider", ["slider_mm", "slider_si"])
+def test_a_fault_in_the_calls_has_each_instance_to_itself(
+    slider: str, request: pytest.FixtureRequest
+) -> None:
+    """In FMI 2.0 and 3.0 faults see our names and SI; the second of a call lies over the first."""
+    counting = "def step(self, time, h):\n    original(self, time, h)\n    self.steps = {0} + 1"
+    hooks = (
+        ("step", counting.format("getattr(self, 'steps', 0)")),
+        ("step", counting.format("self.steps")),
+        ("get", "def get(self, names):\n    return {**original(self, names), 'F': self.steps}"),
+        ("set", "def set(self, values):\n    original(self, {**values, 'v': 0.03})"),
+        ("reset", "def reset(self):\n    original(self)\n    self.steps = 100"),
+    )
+    fmu, names = request.getfixturevalue(slider), request.getfixturevalue(f"{slider}_names")
+    file = FmuFile(fmu, names, hooks)
+    with file.instantiate() as first, file.instantiate() as second:
+        for instance in (first, second):
+            instance.start({"v": 0.01})
+            instance.step(0.0, 0.5)
+        first.step(0.5, 0.25)
+        assert first.reader(["F"])() == [4.0]
+        assert second.reader(["v", "F"])() == [pytest.approx(0.03), 2.0]
+        second.reset()
+        assert second.reader(["F"])() == [100.0]
+    file.close()
 
 
 def test_the_way_to_plant_a_fault_leads_there(fmu_path: Path, tmp_path: Path) -> None:

@@ -215,7 +215,10 @@ def bindings(body: Sequence[ast.stmt]) -> dict[str, ast.stmt]:
                 names = [name]
             case ast.Assign(targets=targets):
                 nodes = [node for target in targets for node in ast.walk(target)]
-                names = [node.id for node in nodes if isinstance(node, ast.Name)]
+                stored = [
+                    node for node in nodes if isinstance(getattr(node, "ctx", None), ast.Store)
+                ]
+                names = [node.id for node in stored if isinstance(node, ast.Name)]
             case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr()):
                 names = [name]
             case ast.Import(names=aliases) | ast.ImportFrom(names=aliases):
