@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification import load_laws, load_mutants, verify
+from stickslip_verification.fmu import FmuError, FmuFile, NameMap
+from stickslip_verification.judging.checks import FOREIGN
 from stickslip_verification.mutants import Mutant
-from stickslip_verification.mutants.planted import Substitution, idle_reasons
-from stickslip_verification.suite.convict import convict
+from stickslip_verification.mutants.planted import Override, idle_reasons
+from stickslip_verification.suite.convict import How, convict
 from stickslip_verification.suite.ground import Ground, lay
 from stickslip_verification.verdict import KillMatrix
 
@@ -29,9 +31,12 @@ def fault(name: str) -> Mutant:
     return load_mutants(name)[0]
 
 
-def tried(fmu: Path, *mutants: Mutant) -> KillMatrix:
+WHOLE, FORETOLD = How(), How(whole=False)
+
+
+def tried(fmu: Path, *mutants: Mutant, how: How = WHOLE) -> KillMatrix:
     """Try faults on two cases."""
-    return convict(fmu, mutants, ground(), load_laws(), jobs=2)
+    return convict(fmu, mutants, ground(), load_laws(), jobs=2, how=how)
 
 
 def test_faults_are_caught_by_the_checks_that_fit(fmu_path: Path) -> None:
@@ -46,10 +51,20 @@ def test_faults_are_caught_by_the_checks_that_fit(fmu_path: Path) -> None:
     assert gravity.failing["F_s-course"] == 1
 
 
-def test_what_is_no_fault_is_not_convicted(fmu_path: Path) -> None:
+def overriding(target: str, code: str) -> Mutant:
+    """Return a fault of one override."""
+    return replace(fault("constant-g"), overrides=(Override(target, code),))
+
+
+HARMLESS = (
+    overriding("block.Block.set", "def set(self, name, value):\n    original(self, name, value)"),
+    overriding("master.step", "def step(self, time, h):\n    original(self, time, h)"),
+)
+
+
+@pytest.mark.parametrize("harmless", HARMLESS, ids=["in the FMU", "in its calls"])
+def test_what_is_no_fault_is_not_convicted(fmu_path: Path, harmless: Mutant) -> None:
     """A change that changes nothing fails nothing, so its mutant survives and the suite fails."""
-    comment = Substitution("friction.py", "# The rest test forgives", "# The test of rest forgives")
-    harmless = replace(fault("constant-g"), substitutions=(comment,), additions=())
     kills = tried(fmu_path, harmless)
     (row,) = kills.rows
     assert row.failing == {}
@@ -59,16 +74,15 @@ def test_what_is_no_fault_is_not_convicted(fmu_path: Path) -> None:
 
 
 def test_a_fault_that_does_not_fit_is_told(fmu_path: Path) -> None:
-    """A substitution that matches nothing convicts nobody; the row says why."""
-    lost = Substitution("friction.py", "no such text", "x")
-    kills = tried(fmu_path, replace(fault("constant-g"), substitutions=(lost,), additions=()))
+    """An override of a name that is gone convicts nobody; the row says why."""
+    kills = tried(fmu_path, overriding("friction.breakaway", "def breakaway():\n    return 1.0"))
     assert not kills.rows[0].caught
-    assert "friction.py" in (kills.rows[0].broken or "")
+    assert "no friction.breakaway in the FMU" in (kills.rows[0].broken or "")
 
 
 def test_in_the_gate_a_fault_is_tried_where_it_was_foretold(fmu_path: Path) -> None:
     """The first foretold check that fails ends it, in one case; idle checks are not asked for."""
-    kills = convict(fmu_path, [fault("constant-g")], ground(), load_laws(), jobs=1, whole=False)
+    kills = tried(fmu_path, fault("constant-g"), how=FORETOLD)
     (row,) = kills.rows
     assert row.caught
     assert set(row.failing.values()) == {1}
@@ -79,14 +93,14 @@ def test_in_the_gate_a_fault_is_tried_where_it_was_foretold(fmu_path: Path) -> N
 
 def test_a_fault_of_the_interface_needs_its_probe_alone(fmu_path: Path) -> None:
     """A refusal that is missing is seen by the probe that was foretold, and by it alone."""
-    kills = convict(fmu_path, [fault("refusal-nan")], ground(), load_laws(), jobs=1, whole=False)
+    kills = tried(fmu_path, fault("refusal-nan"), how=FORETOLD)
     assert kills.rows[0].failing == {"refuses-nan": 1}
 
 
 def test_a_fault_that_was_foretold_wrongly_is_tried_on_everything(fmu_path: Path) -> None:
     """Where no foretold check fails, the row says which others do, so the next try is right."""
     wrong = replace(fault("constant-g"), convicted_by=("mode-and-sticking-agree",))
-    kills = convict(fmu_path, [wrong], ground(), load_laws(), jobs=1, whole=False)
+    kills = tried(fmu_path, wrong, how=FORETOLD)
     (row,) = kills.rows
     assert not row.caught
     assert not kills.passed
@@ -105,9 +119,7 @@ def test_a_check_that_kills_nothing_needs_a_reason(fmu_path: Path) -> None:
 
 def test_the_matrix_is_part_of_the_verdict(fmu_path: Path) -> None:
     """A verdict with a survivor does not pass, whatever the checks say."""
-    comment = Substitution("friction.py", "# The rest test forgives", "# The test of rest forgives")
-    harmless = replace(fault("constant-g"), substitutions=(comment,), additions=())
-    verdict = verify(fmu_path, [named("one-step")], mutants=[harmless], jobs=1)
+    verdict = verify(fmu_path, [named("one-step")], mutants=[HARMLESS[0]], jobs=1)
     assert verdict.summary["failed"] == 0
     assert verdict.kills is not None
     assert not verdict.passed
@@ -118,3 +130,51 @@ def test_whole_simulators_can_be_planted(fmu_path: Path, name: str) -> None:
     """A fixed-step solver and a regularised friction run as FMUs and are convicted."""
     (row,) = tried(fmu_path, fault(name)).rows
     assert row.caught
+
+
+def test_a_foreign_fmu_carries_faults_in_its_calls(
+    slider_mm: Path, slider_mm_names: NameMap
+) -> None:
+    """An honest FMU without source, by its own names and units, is convicted of what is planted."""
+    wrong_unit, lagging = (fault(name) for name in ("unit-force-in-kgf", "output-x-pull-lags"))
+    how = How(slider_mm_names, FOREIGN)
+    honest, unit, lag = tried(slider_mm, HARMLESS[1], wrong_unit, lagging, how=how).rows
+    assert honest.failing == {}
+    assert (unit.caught, lag.caught) == (True, True)
+    assert "F_s-course" in unit.failing.keys() - lag.failing.keys()
+
+
+def test_a_foreign_fmu_carries_no_others(slider_mm: Path, slider_mm_names: NameMap) -> None:
+    """A fault in the block's source is refused for an FMU that does not carry it, by its id."""
+    faults = [HARMLESS[1], fault("constant-g")]
+    with pytest.raises(FmuError, match=r"\w+.fmu: the fault constant-g is planted in our own"):
+        verify(slider_mm, CASES, mutants=faults, names=slider_mm_names)
+    (row,) = tried(slider_mm, fault("constant-g"), how=How(slider_mm_names)).rows
+    assert "carries no packed source" in (row.broken or "")
+
+
+@pytest.mark.parametrize("slider", ["slider_mm", "slider_si"])
+def test_a_fault_in_the_calls_has_each_instance_to_itself(
+    slider: str, request: pytest.FixtureRequest
+) -> None:
+    """In FMI 2.0 and 3.0 faults see our names and SI; the second of a call lies over the first."""
+    counting = "def step(self, time, h):\n    original(self, time, h)\n    self.steps = {0} + 1"
+    hooks = (
+        ("step", counting.format("getattr(self, 'steps', 0)")),
+        ("step", counting.format("self.steps")),
+        ("get", "def get(self, names):\n    return {**original(self, names), 'F': self.steps}"),
+        ("set", "def set(self, values):\n    original(self, {**values, 'v': 0.03})"),
+        ("reset", "def reset(self):\n    original(self)\n    self.steps = 100"),
+    )
+    fmu, names = request.getfixturevalue(slider), request.getfixturevalue(f"{slider}_names")
+    file = FmuFile(fmu, names, hooks)
+    with file.instantiate() as first, file.instantiate() as second:
+        for instance in (first, second):
+            instance.start({"v": 0.01})
+            instance.step(0.0, 0.5)
+        first.step(0.5, 0.25)
+        assert first.reader(["F"])() == [4.0]
+        assert second.reader(["v", "F"])() == [pytest.approx(0.03), 2.0]
+        second.reset()
+        assert second.reader(["F"])() == [100.0]
+    file.close()

@@ -16,6 +16,7 @@ from stickslip_verification.judging.second import Accepted
 from stickslip_verification.laws import LawError, Laws, load_laws
 from stickslip_verification.linter import lint
 from stickslip_verification.mutants import MutantError, load_mutants
+from stickslip_verification.mutants.planted import FAULTS_FOLDER
 
 LAWS = load_laws()
 
@@ -269,6 +270,34 @@ def test_a_fault_and_an_idle_check_must_name_checks(
         "idle check splitting: 'magic' says too little",
         "idle check splitting: 'magic' is no reason",
     }
+
+
+@pytest.mark.parametrize(("count", "found"), [(30, False), (31, True)])
+def test_few_faults_substitute_text(
+    tmp_path: Path, alone: set[str], monkeypatch: pytest.MonkeyPatch, count: int, found: bool
+) -> None:
+    """More than thirty faults that substitute text are told with their number."""
+    shutil.copy(CASES_FOLDER / CASE, tmp_path)
+    (mutant,) = load_mutants("output-renamed")
+    monkeypatch.setattr(linter, "load_mutants", lambda: [mutant] * count)
+    told = "faults: substitutions: 31 faults substitute text, 30 at most; let them override names"
+    assert (told in set(lint(tmp_path)) - alone) == found
+
+
+def test_a_broken_override_is_a_finding(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The form of an override is told with file, field and reason."""
+    text = (FAULTS_FOLDER / "constant-g.toml").read_text(encoding="utf-8")
+    file = tmp_path / "constant-g.toml"
+    monkeypatch.setattr(linter, "load_mutants", lambda: load_mutants(folder=tmp_path))
+    for old, new, told in (
+        ("settings.Settings.", "Settings ", "line 8, overrides[0].target: 'Settings normal_force'"),
+        ("normal_force(self)", "other(self)", "overrides[0].code: does not define normal_force"),
+        ("return", "return if", "overrides[0].code: line 2 is not Python 3.8: invalid syntax"),
+        ("code", "value = '1'\ncode", "overrides[0]: has both code and value"),
+    ):
+        file.write_text(text.replace(old, new, 1), encoding="utf-8")
+        (finding,) = lint()
+        assert finding.startswith(f"{file}: {told}")
 
 
 def test_accepted_values_and_checks_belong_together(monkeypatch: pytest.MonkeyPatch) -> None:

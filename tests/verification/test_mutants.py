@@ -1,14 +1,18 @@
 """Facts about the planted faults: their descriptions, and the FMUs that are made of them."""
 
 import ast
+import importlib
 import re
 import subprocess
 import sys
+import textwrap
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
+from unittest.mock import patch
 
 import fmpy
 import pytest
@@ -17,12 +21,13 @@ from fmpy.fmi2 import FMU2Slave
 from stickslip_verification import load_cases
 from stickslip_verification.laws import load_laws
 from stickslip_verification.mutants import Mutant, MutantError, load_mutants, plant
-from stickslip_verification.mutants.planted import Addition, Substitution
+from stickslip_verification.mutants.planted import Addition, Override, Substitution
 
 MUTANTS = load_mutants()
+INSIDE = [mutant for mutant in MUTANTS if mutant.changes_the_fmu]
 PACKAGE = re.compile(r"stickslip_fmu_[0-9a-f]{16}")
 
-GOOD = """\
+GOOD = '''\
 id = "good"
 about = "It is enough to be read."
 convicted_by = ["F_s-course"]
@@ -31,10 +36,26 @@ convicted_by = ["F_s-course"]
 file = "more.py"
 text = "MORE = 1.0"
 
+[[overrides]]
+target = "friction.friction_forces"
+code = """
+def friction_forces(mu_s, mu_k_used, normal):
+    return original(1.001 * mu_s, mu_k_used, normal)
+"""
+
+[[overrides]]
+target = "friction._CLAMP_GAP"
+value = "0.1 * original"
+'''
+
+
+SUBSTITUTION = """
 [[substitutions]]
 file = "friction.py"
-find = "mu_s * normal"
-replace = "1.001 * mu_s * normal"
+find = "a"
+replace = "b"
+
+[[overrides]]
 """
 
 
@@ -62,6 +83,7 @@ def texts(fmu: Path) -> dict[str, str]:
 def touched(mutant: Mutant) -> set[str]:
     """Give the files that a fault changes or brings along."""
     changed = {substitution.file for substitution in mutant.substitutions}
+    changed |= {f"{each.module}.py" for each in mutant.overrides}
     return changed | {addition.file for addition in mutant.additions}
 
 
@@ -77,15 +99,23 @@ def guid(fmu: Path) -> str:
 
 @pytest.fixture(scope="module")
 def planted(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Return the FMU of every planted fault, by id."""
+    """Return the FMU of every fault that changes it, by id."""
     folder = tmp_path_factory.mktemp("mutants")
-    return {mutant.id: plant(fmu_path, mutant, folder) for mutant in MUTANTS}
+    return {mutant.id: plant(fmu_path, mutant, folder) for mutant in INSIDE}
 
 
 def test_there_are_enough_faults(planted: dict[str, Path]) -> None:
-    """At least 40 faults are described, and each can be planted in the FMU as it is built."""
+    """At least 40 faults change the FMU, and each can be planted in it as it is built."""
     assert len(planted) >= 40
     assert all(path.name == f"{name}.fmu" for name, path in planted.items())
+
+
+def test_a_fault_in_the_calls_changes_no_fmu(foreign_fmu: Path, tmp_path: Path) -> None:
+    """At least 15 faults act between the suite and an FMU: they take any FMU as it is."""
+    between = [mutant for mutant in MUTANTS if not mutant.changes_the_fmu]
+    assert len(between) >= 15
+    assert {plant(foreign_fmu, mutant, tmp_path) for mutant in between} == {foreign_fmu}
+    assert all(mutant.hooks for mutant in between)
 
 
 def test_every_mutant_has_its_own_name_and_guid(fmu_path: Path, planted: dict[str, Path]) -> None:
@@ -108,14 +138,14 @@ def test_a_mutant_differs_where_its_description_says(
         return unnamed | {xml: re.sub('guid="[^"]*"', "", unnamed[xml])}
 
     original = anonymous(fmu_path)
-    for mutant in MUTANTS:
+    for mutant in INSIDE:
         changed = set(dict(original.items() ^ anonymous(planted[mutant.id]).items()))
         assert {Path(name).name for name in changed} == touched(mutant), mutant.id
 
 
 def test_what_is_planted_is_python_3_8(planted: dict[str, Path]) -> None:
     """Every module that a fault changes or brings along has the syntax of Python 3.8."""
-    for mutant in MUTANTS:
+    for mutant in INSIDE:
         for name, text in texts(planted[mutant.id]).items():
             if PACKAGE.search(name) and Path(name).name in touched(mutant):
                 ast.parse(text, filename=f"{mutant.id}: {name}", feature_version=(3, 8))
@@ -157,7 +187,7 @@ def test_mutants_run_beside_the_original(
     fmu_path: Path, planted: dict[str, Path], tmp_path: Path
 ) -> None:
     """In one process the original and two mutants each run their own code."""
-    fmus = (planted["constant-mu-s"], fmu_path, planted["meter-jump-unsigned"])
+    fmus = (planted["constant-mu-s"], fmu_path, planted["meter-nanosecond-clock"])
     with ExitStack() as stack:
         reads = [stack.enter_context(running(fmu, tmp_path)) for fmu in fmus]
         high, right, other = (read("F_s") for read in reads)
@@ -184,17 +214,36 @@ def test_every_conviction_is_by_a_check_that_exists() -> None:
         ('["F_s-course"]', "[]", r"convicted_by: \[\] should be non-empty"),
         ('["F_s-course"]', '["F_s course"]', r"convicted_by\[0\]: 'F_s course' does not match"),
         ('["F_s-course"]', '["a", "a"]', "convicted_by: .* has non-unique elements"),
-        ('"friction.py"', '"../friction.py"', r"substitutions\[0\].file: .* does not match"),
-        ('"friction.py"', '"slavemodule.txt"', r"substitutions\[0\].file: .* does not match"),
-        ('find = "mu_s * normal"', 'find = ""', r"substitutions\[0\].find: '' does not match"),
-        ('find = "mu_s * normal"\n', "", r"substitutions\[0\]: 'find' is a required property"),
-        ('"1.001 * mu_s * normal"', "1", r"substitutions\[0\].replace: 1 is not of type 'string'"),
+        (GOOD[GOOD.index("[[ov") :], "", "plants nothing: .* neither overrides nor substitutions"),
+        ('"friction._CLAMP_GAP"', '"_CLAMP_GAP"', r"overrides\[1\].target: .* does not match"),
+        ('"friction._CLAMP_GAP"', '"a.b.c.d"', r"overrides\[1\].target: .* does not match"),
+        ('value = "0.1 * original"', "", r"overrides\[1\]: has neither code nor value"),
+        ("value =", 'code = "_CLAMP_GAP = 1"\nvalue =', r"overrides\[1\]: has both code and value"),
+        ("value =", 'find = "0"\nvalue =', "Additional properties.*'find'"),
+        ('"0.1 * original"', '"0.1 *"', r"overrides\[1\].value: line 1 is not Python 3.8"),
+        ('"0.1 * original"', '"a = 1"', r"overrides\[1\].value: line 1 is not Python 3.8"),
         (
-            '"1.001 * mu_s * normal"',
-            '"mu_s * normal"',
-            r"substitutions\[0\].replace: is what it replaces",
+            "    return orig",
+            "    match 1:\n        case _: pass\n    return orig",
+            r"overrides\[0\].code: line 4 is not Python 3.8: Pattern",
         ),
-        (GOOD[GOOD.index("[[subs") :], "", "'substitutions' is a required property"),
+        ("def friction_", "def other_", r"overrides\[0\].code: does not define friction_forces"),
+        (
+            '"friction.friction_forces"',
+            '"master.friction_forces"',
+            r"overrides\[0\].target: no such call of the .* there are get, set, step, reset",
+        ),
+        ('"friction._CLAMP_GAP"', '"master.get"', r"overrides\[1\].value: .* is replaced by code"),
+        (
+            "[[overrides]]",
+            SUBSTITUTION.replace(".py", ".txt"),
+            r"substitutions\[0\].file: .* not match",
+        ),
+        (
+            "[[overrides]]",
+            SUBSTITUTION.replace('"b"', '"a"'),
+            r"substitutions\[0\].replace: is what",
+        ),
         ('text = "MORE = 1.0"\n', "", r"additions\[0\]"),
         ('text = "MORE', 'source = "m.py.txt"\ntext = "MORE', r"additions\[0\]"),
         (
@@ -210,7 +259,7 @@ def test_a_broken_description_is_refused_by_file_field_and_reason(
     """A description with a mistake is refused with its name, the place and the reason."""
     assert old in GOOD
     with pytest.raises(MutantError, match=told) as caught:
-        read(tmp_path, GOOD.replace(old, new))
+        read(tmp_path, GOOD.replace(old, new, 1))
     assert str(caught.value).startswith(str(tmp_path / "good.toml"))
     assert "\n" not in str(caught.value)
 
@@ -251,11 +300,131 @@ def test_a_substitution_that_does_not_fit_is_refused(
     fmu_path: Path, tmp_path: Path, change: Substitution, told: str
 ) -> None:
     """A fault is planted exactly once or not at all: no match and two matches are errors."""
-    mutant = replace(read(tmp_path, GOOD), substitutions=(change,))
+    mutant = replace(read(tmp_path, GOOD), overrides=(), substitutions=(change,))
     with pytest.raises(MutantError, match=told) as caught:
         plant(fmu_path, mutant, tmp_path / "out")
     assert str(caught.value).startswith(str(tmp_path / "good.toml"))
     assert not (tmp_path / "out").exists()
+
+
+def imported(fmu: Path, mutant: Mutant, folder: Path, module: str) -> ModuleType:
+    """Plant a fault and import a module of the packed source."""
+    with zipfile.ZipFile(plant(fmu, mutant, folder)) as archive:
+        (package,) = packages(Path(archive.filename or ""))
+        archive.extractall(folder)
+    with patch.object(sys, "path", [str(folder / "resources"), *sys.path]):
+        return importlib.import_module(f"{package}.{module}")
+
+
+def overriding(folder: Path, *overrides: Override) -> Mutant:
+    """Describe a fault of these overrides."""
+    return replace(read(folder, GOOD), overrides=overrides, additions=())
+
+
+def test_an_override_replaces_and_reaches_what_it_replaces(fmu_path: Path, tmp_path: Path) -> None:
+    """Code and value see the original; who imported the name before has the replacement too."""
+    fault = replace(read(tmp_path, GOOD), additions=())
+    friction = imported(fmu_path, fault, tmp_path, "friction")
+    mu_s = 1.001 * 0.5
+    expected = (mu_s * 10.0, 0.3 * 10.0, (mu_s - 0.3) * 10.0)
+    assert friction.friction_forces(0.5, 0.3, 10.0) == expected
+    assert friction.kinetic_coefficient(0.5, 0.6) == 0.5 - 0.001
+    block = importlib.import_module(friction.__name__.replace("friction", "block"))
+    assert block.friction_forces is friction.friction_forces
+
+
+def test_overrides_of_one_name_are_laid_over_one_another(fmu_path: Path, tmp_path: Path) -> None:
+    """The second override of a name has the first one for its original."""
+    twice = (Override("friction._CLAMP_GAP", value=value) for value in ("0.5", "original + 1.0"))
+    friction = imported(fmu_path, overriding(tmp_path, *twice), tmp_path, "friction")
+    assert friction._CLAMP_GAP == 1.5
+
+
+def test_any_member_of_a_class_can_be_overridden(fmu_path: Path, tmp_path: Path) -> None:
+    """Property, method of a class with slots, class attribute, static method, inherited name."""
+    fault = overriding(
+        tmp_path,
+        Override(
+            "meter.CycleMeter.f", "@property\ndef f(self):\n    return 2.0 + original.fget(self)"
+        ),
+        Override(
+            "meter.CycleMeter.pass_stick",
+            "def pass_stick(self, duration):\n    original(self, 3.0 * duration)",
+        ),
+        Override("face.Face._log_is_printf", value="not original"),
+        Override(
+            "face.Face._fmu_state_to_bytes",
+            "@staticmethod\ndef _fmu_state_to_bytes(handle):\n    return b'*' + original(handle)",
+        ),
+        Override(
+            "fmi2.StickSlip._warn_of_clamp",
+            "def _warn_of_clamp(self):\n    original(self)\n    self.warned = True",
+        ),
+    )
+    fmi2 = imported(fmu_path, fault, tmp_path, "fmi2")
+    face, meter = (
+        importlib.import_module(fmi2.__name__.replace("fmi2", name)) for name in ("face", "meter")
+    )
+    counting = meter.CycleMeter(0.0)
+    counting.pass_stick(1.0)
+    counting.break_away(1.0)
+    assert (counting.t_stick, counting.f) == (3.0, 2.0)
+    assert face.Face._log_is_printf
+    assert fmi2.StickSlip(instance_name="a")._fmu_state_to_bytes(None) == b"*null"
+    slave = fmi2.StickSlip(instance_name="b")
+    slave._warn_of_clamp()
+    assert slave.warned
+    assert "warned" not in face.Face._warn_of_clamp.__code__.co_names
+
+
+def test_an_imported_name_can_be_overridden(fmu_path: Path, tmp_path: Path) -> None:
+    """Where a module took a name from another, it alone gets the replacement."""
+    fault = overriding(tmp_path, Override("block.add", "from operator import sub as add"))
+    block = imported(fmu_path, fault, tmp_path, "block")
+    compensated = importlib.import_module(block.__name__.replace("block", "compensated"))
+    assert block.add(3.0, 1.0) == 2.0
+    assert compensated.add(3.0, 0.0, 1.0) == (4.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        "clutch.engage",
+        "friction.breakaway",
+        "block.Clutch.advance",
+        "block.Block.engage",
+        "block.advance.engage",
+        "fmi2.Fmi2Slave.do_step",
+        "fmi2.StickSlip.engage",
+    ],
+)
+def test_a_target_that_is_gone_is_named(fmu_path: Path, tmp_path: Path, target: str) -> None:
+    """An override of a name that the packed source has no more is refused with this name."""
+    mutant = overriding(tmp_path, Override(target, value="None"))
+    told = rf"good.toml: overrides\[0\].target: no {target} in the FMU$"
+    with pytest.raises(MutantError, match=told):
+        plant(fmu_path, mutant, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_override_is_no_copy(fmu_path: Path, tmp_path: Path) -> None:
+    """Code with more than five lines of what it replaces is refused with their number."""
+    with zipfile.ZipFile(fmu_path) as archive:
+        (name,) = (each for each in archive.namelist() if each.endswith("/meter.py"))
+        text = archive.read(name).decode()
+    lines = textwrap.dedent(text[text.index("    def end_slip") : text.index("    def _open_slip")])
+    # A signature, a docstring and seven lines.
+    copy = [line for line in lines.splitlines() if line]
+    assert len(copy) == 9
+    for count, refused in ((6, True), (5, False)):
+        code = "\n".join([*copy[: 2 + count], "    # Else it is as it was.", "    self.T = 1.0"])
+        mutant = overriding(tmp_path, Override("meter.CycleMeter.end_slip", code))
+        if refused:
+            told = r"overrides\[0\].code: copies 6 lines of meter.CycleMeter.end_slip; 5 at most"
+            with pytest.raises(MutantError, match=told):
+                plant(fmu_path, mutant, tmp_path)
+        else:
+            assert plant(fmu_path, mutant, tmp_path).exists()
 
 
 def test_an_addition_replaces_nothing(fmu_path: Path, tmp_path: Path) -> None:
@@ -271,7 +440,7 @@ def test_a_fault_is_planted_in_our_fmu_only(foreign_fmu: Path, tmp_path: Path) -
     text.write_text("not an FMU", encoding="utf-8")
     for fmu, told in ((foreign_fmu, "carries no packed source"), (text, "cannot be read")):
         with pytest.raises(MutantError, match=told) as caught:
-            plant(fmu, MUTANTS[0], tmp_path)
+            plant(fmu, INSIDE[0], tmp_path)
         assert str(caught.value).startswith(str(fmu))
 
 

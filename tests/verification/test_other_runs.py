@@ -128,7 +128,7 @@ MUTANTS = {
 def test_a_run_shows_the_fault_it_is_there_for(fmu_path: Path, tmp_path: Path, mutant: str) -> None:
     """A block that forgets, rounds, shares or prefers is not the same in the run that tries it."""
     (fault,) = load_mutants(mutant)
-    file = FmuFile(plant(fmu_path, fault, tmp_path))
+    file = FmuFile(plant(fmu_path, fault, tmp_path), hooks=fault.hooks)
     run, law = MUTANTS[mutant]
     results = [
         judge_run(

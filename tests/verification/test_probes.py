@@ -160,7 +160,7 @@ def test_what_is_no_longer_refused_or_said_is_told(
 ) -> None:
     """An FMU that takes what it must refuse, or keeps silent, is complained of with the value."""
     (described,) = load_mutants(mutant)
-    file = FmuFile(plant(fmu_path, described, tmp_path))
+    file = FmuFile(plant(fmu_path, described, tmp_path), hooks=described.hooks)
     law, told = PLANTED[mutant]
     assert told in asked(law, file)
     file.close()

@@ -18,7 +18,7 @@ from stickslip_verification.judging.second import Accepted, Key, load_accepted
 from stickslip_verification.laws import LawError, Laws, load_laws
 from stickslip_verification.metrics import METRICS
 from stickslip_verification.mutants import Mutant, MutantError, load_mutants
-from stickslip_verification.mutants.planted import idle_reasons
+from stickslip_verification.mutants.planted import FAULTS_FOLDER, idle_reasons
 from stickslip_verification.quantities import QUANTITIES
 from stickslip_verification.tolerances import ZERO, Facts
 from stickslip_verification.trial.probes import PROBES
@@ -32,6 +32,9 @@ VAGUE = ("somehow", "good enough", "seems", "for now", "should work", "empirical
 
 SHORTEST = 20
 """Characters below which a reason says nothing."""
+
+MOST_SUBSTITUTED = 30
+"""Planted faults that may substitute text, which the next change of that text leaves behind."""
 
 
 def lint(folder: Path = CASES_FOLDER) -> list[str]:
@@ -181,6 +184,12 @@ def _mutants(cases: Sequence[Case], laws: Laws, mutants: Sequence[Mutant]) -> It
         for name in mutant.convicted_by:
             if name not in checks:
                 yield f"planted fault {mutant.id}: there is no check {name}"
+    substituted = sum(bool(mutant.substitutions) for mutant in mutants)
+    if substituted > MOST_SUBSTITUTED:
+        yield (
+            f"{FAULTS_FOLDER.name}: substitutions: {substituted} faults substitute text, "
+            f"{MOST_SUBSTITUTED} at most; let them override names"
+        )
     for name, reason in idle_reasons().items():
         if name not in checks:
             yield f"idle check {name}: there is no such check"

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from stickslip_verification.fmu.archive import REQUIRED, FmuFile, available, missing, require
     from stickslip_verification.fmu.digest import content_digest
     from stickslip_verification.fmu.errors import FmuError
+    from stickslip_verification.fmu.hooks import Hook
     from stickslip_verification.fmu.instance import FmuInstance, State
     from stickslip_verification.fmu.names import NameMap, NamesError, load_names
     from stickslip_verification.fmu.unpacking import new_folder
@@ -24,6 +25,7 @@ _HOME = {
     "FmuError": "errors",
     "FmuFile": "archive",
     "FmuInstance": "instance",
+    "Hook": "hooks",
     "NameMap": "names",
     "NamesError": "names",
     "State": "instance",
@@ -41,6 +43,7 @@ __all__ = [
     "FmuError",
     "FmuFile",
     "FmuInstance",
+    "Hook",
     "NameMap",
     "NamesError",
     "State",

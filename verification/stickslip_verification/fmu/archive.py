@@ -6,7 +6,7 @@ import shutil
 import weakref
 import xml.etree.ElementTree as ElementTree
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import fmpy.model_description
 from stickslip_verification.fmu.errors import FmuError, one_line
 from stickslip_verification.fmu.fmi2 import Fmi2Instance
 from stickslip_verification.fmu.fmi3 import Fmi3Instance
+from stickslip_verification.fmu.hooks import Hook, hooked
 from stickslip_verification.fmu.instance import FmuInstance
 from stickslip_verification.fmu.names import NameMap
 from stickslip_verification.fmu.unpacking import new_folder
@@ -38,6 +39,8 @@ class FmuFile:
         The ``.fmu`` archive.
     names
         Our names to its names, where they differ.
+    hooks
+        Faults planted between the master and its instances.
 
     Attributes
     ----------
@@ -61,13 +64,17 @@ class FmuFile:
         platform; or a variable of ours that cannot be used, see `collect`.
     """
 
-    def __init__(self, path: Path, names: NameMap | None = None) -> None:
+    def __init__(
+        self, path: Path, names: NameMap | None = None, hooks: Sequence[Hook] = ()
+    ) -> None:
         self.path = path
         self.names = NameMap() if names is None else names
         description, self.problems = _read(path)
         interface = description.coSimulation
         _check_platform(path)
         self.fmi_version: str = description.fmiVersion[:3]
+        face = _FACES[self.fmi_version]
+        self._face = hooked(face, hooks) if hooks else face
         self.token: str = description.guid
         self.model_identifier: str = interface.modelIdentifier
         self.can_get_and_set_state: bool = interface.canGetAndSetFMUstate
@@ -88,7 +95,7 @@ class FmuFile:
 
     def instantiate(self) -> FmuInstance:
         """Make a new instance; `FmuError` if the FMU refuses."""
-        return _FACES[self.fmi_version](self)
+        return self._face(self)
 
 
 def available(fmu: FmuFile, names: Iterable[str]) -> list[str]:

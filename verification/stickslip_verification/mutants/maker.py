@@ -1,5 +1,8 @@
 """Makes a mutant: the built FMU with one fault planted in the source that it carries.
 
+An override is planted at the end of its module: a function makes the replacement of the original,
+and the name is bound to it. Whoever imports the module later gets the replacement.
+
 The FMU is known as a file alone. Python runs one code per module name in a process, so the packed
 package gets a name of its own; then a mutant loads beside the original and beside other mutants.
 """
@@ -12,10 +15,11 @@ import os
 import re
 import tempfile
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from stickslip_verification.mutants.planted import Mutant, MutantError
+from stickslip_verification.mutants.planted import MASTER, Mutant, MutantError, bindings
 
 DESCRIPTION = "modelDescription.xml"
 RESOURCES = "resources/"
@@ -24,12 +28,18 @@ _SLAVE_MODULE = RESOURCES + "slavemodule.txt"
 _SLAVE_ENDING = "_slave"
 _GUID = re.compile(rb'\bguid="[^"]*"')
 
+MOST_COPIED = 5
+"""Lines that an override may share with what it replaces: with more it is a copy, which the next
+change of the original leaves behind."""
+
 # The earliest date that an archive can bear.
 _ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     """Make the FMU with the fault planted; the same bytes at every call.
+
+    A fault in the calls of the master changes no FMU: there `fmu` itself is given back.
 
     Parameters
     ----------
@@ -43,17 +53,19 @@ def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     Returns
     -------
     Path
-        The file that was written.
+        The file that was written, or `fmu`.
 
     Raises
     ------
     MutantError
         The FMU carries no packed source, or the fault does not fit it: a file to change is not
-        there, a file to add is, a substitution does not match exactly once, or what comes out is
-        not Python.
+        there, a file to add is, a substitution does not match exactly once, what comes out is not
+        Python, the target of an override is gone, or its code is a copy of it.
     OSError
         The mutant cannot be written.
     """
+    if not mutant.changes_the_fmu:
+        return fmu
     target = destination if destination.suffix == ".fmu" else destination / f"{mutant.id}.fmu"
     entries = _read(fmu)
     package = _package(fmu, entries)
@@ -111,6 +123,80 @@ def _apply(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
         except SyntaxError as error:
             reason = f"line {error.lineno} is not Python any more: {error.msg}"
             raise MutantError(mutant.file, module, reason) from None
+    _replace(mutant, entries, folder)
+
+
+def _replace(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
+    """Append the overrides to their modules."""
+    source = _Source(entries, folder)
+    planted: dict[str, str] = {}
+    for n, override in enumerate(mutant.overrides):
+        if override.module == MASTER:
+            continue
+        here = f"overrides[{n}]"
+        found = source.find(override.module, override.path.split("."))
+        if found is None:
+            raise MutantError(mutant.file, f"{here}.target", f"no {override.target} in the FMU")
+        copied = _lines(override.function("planted")) & found
+        if copied.total() > MOST_COPIED:
+            reason = f"copies {copied.total()} lines of {override.target}; {MOST_COPIED} at most"
+            raise MutantError(mutant.file, f"{here}.code", reason)
+        name = f"_planted_{n}"
+        text = f"\n\n{override.function(name)}\n\n{override.path} = {name}({override.path})\n"
+        planted[override.module] = planted.get(override.module, "") + text
+    for module, text in planted.items():
+        entries[f"{folder}{module}.py"] += text.encode()
+
+
+class _Source:
+    """The packed modules, read as syntax trees when they are asked for."""
+
+    def __init__(self, entries: Mapping[str, bytes], folder: str) -> None:
+        self._texts = {
+            name.removeprefix(folder).removesuffix(".py"): content.decode()
+            for name, content in entries.items()
+            if name.startswith(folder) and name.endswith(".py")
+        }
+
+    def find(self, module: str, names: Sequence[str]) -> Counter[str] | None:
+        """Give the lines that define a name of a module, or of a class there; None if nothing does.
+
+        Names are followed through imports from packed modules and through base classes.
+        """
+        if module not in self._texts:
+            return None
+        text = self._texts[module]
+        first, *inner = names
+        found = bindings(ast.parse(text).body).get(first)
+        if isinstance(found, ast.ImportFrom) and found.level:
+            name = next(each.name for each in found.names if first in (each.asname, each.name))
+            return self.find(found.module or "", [name, *inner])
+        if not inner:
+            return None if found is None else _lines(text, found)
+        if not isinstance(found, ast.ClassDef):
+            return None
+        own = bindings(found.body).get(inner[0])
+        if own is not None:
+            return _lines(text, own)
+        bases = (base.id for base in found.bases if isinstance(base, ast.Name))
+        inherited = (self.find(module, [base, *inner]) for base in bases)
+        return next((each for each in inherited if each is not None), None)
+
+
+def _lines(text: str, part: ast.stmt | None = None) -> Counter[str]:
+    """Count the lines of a text, or of a part: without blanks, comments, docstrings, signatures."""
+    tree = ast.parse(text) if part is None else part
+    lines = text.splitlines()
+    first, last = (1, len(lines)) if part is None else (part.lineno, part.end_lineno or part.lineno)
+    left = set(range(first, last + 1))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            above = [node.lineno, *(each.lineno for each in node.decorator_list)]
+            left -= set(range(min(above), node.body[0].lineno))
+            if ast.get_docstring(node) is not None:
+                left -= set(range(node.body[0].lineno, (node.body[0].end_lineno or 0) + 1))
+    stripped = (lines[n - 1].strip() for n in left)
+    return Counter(line for line in stripped if line and not line.startswith("#"))
 
 
 def _digest(entries: Mapping[str, bytes]) -> str:

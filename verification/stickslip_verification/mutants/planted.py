@@ -1,27 +1,74 @@
 """Descriptions of planted faults: data files, read, checked and turned into frozen objects.
 
-A fault is one TOML file under `mutant.schema.json`: what is substituted in the packed source of
-the FMU, and which checks must convict it. Adding a fault is adding a file.
+A fault is one TOML file under `mutant.schema.json`: what it replaces, in the packed source of the
+FMU or in the calls that the suite makes to it, and which checks must convict it. Adding a fault is
+adding a file.
 """
 
 from __future__ import annotations
 
+import ast
 import fnmatch
-from collections.abc import Mapping
+import textwrap
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 from stickslip_verification.data_file import DataError, objection, read_text, read_toml, where_is
+from stickslip_verification.fmu.hooks import HOOKS, Hook
 
 HERE = Path(__file__).parent
 FAULTS_FOLDER = HERE / "faults"
 SCHEMA = HERE / "mutant.schema.json"
 IDLE = HERE / "idle.toml"
 
+MASTER = "master"
+"""In place of a module: the override replaces a call that the suite makes to an instance."""
+
+PYTHON = (3, 8)
+"""The oldest Python that loads the FMU, and so every fault."""
+
 
 class MutantError(DataError):
     """A fault cannot be planted; one line with the file, the line or field, and the reason."""
+
+
+@dataclass(frozen=True)
+class Override:
+    """One replacement of what a name stands for.
+
+    Attributes
+    ----------
+    target
+        ``module.name`` or ``module.Class.name`` in the packed source, or ``master.`` and one of
+        `HOOKS`.
+    code
+        Python that defines the last name of the target anew, or "".
+    value
+        A Python expression for its new value, or "". One of the two is given; in both ``original``
+        is what they replace.
+    """
+
+    target: str
+    code: str = ""
+    value: str = ""
+
+    @property
+    def module(self) -> str:
+        """The module of the target, or `MASTER`."""
+        return self.target.partition(".")[0]
+
+    @property
+    def path(self) -> str:
+        """The target as its module spells it: ``name`` or ``Class.name``."""
+        return self.target.partition(".")[2]
+
+    def function(self, name: str) -> str:
+        """Give the text of a function of this name from ``original`` to what replaces it."""
+        last = self.path.rpartition(".")[2]
+        made = f"{self.code.strip()}\nreturn {last}" if self.code else f"return (\n{self.value}\n)"
+        return f"def {name}(original):\n{textwrap.indent(made, '    ')}\n"
 
 
 @dataclass(frozen=True)
@@ -48,8 +95,9 @@ class Addition:
 class Mutant:
     """One fault to plant.
 
-    ``convicted_by`` names the checks that fit the fault; at least one of them must fail.
-    ``substitutions`` are made in their order, after the ``additions``. ``file`` is the description.
+    ``convicted_by`` names the checks that fit the fault; at least one of them must fail. The
+    ``additions`` are made first, then the ``substitutions``, then the ``overrides``, each in their
+    order. ``file`` is the description.
     """
 
     id: str
@@ -58,6 +106,17 @@ class Mutant:
     substitutions: tuple[Substitution, ...]
     additions: tuple[Addition, ...]
     file: Path
+    overrides: tuple[Override, ...] = ()
+
+    @property
+    def hooks(self) -> tuple[Hook, ...]:
+        """The overrides of calls of the master."""
+        return tuple((each.path, each.code) for each in self.overrides if each.module == MASTER)
+
+    @property
+    def changes_the_fmu(self) -> bool:
+        """Whether the fault lies in the FMU, so that it needs the source which ours carries."""
+        return bool(self.substitutions or self.additions) or len(self.hooks) < len(self.overrides)
 
 
 def load_mutants(pattern: str | None = None, folder: Path | None = None) -> list[Mutant]:
@@ -93,19 +152,25 @@ def load_mutant(file: Path) -> Mutant:
         raise MutantError(file, where_is(file, found[0]), found[1])
     if data["id"] != file.stem:
         raise MutantError(file, "id", f"{data['id']!r} is not the name of the file")
+    if not {"overrides", "substitutions"} & data.keys():
+        raise MutantError(file, "", "plants nothing: there are neither overrides nor substitutions")
     return Mutant(
         id=data["id"],
         about=" ".join(data["about"].split()),
         convicted_by=tuple(data["convicted_by"]),
         substitutions=tuple(
             _substitution(file, f"substitutions[{n}]", entry)
-            for n, entry in enumerate(data["substitutions"])
+            for n, entry in enumerate(data.get("substitutions", []))
         ),
         additions=tuple(
             _addition(file, f"additions[{n}]", entry)
             for n, entry in enumerate(data.get("additions", []))
         ),
         file=file,
+        overrides=tuple(
+            _override(file, f"overrides[{n}]", entry)
+            for n, entry in enumerate(data.get("overrides", []))
+        ),
     )
 
 
@@ -114,6 +179,53 @@ def idle_reasons(file: Path = IDLE) -> Mapping[str, str]:
     """Read why checks that convict no fault stay, by check."""
     reasons: dict[str, str] = read_toml(file, MutantError)["idle"]
     return reasons
+
+
+def _override(file: Path, here: str, entry: Mapping[str, str]) -> Override:
+    override = Override(**entry)
+    if len(entry) != 2:
+        which = "both code and value" if len(entry) > 2 else "neither code nor value"
+        raise MutantError(file, here, f"has {which}")
+    field = f"{here}.code" if override.code else f"{here}.value"
+    if override.module == MASTER:
+        if override.path not in HOOKS:
+            reason = f"no such call of the master: {override.target}; there are {', '.join(HOOKS)}"
+            raise MutantError(file, f"{here}.target", reason)
+        if not override.code:
+            raise MutantError(file, field, "a call of the master is replaced by code")
+    text, mode = (override.code, "exec") if override.code else (f"({override.value})", "eval")
+    try:
+        tree = ast.parse(text, mode=mode, feature_version=PYTHON)
+    except SyntaxError as error:
+        reason = f"line {error.lineno} is not Python 3.8: {error.msg}"
+        raise MutantError(file, field, reason) from None
+    last = override.path.rpartition(".")[2]
+    if isinstance(tree, ast.Module) and last not in bindings(tree.body):
+        raise MutantError(file, field, f"does not define {last}")
+    return override
+
+
+def bindings(body: Sequence[ast.stmt]) -> dict[str, ast.stmt]:
+    """Give the names that statements bind, with the statement that binds each first."""
+    found: dict[str, ast.stmt] = {}
+    for statement in body:
+        names: list[str] = []
+        match statement:
+            case ast.FunctionDef(name=name) | ast.ClassDef(name=name):
+                names = [name]
+            case ast.Assign(targets=targets):
+                nodes = [node for target in targets for node in ast.walk(target)]
+                stored = [
+                    node for node in nodes if isinstance(getattr(node, "ctx", None), ast.Store)
+                ]
+                names = [node.id for node in stored if isinstance(node, ast.Name)]
+            case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr()):
+                names = [name]
+            case ast.Import(names=aliases) | ast.ImportFrom(names=aliases):
+                names = [alias.asname or alias.name for alias in aliases]
+        for name in names:
+            found.setdefault(name, statement)
+    return found
 
 
 def _substitution(file: Path, here: str, entry: Mapping[str, str]) -> Substitution:

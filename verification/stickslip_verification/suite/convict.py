@@ -6,15 +6,16 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from stickslip_verification.judging.checks import OURS
+from stickslip_verification.fmu import NameMap
+from stickslip_verification.judging.checks import OURS, Trial
 from stickslip_verification.laws import Laws
 from stickslip_verification.mutants import Mutant, MutantError, plant
 from stickslip_verification.mutants.planted import FAULTS_FOLDER, idle_reasons
 from stickslip_verification.suite.ground import Ground, Progress
-from stickslip_verification.suite.run import Trials, ask, judge, try_out
+from stickslip_verification.suite.run import Trials, ask, judge
 from stickslip_verification.trial import workers
 from stickslip_verification.verdict import CheckResult, Conviction, KillMatrix
 
@@ -25,6 +26,27 @@ TIME_LIMIT = 20.0
 """Seconds that a mutant may take for one run of a case."""
 
 
+@dataclass(frozen=True)
+class How:
+    """How mutants are run and judged; the defaults are for our own FMU.
+
+    Attributes
+    ----------
+    names, trial, fresh
+        For a foreign FMU: the map to its names, how it is judged, and whether it lives only once in
+        a process. What can be planted in it are faults in the calls of the master.
+    whole
+        Whether every mutant is tried on every check. Else it is tried on what its description
+        foretells, case after case, and no further than the first such check that fails; only one
+        that none of them detects is tried on everything. Idle checks are not known then.
+    """
+
+    names: NameMap | None = None
+    trial: Trial = OURS
+    fresh: bool = False
+    whole: bool = True
+
+
 def convict(
     fmu: Path,
     mutants: Sequence[Mutant],
@@ -32,14 +54,9 @@ def convict(
     laws: Laws,
     jobs: int,
     progress: Progress | None = None,
-    *,
-    whole: bool = True,
+    how: How = How(),
 ) -> KillMatrix:
     """Plant each fault in the FMU, run the mutant as any FMU is run, and see what it fails.
-
-    Without `whole` a mutant is tried on what its description foretells, case after case, and no
-    further than the first such check that fails; only one that none of them detects is tried on
-    everything. Which checks are idle is not known then.
 
     What a mutant fails only because it took too long does not count. Where it did not finish a
     case for another reason it fails that check and nothing else, for nothing was compared.
@@ -58,8 +75,8 @@ def convict(
         How many mutants are tried at once, each in a process of its own.
     progress
         Counts the mutants.
-    whole
-        Whether every mutant is tried on every check.
+    how
+        How they are run and judged.
 
     Raises
     ------
@@ -77,7 +94,7 @@ def convict(
         ThreadPoolExecutor(jobs) as threads,
     ):
         futures = {
-            threads.submit(_try, fmu, mutant, short, laws, Path(folder), whole): mutant
+            threads.submit(_try, fmu, mutant, short, laws, Path(folder), how): mutant
             for mutant in mutants
         }
         try:
@@ -94,11 +111,13 @@ def convict(
     killing = {check for row in in_order for check in row.failing}
     reasons = idle_reasons()
     idle = {check: reasons.get(check, "") for check in columns if check not in killing}
-    return KillMatrix(checks=columns, rows=in_order, idle=idle if whole else {}, whole=whole)
+    return KillMatrix(
+        checks=columns, rows=in_order, idle=idle if how.whole else {}, whole=how.whole
+    )
 
 
 def _try(
-    fmu: Path, mutant: Mutant, ground: Sequence[Ground], laws: Laws, folder: Path, whole: bool
+    fmu: Path, mutant: Mutant, ground: Sequence[Ground], laws: Laws, folder: Path, how: How
 ) -> Conviction:
     failing: Mapping[str, int] = {}
     broken = None
@@ -108,10 +127,13 @@ def _try(
     except MutantError as error:
         broken = str(error)
     else:
-        failing = {} if whole else _first_foretold(planted, wanted, ground, laws)
+        if not how.whole:
+            with _pool(planted, mutant, how) as pool:
+                failing = _first_foretold(pool, wanted, ground, laws, how.trial)
         if not failing:
-            trials = try_out(planted, ground, laws, jobs=1, time_limit=TIME_LIMIT)
-            failing = _count(_failures(ground, laws, trials))
+            with _pool(planted, mutant, how) as pool:
+                trials = ask(pool, ground, laws)
+            failing = _count(_failures(ground, laws, trials, how.trial))
             if all(answer.value is None for answer in trials.plain.values()):
                 first = next(iter(trials.plain.values()))
                 broken = f"it finished no case: {first.failure}"
@@ -125,8 +147,16 @@ def _try(
     )
 
 
+def _pool(planted: Path, mutant: Mutant, how: How) -> workers.Pool:
+    return workers.Pool(1, TIME_LIMIT, planted, how.names, fresh=how.fresh, hooks=mutant.hooks)
+
+
 def _first_foretold(
-    fmu: Path, wanted: Sequence[str], ground: Sequence[Ground], laws: Laws
+    pool: workers.Pool,
+    wanted: Sequence[str],
+    ground: Sequence[Ground],
+    laws: Laws,
+    trial: Trial,
 ) -> Mapping[str, int]:
     """Give what fails first of the checks `wanted`, in one case or of the FMU as a whole."""
     few = laws.only(wanted)
@@ -136,21 +166,22 @@ def _first_foretold(
         for each in sorted(ground, key=lambda each: len(each.case.steps))
         if every_case or any(check.id in wanted for check in each.case.checks)
     ]
-    with workers.Pool(1, TIME_LIMIT, fmu) as pool:
-        # The probes, about no case, are asked beside the first one.
-        for here in places or [[]]:
-            trials = ask(pool, here, few)
-            failing = _count(r for r in _failures(here, few, trials) if r.check in wanted)
-            if failing:
-                return failing
-            few = replace(few, probes=())
+    # The probes, about no case, are asked beside the first one.
+    for here in places or [[]]:
+        found = _failures(here, few, ask(pool, here, few), trial)
+        failing = _count(result for result in found if result.check in wanted)
+        if failing:
+            return failing
+        few = replace(few, probes=())
     return {}
 
 
-def _failures(ground: Sequence[Ground], laws: Laws, trials: Trials) -> Iterator[CheckResult]:
+def _failures(
+    ground: Sequence[Ground], laws: Laws, trials: Trials, trial: Trial
+) -> Iterator[CheckResult]:
     """Give the checks that failed for what the FMU did, and not for the time it took."""
     late = set(_late(trials, laws))
-    for result in judge(ground, laws, trials, OURS, reference=False):
+    for result in judge(ground, laws, trials, trial, reference=False):
         if result.failed and not late & {(result.case, ""), (result.case, result.check)}:
             yield result
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from stickslip_verification.cases import Check
-from stickslip_verification.fmu import NameMap
 from stickslip_verification.judging import checks, law_checks, run_checks
 from stickslip_verification.judging.checks import REFERENCE, Trial
 from stickslip_verification.laws import Laws, ResidualLaw, RunLaw
@@ -30,29 +28,13 @@ class Trials:
     probes: Mapping[str, Answer[list[str]]]
 
 
-def try_out(
-    fmu: Path,
-    ground: Sequence[Ground],
-    laws: Laws,
-    jobs: int,
-    names: NameMap | None = None,
-    time_limit: float = workers.TIME_LIMIT,
-    progress: Progress | None = None,
-    *,
-    fresh: bool = False,
-) -> Trials:
-    """Let an FMU do everything that it is judged by; the arguments are those of `workers.Pool`."""
-    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
-        return ask(pool, ground, laws, progress)
-
-
 def ask(
     pool: workers.Pool,
     ground: Sequence[Ground],
     laws: Laws,
     progress: Progress | None = None,
 ) -> Trials:
-    """Let the FMU of a pool do what it is judged by on this ground and by these laws."""
+    """Let the FMU of a pool do all that it is judged by on this ground and by these laws."""
     cases = [each.case for each in ground]
     kinds = list(dict.fromkeys(law.run for law in laws.runs))
     asked = [(case, kind) for case in cases for kind in kinds]

@@ -12,9 +12,9 @@ from stickslip_verification.judging.checks import FOREIGN, OURS, STRICT
 from stickslip_verification.judging.second import load_accepted
 from stickslip_verification.laws import load_laws
 from stickslip_verification.mutants import Mutant
-from stickslip_verification.suite.convict import convict
+from stickslip_verification.suite.convict import How, convict
 from stickslip_verification.suite.ground import Progress, lay
-from stickslip_verification.suite.run import judge, motions, try_out
+from stickslip_verification.suite.run import ask, judge, motions
 from stickslip_verification.trial import workers
 from stickslip_verification.trial.drive import is_ours
 from stickslip_verification.verdict import Verdict
@@ -55,7 +55,7 @@ def verify(
     time_limit
         Seconds that the FMU may take for one run of a case.
     mutants
-        Faults to plant in the FMU, which must be ours, to try the suite itself.
+        Faults to plant, to try the suite itself. Those that change the FMU are for ours only.
     whole_matrix
         Whether each fault is tried on every check, or on what it foretells alone.
     command
@@ -73,20 +73,22 @@ def verify(
     try:
         require(file)
         trial = OURS if is_ours(file) else STRICT if strict else FOREIGN
-        if mutants and not trial.ours:
-            raise FmuError(f"{fmu}: faults are planted in our own FMU only")
+        inside = next((mutant for mutant in mutants if mutant.changes_the_fmu), None)
+        if inside is not None and not trial.ours:
+            raise FmuError(f"{fmu}: the fault {inside.id} is planted in our own FMU only")
         origin = provenance.collect(file, command)
     finally:
         file.close()
     laws = load_laws()
     jobs = workers.jobs_here() if jobs is None else jobs
     ground = lay(cases, laws, jobs, progress)
-    trials = try_out(
-        fmu, ground, laws, jobs, names, time_limit, progress, fresh=file.once_per_process
-    )
-    kills = (
-        convict(fmu, mutants, ground, laws, jobs, progress, whole=whole_matrix) if mutants else None
-    )
+    fresh = file.once_per_process
+    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
+        trials = ask(pool, ground, laws, progress)
+    kills = None
+    if mutants:
+        how = How(names, trial, fresh=fresh, whole=whole_matrix)
+        kills = convict(fmu, mutants, ground, laws, jobs, progress, how)
     return Verdict(
         checks=load_accepted().attach(judge(ground, laws, trials, trial), fmu=trial.ours),
         provenance=origin,

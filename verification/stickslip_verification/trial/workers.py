@@ -25,7 +25,7 @@ from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from stickslip_verification.cases import Case
 from stickslip_verification.exact import Exact, exact_motion
-from stickslip_verification.fmu import FmuFile, NameMap
+from stickslip_verification.fmu import FmuFile, Hook, NameMap
 from stickslip_verification.laws import Order, Probe
 from stickslip_verification.record import Record
 from stickslip_verification.trial import convergence
@@ -97,8 +97,9 @@ class Pool:
         How many processes.
     time_limit
         Seconds that one task may take.
-    fmu, names
-        The FMU that the processes hold, and the map to its names; None for those without.
+    fmu, names, hooks
+        The FMU that the processes hold, and the map to its names; None for those without. Faults
+        planted between the suite and the FMU.
     fresh
         Whether each task gets a new process, for an FMU that lives only once in one.
     """
@@ -111,6 +112,7 @@ class Pool:
         names: NameMap | None = None,
         *,
         fresh: bool = False,
+        hooks: Sequence[Hook] = (),
     ) -> None:
         self._limit = time_limit
         self._folder = tempfile.TemporaryDirectory(prefix="stickslip-")
@@ -118,7 +120,7 @@ class Pool:
             max_workers=jobs,
             max_tasks=1 if fresh else 0,
             initializer=_begin,
-            initargs=(self._folder.name, fmu, names),
+            initargs=(self._folder.name, fmu, names, hooks),
             context=_context(),
         )
 
@@ -159,6 +161,7 @@ class _Held:
 
     path: Path | None = None
     names: NameMap | None = None
+    hooks: Sequence[Hook] = ()
     file: FmuFile | None = None
 
 
@@ -176,11 +179,11 @@ def _outcome(future: ProcessFuture[Answer[T]], limit: float) -> Answer[T]:
         return Answer(failure=_reason(error))
 
 
-def _begin(folder: str, fmu: Path | None, names: NameMap | None) -> None:
+def _begin(folder: str, fmu: Path | None, names: NameMap | None, hooks: Sequence[Hook]) -> None:
     """Set up a process: Ctrl-C is its parent's affair, and what an FMU prints is nobody's."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     tempfile.tempdir = folder
-    _HELD.path, _HELD.names = fmu, names
+    _HELD.path, _HELD.names, _HELD.hooks = fmu, names, hooks
     if fmu is not None:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         for stream in (1, 2):
@@ -191,7 +194,7 @@ def _begin(folder: str, fmu: Path | None, names: NameMap | None) -> None:
 def _fmu() -> FmuFile:
     if _HELD.file is None:
         assert _HELD.path is not None
-        _HELD.file = FmuFile(_HELD.path, _HELD.names)
+        _HELD.file = FmuFile(_HELD.path, _HELD.names, _HELD.hooks)
     return _HELD.file
 
 

@@ -1,4 +1,4 @@
-"""CONTRIBUTING.md, "Add a case", done as it says, in a copy of the suite."""
+"""CONTRIBUTING.md done as it says: a case and two faults added to a copy of the suite."""
 
 from __future__ import annotations
 
@@ -10,25 +10,22 @@ import shutil
 import subprocess
 import sys
 import textwrap
+import tomllib
 from pathlib import Path
 
 import pytest
 
 import stickslip_verification
 
-SECTION = re.search(
-    r"## Add a case\n(.*?)\n## ",
-    (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8"),
-    re.DOTALL,
-)
+TEXT = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
 COMMAND = Path(sys.executable).parent / "stickslip"
 
 
-def block(language: str) -> str:
-    """Give the one block of the section in a language, without its indentation."""
-    assert SECTION is not None
-    (text,) = re.findall(rf" *```{language}\n(.*?) *```", SECTION[1], re.DOTALL)
-    return textwrap.dedent(text)
+def blocks(section: str, language: str) -> list[str]:
+    """Give the blocks of a section in a language, without their indentation."""
+    text = TEXT[TEXT.index(f"## {section}\n") :].split("\n## ")[0]
+    found = re.findall(rf"( *)```{language}\n(.*?) *```", text, re.DOTALL)
+    return [textwrap.dedent(block) for _, block in found]
 
 
 class Suite:
@@ -40,6 +37,7 @@ class Suite:
         self.folder = root / package.name
         shutil.copytree(package, self.folder, ignore=shutil.ignore_patterns("__pycache__"))
         self.cases = self.folder / "cases"
+        self.faults = self.folder / "mutants" / "faults"
 
     def run(self, line: str) -> tuple[int, list[str]]:
         """Run a line of the shell that calls the command; give its exit code and what it says."""
@@ -64,10 +62,10 @@ def suite(tmp_path: Path) -> Suite:
 
 def test_a_case_is_added_as_contributing_says(suite: Suite) -> None:
     """Its file, its commands and what it says of the linter lead to a case with second values."""
-    text = block("toml")
+    (text,) = blocks("Add a case", "toml")
     (name,) = re.findall(r'^id = "(.*)"$', text, re.MULTILINE)
     file = suite.cases / f"{name}.toml"
-    verify, lint = block("bash").splitlines()
+    verify, lint = blocks("Add a case", "bash")[0].splitlines()
     assert f"--cases {name}" in verify
     assert suite.run(verify) == (2, [f"stickslip: {suite.cases}: no case matches '{name}'"])
 
@@ -95,3 +93,26 @@ def test_a_case_is_added_as_contributing_says(suite: Suite) -> None:
     assert code == 0, said
     accepted = suite.folder / "judging" / "accepted.json"
     assert "x-course" in json.loads(accepted.read_text(encoding="utf-8"))[name]
+
+
+def test_a_fault_is_planted_as_contributing_says(suite: Suite, fmu_path: Path) -> None:
+    """Both of its faults are caught by its command, join the suite and leave it again."""
+    (command,) = blocks("Plant a fault", "bash")
+    texts = blocks("Plant a fault", "toml")
+    names = [tomllib.loads(text)["id"] for text in texts]
+    for name, text in zip(names, texts, strict=True):
+        (suite.root / f"{name}.toml").write_text(text, encoding="utf-8")
+    assert f"--fault {names[0]}.toml" in command
+    for name in names:
+        line = command.replace(names[0], name).replace("\n", f" --fmu {fmu_path} --cases default")
+        code, said = suite.run(line)
+        assert code == 0, said
+        assert "1 of 1 planted faults caught as foretold" in said
+
+    before = {file.name for file in suite.faults.iterdir()}
+    for name in names:
+        (suite.root / f"{name}.toml").rename(suite.faults / f"{name}.toml")
+    assert suite.run("stickslip lint") == (0, ["0 findings"])
+    for name in names:
+        (suite.faults / f"{name}.toml").unlink()
+    assert {file.name for file in suite.faults.iterdir()} == before
