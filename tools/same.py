@@ -68,7 +68,8 @@ def main() -> int:
     different = 0
     for what in sides[0]:
         old, new = (side[what] for side in sides)
-        if not old and not new:
+        if not old or not new:
+            print(f"{what}: not in both, so not compared")
             continue
         found = list(differences(old, new))
         different += len(found)
@@ -112,9 +113,11 @@ def report_rows(report: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def report_kills(report: Mapping[str, Any]) -> dict[str, Any]:
-    """Give what detected each planted fault, by fault, where the report has a kill matrix."""
-    rows = (report["kills"] or {"rows": []})["rows"]
-    return {row["mutant"]: dict(sorted(row["failing"].items())) for row in rows}
+    """Give what detected each planted fault, by fault, where the report has a whole kill matrix."""
+    kills = report["kills"]
+    if kills is None or not kills.get("whole", True):
+        return {}
+    return {row["mutant"]: dict(sorted(row["failing"].items())) for row in kills["rows"]}
 
 
 def description(fmu: Path) -> dict[str, Any]:
