@@ -76,7 +76,7 @@ def test_reports_differ_by_what_a_row_compared(
     ("fault", "told"),
     [
         ("description-type", "ScalarVariable mu_s 1: {"),
-        ("meter-jump-unsigned", "delta_x: sample"),
+        ("constant-mu-k", "F_friction: sample"),
     ],
 )
 def test_fmus_differ_by_description_or_bits(
