@@ -135,7 +135,7 @@ def study(
     ] = Path("docs/feed-axis.md"),
     check: Annotated[bool, typer.Option("--check", help="Write nothing, compare only.")] = False,
 ) -> None:
-    """Make the tables and pictures of the how-to anew, or check that its tables still hold."""
+    """Make the tables and pictures of the how-to anew, or check that they still hold."""
     from .document import check_document, write_document
 
     with tempfile.TemporaryDirectory(prefix="feed-axis-") as folder:
