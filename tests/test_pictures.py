@@ -53,6 +53,14 @@ def test_a_picture_is_small_and_dateless(name: str) -> None:
     assert not re.search(rb"20\d\d-\d\d", content)
 
 
+def test_every_picture_is_shown() -> None:
+    """The documents show the pictures under docs/, and no others."""
+    shown = set()
+    for page in DOCS.glob("*.md"):
+        shown |= set(re.findall(r"\]\(([\w/-]+\.svg)\)", page.read_text(encoding="utf-8")))
+    assert shown == set(PICTURES)
+
+
 def test_every_picture_is_compared(claims: Mapping[str, str]) -> None:
     """Each picture under docs/ is one that the two commands of ``make docs-check`` draw."""
     feed_axis = {f"feed-axis/{name}.svg" for name in document.PICTURES}
