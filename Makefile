@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify convict test lint prove bench docs docs-check clean
+.PHONY: verify convict test coverage lint prove bench docs docs-check clean
 
 verify: $(VENV)/ready
 	$(BIN)/stickslip build --bare
@@ -17,6 +17,18 @@ convict: $(VENV)/ready
 
 test: $(VENV)/ready-to-test
 	$(BIN)/python -m pytest
+
+# Lines and branches that the tests run, package by package; TESTS may name a part of the tests.
+# The block and the reference must have 95 %. What runs inside FMUs counts for fmu_src/.
+TESTS ?= tests
+coverage: $(VENV)/ready-to-test
+	$(BIN)/python -m coverage erase
+	$(BIN)/python -m coverage run -m pytest $(TESTS)
+	$(BIN)/python -m coverage combine --quiet
+	-$(BIN)/python -m coverage report --include='workbench/*'
+	-$(BIN)/python -m coverage report --include='verification/*'
+	$(BIN)/python -m coverage report --include='src/*' --show-missing --fail-under=95
+	$(BIN)/python -m coverage report --include='fmu_src/*' --show-missing --fail-under=95
 
 lint: $(VENV)/ready-to-test
 	$(BIN)/ruff check

@@ -6,7 +6,7 @@ With ``--check`` it writes nothing, names those that are out of date, and exits 
 import contextlib
 import io
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -22,6 +22,7 @@ from stickslip_verification import (
     verify,
 )
 from stickslip_verification.claims import pages
+from stickslip_verification.svg import differences
 
 HERE = Path(__file__).parent
 
@@ -34,11 +35,7 @@ KINDS = {
 
 
 def main() -> None:
-    """Write the documents beside this file, or check them.
-
-    What a plot shows is checked by its tests and not byte by byte: fonts and rounding may differ
-    from machine to machine.
-    """
+    """Write the documents beside this file, or check them."""
     # What the FMU warns of belongs to its cases.
     with TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()):
         texts = {
@@ -48,18 +45,27 @@ def main() -> None:
             **pages(),
         }
     if sys.argv[1:] == ["--check"]:
-        old = [name for name, text in texts.items() if not is_current(HERE / name, text)]
-        if old:
-            sys.exit(f"out of date, run `make docs`: {', '.join(f'docs/{name}' for name in old)}")
+        if old := outdated(HERE, texts):
+            sys.exit("\n".join(("out of date, run `make docs`:", *old)))
         return
     for name, text in texts.items():
         (HERE / name).parent.mkdir(exist_ok=True)
         (HERE / name).write_text(text, encoding="utf-8", newline="\n")
 
 
-def is_current(file: Path, text: str) -> bool:
-    """Tell whether the file is there and, if it is no plot, holds the text."""
-    return file.is_file() and (file.suffix == ".svg" or file.read_bytes() == text.encode())
+def outdated(folder: Path, texts: Mapping[str, str]) -> list[str]:
+    """Return which files of a folder are missing or hold another text or picture, and where.
+
+    Plots are compared by what they show: rounding may differ from machine to machine.
+    """
+    old = []
+    for name, text in texts.items():
+        file = folder / name
+        if file.suffix == ".svg":
+            old += differences(file, text)
+        elif not file.is_file() or file.read_bytes() != text.encode():
+            old.append(f"{file} holds another text")
+    return old
 
 
 def document(lines: Iterator[str]) -> str:

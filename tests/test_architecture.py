@@ -51,6 +51,7 @@ EXTRA_OUTSIDE = {
     ("stickslip_verification", "report.order_plot"): frozenset({"matplotlib"}),
     ("stickslip_verification", "report.pdf"): frozenset({"weasyprint"}),
     ("stickslip_verification", "report.plots"): frozenset({"matplotlib"}),
+    ("stickslip_verification", "svg.figure"): frozenset({"matplotlib"}),
 }
 
 

@@ -1,13 +1,15 @@
-"""Makes the tables and pictures of docs/feed-axis.md, and checks its tables."""
+"""Makes the tables and pictures of docs/feed-axis.md, and checks them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
+
+from stickslip_verification.svg import SAME, as_svg, differences
 
 from . import plots, study
 from .axis import Axis
@@ -34,6 +36,31 @@ ROUNDING: Final = 1e-6
 """Relative, of the coupling errors: without encoder counts only rounding is another one on another
 machine, and the last digit told covers it."""
 
+COUNTED: Final = 1.5
+"""Distance [pt] up to which a line of a run is the same, its width. A count of an encoder that
+falls the other way moves a jump by 0.1 um and the next by 0.4 ms: 0.8 pt."""
+
+PHASE: Final = 3.0
+"""The same for three seconds of hunting: with the last digit of k changed, every jump comes 6 ms
+later, which is 0.9 pt, and 1.9 pt up or down where a steep line leaves the panel."""
+
+
+class Picture(NamedTuple):
+    """The title of a picture and the distance [pt] up to which its lines are the same."""
+
+    title: str
+    same: float
+
+
+PICTURES: Final = {
+    "creeping": Picture("A feed axis at constant feed", COUNTED),
+    "creeping-variants": Picture("Following error of every variant", COUNTED),
+    "rising": Picture("Jumps while the feed rises", COUNTED),
+    "hunting": Picture("A feed axis that hunts around its target", PHASE),
+    "hunting-variants": Picture("Distance from the target of every variant", COUNTED),
+    "coupling": Picture("Error of the coupling over the communication step", SAME),
+}
+
 Tell = Callable[[str], None]
 
 
@@ -53,11 +80,24 @@ def write_document(document: Path, folder: Path, tell: Tell) -> None:
 
 
 def check_document(document: Path, folder: Path, tell: Tell) -> list[str]:
-    """Return what the tables of the how-to say otherwise than runs of the FMUs in `folder`."""
+    """Return what tables and pictures show otherwise than runs of the FMUs in `folder`."""
     text = document.read_text(encoding="utf-8")
     wrong = check_variants(text, folder, tell)
     tell("coupling")
-    return wrong + check_coupling(text, coupling_errors(folder))
+    errors = coupling_errors(folder)
+    wrong += check_coupling(text, errors)
+    tell("pictures")
+    return wrong + check_pictures(document, pictures_of(folder, errors))
+
+
+def check_pictures(document: Path, drawn: Mapping[str, str]) -> list[str]:
+    """Return what the pictures of the how-to show otherwise than those drawn, by their names."""
+    folder = document.with_suffix("")
+    return [
+        each
+        for name, svg in drawn.items()
+        for each in differences(folder / f"{name}.svg", svg, PICTURES[name].same)
+    ]
 
 
 def check_variants(
@@ -163,4 +203,4 @@ def pictures_of(folder: Path, errors: dict[str, list[float]]) -> dict[str, str]:
             "hunting-variants": plots.small_multiples(holding, None, 6.0, (1.0, "s")),
             "coupling": plots.convergence(STEPS, errors, jump),
         }
-        return {name: plots.as_svg(page) for name, page in pages.items()}
+        return {name: as_svg(pages[name], PICTURES[name].title) for name in PICTURES}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -105,11 +105,13 @@ def steady_slip(axis: Axis) -> Slip | None:
     return found
 
 
-def jumps_over_feed(axis: Axis) -> Iterator[tuple[float, float]]:
-    """Yield feeds [m/s] and the jumps [m] of their cycles, up to where the cycle ends.
+@functools.lru_cache
+def jumps_over_feed(axis: Axis) -> tuple[tuple[float, float], ...]:
+    """Return feeds [m/s] and the jumps [m] of their cycles, up to where the cycle ends.
 
     The feed rises by 2 % at a time, and the cycle is carried along.
     """
+    found: list[tuple[float, float]] = []
     feed, state = _SLOWEST, _at_rest(axis)
     while feed < _FASTEST:
         now = replace(axis, feed=feed)
@@ -117,14 +119,14 @@ def jumps_over_feed(axis: Axis) -> Iterator[tuple[float, float]]:
         for _ in range(_SLIPS_PER_FEED):
             end = _slide(now, slipping, state)
             if end is None:
-                return
+                return tuple(found)
             state, _ = _load(now, sticking, end.state)
             jump = end.jump
-        yield feed, jump
+        found.append((feed, jump))
         feed *= _FASTER
+    return tuple(found)
 
 
-@functools.lru_cache
 def critical_feed(axis: Axis) -> float:
     """Return the feed [m/s] at which jumping ends when the feed rises slowly; 0 without any."""
     return max((feed for feed, _ in jumps_over_feed(axis)), default=0.0)

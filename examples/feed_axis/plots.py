@@ -1,9 +1,7 @@
-"""The pictures of the how-to: SVG text, the same on every run."""
+"""The pictures of the how-to."""
 
 from __future__ import annotations
 
-import io
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
@@ -40,10 +38,9 @@ _STYLE: Final[Any] = {
     "font.size": 9.0,
     "legend.frameon": False,
     "lines.linewidth": 1.5,
-    # A simplified path draws a creeping stick; what is thinned, is thinned here.
+    # A simplified path draws a creeping stick; `stickslip_verification.svg` thins lines.
     "path.simplify": False,
     "svg.fonttype": "path",
-    "svg.hashsalt": "feed-axis",
     "text.color": INK,
     "xtick.color": GREY,
     "xtick.labelcolor": INK,
@@ -52,25 +49,8 @@ _STYLE: Final[Any] = {
 }
 
 _WIDTH: Final = 7.0
-_FINE: Final = 1e-3
-"""Part of a curve's range below which a point is left out: less than the width of its line."""
 
 Array = NDArray[np.float64]
-
-
-def as_svg(figure: Figure) -> str:
-    """Return a figure as SVG text, its coordinates to a hundredth of a point."""
-    stream = io.StringIO()
-    nothing = {"Creator": None, "Date": None, "Format": None, "Type": None}
-    figure.savefig(stream, format="svg", metadata=nothing)
-    text = stream.getvalue()
-    text = text[text.index("<svg") :]
-    coarse = re.sub(r"-?\d+\.\d{3,}", lambda found: f"{round(float(found[0]), 2):g}", text)
-    # A glyph is scaled by a small number, which keeps its digits.
-    scales = re.findall(r"scale\([^)]*\)", text)
-    kept = iter(scales)
-    coarse = re.sub(r"scale\([^)]*\)", lambda _: next(kept), coarse)
-    return "\n".join(line.rstrip() for line in coarse.splitlines()) + "\n"
 
 
 def styled() -> Any:
@@ -88,11 +68,11 @@ def creeping(run: Run, axis: Axis, start: float, length: float) -> Figure:
     away = part["x_command"][0]
     where, fast, force = panels
     _shade(panels, part, start, 1e3)
-    _curve(where, t, (part["x_command"] - away) * 1e6, GREY, "command")
-    _curve(where, t, (part["x"] - away) * 1e6, BLUE, "table")
+    where.plot(t, (part["x_command"] - away) * 1e6, color=GREY, label="command")
+    where.plot(t, (part["x"] - away) * 1e6, color=BLUE, label="table")
     where.set_ylabel("position [µm]")
     _legend(where)
-    _curve(fast, t, part["x_dot"] * 1e3, BLUE)
+    fast.plot(t, part["x_dot"] * 1e3, color=BLUE)
     fast.axhline(axis.feed * 1e3, color=GREY, lw=1.0)
     fast.set_ylabel("speed [mm/s]")
     _force(force, t, part["F"], axis, (1,))
@@ -109,8 +89,8 @@ def holding(run: Run, axis: Axis, start: float, length: float) -> Figure:
     target = part["x_command"][-1]
     _shade((where, force), part, start, 1.0)
     where.axhline(0.0, color=GREY, lw=1.0)
-    _curve(where, t, (part["x_motor"] - target) * 1e6, ORANGE, "motor")
-    _curve(where, t, (part["x"] - target) * 1e6, BLUE, "table")
+    where.plot(t, (part["x_motor"] - target) * 1e6, color=ORANGE, label="motor")
+    where.plot(t, (part["x"] - target) * 1e6, color=BLUE, label="table")
     where.set_ylabel("distance from target [µm]")
     _legend(where)
     _force(force, t, part["F"], axis, (-1, 1))
@@ -144,7 +124,7 @@ def small_multiples(
         part = _window(run, begin, begin + length)
         t = (part["time"] - begin) / unit[0]
         panel.axhline(0.0, color=GREY, lw=0.8)
-        _curve(panel, t, (part["x"] - part["x_command"]) * 1e6, BLUE)
+        panel.plot(t, (part["x"] - part["x_command"]) * 1e6, color=BLUE)
         panel.set_title(name.replace("µ_s", "$\\mu_s$").replace("K_v", "$K_v$"))
         panel.set_xlim(0.0, length / unit[0])
     for panel in panels.ravel()[len(runs) :]:
@@ -198,7 +178,7 @@ def rising(run: Run, axis: Axis) -> Figure:
     panel = page.subplots()
     ends = np.flatnonzero(np.diff(run["delta_x"])) + 1
     feed = np.gradient(run["x_command"], run["time"])[ends] * 1e3
-    cycle = np.array(list(jumps_over_feed(axis)))
+    cycle = np.array(jumps_over_feed(axis))
     panel.plot(cycle[:, 0] * 1e3, cycle[:, 1] * 1e6, color=ORANGE, label="estimate (5)")
     found = run["delta_x"][ends] * 1e6
     panel.plot(feed, found, ls="none", marker="o", ms=4.5, color=BLUE, label="co-simulation")
@@ -239,37 +219,8 @@ def _shade(panels: Iterable[Axes], part: Mapping[str, Array], start: float, scal
             panel.axvspan(float(t[begin]), float(last), color=_SHADE, lw=0, zorder=0)
 
 
-def _curve(panel: Axes, t: Array, y: Array, colour: str, name: str | None = None) -> None:
-    kept = thinned(t, y)
-    panel.plot(t[kept], y[kept], color=colour, label=name)
-
-
-def thinned(t: Array, y: Array) -> NDArray[np.intp]:
-    """Return which points of a curve draw it: what lies on the line between two others goes.
-
-    A point stays if it is off that line by more than a thousandth of the curve's range
-    (Douglas and Peucker, 1973); those that stay are samples as they are, so a stick stays flat.
-    """
-    fine = _FINE * float(np.ptp(y)) if len(y) else 0.0
-    kept = {0, len(y) - 1}
-    todo = [(0, len(y) - 1)]
-    while todo:
-        first, last = todo.pop()
-        if last - first < 2:
-            continue
-        inner = slice(first + 1, last)
-        line = y[first] + (y[last] - y[first]) * (t[inner] - t[first]) / (t[last] - t[first])
-        off = np.abs(y[inner] - line)
-        furthest = int(np.argmax(off))
-        if off[furthest] > fine:
-            middle = first + 1 + furthest
-            kept.add(middle)
-            todo += [(first, middle), (middle, last)]
-    return np.array(sorted(kept))
-
-
 def _force(panel: Axes, t: Array, F: Array, axis: Axis, signs: tuple[int, ...]) -> None:
-    _curve(panel, t, F, ORANGE)
+    panel.plot(t, F, color=ORANGE)
     F_s = axis.F_s
     for sign in signs:
         panel.axhline(sign * F_s, color=INK, lw=1.0, ls=(0, (5, 3)))

@@ -18,6 +18,7 @@ import typer
 from stickslip.errors import CommandError
 from stickslip.units import parse
 from stickslip_fmu.packer import build as build_block
+from stickslip_verification.svg import as_svg
 
 from . import masters, ssp
 from .axis import Axis
@@ -134,7 +135,7 @@ def study(
     ] = Path("docs/feed-axis.md"),
     check: Annotated[bool, typer.Option("--check", help="Write nothing, compare only.")] = False,
 ) -> None:
-    """Make the tables and pictures of the how-to anew, or check that its tables still hold."""
+    """Make the tables and pictures of the how-to anew, or check that they still hold."""
     from .document import check_document, write_document
 
     with tempfile.TemporaryDirectory(prefix="feed-axis-") as folder:
@@ -269,7 +270,7 @@ def _draw(target: Path, axis: Axis, found: Run) -> None:
         else:
             shown = min(0.2, 0.5 * end)
             page = plots.creeping(found, axis, end - shown, shown)
-        target.write_text(plots.as_svg(page), encoding="utf-8")
+        target.write_text(as_svg(page, "A feed axis"), encoding="utf-8")
 
 
 def _micro(length: float) -> str:

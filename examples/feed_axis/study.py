@@ -91,7 +91,7 @@ HUNTING_HEAD: Final = (
 )
 
 
-@functools.lru_cache(maxsize=2 * len(VARIANTS))
+@functools.lru_cache(maxsize=3 * len(VARIANTS))
 def _simulated(folder: Path, axis: Axis, stop_time: float) -> Run:
     # The tables and the pictures show the same runs.
     return simulate(folder, axis, stop_time)
@@ -142,7 +142,7 @@ def rising_run(folder: Path, axis: Axis) -> Run:
     """Run an axis whose feed rises evenly, to twice the feed at which jumping should end."""
     limit = critical_feed(axis)
     changes = {"feed": 2.0 * limit, "acceleration": 2.0 * limit / RISING_TIME, "distance": 0.0}
-    return simulate(folder, replace(axis, **changes), RISING_TIME)  # type: ignore[arg-type]
+    return _simulated(folder, replace(axis, **changes), RISING_TIME)  # type: ignore[arg-type]
 
 
 def highest_jumping_feed(run: Run) -> float:

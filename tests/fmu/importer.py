@@ -134,6 +134,12 @@ def messages(importer: Importer) -> Any:
         slave.reset()
         importer.start(slave)
         assert importer.fails(slave.getReal, [reference])
+    slave.reset()
+    assert importer.fails(slave.setupExperiment, None, float("nan"))
+    slave.reset()
+    importer.start(slave)
+    slave.terminate()
+    assert importer.fails(importer.set, slave, "k", 2000.0)
     slave.freeInstance()
     return "done"
 

@@ -222,6 +222,7 @@ def failures(fmus: list[str], rounds: int) -> Any:
             (instance.slave.getUInt64, ([0],)),
             (instance.slave.getString, ([0],)),
             (instance.slave.setInt64, ([instance.references["mode"]], [1])),
+            (instance.slave.setUInt64, ([0], [1])),
             (instance.slave.setInt32, ([instance.references["n_slips"]], [1])),
             (instance.slave.setBoolean, ([instance.references["sticking"]], [True])),
             (instance.slave.setFloat64, ([0, 1], [1.0])),

@@ -492,3 +492,15 @@ def test_forces_beyond_all_numbers_are_refused() -> None:
     block.advance(0.0, 1.0)
     with pytest.raises(BlockError, match="range of double-precision"):
         outputs(block)
+
+
+def test_a_critically_damped_mass_may_decay_without_end() -> None:
+    """With w = a = 1/s and k z = w m x_dot the speed is e^(-w t): no turning point and no rest."""
+    frictionless = {"m": 1.0, "k": 1.0, "c": 2.0, "mu_s": 0.0, "mu_k": 0.0, "v": 0.0}
+    block = make_block(**frictionless, z_start=1.0, x_dot_start=1.0)
+    for step, time in ((0.5, 0.5), (1.5, 2.0), (3.0, 5.0)):
+        block.advance(time - step, step)
+        found = outputs(block)
+        assert found["x_dot"] == pytest.approx(math.exp(-time), rel=1e-14)
+        assert found["z"] == pytest.approx(math.exp(-time), rel=1e-14)
+        assert found["n_slips"] == 0

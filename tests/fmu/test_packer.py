@@ -68,3 +68,12 @@ def test_a_failed_build_leaves_what_was_there(
         packer.build(target)
     assert target.read_bytes() == b"old"
     assert [path.name for path in tmp_path.iterdir()] == ["StickSlip.fmu"]
+
+
+def test_an_archive_that_cannot_take_its_place_leaves_nothing(tmp_path: Path) -> None:
+    """What is written beside the target is gone when the target turns out to be a folder."""
+    target = tmp_path / "StickSlip.fmu"
+    target.mkdir()
+    with pytest.raises(IsADirectoryError):
+        packer.write_archive({"modelDescription.xml": b"<fmiModelDescription/>"}, target)
+    assert [path.name for path in tmp_path.iterdir()] == ["StickSlip.fmu"]

@@ -112,6 +112,14 @@ def test_changes_at_the_start_act_from_the_start() -> None:
     np.testing.assert_array_equal(a.W_k, 0.0)
 
 
+def test_a_change_at_the_end_or_later_comes_too_late() -> None:
+    """What is set at the stop time would act from there on: the run is that without it."""
+    late = [Change(1.0, {"v": 5.0}), Change(2.0, {"k": 1.0})]
+    changed, plain = (simulate(Parameters(), 1.0, changes=each) for each in (late, ()))
+    np.testing.assert_array_equal(changed.x, plain.x)
+    assert changed.events == plain.events
+
+
 def test_setting_what_is_set_changes_nothing_but_rounding() -> None:
     """Cutting a run where nothing changes gives the same motion."""
     times = np.linspace(0.0, 2.0, 101)

@@ -8,7 +8,7 @@ import warnings
 import numpy as np
 import pytest
 
-from stickslip_ref import FrictionClampWarning, Parameters
+from stickslip_ref import FrictionClampWarning, Parameters, steady_cycle
 
 
 @pytest.mark.parametrize(
@@ -94,6 +94,14 @@ def test_equal_parameters_are_equal() -> None:
     assert Parameters(k=np.array([1.0, 2.0])) == Parameters(k=np.array([1.0, 2.0]))
     assert Parameters() != Parameters(v=0.03)
     assert hash(Parameters()) == hash(Parameters())
+    assert Parameters() != {"k": 1000.0}
+
+
+def test_a_field_without_points_is_allowed() -> None:
+    """An empty array of stiffnesses gives an empty array of cycles."""
+    nothing = Parameters(k=np.array([]))
+    assert nothing.shape == (0,)
+    assert np.shape(steady_cycle(nothing).T) == (0,)
 
 
 @pytest.mark.parametrize(

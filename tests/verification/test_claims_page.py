@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification.claims import findings, markdown, write
+from stickslip_verification.svg import tidy
 
 # In a process of its own, so that neither the cache nor the hash seed of this one helps.
 ELSEWHERE = """
@@ -58,7 +59,7 @@ def test_page_and_plots_are_the_same_in_another_process(plots: dict[str, str]) -
 
 
 def test_plots_are_fit_to_embed(plots: dict[str, str]) -> None:
-    """Each plot is well-formed, needs no font, has a title, no date, and names of its own."""
+    """Each plot is well-formed, needs no font, has a title, no date, and in a page its own ids."""
     names: list[str] = []
     for id_, svg in plots.items():
         root = ET.fromstring(svg)
@@ -67,10 +68,11 @@ def test_plots_are_fit_to_embed(plots: dict[str, str]) -> None:
         assert "title" in tags
         assert not {"text", "image", "script", "metadata"} & tags
         assert not re.search(r"matplotlib\.org|20\d\d-\d\d", svg)
-        of_plot = re.findall(r'\bid="([^"]+)"', svg)
+        in_page = tidy(svg, id_, "title")
+        of_plot = re.findall(r'\bid="([^"]+)"', in_page)
         assert of_plot
         assert all(name.startswith(f"{id_}-") for name in of_plot)
-        used = set(re.findall(r'href="#([^"]+)"|url\(#([^)]+)\)', svg))
+        used = set(re.findall(r'href="#([^"]+)"|url\(#([^)]+)\)', in_page))
         assert {one or other for one, other in used} <= set(of_plot)
         names += of_plot
     assert len(names) == len(set(names))

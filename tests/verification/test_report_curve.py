@@ -10,7 +10,8 @@ from stickslip_verification.cases import load_cases
 from stickslip_verification.exact import exact_motion
 from stickslip_verification.report import draw_case
 from stickslip_verification.report.curve import curve
-from stickslip_verification.report.svg import SHAPE, columns, thinned, tidy
+from stickslip_verification.svg import columns, thinned, tidy
+from stickslip_verification.svg.line import SHAPE
 from stickslip_verification.verdict import Motion
 
 
@@ -71,7 +72,8 @@ def test_thinning_changes_no_shape() -> None:
     """Every point left out lies within a tenth of a point of the line that stays."""
     x = np.linspace(0.0, 400.0, 4001)
     y = np.where(x % 80.0 < 60.0, 10.0 * np.floor(x / 80.0), 50.0 + 40.0 * np.sin(x / 3.0))
-    kept_x, kept_y = thinned(x, y)
+    kept = thinned(x, y)
+    kept_x, kept_y = x[kept], y[kept]
     assert len(kept_x) < 0.4 * len(x)
     steep = np.abs(np.gradient(y, x))
     assert np.max(np.abs(np.interp(x, kept_x, kept_y) - y) / np.hypot(1.0, steep)) < 1.5 * SHAPE
@@ -80,16 +82,15 @@ def test_thinning_changes_no_shape() -> None:
 def test_thinning_keeps_gaps() -> None:
     """A line with a gap stays a line with a gap."""
     y = np.array([0.0, 0.0, 0.0, np.nan, 0.0, 0.0, 0.0])
-    kept_x, kept_y = thinned(np.arange(7.0), y)
-    assert list(kept_x) == [0.0, 2.0, 3.0, 4.0, 6.0]
-    assert np.isnan(kept_y[2])
+    assert list(thinned(np.arange(7.0), y)) == [0, 2, 3, 4, 6]
 
 
 def test_columns_keep_the_extremes() -> None:
     """The largest error of each column of the picture is in the picture."""
     x = np.linspace(0.0, 10.0, 5000, endpoint=False)
     y = np.random.default_rng(1).normal(size=5000)
-    kept_x, kept_y = columns(x, y)
+    kept = columns(x, y)
+    kept_x, kept_y = x[kept], y[kept]
     assert len(kept_x) <= 22
     for column in range(10):
         inside = np.floor(x) == column

@@ -5,12 +5,11 @@ The library that draws is imported when something is drawn.
 
 from __future__ import annotations
 
-import io
 import itertools
-import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
-from xml.sax.saxutils import escape
+
+from stickslip_verification.svg import as_svg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,6 +41,7 @@ _STYLE: Any = {
     "grid.linewidth": 0.8,
     "legend.frameon": False,
     "lines.linewidth": 1.8,
+    # A simplified path rounds corners; `as_svg` thins lines.
     "path.simplify": False,
     "lines.solid_capstyle": "round",
     "svg.fonttype": "path",
@@ -57,14 +57,11 @@ _HEIGHT_ALONE, _HEIGHT_IN_ROW = 3.4, 2.9
 
 
 def draw(finding: Finding) -> str:
-    """Return the plot of a finding as the text of an SVG that stands alone or in a page."""
+    """Return the plot of a finding as the text of an SVG file."""
     import matplotlib
 
-    with matplotlib.rc_context({**_STYLE, "svg.hashsalt": finding.id}):
-        text = io.StringIO()
-        nothing = {"Creator": None, "Date": None, "Format": None, "Type": None}
-        _compose(finding).savefig(text, format="svg", metadata=nothing)
-    return _embeddable(text.getvalue(), finding)
+    with matplotlib.rc_context(_STYLE):
+        return as_svg(_compose(finding), finding.title)
 
 
 def _compose(finding: Finding) -> Figure:
@@ -151,20 +148,3 @@ def _legend(panels: tuple[Panel, ...], on: Axes) -> None:
 def _nameless(panels: tuple[Panel, ...]) -> Iterator[Series]:
     for panel in panels:
         yield from (series for series in panel.series if series.name_at is None)
-
-
-def _coarse(found: str) -> str:
-    """Return a coordinate [pt] to a hundredth, finer than any screen, and a scale as it is."""
-    return found if found.startswith("scale") else f"{round(float(found), 2):g}"
-
-
-def _embeddable(svg: str, finding: Finding) -> str:
-    """Return the SVG without prolog, with a title, and with names that are its own in a page."""
-    body = svg[svg.index("<svg") :]
-    body = re.sub(r'(\bid="|href="#|url\(#)', rf"\g<1>{finding.id}-", body)
-    body = body.replace("*{stroke-", f"#{finding.id}-figure_1 *{{stroke-")
-    body = re.sub(r"scale\([^)]*\)|-?\d+\.\d{3,}", lambda found: _coarse(found[0]), body)
-    title = f"<title>{escape(finding.title)}</title>"
-    head, rest = body.split(">", 1)
-    lines = f'{head} role="img">\n {title}{rest}'.splitlines()
-    return "\n".join(line.rstrip() for line in lines) + "\n"

@@ -11,10 +11,10 @@ from typing import Any
 
 from markupsafe import Markup
 
-from stickslip_verification import baseline
+from stickslip_verification import baseline, svg
 from stickslip_verification.catalogue import Meaning
 from stickslip_verification.margins import error_text
-from stickslip_verification.report import kill_view, order_plot, plots, svg, view
+from stickslip_verification.report import kill_view, order_plot, plots, view
 from stickslip_verification.report.environment import environment, text_of
 from stickslip_verification.report.json_file import json_text
 from stickslip_verification.report.junit import as_junit

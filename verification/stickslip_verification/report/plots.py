@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Final
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stickslip_verification import svg
 from stickslip_verification.record import Record, Series
-from stickslip_verification.report import curve, svg
+from stickslip_verification.report import curve
 from stickslip_verification.report.house_style import (
     BLUE,
     GREY,
@@ -157,10 +158,10 @@ def _draw_errors(panel: Axes, motion: Motion, tolerances: Mapping[str, float], t
                 continue
             times = motion.exact.times[: len(errors)] / time
             seen = np.clip(errors, NOTHING, 1e3 * HOPELESS)
-            t, e = _in_points(panel, times, seen, svg.columns)
+            kept = svg.columns(*svg.in_points(panel, times, seen))
             marker = ("o" if quantity == "x" else "s") if few else ""
-            panel.plot(t, e, color=color, lw=0.9, ls=look, label=f"{name} {quantity}",
-                       marker=marker, ms=3.0)  # fmt: skip
+            panel.plot(times[kept], seen[kept], color=color, lw=0.9, ls=look,
+                       label=f"{name} {quantity}", marker=marker, ms=3.0)  # fmt: skip
         if side in tolerances and tolerances[side] > 0.0:
             panel.axhline(tolerances[side], color=color, lw=1.0, ls=(0, (5, 3)))
             panel.annotate(
@@ -201,8 +202,9 @@ def _line(
     panel: Axes, drawn: curve.Curve, y: Series, time: float, color: str, width: float, name: str
 ) -> None:
     if drawn.joined:
-        t, y = _in_points(panel, drawn.t / time, y, svg.thinned)
-        panel.plot(t, y, color=color, lw=width, label=name, solid_joinstyle="miter")
+        t = drawn.t / time
+        kept = svg.thinned(*svg.in_points(panel, t, y))
+        panel.plot(t[kept], y[kept], color=color, lw=width, label=name, solid_joinstyle="miter")
     else:
         size = width + (2.6 if len(y) <= 300 else 1.0)
         panel.plot(
@@ -244,17 +246,6 @@ def _what_is_marked(motion: Motion, drawn: curve.Curve) -> str:
     what = f"{count} sample{'s' if count > 1 else ''}"
     marked = what if every == 1 else f"markers: 1 in {every} of {what}"
     return marked if drawn.joined else f"{marked}; more happens between samples than they tell"
-
-
-def _in_points(panel: Axes, x: Series, y: Series, choose: Any) -> tuple[Series, Series]:
-    """Thin a line where its distances are seen, in points on the page."""
-    points = panel.transData.transform(np.column_stack((x, y)))
-    points = points * 72.0 / panel.get_figure(root=True).dpi  # type: ignore[union-attr]
-    kept = np.column_stack(choose(points[:, 0], points[:, 1]))
-    back = panel.transData.inverted().transform(
-        kept * panel.get_figure(root=True).dpi / 72.0  # type: ignore[union-attr]
-    )
-    return back[:, 0], back[:, 1]
 
 
 def _range(panel: Axes, values: Series, above: float = 0.07) -> None:
