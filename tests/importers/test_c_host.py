@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from stickslip_fmu.variables import VALUE_REFERENCES
+from tests.needs import needs
 
 from . import replay
 from .cases import CASES, Case
@@ -35,6 +36,8 @@ the communication points within an ulp and the outputs within 1e-13."""
 
 BEGIN = "setup 0\nenter\nexit\n"
 INTERPRETERS = interpreters()
+
+pytestmark = needs("cc", "libpython")
 
 
 @pytest.fixture(scope="module")
