@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify convict test lint prove bench docs docs-check clean
+.PHONY: verify convict test test-bare soak lint prove bench docs docs-check clean
 
 verify: $(VENV)/ready
 	$(BIN)/stickslip build --bare
@@ -15,8 +15,18 @@ convict: $(VENV)/ready
 	$(BIN)/stickslip build --bare
 	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --mutants
 
+# On all cores, each worker in its own part of the tests till another one has nothing left to do.
+TESTS := $(BIN)/python -m pytest --numprocesses logical --dist worksteal --durations 30
 test: $(VENV)/ready-to-test
-	$(BIN)/python -m pytest
+	$(TESTS)
+
+# The tests that need more than pip brings, as on a machine that has none of it.
+test-bare: $(VENV)/ready-to-test
+	$(BIN)/python -m tests.bare
+
+# Everything at full size, an hour at most; it prints the time of each part.
+soak: $(VENV)/ready-to-test
+	tests/soak.sh $(BIN)
 
 lint: $(VENV)/ready-to-test
 	$(BIN)/ruff check

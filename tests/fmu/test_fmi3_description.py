@@ -17,12 +17,6 @@ from .conformity import CHECKERS, by_fmpy, by_schema, by_toolbox, spoilt
 Checker = Callable[[Path], list[str]]
 
 
-@pytest.fixture(scope="module")
-def fmi3_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the FMU with the FMI 3.0 face."""
-    return packer.build(tmp_path_factory.mktemp("fmi3"), face=3)
-
-
 @pytest.mark.parametrize("checker", CHECKERS)
 def test_checkers_find_nothing(fmi3_path: Path, checker: Checker) -> None:
     """The XML schema, fmpy and fmutool have nothing to say of the FMU."""

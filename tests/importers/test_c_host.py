@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from stickslip_fmu.variables import VALUE_REFERENCES
+from tests.interrupting import HEARING
 from tests.needs import needs
 
 from . import replay
@@ -243,7 +244,7 @@ def test_ctrl_c_ends_the_host(host: Host, tmp_path: Path) -> None:
     script = tmp_path / "long.txt"
     script.write_text(BEGIN + "get x\n" + "step 0 1e-3\n" * 2_000_000, encoding="utf-8")
     with subprocess.Popen(
-        [host.program, host.fmu, script],
+        [*HEARING, host.program, host.fmu, script],
         env=host.environment,
         stdout=subprocess.PIPE,
     ) as running:
@@ -251,7 +252,7 @@ def test_ctrl_c_ends_the_host(host: Host, tmp_path: Path) -> None:
         running.stdout.readline()
         running.send_signal(signal.SIGINT)
         try:
-            assert running.wait(10.0) == -signal.SIGINT
+            assert running.wait(60.0) == -signal.SIGINT
         finally:
             running.kill()
 

@@ -78,7 +78,7 @@ def opened(
         page.on("pageerror", lambda error: errors.append(f"escaped: {error}"))
         page.goto(file.as_uri() + (f"#{fragment}" if fragment else ""))
         try:
-            page.wait_for_function("window.stickslip !== undefined", timeout=10_000)
+            page.wait_for_function("window.stickslip !== undefined", timeout=60_000)
         except Exception as error:
             error.add_note(f"errors of the page: {errors}")
             raise

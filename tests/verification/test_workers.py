@@ -67,9 +67,9 @@ def test_a_hang_is_an_answer_and_the_next_task_gets_one(
     misbehaving: Callable[[str], Path], temporary: Path
 ) -> None:
     """A task that takes too long is ended with its process, and is told as late."""
-    with workers.Pool(1, time_limit=3.0, fmu=misbehaving("hang")) as pool:
+    with workers.Pool(1, time_limit=5.0, fmu=misbehaving("hang")) as pool:
         hung, after = plain(pool, short(3), short(2))
-    assert hung == Answer(failure="no answer within 3 s; the process was ended", late=True)
+    assert hung == Answer(failure="no answer within 5 s; the process was ended", late=True)
     assert after.value is not None
     assert left_in(temporary) == []
 

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Everything at full size, part by part: `make soak`, or tests/soak.sh FOLDER with the folder of the
+# installed commands. Each part is a command that a person types. A part that fails does not stop
+# the others; the exit code is 0 where all passed.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+bin="${1:-.venv/bin}"
+spent=() failed=0
+
+part() {
+    local begun=$SECONDS
+    echo "== $*"
+    if "$@"; then passed=passed; else passed=FAILED failed=1; fi
+    spent+=("$(printf '%5d s  %s  %s' $((SECONDS - begun)) "$passed" "$*")")
+}
+
+# Growth of the memory, fuzz and the page's settings in full; then all on a machine that lacks much.
+part "$bin/python" -m pytest --soak --numprocesses logical --dist worksteal --durations 30
+part "$bin/python" -m tests.bare --numprocesses logical --dist worksteal tests
+# The random sets of the specification, the kill matrix, every row of the study's tables.
+part make prove
+part make convict
+part make docs-check
+if make --dry-run coverage >/dev/null 2>&1; then part make coverage; fi
+
+echo
+printf '%s\n' "${spent[@]}"
+exit "$failed"
