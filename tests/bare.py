@@ -25,7 +25,8 @@ MISSING = ("ecospy", "proxyfmu", "cc", "libpython", "browser", "pdf")
 
 def main(arguments: list[str]) -> int:
     """Run the tests, print what they say, and tell what should have been skipped and was not."""
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-q", "--color=no"]
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--color=no"]
+    command += ["--numprocesses", "logical", "--dist", "worksteal"]
     with tempfile.TemporaryDirectory(prefix="bare-") as folder:
         done = subprocess.run(
             [*command, *(arguments or ["-m", "needs"])],

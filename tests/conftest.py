@@ -1,5 +1,6 @@
 """What all tests share: one FMU, built once, what they need beyond the core, and their size."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +11,9 @@ from stickslip_fmu.packer import build
 from tests.needs import require
 
 Sized = Callable[[int], int]
+
+# Tests run on all cores already; threads of NumPy's would wait for each other, at twice the cost.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # On a busy machine an example, or drawing it, may take long.
 settings.register_profile("busy", deadline=None, suppress_health_check=[HealthCheck.too_slow])

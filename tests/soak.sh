@@ -16,7 +16,7 @@ part() {
 
 # Growth of the memory, fuzz and the page's settings in full; then all on a machine that lacks much.
 part "$bin/python" -m pytest --soak --numprocesses logical --dist worksteal --durations 30
-part "$bin/python" -m tests.bare --numprocesses logical --dist worksteal tests
+part "$bin/python" -m tests.bare tests
 # The random sets of the specification, the kill matrix, every row of the study's tables.
 part make prove
 part make convict

@@ -103,8 +103,8 @@ def test_build_prints_path_size_and_digest(command: Command, tmp_path: Path) -> 
 
 def test_build_takes_a_folder_or_a_file(command: Command, tmp_path: Path) -> None:
     """A folder gets StickSlip.fmu, a file ending in .fmu is that file; both are the same bytes."""
-    assert command.in_fresh_process("build", "-o", "a/b").code == 0
-    assert command.in_fresh_process("build", "-o", "c/other.fmu").code == 0
+    assert command.in_fresh_process("build", "--bare", "-o", "a/b").code == 0
+    assert command.in_fresh_process("build", "--bare", "-o", "c/other.fmu").code == 0
     first = tmp_path / "a" / "b" / "StickSlip.fmu"
     assert first.read_bytes() == (tmp_path / "c" / "other.fmu").read_bytes()
 

@@ -96,7 +96,7 @@ def test_a_planted_fault_is_convicted(fmu_path: Path, tmp_path: Path, fault: str
     change, reason = FAULTS[fault]
     bad = plant(fmu_path, Mutant("bad", "", (), (Substitution(*change),), (), Path()), tmp_path)
     trial = Trial(bad, tmp_path, seconds=0.5)
-    findings = trial.run([sequence(seed) for seed in range(1, 201)])
+    findings = trial.run([sequence(seed) for seed in range(1, 401)])
     convicted = [each for each in findings.values() if reason in each.reason]
     assert convicted, findings
     shortest = trial.shrunk(min(convicted, key=lambda each: each.position), rounds=8)
