@@ -27,21 +27,26 @@ def main(arguments: list[str]) -> int:
     """Run the tests, print what they say, and tell what should have been skipped and was not."""
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--color=no"]
     command += ["--numprocesses", "logical", "--dist", "worksteal"]
-    with tempfile.TemporaryDirectory(prefix="bare-") as folder:
-        done = subprocess.run(
+    reasons = []
+    with (
+        tempfile.TemporaryDirectory(prefix="bare-") as folder,
+        subprocess.Popen(
             [*command, *(arguments or ["-m", "needs"])],
             cwd=ROOT,
             env=bare(Path(folder)),
             stdout=subprocess.PIPE,
             text=True,
-            check=False,
-        )
-    print(done.stdout)
-    reasons = [line for line in done.stdout.splitlines() if line.startswith("SKIPPED")]
+        ) as running,
+    ):
+        assert running.stdout is not None
+        for line in running.stdout:
+            print(line, end="", flush=True)
+            if line.startswith("SKIPPED"):
+                reasons.append(line)
     silent = [name for name in MISSING if not any(tells(line, name) for line in reasons)]
     for name in silent:
         print(f"tests.bare: no test was skipped for want of {name}, with the line that installs it")
-    return done.returncode or bool(silent)
+    return running.returncode or bool(silent)
 
 
 def bare(folder: Path) -> dict[str, str]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests import needs
+from tests import bare, needs
 from tests.importers.running import IMPORTERS
 
 
@@ -94,3 +94,18 @@ def test_every_importer_but_the_core_is_asked_for() -> None:
     assert plain == "fmpy"
     assert isinstance(marked, type(pytest.param()))
     assert [mark.args for mark in marked.marks] == [("ecospy",)]
+
+
+def test_a_bare_machine_lacks_compilers_and_browsers_alone() -> None:
+    """Whatever their version and target, they are hidden, and nothing that has a similar name."""
+    hidden = ("cc", "c99", "gcc", "gcc-12", "x86_64-linux-gnu-gcc-12", "clang", "chromium")
+    assert all(map(bare.PROGRAMS.fullmatch, hidden))
+    assert not any(map(bare.PROGRAMS.fullmatch, ("cat", "ccache", "c_rehash", "gccgo", "cpp")))
+
+
+def test_a_skip_that_does_not_say_what_installs_it_is_no_reason() -> None:
+    """What was not tried and the line for Debian must both be told."""
+    told = f"NOT TRIED: {needs.NEEDS['ecospy'].untried}. OSError."
+    assert bare.tells(f"{told} To install: apt-get install libtbb12", "ecospy")
+    assert not bare.tells(told, "ecospy")
+    assert not bare.tells(f"{told} To install: apt-get install libtbb12", "cc")
