@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from subprocess import Popen
 from typing import Any
@@ -13,14 +14,22 @@ HEARING = ("env", "--default-signal=INT")
 shell makes what it starts in the background."""
 
 
-def wait_for_work(process: Popen[Any], seconds: float) -> None:
-    """Wait until a process has used so much processor time [s], which a busy machine delays."""
-    while process.poll() is None and _processor_time(process.pid) < seconds:
-        time.sleep(0.02)
-    assert process.returncode is None, process.communicate()
+def wait_for_work(leader: Popen[Any], seconds: float) -> None:
+    """Wait until a session has used so much processor time [s], however busy the machine is.
+
+    Its leader was started with `start_new_session`; what has ended does not count.
+    """
+    while leader.poll() is None and sum(_processor_times(leader.pid)) < seconds:
+        time.sleep(0.05)
+    assert leader.returncode is None, leader.communicate()
 
 
-def _processor_time(pid: int) -> float:
-    fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(") ")[2].split()
-    # User and system time, fields 14 and 15 of proc(5).
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+def _processor_times(session: int) -> Iterator[float]:
+    """Give user and system time [s] of each process of a session: proc(5), fields 6, 14 and 15."""
+    for file in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = file.read_text(encoding="utf-8", errors="replace").rpartition(") ")[2].split()
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        if int(fields[3]) == session:
+            yield (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

@@ -271,6 +271,7 @@ def test_ctrl_c_ends_a_run_cleanly(tmp_path: Path, fmu_path: Path, engine: str) 
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        start_new_session=True,
     ) as running:  # fmt: skip
         try:
             # Loading takes less than one.

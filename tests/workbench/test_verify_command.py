@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Iterator
@@ -205,11 +204,8 @@ def test_ctrl_c_ends_the_run_and_its_processes(
         start_new_session=True,
     ) as running:
         try:
-            # Loading takes less than one; its processes do the rest.
-            wait_for_work(running, 1.0)
-            while not any(scratch.glob("stickslip*")):
-                assert running.poll() is None
-                time.sleep(0.05)
+            # To load takes less than two, the run a minute.
+            wait_for_work(running, 4.0)
             os.killpg(running.pid, signal.SIGINT)
             out, err = running.communicate(timeout=60)
         finally:
