@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify convict test coverage lint prove bench docs docs-check clean
+.PHONY: verify convict test test-bare soak coverage lint prove bench docs docs-check clean
 
 verify: $(VENV)/ready
 	$(BIN)/stickslip build --bare
@@ -15,15 +15,26 @@ convict: $(VENV)/ready
 	$(BIN)/stickslip build --bare
 	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --fault '*'
 
-test: $(VENV)/ready-to-test
-	$(BIN)/python -m pytest
-
-# Lines and branches that the tests run, package by package; TESTS may name a part of the tests.
-# The block and the reference must have 95 %. What runs inside FMUs counts for fmu_src/.
+# On all cores, each worker in its own part of the tests till another one has nothing left to do.
+# TESTS may name a part of the tests, and options.
 TESTS ?= tests
+PYTEST := -m pytest --numprocesses logical --dist worksteal --durations 30
+test: $(VENV)/ready-to-test
+	$(BIN)/python $(PYTEST) $(TESTS)
+
+# The tests that need more than pip brings, as on a machine that has none of it.
+test-bare: $(VENV)/ready-to-test
+	$(BIN)/python -m tests.bare
+
+# Everything at full size, an hour at most; it prints the time of each part.
+soak: $(VENV)/ready-to-test
+	tests/soak.sh $(BIN)
+
+# Lines and branches that the tests run, package by package. The block and the reference must have
+# 95 %. What runs inside FMUs counts for fmu_src/.
 coverage: $(VENV)/ready-to-test
 	$(BIN)/python -m coverage erase
-	$(BIN)/python -m coverage run -m pytest $(TESTS)
+	$(BIN)/python -m coverage run $(PYTEST) $(TESTS)
 	$(BIN)/python -m coverage combine --quiet
 	-$(BIN)/python -m coverage report --include='workbench/*'
 	-$(BIN)/python -m coverage report --include='verification/*'

@@ -1,10 +1,61 @@
-"""What all tests share: one FMU, built once."""
+"""What all tests share: one FMU, built once, what they need beyond the core, and their size."""
 
+import os
+import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from stickslip_fmu.packer import build
+from tests.needs import require
+
+Sized = Callable[[int], int]
+
+# On a busy machine an example, or drawing it, may take long.
+settings.register_profile("busy", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("busy")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add --soak."""
+    parser.addoption(
+        "--soak", action="store_true", help="everything at full size, and not a tenth of it"
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let all processes of this run share the truth and the reference of the cases."""
+    # Tests run on all cores already; threads of NumPy's would wait for each other, at twice the
+    # cost. NumPy reads this when it is imported.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    from stickslip_verification.trial.kept import FOLDER
+
+    if not os.environ.get(FOLDER):
+        folder = tempfile.TemporaryDirectory(prefix="stickslip-kept-")
+        config.add_cleanup(folder.cleanup)
+        os.environ[FOLDER] = folder.name
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what is for --soak alone."""
+    left_out = [each for each in items if each.get_closest_marker("soak")]
+    if left_out and not config.getoption("soak"):
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [each for each in items if not each.get_closest_marker("soak")]
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip or fail a test before anything is made for it that it cannot use."""
+    require(name for mark in item.iter_markers("needs") for name in mark.args)
+
+
+@pytest.fixture(scope="session")
+def sized(pytestconfig: pytest.Config) -> Sized:
+    """Give what makes a full count that of this run: a tenth of it, with --soak all of it."""
+    return int if pytestconfig.getoption("soak") else lambda full: full // 10
 
 
 @pytest.fixture(scope="session")

@@ -27,9 +27,11 @@ BASE = "as it is"
 
 
 def test_the_tables_are_those_of_runs_today(fmus: Path) -> None:
-    """Rows of three variants, run anew, are as told; every row has a variant and the other way."""
-    variants = (BASE, "position on the motor", "dead band of 7 µm *")
-    assert output_of("checking", str(fmus), str(HOW_TO), *variants, timeout=200.0) == ""
+    """The rows of the axis as it is, run anew, are as told; every row has a variant, and reverse.
+
+    `make docs-check` runs every variant.
+    """
+    assert output_of("checking", str(fmus), str(HOW_TO), BASE, timeout=200.0) == ""
 
 
 def test_a_wrong_number_in_a_table_is_found() -> None:

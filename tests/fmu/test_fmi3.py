@@ -10,17 +10,9 @@ from typing import Any
 
 import pytest
 
-from stickslip_fmu import packer
-
 IMPORTER = Path(__file__).with_name("importer3.py")
 
 Script = list[list[Any]]
-
-
-@pytest.fixture(scope="module")
-def fmi3_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the FMU with the FMI 3.0 face."""
-    return packer.build(tmp_path_factory.mktemp("fmi3"), face=3)
 
 
 def imported(task: str, argument: Any, *fmus: Path) -> tuple[Any, str]:

@@ -96,7 +96,7 @@ def run(
     ImporterError
         The process failed, crashed or hung.
     """
-    needed = {**needs(importer), **(environment or {})}
+    needed = {**preload(importer), **(environment or {})}
     return _rows(ask(f"by_{importer}", "run", fmu, folder, needed, asdict(CASES[case])).answer)
 
 
@@ -107,7 +107,7 @@ def run_pair(importer: str, fmu: Path, case: str, folder: Path, *, how: str = "p
     threads the containers do so in `run`.
     """
     argument = asdict(CASES[case])
-    return _rows(ask(f"by_{importer}", how, fmu, folder, needs(importer), argument).answer)
+    return _rows(ask(f"by_{importer}", how, fmu, folder, preload(importer), argument).answer)
 
 
 def ask(
@@ -143,7 +143,7 @@ def ask(
     return Said(json.loads(answer.read_text(encoding="utf-8")), done.stdout, done.stderr)
 
 
-def needs(importer: str) -> Mapping[str, str]:
+def preload(importer: str) -> Mapping[str, str]:
     """Return what `stickslip host` sets, for an importer that is not Python."""
     if importer not in NOT_PYTHON:
         return {}

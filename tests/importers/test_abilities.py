@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from tests.importers import kinds
-from tests.importers.available import need
-from tests.importers.running import IMPORTERS, ImporterError, Said, ask, needs
+from tests.importers.running import IMPORTERS, ImporterError, Said, ask, preload
+from tests.needs import each, needs
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "importing.md"
 
@@ -49,10 +49,9 @@ def asked(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Asked:
 
     @cache
     def once(importer: str, what: str) -> Said:
-        need(importer)
         order = {"importer": importer, "kinds": echoes} if what == "tried" else importer
         own = tmp_path_factory.mktemp(f"{importer}-{what}")
-        return ask("abilities", what, fmu_path, own, needs(importer), order)
+        return ask("abilities", what, fmu_path, own, preload(importer), order)
 
     return once
 
@@ -80,7 +79,7 @@ def test_the_tables_have_every_importer_and_column() -> None:
     assert all(set(row) == columns for row in WHAT_IT_CAN.values())
 
 
-@pytest.mark.parametrize("importer", IMPORTERS)
+@pytest.mark.parametrize("importer", each(IMPORTERS))
 def test_what_an_importer_can_do(asked: Asked, importer: str) -> None:
     """Cell by cell, the table says yes where the importer did it and no where it did not."""
     found = asked(importer, "tried").answer
@@ -88,14 +87,13 @@ def test_what_an_importer_can_do(asked: Asked, importer: str) -> None:
     assert seen == {column: WHAT_IT_CAN[importer][column] for column in COLUMNS}
 
 
-@pytest.mark.parametrize("importer", IMPORTERS)
+@pytest.mark.parametrize("importer", each(IMPORTERS))
 def test_whether_the_folder_matters(fmu_path: Path, tmp_path: Path, importer: str) -> None:
     """Where an importer encodes the address of the FMU's folder, the wrapper cannot read it."""
-    need(importer)
     folder = tmp_path / "é"
     folder.mkdir()
     try:
-        done = ask("abilities", "begin", fmu_path, folder, needs(importer), importer).answer
+        done = ask("abilities", "begin", fmu_path, folder, preload(importer), importer).answer
     except ImporterError as error:
         seen = "crash" if error.code < 0 else str(error)
     else:
@@ -103,7 +101,7 @@ def test_whether_the_folder_matters(fmu_path: Path, tmp_path: Path, importer: st
     assert seen == WHAT_IT_CAN[importer]["any folder"]
 
 
-@pytest.mark.parametrize("importer", IMPORTERS)
+@pytest.mark.parametrize("importer", each(IMPORTERS))
 def test_whether_an_importer_shows_messages(asked: Asked, importer: str) -> None:
     """Asked for messages, it shows the block's warning beside what stands on standard error."""
     try:
@@ -118,7 +116,7 @@ def test_whether_an_importer_shows_messages(asked: Asked, importer: str) -> None
     assert seen == WHAT_IT_CAN[importer]["messages"]
 
 
-@pytest.mark.parametrize("importer", IMPORTERS)
+@pytest.mark.parametrize("importer", each(IMPORTERS))
 def test_what_comes_of_a_refused_value(asked: Asked, importer: str) -> None:
     """At the start and between two steps the importer does what both tables say."""
     outcome = {
@@ -157,11 +155,10 @@ def _in_a_word(outcome: str) -> str:
     return "goes on" if outcome.startswith("goes on") else "stops"
 
 
+@needs("libcosimpy", "ecospy", "fmucontainer")
 def test_the_versions_are_those_that_were_tried() -> None:
     """Each section names the version of the importer that the tests run."""
     text = DOCUMENT.read_text(encoding="utf-8")
     for package in ("fmpy", "libcosimpy", "ecospy", "fmu-manipulation-toolbox"):
         [named] = re.findall(rf"`pip install {package}`, tried with ([\d.]+\d)", text)
-        importer = "fmucontainer" if package.startswith("fmu-") else package
-        need(importer)
         assert named == version(package)

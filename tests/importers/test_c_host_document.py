@@ -10,16 +10,19 @@ from pathlib import Path
 
 import pytest
 
-from .host_c import ROOT, compiler
+from tests.needs import needs
+
+from .host_c import ROOT
 
 DOCUMENT = ROOT / "docs" / "importing.md"
 HEADING = "## A host written in C"
+
+pytestmark = needs("cc", "libpython")
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Run the lines of the section, as they stand there, in a folder with the examples."""
-    compiler()
     folder = tmp_path_factory.mktemp("lines")
     (folder / "examples").symlink_to(ROOT / "examples")
     section = DOCUMENT.read_text(encoding="utf-8").split(f"\n{HEADING}\n")[1].split("\n## ")[0]

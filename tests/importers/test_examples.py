@@ -13,10 +13,10 @@ import pytest
 
 from stickslip_verification.truth import Step
 from stickslip_verification.truth import run as exact_run
-from tests.importers.available import need
 from tests.importers.cases import CASES
 from tests.importers.judging import deviations
 from tests.importers.running import Rows, ask
+from tests.needs import NEEDS, needs
 
 ROOT = Path(__file__).parents[2]
 DOCUMENT = (ROOT / "docs" / "importing.md").read_text(encoding="utf-8")
@@ -99,10 +99,16 @@ def test_the_result_in_the_document_is_exact() -> None:
     assert f"`{line}`" in DOCUMENT
 
 
-@pytest.mark.parametrize("script", [name for name in SCRIPTS if name != "with_proxyfmu.py"])
+@pytest.mark.parametrize(
+    "script",
+    [
+        pytest.param(script, marks=needs(importer)) if importer in NEEDS else script
+        for script, importer in SCRIPTS.items()
+        if importer != "proxyfmu"
+    ],
+)
 def test_an_example_ends_with_the_result_in_the_document(script: str, folder: Path) -> None:
     """Started in a folder with the FMU, where the project is out of reach, it prints that line."""
-    need(SCRIPTS[script])
     commands = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     fmu = folder / "StickSlip.fmu"
     printed = ask("script", "run", fmu, folder, {"PATH": commands}, script).out.splitlines()[-1]
@@ -111,7 +117,6 @@ def test_an_example_ends_with_the_result_in_the_document(script: str, folder: Pa
 
 def test_the_lines_for_fmpy_write_an_exact_table(folder: Path) -> None:
     """From the command line FMPy writes every output with all its digits."""
-    need("fmpy")
     shell(shell_lines("## FMPy"), folder)
     head, *rows = (folder / "result.csv").read_text(encoding="utf-8").splitlines()
     columns = list(zip(*(map(_value, row.split(",")) for row in rows), strict=True))
@@ -128,7 +133,6 @@ def _value(text: str) -> float:
 @pytest.fixture(scope="module")
 def folder_of_ecos(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Give a user's folder with a copy of ecospy as its wheel is, without run bits."""
-    need("proxyfmu")
     import ecospy
 
     folder = tmp_path_factory.mktemp("ecos")
@@ -156,18 +160,21 @@ def on_the_command_line(folder_of_ecos: Path, without_the_run_bit: str) -> str:
     return shell(f"export PYTHONPATH=packages\n{lines}", folder_of_ecos)
 
 
+@needs("proxyfmu")
 def test_ecos_says_that_proxyfmu_cannot_run(without_the_run_bit: str) -> None:
     """Without the run bit Ecos ends with the message that the document explains."""
     [message] = re.findall(r"Unable to create/bind proxyfmu process!", without_the_run_bit)[:1]
     assert f"`{message}`" in DOCUMENT
 
 
+@needs("proxyfmu")
 def test_the_lines_for_ecos_run_the_block_in_its_own_process(on_the_command_line: str) -> None:
     """With the run bit set and libpython preloaded the example ends with the same result."""
     results = [line for line in on_the_command_line.splitlines() if line.startswith("x = ")]
     assert [f"`{line}`" in DOCUMENT for line in results] == [True]
 
 
+@needs("proxyfmu")
 def test_the_table_that_ecos_writes_is_exact_to_six_decimals(
     on_the_command_line: str, folder_of_ecos: Path
 ) -> None:

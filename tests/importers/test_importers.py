@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.importers.available import need
 from tests.importers.cases import CASES
 from tests.importers.judging import EXACT, deviations, nested_deviations
 from tests.importers.running import IMPORTERS, ImporterError, Rows, ask, run, run_pair
+from tests.needs import each, needs
 
 KEPT = 1e-12
 """The block itself is within 1e-13, whatever the steps; a few roundings of times come on top."""
@@ -40,14 +40,13 @@ def ran(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Ran:
 
     @cache
     def once(importer: str, case: str) -> Rows:
-        need(importer)
         return run(importer, fmu_path, case, tmp_path_factory.mktemp(importer))
 
     return once
 
 
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("importer", IMPORTERS)
+@pytest.mark.parametrize("importer", each(IMPORTERS))
 def test_every_output_is_exact_at_the_importers_own_times(
     ran: Ran, importer: str, case: str
 ) -> None:
@@ -60,7 +59,7 @@ def test_every_output_is_exact_at_the_importers_own_times(
 
 
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("importer", CONTAINERS)
+@pytest.mark.parametrize("importer", each(CONTAINERS))
 def test_a_second_block_in_a_container_is_exact_too(ran: Ran, importer: str, case: str) -> None:
     """A block that the first one's spring force pushes moves as that force makes it move."""
     rows = ran(importer, case)
@@ -69,25 +68,24 @@ def test_a_second_block_in_a_container_is_exact_too(ran: Ran, importer: str, cas
     assert rows.nested.outputs["x"] != rows.outputs["x"]
 
 
-@pytest.mark.parametrize("importer", ["libcosimpy", "ecospy", "proxyfmu"])
+@pytest.mark.parametrize("importer", each(["libcosimpy", "ecospy", "proxyfmu"]))
 def test_two_blocks_in_one_simulation_are_exact(
     fmu_path: Path, tmp_path: Path, importer: str
 ) -> None:
     """Connected, and stepped at the same time where the importer uses threads, both are exact."""
-    need(importer)
     rows = run_pair(importer, fmu_path, "inputs", tmp_path)
     assert_exact(importer, deviations(CASES["inputs"], rows))
     assert_exact(importer, nested_deviations(CASES["inputs"], rows))
 
 
+@needs("fmucontainer")
 def test_threads_of_a_container_change_nothing(ran: Ran, fmu_path: Path, tmp_path: Path) -> None:
     """Two blocks that are stepped at once, each in its thread, give the same bits."""
-    need("fmucontainer")
     threaded = run_pair("fmucontainer", fmu_path, "inputs", tmp_path, how="in_threads")
     assert threaded == ran("fmucontainer", "inputs")
 
 
-@pytest.mark.parametrize("importer", IMPORTERS)
+@pytest.mark.parametrize("importer", each(IMPORTERS))
 def test_a_second_run_in_one_process_repeats_the_first(ran: Ran, importer: str) -> None:
     """Started again by the importer's own means, in mid-slip, the run is the same bit for bit."""
     rows = ran(importer, "restart")
@@ -97,16 +95,16 @@ def test_a_second_run_in_one_process_repeats_the_first(ran: Ran, importer: str) 
     assert rows.again == replace(rows, again=None, how="")
 
 
-@pytest.mark.parametrize("importer", ["fmpy", "libcosimpy", "ecospy"])
+@pytest.mark.parametrize("importer", each(["fmpy", "libcosimpy", "ecospy"]))
 def test_an_importer_finds_nothing_to_warn_of(
     fmu_path: Path, tmp_path: Path, importer: str
 ) -> None:
     """Loading the FMU, two runs and the end of the process leave no warning and no error."""
-    need(importer)
     said = ask(f"by_{importer}", "run", fmu_path, tmp_path, None, asdict(CASES["restart"]))
     assert not re.findall(r".*(?:warn|error|fail|invalid).*", said.out + said.err, re.IGNORECASE)
 
 
+@needs("libcosimpy", "ecospy", "proxyfmu", "fmucontainer")
 def test_importers_kinds_of_numbers_are_kept(ran: Ran) -> None:
     """Booleans come as bool, Integers as int and Reals as float from every importer."""
     for importer in IMPORTERS:

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from stickslip_fmu.variables import VALUE_REFERENCES
+from tests.needs import each, needs
 
 from . import record, replay
-from .available import need
 from .cases import CASES
 from .host_c import Host, compile_host, unpack, with_libpython
 from .record import Call
@@ -47,7 +47,6 @@ def recorded(
 
     @cache
     def once(importer: str, case: str) -> Recorded:
-        need(importer)
         calls = folder / f"{importer}-{case}.txt"
         own = folder / f"{importer}-{case}"
         own.mkdir()
@@ -57,8 +56,9 @@ def recorded(
     return once
 
 
+@needs("cc", "libpython")
 @pytest.mark.parametrize("case", ["default", "inputs"])
-@pytest.mark.parametrize("importer", IMPORTERS)
+@pytest.mark.parametrize("importer", each(IMPORTERS))
 def test_a_replay_in_another_importer_repeats_every_bit(
     recorded: Callable[[str, str], Recorded],
     fmu_path: Path,
@@ -76,7 +76,7 @@ def test_a_replay_in_another_importer_repeats_every_bit(
 
 
 @pytest.mark.parametrize("case", ["default", "inputs"])
-@pytest.mark.parametrize("importer", IMPORTERS)
+@pytest.mark.parametrize("importer", each(IMPORTERS))
 def test_an_importer_shows_what_the_fmu_answered(
     recorded: Callable[[str, str], Recorded], importer: str, case: str
 ) -> None:
@@ -93,6 +93,7 @@ def test_an_importer_shows_what_the_fmu_answered(
             assert replay.bits(samples) == replay.bits([point[reference] for point in points])
 
 
+@needs("ecospy", "fmucontainer")
 def test_importers_do_not_hand_over_the_same_steps(
     recorded: Callable[[str, str], Recorded],
 ) -> None:

@@ -7,53 +7,51 @@ from pathlib import Path
 
 import pytest
 
-from tests.importers.available import need
-from tests.importers.running import ImporterError, ask, needs, run
+from tests.importers.running import ImporterError, ask, preload, run
+from tests.needs import needs
 
 
 def test_fmpy_takes_a_sloping_input_at_the_beginning_of_each_step(
     fmu_path: Path, tmp_path: Path
 ) -> None:
     """Over a step the block holds the speed that the table has at its beginning."""
-    need("fmpy")
     _, x_pull = ask("traps", "ramp", fmu_path, tmp_path).answer
     assert x_pull == pytest.approx([0.0, 0.0, 0.01, 0.03], abs=1e-15)
 
 
 def test_fmpy_changes_a_parameter_that_has_a_column(fmu_path: Path, tmp_path: Path) -> None:
     """The stiffness of the table acts from the step that begins at its time."""
-    need("fmpy")
     F, z = ask("traps", "tunable", fmu_path, tmp_path).answer
     stiffness = [force / extension for force, extension in zip(F[1:], z[1:], strict=True)]
     assert stiffness == pytest.approx([1e3, 1e3, 2e3, 2e3], rel=1e-15)
 
 
+@needs("fmucontainer")
 def test_a_container_leaves_what_is_over_for_the_next_step(fmu_path: Path, tmp_path: Path) -> None:
     """With 0.015 s for a container of 0.01 s the block shows 0.01, 0.03, 0.04 and 0.06 s."""
-    need("fmucontainer")
     x_pull = ask("traps", "coarse", fmu_path, tmp_path).answer
     reached = [0.0, 0.01, 0.03, 0.04, 0.06]
     assert x_pull == pytest.approx([0.02 * time for time in reached], abs=1e-15)
 
 
+@needs("ecospy")
 def test_ecos_keeps_a_pending_input_over_a_reset(fmu_path: Path, tmp_path: Path) -> None:
     """What is set just before a reset acts in the first step after it."""
-    need("ecospy")
     assert ask("traps", "pending", fmu_path, tmp_path).answer == pytest.approx(0.05 * 0.01)
 
 
+@needs("proxyfmu")
 def test_a_reset_through_proxyfmu_stops_the_block(fmu_path: Path, tmp_path: Path) -> None:
     """Ecos reports nothing, and in ten steps of the second run the pulled end does not move."""
-    need("proxyfmu")
-    answer = ask("traps", "standing_still", fmu_path, tmp_path, needs("proxyfmu")).answer
+    answer = ask("traps", "standing_still", fmu_path, tmp_path, preload("proxyfmu")).answer
     before, begun, after = answer
     assert before == pytest.approx(0.001)
     assert begun == after
 
 
+@needs("ecospy")
 def test_ecos_shows_zeros_for_a_block_that_refused(fmu_path: Path, tmp_path: Path) -> None:
     """Time goes on, every output and even the mass is 0; the message is on standard error."""
-    need("ecospy")
     said = ask("traps", "all_zero", fmu_path, tmp_path)
     time, *rest = said.answer
     assert time == pytest.approx(0.52)
@@ -61,9 +59,9 @@ def test_ecos_shows_zeros_for_a_block_that_refused(fmu_path: Path, tmp_path: Pat
     assert "StickSlip: k = -1.0 N/m is out of range" in said.err
 
 
+@needs("proxyfmu")
 def test_without_libpython_ecos_crashes_in_proxyfmu(fmu_path: Path, tmp_path: Path) -> None:
     """A process that is not Python cannot load the block, and Ecos does not survive that."""
-    need("proxyfmu")
     with pytest.raises(ImporterError, match="Unable to bind") as caught:
         run("proxyfmu", fmu_path, "default", tmp_path, {"LD_PRELOAD": ""})
     # The socket that nobody removes after the crash.
@@ -72,9 +70,9 @@ def test_without_libpython_ecos_crashes_in_proxyfmu(fmu_path: Path, tmp_path: Pa
     assert caught.value.code < 0
 
 
+@needs("ecospy")
 def test_ecos_needs_a_library_of_the_system() -> None:
     """The library of ecospy asks the system for libtbb.so.12 and does not bring it."""
-    need("ecospy")
     import ecospy
 
     binaries = Path(ecospy.__file__).parent / "binaries"

@@ -9,10 +9,17 @@ from typing import TYPE_CHECKING
 import pytest
 
 from stickslip.page import page as page_text
+from tests.needs import needs
 from tests.page.browser import opened, started
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Mark what uses the browser, by whatever fixture, as in need of one."""
+    if "browser" in getattr(item, "fixturenames", ()):
+        item.add_marker(needs("browser"))
 
 
 @pytest.fixture(scope="session")
@@ -25,7 +32,7 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
-    """Give a real browser, or skip where there is none."""
+    """Give a real browser."""
     with started() as browser:
         yield browser
 

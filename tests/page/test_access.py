@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from tests.page.browser import opened, unavailable
+from tests.page.browser import opened
 from tests.page.settings import presets
 from tests.page.using import drawn, open_folds, press, setting, type_in
 
@@ -49,10 +49,7 @@ _FOCUSED = """
 
 def bring_axe(page: Page) -> None:
     """Load axe-core into the page."""
-    try:
-        script = files("axe_playwright_python") / "axe.min.js"
-    except ModuleNotFoundError:
-        unavailable("axe-playwright-python is not installed")
+    script = files("axe_playwright_python") / "axe.min.js"
     page.evaluate(script.read_text(encoding="utf-8"))
 
 

@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from tests.page.browser import ARGUMENTS, opened
+from tests.page.browser import launched, opened
 from tests.page.settings import presets
 from tests.page.using import drag, open_folds, press, type_in
 
@@ -61,9 +61,7 @@ def session(browser: Browser, page_file: Path, tmp_path_factory: pytest.TempPath
     """Use everything in a browser that logs; afterwards one request is made on purpose."""
     log = tmp_path_factory.mktemp("net") / "net.json"
     asked: list[str] = []
-    with browser.browser_type.launch(
-        executable_path=shutil.which("chromium"), args=[*ARGUMENTS, f"--log-net-log={log}"]
-    ) as logging:
+    with launched(browser.browser_type, f"--log-net-log={log}") as logging:
         with opened(logging, page_file) as page:
             page.context.on("request", lambda request: asked.append(request.url))
             page.reload()

@@ -125,19 +125,18 @@ def test_a_refused_field_stays_marked_while_another_is_used(page: Page) -> None:
 
 
 def test_a_very_long_text_is_refused_at_once(page: Page) -> None:
-    """A hundred thousand digits and a letter are no number, and take no time to be none."""
-    long_text = "1" * 100_000 + "x"
-    took = page.evaluate(
-        """text => {
+    """A million digits and a letter are no number, and it takes one look to see that.
+
+    Looked at again for each digit, they would take hours.
+    """
+    page.evaluate(
+        """text => setTimeout(() => {
           const field = document.querySelector("#k");
           field.focus();
           field.value = text;
-          const start = performance.now();
           field.dispatchEvent(new Event("input"));
-          return performance.now() - start;
-        }""",
-        long_text,
+        })""",
+        "1" * 1_000_000 + "x",
     )
-    assert "no number" in said(page, "k")
+    page.wait_for_function("document.querySelector('#k-said').textContent.includes('no number')")
     assert len(said(page, "k")) < 200
-    assert took < 100.0

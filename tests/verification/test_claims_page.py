@@ -48,7 +48,7 @@ def test_page_and_plots_are_the_same_in_another_process(plots: dict[str, str]) -
         env={**os.environ, "PYTHONHASHSEED": "7"},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
         check=True,
     )
     at_import, while_trying, digest = done.stdout.splitlines()

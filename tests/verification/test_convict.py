@@ -23,7 +23,7 @@ CASES = [named("default"), named("reversals")]
 @cache
 def ground() -> list[Ground]:
     """Return the ground of two cases, without observed orders."""
-    return lay(CASES, replace(load_laws(), orders=()), jobs=2)
+    return lay(CASES, replace(load_laws(), orders=()), jobs=1)
 
 
 def fault(name: str) -> Mutant:
@@ -36,7 +36,7 @@ WHOLE, FORETOLD = How(), How(whole=False)
 
 def tried(fmu: Path, *mutants: Mutant, how: How = WHOLE) -> KillMatrix:
     """Try faults on two cases."""
-    return convict(fmu, mutants, ground(), load_laws(), jobs=2, how=how)
+    return convict(fmu, mutants, ground(), load_laws(), jobs=1, how=how)
 
 
 def test_faults_are_caught_by_the_checks_that_fit(fmu_path: Path) -> None:

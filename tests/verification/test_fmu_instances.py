@@ -17,6 +17,7 @@ from stickslip_verification import truth
 from stickslip_verification.fmu import FmuError, FmuFile, FmuInstance, NameMap, available
 from stickslip_verification.quantities import OUTPUT_NAMES
 from stickslip_verification.record import Series
+from tests.needs import needs
 from tests.verification.foreign import native
 from tests.verification.foreign.building import HERE, altered
 
@@ -284,12 +285,11 @@ VALUES = {
 
 @pytest.fixture(scope="module")
 def native_fmu(tmp_path_factory: pytest.TempPathFactory) -> FmuFile:
-    """Return an FMU 3.0 in C with one variable of each type; skip where it cannot be compiled."""
-    if native.COMPILER is None:
-        pytest.skip("no C compiler here")
+    """Return an FMU 3.0 in C with one variable of each type."""
     return FmuFile(native.build(tmp_path_factory.mktemp("native")))
 
 
+@needs("cc")
 def test_a_number_of_any_type_is_a_number(native_fmu: FmuFile) -> None:
     """Each type of number of FMI 3.0 takes a value of its own and gives it back."""
     assert {variable.kind for variable in native_fmu.variables.values()} == set(native.TYPES)
@@ -298,6 +298,7 @@ def test_a_number_of_any_type_is_a_number(native_fmu: FmuFile) -> None:
         assert dict(zip(VALUES, instance.reader(list(VALUES))(), strict=True)) == VALUES
 
 
+@needs("cc")
 @pytest.mark.parametrize(
     ("name", "value"),
     [("mu_k", 300.0), ("mu_k", -1.0), ("v", np.nan), ("v", np.inf), ("sticking", 2.0)],
@@ -313,6 +314,7 @@ def test_a_number_that_its_type_cannot_hold_is_refused(
         instance.set({name: value})
 
 
+@needs("cc")
 def test_an_event_inside_a_step_is_no_error_and_an_early_return_is(native_fmu: FmuFile) -> None:
     """Without event mode a step that met an event is done; one that stopped before its end is not.
 

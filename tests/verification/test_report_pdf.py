@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from stickslip_verification.report import PdfUnavailableError, write_pdf
+from tests.needs import needs
 
 
 def test_without_weasyprint_one_line_says_what_to_install(
@@ -53,10 +54,8 @@ def test_nothing_is_fetched_and_the_file_is_whole(
     assert (tmp_path / "new" / "report.pdf").read_bytes() == b"%PDF <p>report"
 
 
+@needs("pdf")
 def test_the_pdf_is_one(tmp_path: Path) -> None:
     """With WeasyPrint there, the file is a PDF."""
-    try:
-        write_pdf("<html lang='en'><title>t</title><p>report</p></html>", tmp_path / "report.pdf")
-    except PdfUnavailableError as missing:
-        pytest.skip(str(missing))
+    write_pdf("<html lang='en'><title>t</title><p>report</p></html>", tmp_path / "report.pdf")
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF-")

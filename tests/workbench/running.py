@@ -37,6 +37,10 @@ class Command:
         assert isinstance(code, int)
         return Answer(code, said.out, said.err)
 
+    def verify(self, *arguments: object) -> Answer:
+        """Run `stickslip verify` in one process more: other tests work beside this one."""
+        return self("verify", "--jobs", "1", *arguments)
+
     def simulate(self, engine: str, *arguments: object) -> Answer:
         """Run `stickslip simulate` with an engine; the FMU is not built again for each run."""
         of_fmu = ["--fmu", self._fmu] if engine == "fmu" else []

@@ -6,7 +6,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 import zipfile
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from stickslip import cli
 from stickslip.commands import simulate
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.variables import VARIABLES
+from tests.interrupting import HEARING, wait_for_work
 
 from .running import PROGRAM, Command
 
@@ -103,8 +103,8 @@ def test_build_prints_path_size_and_digest(command: Command, tmp_path: Path) -> 
 
 def test_build_takes_a_folder_or_a_file(command: Command, tmp_path: Path) -> None:
     """A folder gets StickSlip.fmu, a file ending in .fmu is that file; both are the same bytes."""
-    assert command.in_fresh_process("build", "-o", "a/b").code == 0
-    assert command.in_fresh_process("build", "-o", "c/other.fmu").code == 0
+    assert command.in_fresh_process("build", "--bare", "-o", "a/b").code == 0
+    assert command.in_fresh_process("build", "--bare", "-o", "c/other.fmu").code == 0
     first = tmp_path / "a" / "b" / "StickSlip.fmu"
     assert first.read_bytes() == (tmp_path / "c" / "other.fmu").read_bytes()
 
@@ -263,18 +263,23 @@ def test_ctrl_c_ends_a_run_cleanly(tmp_path: Path, fmu_path: Path, engine: str) 
     of_fmu = ["--fmu", str(fmu_path)] if engine == "fmu" else []
     # Long enough that nobody waits for its end: a million steps or cycles.
     size = ["--stop-time", "10000", "--output-interval", "0.001"]
-    running = subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, "simulate", "--engine", engine, *of_fmu, *size,
+    with subprocess.Popen(
+        [*HEARING, sys.executable, "-c", PROGRAM, "simulate", "--engine", engine, *of_fmu, *size,
          "--output-file", "run.csv"],
         cwd=work,
         env={**os.environ, "TMPDIR": str(scratch)},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-    )  # fmt: skip
-    time.sleep(2.5)
-    running.send_signal(signal.SIGINT)
-    out, err = running.communicate(timeout=30)
+        start_new_session=True,
+    ) as running:  # fmt: skip
+        try:
+            # Loading takes less than one.
+            wait_for_work(running, 2.5)
+            running.send_signal(signal.SIGINT)
+            out, err = running.communicate(timeout=60)
+        finally:
+            running.kill()
     assert running.returncode == 130
     assert err == "stickslip: interrupted\n"
     assert out == ""

@@ -17,6 +17,7 @@ import pytest
 
 from stickslip.errors import CommandError
 from stickslip.host import ask, find_library, prepare
+from tests.needs import needs
 
 from .running import PROGRAM, Answer, Command
 
@@ -66,6 +67,7 @@ def fake(tmp_path: Path) -> Fake:
     return make
 
 
+@needs("libpython")
 def test_the_command_has_the_library_of_the_interpreter() -> None:
     """The program runs with the libpython of this interpreter's version in its memory."""
     answer = started("--", "cat", "/proc/self/maps")
@@ -74,6 +76,7 @@ def test_the_command_has_the_library_of_the_interpreter() -> None:
     assert f"/libpython{version}" in answer.out
 
 
+@needs("libpython")
 def test_the_command_is_the_process() -> None:
     """Arguments, exit code and signals are the command's own."""
     answer = started("--", "sh", "-c", 'echo "$@"; exit 7', "-", "--show", "--", "a b")
@@ -83,6 +86,7 @@ def test_the_command_is_the_process() -> None:
     assert started("--", "sh", "-c", "kill -PIPE $$").code == -signal.SIGPIPE
 
 
+@needs("libpython")
 def test_only_what_is_needed_is_set() -> None:
     """The environment gains LD_PRELOAD, in front of what was there, and nothing unasked for."""
     launch = prepare(["true"], None, {"PATH": os.environ["PATH"], "LD_PRELOAD": "libm.so.6"})
@@ -93,6 +97,7 @@ def test_only_what_is_needed_is_set() -> None:
     assert again.changes["LD_PRELOAD"] == f"{library}:libm.so.6"
 
 
+@needs("libpython")
 def test_the_line_shown_does_the_same(command: Command, tmp_path: Path) -> None:
     """--show starts nothing and prints a line for the shell, quoted where that is needed."""
     target = tmp_path / "a file"
@@ -114,6 +119,7 @@ def test_without_a_command_it_says_what_to_give(command: Command) -> None:
         assert "stickslip host -- COMMAND" in answer.err
 
 
+@needs("libpython")
 def test_what_cannot_be_started_ends_as_in_a_shell(tmp_path: Path) -> None:
     """127 for a command that is not there, 126 for one that is no program; one line each."""
     plain = tmp_path / "plain"
@@ -138,6 +144,7 @@ def _other_python3(folder: Path) -> Mapping[str, str]:
     return {"PATH": f"{folder}/bin:{os.environ['PATH']}"}
 
 
+@needs("libpython")
 def test_another_python_of_the_same_version_is_kept_out(tmp_path: Path) -> None:
     """A python3 on PATH lends its library to any CPython of its version; PYTHONHOME prevents it."""
     environment = _other_python3(tmp_path)
@@ -160,12 +167,14 @@ def test_another_python_of_the_same_version_is_kept_out(tmp_path: Path) -> None:
         assert (done.returncode == 0) == expected
 
 
+@needs("libpython")
 def test_pythonhome_is_the_users(tmp_path: Path) -> None:
     """Whoever has set PYTHONHOME keeps it."""
     environment = {**_other_python3(tmp_path), "PYTHONHOME": "/somewhere"}
     assert set(prepare(["true"], None, environment).changes) == {"LD_PRELOAD"}
 
 
+@needs("libpython")
 def test_a_python3_of_the_same_installation_needs_no_help(tmp_path: Path) -> None:
     """Where the first python3 on PATH is the interpreter itself, PYTHONHOME stays unset."""
     (tmp_path / "python3").symlink_to(Path(sys.executable).resolve())
@@ -217,6 +226,7 @@ def test_a_library_that_will_not_do_is_refused(
     assert reason in str(told.value)
 
 
+@needs("libpython")
 def test_a_library_of_another_version_is_refused(fake: Fake, tmp_path: Path) -> None:
     """The name of a file does not make it the library of that version."""
     (tmp_path / "libpython3.99.so").symlink_to(find_library(ask(sys.executable)))

@@ -1,6 +1,6 @@
 """Whatever is called, in whatever order: the FMU lives, and answers as it promises."""
 
-import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,11 +10,9 @@ from stickslip_verification.mutants.planted import Substitution
 from tests.fmu.fuzz.sequences import sequence
 from tests.fmu.fuzz.trial import Trial, table
 
-# Further seeds: FUZZ_FIRST=100001 FUZZ_COUNT=1000000 python -m pytest tests/fmu/fuzz
-FIRST = int(os.environ.get("FUZZ_FIRST", "1"))
-COUNT = int(os.environ.get("FUZZ_COUNT", "10000"))
+ALL = 10_000
 
-# What each function must have given at least once in a thousand sequences, or the set is too tame.
+# What each function must have given at least once in the set, or it is too tame.
 MET = [
     *((name, status) for name in ("enter", "exit", "set_up", "step", "terminate", "get_state")
       for status in (0, 4)),
@@ -33,18 +31,22 @@ MET = [
 ]  # fmt: skip
 
 
-def test_no_sequence_of_calls_crashes_hangs_or_misleads(fmu_path: Path, tmp_path: Path) -> None:
+def test_no_sequence_of_calls_crashes_hangs_or_misleads(
+    fmu_path: Path, tmp_path: Path, sized: Callable[[int], int]
+) -> None:
     """Ten thousand random lives give the status, the values and the words that are promised."""
     trial = Trial(fmu_path, tmp_path)
-    seeds = range(FIRST, FIRST + COUNT)
-    findings = trial.run([sequence(seed) for seed in seeds], processes=2)
+    seeds = range(1, 1 + sized(ALL))
+    findings = trial.run([sequence(seed) for seed in seeds])
     for number, finding in findings.items():
         again = f"python -m tests.fmu.fuzz.trial --first {seeds[number]} --count 1"
         pytest.fail(f"seed {seeds[number]}: {trial.shrunk(finding)}\n{again}")
-    if COUNT >= 1000:
-        missed = [each for each in MET if not trial.counts[each]]
-        assert not missed, table(trial.counts)
+    missed = {each for each in MET if not trial.counts[each]}
+    assert missed <= (set() if len(seeds) == ALL else RARE), table(trial.counts)
 
+
+# Of these what a tenth of the set may do without: a Boolean that takes a value is one of many.
+RARE = {("set Boolean", 0)}
 
 STEP = "        if not 0.0 < step < math.inf:\n"
 

@@ -1,0 +1,35 @@
+"""Processes that a test sends Ctrl-C to."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from subprocess import Popen
+from typing import Any
+
+HEARING = ("env", "--default-signal=INT")
+"""In front of a command: it hears Ctrl-C, even if the tests are run by what is deaf to it, as a
+shell makes what it starts in the background."""
+
+
+def wait_for_work(leader: Popen[Any], seconds: float) -> None:
+    """Wait until a session has used so much processor time [s], however busy the machine is.
+
+    Its leader was started with `start_new_session`; what has ended does not count.
+    """
+    while leader.poll() is None and sum(_processor_times(leader.pid)) < seconds:
+        time.sleep(0.05)
+    assert leader.returncode is None, leader.communicate()
+
+
+def _processor_times(session: int) -> Iterator[float]:
+    """Give user and system time [s] of each process of a session: proc(5), fields 6, 14 and 15."""
+    for file in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = file.read_text(encoding="utf-8", errors="replace").rpartition(") ")[2].split()
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        if int(fields[3]) == session:
+            yield (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

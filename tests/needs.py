@@ -1,0 +1,189 @@
+"""What some tests need beyond the packages of the core: asked here alone, by trying to use it.
+
+A test says what it needs with ``@needs("ecospy", "cc")``; a parametrized one takes its values from
+`each`. Where one of them cannot be used the test is skipped, and where the environment variable
+``CI`` is set it fails. The reason says what is missing, what was not tried, and the line that
+installs it. ``pytest -m needs`` selects the tests that ask, `tests.bare` runs them without all.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cache, partial
+from pathlib import Path
+from textwrap import indent
+
+import pytest
+
+from stickslip.errors import CommandError
+from stickslip.host import prepare
+
+ROOT = Path(__file__).parents[1]
+HIDDEN_LIBPYTHON = "STICKSLIP_TESTS_WITHOUT_LIBPYTHON"
+"""The environment variable with which the shared libpython counts as missing: an interpreter that
+is linked to it cannot run where it is hidden."""
+
+_LIMIT = 120.0
+"""Seconds after which a trial counts as hung; the longest takes two."""
+
+_TRIAL = """\
+try:
+{program}
+except Exception as error:
+    raise SystemExit(f"{{type(error).__name__}}: {{error}}".splitlines()[0])
+"""
+_START_A_BROWSER = """\
+import axe_playwright_python
+from tests.page.browser import started
+with started():
+    pass
+"""
+_HOST_IN_C = "#include <dlfcn.h>\n#include <stdio.h>\nint main(void) { return 0; }\n"
+
+
+class LackingError(Exception):
+    """Something cannot be used: the cause, and the line that installs it."""
+
+    def __init__(self, cause: str, install: str) -> None:
+        super().__init__(f"{cause}. To install: {install}")
+
+
+@dataclass(frozen=True)
+class Need:
+    """Something that a machine may lack.
+
+    Attributes
+    ----------
+    untried
+        What is not tried without it.
+    trial
+        Uses it; raises `LackingError` where that fails.
+    """
+
+    untried: str
+    trial: Callable[[], object]
+
+
+def needs(*names: str) -> pytest.MarkDecorator:
+    """Return the mark of a test that needs these, by their names in `NEEDS`."""
+    assert set(names) <= set(NEEDS), names
+    return pytest.mark.needs(*names)
+
+
+def each(names: Iterable[str]) -> list[object]:
+    """Return values of a parameter, each with the mark that it is needed where it may be missing.
+
+    A name that is not in `NEEDS` is always there.
+    """
+    return [pytest.param(name, marks=needs(name)) if name in NEEDS else name for name in names]
+
+
+def require(names: Iterable[str]) -> None:
+    """Skip the running test, or fail it in CI, if one of these is missing."""
+    reasons = [reason for name in names if (reason := lacking(name)) is not None]
+    if reasons and os.environ.get("CI"):
+        pytest.fail("\n".join(reasons), pytrace=False)
+    if reasons:
+        pytest.skip("; ".join(reasons))
+
+
+@cache
+def lacking(name: str) -> str | None:
+    """Return why something cannot be used, None if it can; it is tried once in a process."""
+    need = NEEDS[name]
+    try:
+        need.trial()
+    except LackingError as error:
+        return f"NOT TRIED: {need.untried}. {error}"
+    return None
+
+
+def _python(program: str, extra: str, packages: str | None = None) -> None:
+    """Run a program in a process of its own, so that what it loads stays out of this one.
+
+    What is not there of Python comes with an extra of the project, what is not there of the
+    system with packages of Debian.
+    """
+    done = _run([sys.executable, "-c", _TRIAL.format(program=indent(program, "    "))])
+    if done.returncode != 0:
+        said = done.stderr.strip().splitlines()
+        cause = said[-1] if said else f"{program.strip()}: exit code {done.returncode}"
+        lacks_python = packages is None or cause.startswith(("ModuleNotFound", "ImportError"))
+        of_debian = f"apt-get install {packages}"
+        raise LackingError(cause, f"pip install '.[{extra}]'" if lacks_python else of_debian)
+
+
+def _ecospy() -> None:
+    _python("import ecospy", "importers", "libtbb12")
+
+
+def _libpython() -> None:
+    package = "libpython{}.{}".format(*sys.version_info)
+    try:
+        if os.environ.get(HIDDEN_LIBPYTHON):
+            raise CommandError(f"{HIDDEN_LIBPYTHON} is set")
+        prepare([], None, os.environ)
+    except CommandError as error:
+        raise LackingError(str(error), f"apt-get install {package}") from None
+
+
+def _proxyfmu() -> None:
+    _ecospy()
+    _libpython()
+
+
+def _compiler() -> None:
+    install = "apt-get install gcc libc6-dev"
+    if shutil.which("cc") is None:
+        raise LackingError("there is no program cc", install)
+    with tempfile.TemporaryDirectory() as folder:
+        done = _run(["cc", "-x", "c", "-o", f"{folder}/a", "-", "-ldl"], _HOST_IN_C)
+    if done.returncode != 0:
+        raise LackingError(f"cc: {done.stderr.strip().splitlines()[0]}", install)
+
+
+def _run(command: list[str], said: str = "") -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command,
+        input=said,
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=_LIMIT,
+        check=False,
+    )
+
+
+_toolbox = partial(_python, "import fmu_manipulation_toolbox", "importers")
+
+NEEDS = {
+    "libcosimpy": Need(
+        "the FMU in libcosim", partial(_python, "import libcosimpy.CosimExecution", "importers")
+    ),
+    "ecospy": Need("the FMU in Ecos", _ecospy),
+    "proxyfmu": Need("the FMU in proxyfmu", _proxyfmu),
+    "fmucontainer": Need("the FMU in fmucontainer", _toolbox),
+    "fmutool": Need("the FMU by fmutool -check", _toolbox),
+    "cc": Need("the FMU in a host written in C, an FMU written in C", _compiler),
+    "libpython": Need("the FMU in a program that is not Python", _libpython),
+    "browser": Need(
+        "the page",
+        partial(_python, _START_A_BROWSER, "page", "chromium fonts-dejavu-core fonts-dejavu-extra"),
+    ),
+    "pdf": Need(
+        "the report as PDF",
+        partial(
+            _python,
+            "import weasyprint",
+            "pdf",
+            "libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0",
+        ),
+    ),
+}
+"""Needs by name; importers have the names of `tests.importers.running.IMPORTERS`."""

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Everything at full size, part by part: `make soak`, or tests/soak.sh FOLDER with the folder of the
+# installed commands. Each part is a command that a person types. A part that fails does not stop
+# the others; the exit code is 0 where all passed.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+bin="${1:-.venv/bin}"
+spent=() failed=0
+
+part() {
+    local begun=$SECONDS
+    echo "== $*"
+    if "$@"; then passed=passed; else passed=FAILED failed=1; fi
+    spent+=("$(printf '%5d s  %s  %s' $((SECONDS - begun)) "$passed" "$*")")
+}
+
+# All tests, with growth of the memory, fuzz and the page's settings in full, and the lines they run.
+part make coverage TESTS="tests --soak"
+# All tests as on a machine that lacks much.
+part "$bin/python" -m tests.bare tests
+# The random sets of the specification, every planted fault on every check, all tables and pictures.
+part make prove
+part "$bin/stickslip" verify --mutants
+part make docs-check
+
+echo
+printf '%s\n' "${spent[@]}"
+exit "$failed"

@@ -1,0 +1,111 @@
+"""What a machine may lack: found by trying, told with the line that installs it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from tests import bare, needs
+from tests.importers.running import IMPORTERS
+
+
+@pytest.fixture
+def _lost(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Add a need that is never met."""
+    trial = partial(needs._python, "import no_such_package", "page")
+    monkeypatch.setitem(needs.NEEDS, "lost", needs.Need("the lost", trial))
+    yield
+    needs.lacking.cache_clear()
+
+
+REASON = r"NOT TRIED: the lost\. ModuleNotFoundError: .*no_such_package.*pip install '\.\[page\]'"
+
+
+@pytest.mark.usefixtures("_lost")
+def test_what_is_missing_fails_in_ci(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where CI is set, a test that needs it fails, and says what installs it."""
+    monkeypatch.setenv("CI", "true")
+    with pytest.raises(pytest.fail.Exception, match=REASON):
+        needs.require(["lost"])
+
+
+@pytest.mark.usefixtures("_lost")
+def test_what_is_missing_is_skipped_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a person's machine the test is skipped, for the same reason."""
+    monkeypatch.delenv("CI", raising=False)
+    with pytest.raises(pytest.skip.Exception, match=REASON):
+        needs.require(["lost"])
+
+
+def test_what_works_is_not_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A trial that ends well lets the test run."""
+    there = needs.Need("what is there", partial(needs._python, "import json", "page"))
+    monkeypatch.setitem(needs.NEEDS, "there", there)
+    needs.require(["there"])
+
+
+def test_a_library_of_the_system_is_told_by_its_package() -> None:
+    """Python code that is there and cannot load a library asks for the package of Debian."""
+    program = "import ctypes\nctypes.CDLL('libnone.so.12')"
+    with pytest.raises(needs.LackingError, match=r"OSError: libnone.*apt-get install libnone12$"):
+        needs._python(program, "importers", "libnone12")
+
+
+def test_a_program_that_crashes_is_told() -> None:
+    """A trial that ends without a word is a failure with its exit code."""
+    with pytest.raises(needs.LackingError, match=r"os\.abort\(\): exit code -6"):
+        needs._python("import os; os.abort()", "importers")
+
+
+def test_a_compiler_must_compile(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Neither an empty PATH nor a cc that refuses a host of five lines is a compiler."""
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(needs.LackingError, match=r"no program cc.*apt-get install gcc libc6-dev"):
+        needs._compiler()
+    broken = tmp_path / "cc"
+    broken.write_text("#!/bin/sh\necho stdio.h: no such file >&2\nexit 1\n", encoding="utf-8")
+    broken.chmod(0o755)
+    with pytest.raises(needs.LackingError, match=r"cc: stdio\.h: no such file"):
+        needs._compiler()
+
+
+def test_libpython_can_be_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With its environment variable set, the shared libpython is missing for proxyfmu as well."""
+    monkeypatch.setenv(needs.HIDDEN_LIBPYTHON, "1")
+    monkeypatch.setattr(needs, "_ecospy", lambda: None)
+    for trial in (needs._libpython, needs._proxyfmu):
+        with pytest.raises(needs.LackingError, match=r"apt-get install libpython3\.\d+$"):
+            trial()
+
+
+def test_what_nobody_knows_cannot_be_needed() -> None:
+    """A misspelt need is refused where the tests are collected."""
+    with pytest.raises(AssertionError, match="ecos"):
+        needs.needs("ecos")
+
+
+def test_every_importer_but_the_core_is_asked_for() -> None:
+    """Of the importers only FMPy comes with the core; the values of a parameter bear the mark."""
+    assert set(IMPORTERS) - set(needs.NEEDS) == {"fmpy", "fmpy_container"}
+    plain, marked = needs.each(["fmpy", "ecospy"])
+    assert plain == "fmpy"
+    assert isinstance(marked, type(pytest.param()))
+    assert [mark.args for mark in marked.marks] == [("ecospy",)]
+
+
+def test_a_bare_machine_lacks_compilers_and_browsers_alone() -> None:
+    """Whatever their version and target, they are hidden, and nothing that has a similar name."""
+    hidden = ("cc", "c99", "gcc", "gcc-12", "x86_64-linux-gnu-gcc-12", "clang", "chromium")
+    assert all(map(bare.PROGRAMS.fullmatch, hidden))
+    assert not any(map(bare.PROGRAMS.fullmatch, ("cat", "ccache", "c_rehash", "gccgo", "cpp")))
+
+
+def test_a_skip_that_does_not_say_what_installs_it_is_no_reason() -> None:
+    """What was not tried and the line for Debian must both be told."""
+    told = f"NOT TRIED: {needs.NEEDS['ecospy'].untried}. OSError."
+    assert bare.tells(f"{told} To install: apt-get install libtbb12", "ecospy")
+    assert not bare.tells(told, "ecospy")
+    assert not bare.tells(f"{told} To install: apt-get install libtbb12", "cc")
