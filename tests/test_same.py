@@ -2,8 +2,10 @@
 
 import copy
 import json
+import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -72,25 +74,19 @@ def test_reports_differ_by_what_a_row_compared(
     assert (found, told in printed) == (code, True), printed
 
 
-@pytest.mark.parametrize(
-    ("fault", "told"),
-    [
-        ("description-type", "ScalarVariable mu_s 1: {"),
-        ("constant-mu-k", "F_friction: sample"),
-    ],
-)
-def test_fmus_differ_by_description_or_bits(
-    fmu_path: Path, tmp_path: Path, fault: str, told: str
-) -> None:
-    """One other word of the description or bit of an output is told; an FMU is itself."""
-    planted = plant(fmu_path, load_mutants(fault)[0], tmp_path)
+def test_fmus_differ_by_description_or_bits(fmu_path: Path, tmp_path: Path) -> None:
+    """An FMU is the same as itself; a word of its description or a bit of an output is told."""
     assert same(fmu_path, fmu_path, "--sequences", "3") == (
         0,
         "elements of the description: 173 and 173, 0 different\n"
         "random sequences: 66 and 66, 0 different\nthe same\n",
     )
-    code, printed = same(fmu_path, planted, "--sequences", "12")
-    assert (code, told in printed) == (1, True), printed
+    faults = [load_mutants(name)[0] for name in ("description-type", "constant-mu-k")]
+    both = replace(faults[0], overrides=faults[1].overrides, substitutions=faults[0].substitutions)
+    code, printed = same(fmu_path, plant(fmu_path, both, tmp_path), "--sequences", "2")
+    assert code == 1
+    assert "ScalarVariable mu_s 1: {" in printed
+    assert re.search(r"sequence 1, \w+: sample \d+ is .*, now .*: apart by ", printed)
 
 
 def test_what_cannot_be_compared_is_refused(tmp_path: Path) -> None:

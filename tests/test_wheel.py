@@ -83,7 +83,8 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Environm
     subprocess.run([sys.executable, "-m", "venv", str(environment.root)], check=True)
     pip = ("-m", "pip", "--quiet", "--disable-pip-version-check")
     constraints = ("--constraint", str(ROOT / "constraints.txt"))
-    done = environment.run("python", *pip, "install", *constraints, str(wheel))
+    # Compiling all that is installed takes twice as long as the rest, and little of it is used.
+    done = environment.run("python", *pip, "install", "--no-compile", *constraints, str(wheel))
     if done.returncode == 0:
         return environment
     # A small package tells whether it is the registry that is missing, or something that we need.
@@ -118,9 +119,9 @@ def installed_version(installed: Environment) -> str:
 
 
 def test_the_installed_command_builds_and_verifies(installed: Environment) -> None:
-    """An FMU is built, with its evidence, and two cases of it are verified and reported."""
-    installed.stickslip("build", "--output", "fmus")
-    words = ("--fmu", "fmus/StickSlip.fmu", "--cases", "damped-*", "--output", "report")
+    """An FMU is built, and a case of it is verified and reported."""
+    installed.stickslip("build", "--bare", "--output", "fmus")
+    words = ("--fmu", "fmus/StickSlip.fmu", "--cases", "one-step", "--output", "report")
     installed.stickslip("verify", *words)
     told = json.loads((installed.folder / "report" / "report.json").read_text("utf-8"))
     assert told["summary"]["failed"] == 0

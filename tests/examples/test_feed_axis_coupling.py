@@ -91,6 +91,7 @@ def test_the_check_of_the_how_to_reads_all_three_tables(
     monkeypatch.setattr(study, "creep_row", lambda _, each: rows["creep"][each.name])
     monkeypatch.setattr(study, "hunting_row", lambda _, each: rows["hunting"][each.name])
     monkeypatch.setattr(document, "coupling_errors", lambda _: as_told)
+    monkeypatch.setattr(document, "pictures_of", lambda *_: {})
     assert document.check_document(how_to, tmp_path, lambda _: None) == []
     rows["creep"]["as it is"][1] = "19.4"
     rows["hunting"]["no integral"][1] = "no"

@@ -89,7 +89,7 @@ def test_a_case_is_added_as_contributing_says(suite: Suite) -> None:
     for other in suite.cases.glob("*.toml"):
         if other != file:
             other.unlink()
-    code, said = suite.run("stickslip verify --accept")
+    code, said = suite.run("stickslip verify --accept -o accepted.json")
     assert code == 0, said
     accepted = suite.folder / "judging" / "accepted.json"
     assert "x-course" in json.loads(accepted.read_text(encoding="utf-8"))[name]
@@ -104,7 +104,9 @@ def test_a_fault_is_planted_as_contributing_says(suite: Suite, fmu_path: Path) -
         (suite.root / f"{name}.toml").write_text(text, encoding="utf-8")
     assert f"--fault {names[0]}.toml" in command
     for name in names:
-        line = command.replace(names[0], name).replace("\n", f" --fmu {fmu_path} --cases default")
+        line = command.replace(names[0], name).replace(
+            "\n", f" --fmu {fmu_path} --cases one-step -o r.json"
+        )
         code, said = suite.run(line)
         assert code == 0, said
         assert "1 of 1 planted faults caught as foretold" in said

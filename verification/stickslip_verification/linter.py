@@ -21,6 +21,7 @@ from stickslip_verification.mutants import Mutant, MutantError, load_mutants
 from stickslip_verification.mutants.planted import FAULTS_FOLDER, idle_reasons
 from stickslip_verification.quantities import QUANTITIES
 from stickslip_verification.tolerances import ZERO, Facts
+from stickslip_verification.trial.kept import kept
 from stickslip_verification.trial.probes import PROBES
 from stickslip_verification.trial.runs import RUNS
 
@@ -56,7 +57,7 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
         laws, mutants = load_laws(), load_mutants()
     except (LawError, MutantError) as error:
         return [*findings, str(error)]
-    motions = {case.file: exact_motion(case) for case in cases}
+    motions = {case.file: kept(exact_motion, case) for case in cases}
     findings += _ids(cases, laws)
     findings += _motions(cases, motions)
     findings += _reasons(cases, laws)
