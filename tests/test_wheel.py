@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import sysconfig
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,9 @@ PACKAGES = ("stickslip", "stickslip_fmu", "stickslip_ref", "stickslip_verificati
 
 # What may lead a Python to the source tree or to the environment of the tests.
 LEADS = ("PYTHON", "VIRTUAL_ENV", "COVERAGE_")
+
+LENT = sysconfig.get_path("purelib")
+"""Where the environment of the tests has its packages; the source tree is there by a path file."""
 
 WHERE = f"""
 import importlib.util, json, sys
@@ -42,6 +46,10 @@ class Environment:
             cwd=self.folder,
             env=kept,
         )
+
+    def pip(self, *words: str) -> subprocess.CompletedProcess[str]:
+        """Run pip of the environment."""
+        return self.run("python", "-m", "pip", "--quiet", "--disable-pip-version-check", *words)
 
     def stickslip(self, *words: str) -> str:
         """Run the command and return what it prints; it must end with exit code 0."""
@@ -76,19 +84,37 @@ def names(wheel: Path) -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Environment:
-    """Return a fresh environment with the wheel and what it needs from the registry."""
+def installed(
+    wheel: Path, tmp_path_factory: pytest.TempPathFactory, pytestconfig: pytest.Config
+) -> Environment:
+    """Return a fresh environment with the wheel, and what it needs.
+
+    In CI and with --soak that comes from the registry; else the environment of the tests lends it,
+    but not the source tree that is installed there.
+    """
     folder = tmp_path_factory.mktemp("elsewhere")
     environment = Environment(folder / "venv", folder)
     subprocess.run([sys.executable, "-m", "venv", str(environment.root)], check=True)
-    pip = ("-m", "pip", "--quiet", "--disable-pip-version-check")
+    if os.environ.get("CI") or pytestconfig.getoption("soak"):
+        install(environment, wheel)
+        return environment
+    done = environment.pip("install", "--no-deps", "--no-index", str(wheel))
+    assert done.returncode == 0, done.stderr
+    (packages,) = environment.root.glob("lib/python*/site-packages")
+    # A path file names folders; those of a folder that it names are not read.
+    (packages / "lent.pth").write_text(f"{LENT}\n", encoding="utf-8")
+    return environment
+
+
+def install(environment: Environment, wheel: Path) -> None:
+    """Install the wheel and what it needs; skip where pip reaches no registry, or fail in CI."""
     constraints = ("--constraint", str(ROOT / "constraints.txt"))
     # Compiling all that is installed takes twice as long as the rest, and little of it is used.
-    done = environment.run("python", *pip, "install", "--no-compile", *constraints, str(wheel))
+    done = environment.pip("install", "--no-compile", *constraints, str(wheel))
     if done.returncode == 0:
-        return environment
+        return
     # A small package tells whether it is the registry that is missing, or something that we need.
-    small = environment.run("python", *pip, "download", "--no-deps", *constraints, "mpmath")
+    small = environment.pip("download", "--no-deps", *constraints, "mpmath")
     if small.returncode == 0 or os.environ.get("CI"):
         pytest.fail(f"the wheel cannot be installed:\n{done.stderr}")
     pytest.skip(
@@ -103,7 +129,8 @@ def test_what_is_installed_is_the_wheel(installed: Environment) -> None:
     done = installed.run("python", "-c", WHERE)
     found, path = json.loads(done.stdout)
     assert all(Path(origin).is_relative_to(installed.root) for origin in found)
-    assert not any(Path(entry).is_relative_to(ROOT) for entry in path if entry)
+    path = [entry for entry in path if entry and entry != LENT]
+    assert not any(Path(entry).is_relative_to(ROOT) for entry in path)
 
 
 def test_the_installed_command_says_what_it_can(installed: Environment) -> None:

@@ -196,7 +196,9 @@ def test_a_force_that_is_constant_to_the_last_bit_has_an_axis(page: Page) -> Non
     "values",
     [
         {"mu_s": 0.5, "mu_k": 0.5, "v": 1e-9},
-        {"k": 10.0, "m": 100.0, "v": 1e-4, "mu_s": 1.5, "mu_k": 1.5},
+        pytest.param(
+            {"k": 10.0, "m": 100.0, "v": 1e-4, "mu_s": 1.5, "mu_k": 1.5}, marks=pytest.mark.soak
+        ),
     ],
     ids=["slow", "soft and heavy"],
 )

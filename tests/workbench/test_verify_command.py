@@ -115,8 +115,9 @@ def test_verify_lists_its_cases(command: Command, tmp_path: Path) -> None:
 def test_a_foreign_fmu_passes_by_its_names(command: Command, slider: Path) -> None:
     """With a names file a foreign FMU is judged on physics; what it lacks is counted."""
     answer = command.verify(
-        "--fmu", slider, "--names", NAMES, "--cases", "one-step", "--time-limit", "30"
-    )
+        "--fmu", slider, "--names", NAMES, "--cases", "one-step", "--time-limit", "30",
+        "-o", "r.json",
+    )  # fmt: skip
     assert answer.code == 0, answer.out
     assert "not applicable" in answer.out
     assert "noted (contract: it decides with --strict)" in answer.out
@@ -210,7 +211,7 @@ def test_wrong_use_is_one_line(
 def test_what_fails_is_not_accepted(command: Command, fmu_path: Path) -> None:
     """--accept refuses an FMU that misses a truth, and writes nothing."""
     write_without_the_jump(fmu_path, Path("bad.fmu"))
-    answer = command.verify("--fmu", "bad.fmu", "--cases", "one-step", "--accept")
+    answer = command.verify("--fmu", "bad.fmu", "--cases", "one-step", "--accept", "-o", "r.json")
     assert answer.code == 2
     assert "checks fail against their truth" in answer.err
 

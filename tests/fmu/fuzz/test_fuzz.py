@@ -90,7 +90,14 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+# One for each way to tell: by a value, by a status, by the end of the process.
+AT_ONCE = ("forgets the sum of its heat", "takes NaN", "crashes")
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [name if name in AT_ONCE else pytest.param(name, marks=pytest.mark.soak) for name in FAULTS],
+)
 def test_a_planted_fault_is_convicted(fmu_path: Path, tmp_path: Path, fault: str) -> None:
     """An FMU that fails in a way looked for here is found out, by calls that can be repeated."""
     change, reason = FAULTS[fault]
