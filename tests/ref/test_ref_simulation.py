@@ -50,10 +50,14 @@ def _assert_closed_form(p: Parameters, cycles: tuple[MeasuredCycle, ...], tangen
     ids=["machines of all sizes", "grazing re-sticks"],
 )
 def test_no_cycle_is_missed_and_each_is_the_closed_form(
-    undamped_points: Draw, count: int, seed: int, lambda_range: tuple[float, float] | None
+    undamped_points: Draw,
+    sized: Callable[[int], int],
+    count: int,
+    seed: int,
+    lambda_range: tuple[float, float] | None,
 ) -> None:
     """From lambda = 1e-3 on every re-stick is found, however shallow, and is where it belongs."""
-    for p in undamped_points(count, seed, lambda_range):
+    for p in undamped_points(sized(count), seed, lambda_range):
         cycles = _cycles(p, 2)
         assert len(cycles) == 2, p
         _assert_closed_form(p, cycles, tangency=1.0)

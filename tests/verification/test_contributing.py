@@ -60,7 +60,7 @@ def suite(tmp_path: Path) -> Suite:
     return Suite(tmp_path)
 
 
-def test_a_case_is_added_as_contributing_says(suite: Suite) -> None:
+def test_a_case_is_added_as_contributing_says(suite: Suite, fmu_path: Path) -> None:
     """Its file, its commands and what it says of the linter lead to a case with second values."""
     (text,) = blocks("Add a case", "toml")
     (name,) = re.findall(r'^id = "(.*)"$', text, re.MULTILINE)
@@ -70,7 +70,7 @@ def test_a_case_is_added_as_contributing_says(suite: Suite) -> None:
     assert suite.run(verify) == (2, [f"stickslip: {suite.cases}: no case matches '{name}'"])
 
     file.write_text(text, encoding="utf-8")
-    code, said = suite.run(verify)
+    code, said = suite.run(f"{verify} --fmu {fmu_path} -o r.json")
     assert code == 0, said
     assert any(re.search(r"\b[1-9]\d* passed, 0 failed", line) for line in said)
 
@@ -89,7 +89,7 @@ def test_a_case_is_added_as_contributing_says(suite: Suite) -> None:
     for other in suite.cases.glob("*.toml"):
         if other != file:
             other.unlink()
-    code, said = suite.run("stickslip verify --accept -o accepted.json")
+    code, said = suite.run(f"stickslip verify --accept --fmu {fmu_path} -o r.json")
     assert code == 0, said
     accepted = suite.folder / "judging" / "accepted.json"
     assert "x-course" in json.loads(accepted.read_text(encoding="utf-8"))[name]
