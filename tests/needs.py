@@ -38,6 +38,11 @@ try:
 except Exception as error:
     raise SystemExit(f"{{type(error).__name__}}: {{error}}".splitlines()[0])
 """
+# Its library is loaded when it is first used.
+_START_LIBCOSIM = """\
+from libcosimpy.CosimExecution import CosimExecution
+CosimExecution.from_step_size(1_000_000)
+"""
 _START_A_BROWSER = """\
 import axe_playwright_python
 from tests.page.browser import started
@@ -145,7 +150,8 @@ def _compiler() -> None:
     with tempfile.TemporaryDirectory() as folder:
         done = _run(["cc", "-x", "c", "-o", f"{folder}/a", "-", "-ldl"], _HOST_IN_C)
     if done.returncode != 0:
-        raise LackingError(f"cc: {done.stderr.strip().splitlines()[0]}", install)
+        said = done.stderr.strip() or f"exit code {done.returncode}"
+        raise LackingError(f"cc: {said.splitlines()[0]}", install)
 
 
 def _run(command: list[str], said: str = "") -> subprocess.CompletedProcess[str]:
@@ -164,7 +170,7 @@ _toolbox = partial(_python, "import fmu_manipulation_toolbox", "importers")
 
 NEEDS = {
     "libcosimpy": Need(
-        "the FMU in libcosim", partial(_python, "import libcosimpy.CosimExecution", "importers")
+        "the FMU in libcosim", partial(_python, _START_LIBCOSIM, "importers", "libatomic1")
     ),
     "ecospy": Need("the FMU in Ecos", _ecospy),
     "proxyfmu": Need("the FMU in proxyfmu", _proxyfmu),

@@ -3,8 +3,10 @@
 # installed commands. Each part is a command that a person types. A part that fails does not stop
 # the others; the exit code is 0 where all passed.
 set -uo pipefail
-cd "$(dirname "$0")/.."
-bin="${1:-.venv/bin}"
+root="$(dirname "$(realpath "$0")")/.."
+bin="$(realpath "${1:-$root/.venv/bin}")"
+cd "$root"
+export VENV="${bin%/bin}"
 spent=() failed=0
 
 part() {

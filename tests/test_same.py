@@ -20,6 +20,10 @@ ROW = {
     "case": "default",
     "check": "T-exact",
     "side": "fmu",
+    "quantity": "T",
+    "truth": "closed_form",
+    "class": "physics",
+    "decides": True,
     "expected": 0.3,
     "got": 0.3,
     "tolerance": 1e-12,
@@ -28,7 +32,19 @@ ROW = {
 }
 REPORT: dict[str, Any] = {
     "checks": [ROW, {**ROW, "side": "reference"}],
-    "kills": {"rows": [{"mutant": "tanh", "failing": {"T-exact": 3}}]},
+    "passed": True,
+    "kills": {
+        "rows": [
+            {
+                "mutant": "tanh",
+                "wanted": ["T-exact"],
+                "caught": True,
+                "broken": None,
+                "failing": {"T-exact": 3},
+            }
+        ],
+        "idle": {},
+    },
     "provenance": {"created": "today"},
 }
 
@@ -59,9 +75,12 @@ def changed(report: dict[str, Any], *path: str | int, to: object) -> dict[str, A
     [
         (changed(REPORT, "provenance", "created", to="tomorrow"), 0, "the same"),
         (changed(REPORT, "checks", 1, "got", to=0.30000000000000004), 1, "T-exact (reference): {"),
-        (changed(REPORT, "checks", 0, "tolerance", to=1e-11), 1, "rows: 2 and 2, 1 different"),
+        (changed(REPORT, "checks", 0, "tolerance", to=1e-11), 1, "rows: 3 and 3, 1 different"),
+        (changed(REPORT, "checks", to=[]), 1, "T-exact (fmu): gone"),
+        (changed(REPORT, "checks", to=[ROW, *REPORT["checks"]]), 1, "row 2 of this name: new"),
+        (changed(REPORT, "passed", to=False), 1, "the whole passed: True, now False"),
         (changed(REPORT, "checks", 0, "check", to="T"), 1, "default / T-exact (fmu): gone"),
-        (changed(REPORT, "kills", "rows", 0, "failing", "T-exact", to=2), 1, "tanh: {'T-exact': 3"),
+        (changed(REPORT, "kills", "rows", 0, "failing", "T-exact", to=2), 1, "tanh: {'wanted'"),
     ],
 )
 def test_reports_differ_by_what_a_row_compared(
@@ -85,7 +104,7 @@ def test_fmus_differ_by_description_or_bits(fmu_path: Path, tmp_path: Path) -> N
     both = replace(faults[0], overrides=faults[1].overrides, substitutions=faults[0].substitutions)
     code, printed = same(fmu_path, plant(fmu_path, both, tmp_path), "--sequences", "2")
     assert code == 1
-    assert "ScalarVariable mu_s 1: {" in printed
+    assert re.search(r"ModelVariables \d+ / ScalarVariable 4: {.*'tunable'.*, now {", printed)
     assert re.search(r"sequence 1, \w+: sample \d+ is .*, now .*: apart by ", printed)
 
 
@@ -93,7 +112,12 @@ def test_what_cannot_be_compared_is_refused(tmp_path: Path) -> None:
     """A missing file, or a report and an FMU, end with exit code 2 and a line."""
     report = tmp_path / "report.json"
     report.write_text(json.dumps(REPORT), encoding="utf-8")
-    (tmp_path / "a.fmu").touch()
-    for other, told in (("none.json", "no such file"), ("a.fmu", "two report.json or two .fmu")):
+    for name in ("a.fmu", "b.json"):
+        (tmp_path / name).touch()
+    for other, told in (
+        ("none.json", "no such file"),
+        ("a.fmu", "two report.json or two .fmu"),
+        ("b.json", "JSON"),
+    ):
         code, printed = same(report, tmp_path / other)
         assert (code, told in printed) == (2, True)

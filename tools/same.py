@@ -28,8 +28,13 @@ from stickslip_verification.fmu import FmuError, FmuFile, FmuInstance, available
 from stickslip_verification.proofs import draws
 from stickslip_verification.quantities import OUTPUT_NAMES
 
-COMPARED = ("expected", "got", "tolerance", "measure", "verdict")
+COMPARED = (
+    *("quantity", "truth", "class", "measure", "expected", "got", "tolerance"),
+    *("verdict", "decides"),
+)
 """What a row of a report is compared by."""
+
+KILLS = "planted faults"
 
 LEFT_OUT = ("guid", "generationTool", "generationDateAndTime", "version", "instantiationToken")
 """Attributes of a model description that are new at every change."""
@@ -56,20 +61,28 @@ def main() -> int:
         if not file.is_file():
             parser.error(f"{file}: no such file")
     kinds = {file.suffix for file in files}
+    try:
+        return _compare(files, kinds, asked.seed, asked.sequences)
+    except (OSError, ValueError, KeyError, TypeError, FmuError, zipfile.BadZipFile) as error:
+        parser.error(f"cannot be compared: {type(error).__name__}: {error}")
+
+
+def _compare(files: tuple[Path, Path], kinds: set[str], seed: int, sequences: int) -> int:
+    """Compare two files of these kinds, print what differs, and return the exit code."""
     if kinds == {".json"}:
-        parts = {"rows": report_rows, "planted faults": report_kills}
+        parts = {"rows": report_rows, KILLS: report_kills}
         sides: list[dict[str, Rows]] = [
             {what: part(_report(file)) for what, part in parts.items()} for file in files
         ]
     elif kinds == {".fmu"}:
-        sides = _of_fmus(files, asked.seed, asked.sequences)
+        sides = _of_fmus(files, seed, sequences)
     else:
-        parser.error("give two report.json or two .fmu")
+        raise ValueError("give two report.json or two .fmu")
     different = 0
     for what in sides[0]:
         old, new = (side[what] for side in sides)
-        if not old or not new:
-            print(f"{what}: not in both, so not compared")
+        if what == KILLS and not (old and new):
+            print(f"{what}: no whole kill matrix in both, so not compared")
             continue
         found = list(differences(old, new))
         different += len(found)
@@ -104,12 +117,14 @@ def _apart(old: Any, new: Any) -> str:
 
 def report_rows(report: Mapping[str, Any]) -> dict[str, Any]:
     """Give what each check of a report compared and found, by case, check and side."""
-    return {
-        f"{row['case'] or 'the FMU itself'} / {row['check']} ({row['side']})": {
-            name: row[name] for name in COMPARED
-        }
-        for row in report["checks"]
-    }
+    found: dict[str, Any] = {"the whole passed": report["passed"]}
+    seen: Counter[str] = Counter()
+    for row in report["checks"]:
+        name = f"{row['case'] or 'the FMU itself'} / {row['check']} ({row['side']})"
+        seen[name] += 1
+        again = f", row {seen[name]} of this name" if seen[name] > 1 else ""
+        found[name + again] = {each: row[each] for each in COMPARED}
+    return found
 
 
 def report_kills(report: Mapping[str, Any]) -> dict[str, Any]:
@@ -117,22 +132,30 @@ def report_kills(report: Mapping[str, Any]) -> dict[str, Any]:
     kills = report["kills"]
     if kills is None or not kills.get("whole", True):
         return {}
-    return {row["mutant"]: dict(sorted(row["failing"].items())) for row in kills["rows"]}
+    told = ("wanted", "caught", "broken")
+    return {
+        row["mutant"]: {
+            **{name: row[name] for name in told},
+            "failing": dict(sorted(row["failing"].items())),
+        }
+        for row in kills["rows"]
+    } | {"idle checks": kills["idle"]}
 
 
 def description(fmu: Path) -> dict[str, Any]:
-    """Give the attributes of each element of the model description, by tag, name and count."""
+    """Give the attributes of each element of the model description, by its path in it."""
     with zipfile.ZipFile(fmu) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     for name in LEFT_OUT:
         root.attrib.pop(name, None)
-    seen: Counter[str] = Counter()
-    found = {}
-    for element in root.iter():
-        name = f"{element.tag} {element.get('name', '')}".rstrip()
-        seen[name] += 1
-        found[f"{name} {seen[name]}"] = dict(element.attrib)
-    return found
+    return dict(_elements(root, root.tag))
+
+
+def _elements(element: ElementTree.Element, path: str) -> Iterator[tuple[str, Any]]:
+    """Give an element and all below it; order tells, for ModelStructure counts the variables."""
+    yield path, dict(element.attrib)
+    for number, each in enumerate(element):
+        yield from _elements(each, f"{path} / {each.tag} {number}")
 
 
 def motions(fmu: Path, seed: int, count: int) -> dict[str, Any]:

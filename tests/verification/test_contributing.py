@@ -67,7 +67,6 @@ def test_a_case_is_added_as_contributing_says(suite: Suite, fmu_path: Path) -> N
     file = suite.cases / f"{name}.toml"
     verify, lint = blocks("Add a case", "bash")[0].splitlines()
     assert f"--cases {name}" in verify
-    assert suite.run(verify) == (2, [f"stickslip: {suite.cases}: no case matches '{name}'"])
 
     file.write_text(text, encoding="utf-8")
     code, said = suite.run(f"{verify} --fmu {fmu_path} -o r.json")
@@ -93,6 +92,9 @@ def test_a_case_is_added_as_contributing_says(suite: Suite, fmu_path: Path) -> N
     assert code == 0, said
     accepted = suite.folder / "judging" / "accepted.json"
     assert "x-course" in json.loads(accepted.read_text(encoding="utf-8"))[name]
+
+    file.unlink()
+    assert suite.run(verify) == (2, [f"stickslip: {suite.cases}: no case matches '{name}'"])
 
 
 def test_a_fault_is_planted_as_contributing_says(suite: Suite, fmu_path: Path) -> None:

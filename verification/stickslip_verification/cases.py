@@ -8,7 +8,7 @@ with the file, the field and the reason before anything runs. Tolerances come fr
 from __future__ import annotations
 
 import fnmatch
-import math
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -172,7 +172,7 @@ def _validate(file: Path, data: Mapping[str, Any]) -> None:
     if found is not None:
         raise CaseError(file, where_is(file, found[0]), found[1])
     for path, number in _numbers(data, ()):
-        if not math.isfinite(number):
+        if not abs(number) <= sys.float_info.max:
             raise CaseError(file, where_is(file, path), f"{number} is not a finite number")
 
 
@@ -183,7 +183,7 @@ def _numbers(node: Any, path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str
     elif isinstance(node, list):
         for n, value in enumerate(node):
             yield from _numbers(value, (*path, n))
-    elif isinstance(node, float):
+    elif isinstance(node, int | float):
         yield path, node
 
 
@@ -295,6 +295,9 @@ def _cycle(file: Path, data: Mapping[str, Any], rules: Rules) -> Iterator[tuple[
     if at.kind == "every_point":
         reason = "a cycle has no value at every point: end, { cycle = n } or { event = n }"
         raise CaseError(file, where_is(file, ("cycle", "at")), reason)
+    if len(rules.values) > 1:
+        reason = "the formulas are of the values at the start, and the experiment changes some"
+        raise CaseError(file, where_is(file, ("cycle",)), reason)
     if not rules.lambda_:
         reason = "without a gap and a pull there is no cycle"
         raise CaseError(file, where_is(file, ("cycle",)), reason)

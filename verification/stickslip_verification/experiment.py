@@ -17,6 +17,9 @@ SAME_POINT = 1e-9
 many steps differs from the number written in the file by rounding, never by that much."""
 
 
+SHORTEST_PART = 1e-15
+"""A drawn step below this part of the whole would not move the sum of the steps."""
+
 MOST_STEPS = 1_000_000
 """More steps than any case needs; beyond it the memory would go before the patience."""
 
@@ -92,6 +95,9 @@ def _lengths(
     shortest, longest = float(steps["shortest"]), float(steps["longest"])
     if shortest > longest:
         raise CaseError(file, "experiment.steps.shortest", f"{shortest} is above longest {longest}")
+    if not (shortest > SHORTEST_PART * stop_time and longest / shortest < math.inf):
+        reason = f"{shortest} is lost beside stop_time {stop_time} or longest {longest}"
+        raise CaseError(file, "experiment.steps.shortest", reason)
     spread = math.log(longest / shortest)
     mean = (longest - shortest) / spread if spread > 0.0 else longest
     if stop_time / mean > MOST_STEPS:

@@ -193,10 +193,15 @@ def _override(file: Path, here: str, entry: Mapping[str, str]) -> Override:
             raise MutantError(file, f"{here}.target", reason)
         if not override.code:
             raise MutantError(file, field, "a call of the master is replaced by code")
-    text, mode = (override.code, "exec") if override.code else (f"({override.value})", "eval")
+    text, mode = (override.code, "exec") if override.code else (f"(\n{override.value}\n)", "eval")
     try:
         tree = ast.parse(text, mode=mode, feature_version=PYTHON)
-    except SyntaxError as error:
+        # What a syntax tree may hold and a function, or a module, may not.
+        for made in (text, override.function("made")):
+            compile(made, here, mode if made is text else "exec")
+    except (SyntaxError, ValueError) as error:
+        if not isinstance(error, SyntaxError):
+            raise MutantError(file, field, str(error)) from None
         reason = f"line {error.lineno} is not Python 3.8: {error.msg}"
         raise MutantError(file, field, reason) from None
     last = override.path.rpartition(".")[2]

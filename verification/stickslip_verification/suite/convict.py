@@ -129,8 +129,8 @@ def _try(
     else:
         if not how.whole:
             with _pool(planted, mutant, how) as pool:
-                failing = _first_foretold(pool, wanted, ground, laws, how.trial)
-        if not failing:
+                failing, broken = _first_foretold(pool, wanted, ground, laws, how.trial)
+        if not failing and broken is None:
             with _pool(planted, mutant, how) as pool:
                 trials = ask(pool, ground, laws)
             failing = _count(_failures(ground, laws, trials, how.trial))
@@ -157,8 +157,13 @@ def _first_foretold(
     ground: Sequence[Ground],
     laws: Laws,
     trial: Trial,
-) -> Mapping[str, int]:
-    """Give what fails first of the checks `wanted`, in one case or of the FMU as a whole."""
+) -> tuple[Mapping[str, int], str | None]:
+    """Give what fails first of the checks `wanted`, in one case or of the FMU as a whole.
+
+    The second value says why the mutant cannot be judged, or is None.
+    """
+    if not set(wanted) & set(_columns(ground, laws)):
+        return {}, f"none of {', '.join(wanted)} is a check of these cases or of all runs"
     few = laws.only(wanted)
     every_case = few.residuals or few.runs or few.agreements
     places: list[Sequence[Ground]] = [
@@ -168,12 +173,16 @@ def _first_foretold(
     ]
     # The probes, about no case, are asked beside the first one.
     for here in places or [[]]:
-        found = _failures(here, few, ask(pool, here, few), trial)
+        trials = ask(pool, here, few)
+        found = _failures(here, few, trials, trial)
         failing = _count(result for result in found if result.check in wanted)
         if failing:
-            return failing
+            return failing, None
+        late = next((answer for answer in trials.plain.values() if answer.late), None)
+        if late is not None:
+            return {}, f"it takes too long: {late.failure}"
         few = replace(few, probes=())
-    return {}
+    return {}, None
 
 
 def _failures(

@@ -53,8 +53,9 @@ def differences(file: Path, drawn: str, same: float = SAME) -> list[str]:
 
 
 def _of_element(old: ET.Element, new: ET.Element, same: float) -> Iterator[str]:
-    if (old.text or "").strip() != (new.text or "").strip():
-        yield f"{old.text!r} is told, {new.text!r} is drawn now"
+    for one, other in ((old.text, new.text), (old.tail, new.tail)):
+        if (one or "").strip() != (other or "").strip():
+            yield f"{one!r} is told, {other!r} is drawn now"
     if set(old.keys()) != set(new.keys()):
         yield f"{', '.join(old.keys())} are told, {', '.join(new.keys())} are drawn now"
         return

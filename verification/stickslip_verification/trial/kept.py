@@ -7,6 +7,7 @@ so a verdict outside a session never rests on an old file.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import pickle
@@ -40,11 +41,13 @@ def kept(function: Callable[..., T], case: Case, *arguments: Any) -> T:
         return function(case, *arguments)
     asked = repr((function.__qualname__, case.id, case.parameters, case.steps, arguments))
     file = Path(folder) / f"{_digest(_made_from(), asked)}.pickle"
-    if file.is_file():
-        result: T = pickle.loads(file.read_bytes())
-        return result
+    # A file that cannot be read or written costs the time to compute, and nothing else.
+    with contextlib.suppress(OSError, EOFError, pickle.UnpicklingError):
+        earlier: T = pickle.loads(file.read_bytes())
+        return earlier
     result = function(case, *arguments)
-    write_whole(file, pickle.dumps(result))
+    with contextlib.suppress(OSError):
+        write_whole(file, pickle.dumps(result))
     return result
 
 

@@ -73,12 +73,12 @@ def observed_order(case: Case, law: Order) -> Answer[ObservedOrder]:
 
 def plain_run(case: Case) -> Answer[Record]:
     """Run the FMU of this process on a case."""
-    return _answer(run_case, _fmu(), case)
+    return _answer(lambda: run_case(_fmu(), case))
 
 
 def other_run(case: Case, run: str) -> Answer[Record]:
     """Run the FMU of this process on a case in another way, a key of `RUNS`."""
-    return _answer(RUNS[run], _fmu(), case)
+    return _answer(lambda: RUNS[run](_fmu(), case))
 
 
 def probe(law: Probe) -> Answer[list[str]]:
@@ -203,11 +203,12 @@ def _answer(function: Callable[..., T], *arguments: Any) -> Answer[T]:
         return Answer(function(*arguments))
     except NotApplicableError as error:
         return Answer(not_applicable=str(error))
-    except Exception as error:
+    except (Exception, SystemExit, KeyboardInterrupt) as error:
+        # Code that a fault brings along may try to leave; Ctrl-C does not reach this process.
         return Answer(failure=_reason(error))
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: BaseException) -> str:
     return f"{type(error).__name__}: {' '.join(str(error).split())}"
 
 

@@ -222,6 +222,10 @@ def _mutants(every: bool, wanted: str | None) -> "Sequence[Mutant]":
     """Load the faults that a pattern or a file names, or every fault of the suite."""
     from stickslip_verification import MutantError, load_mutant, load_mutants
 
+    if every and wanted is not None:
+        raise CommandError(
+            "--fault does not go with --mutants: that tries every fault of the suite"
+        )
     if not every and wanted is None:
         return ()
     try:
