@@ -97,6 +97,21 @@ def test_a_fault_of_the_interface_needs_its_probe_alone(fmu_path: Path) -> None:
     assert kills.rows[0].failing == {"refuses-nan": 1}
 
 
+def test_a_fault_that_ends_its_process_is_no_end_of_the_suite(fmu_path: Path) -> None:
+    """Code that leaves Python is a run that did not end, and its fault survives with the reason."""
+    leaving = overriding("master.get", "def get(self, names):\n    raise SystemExit(0)")
+    (row,) = tried(fmu_path, leaving, how=FORETOLD).rows
+    assert not row.caught
+    assert "SystemExit" in (row.broken or "")
+
+
+def test_a_fault_whose_checks_are_nowhere_says_so(fmu_path: Path) -> None:
+    """A name that is no check of the chosen cases is told, and not tried."""
+    lost = replace(fault("constant-g"), convicted_by=("slip-frction",))
+    (row,) = tried(fmu_path, lost, how=FORETOLD).rows
+    assert row.broken == "none of slip-frction is a check of these cases or of all runs"
+
+
 def test_a_fault_that_was_foretold_wrongly_is_tried_on_everything(fmu_path: Path) -> None:
     """Where no foretold check fails, the row says which others do, so the next try is right."""
     wrong = replace(fault("constant-g"), convicted_by=("mode-and-sticking-agree",))

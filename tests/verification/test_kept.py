@@ -70,6 +70,20 @@ def test_a_failure_is_not_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     assert not list(tmp_path.iterdir())
 
 
+def test_a_file_that_cannot_be_read_costs_a_computation(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A truncated file is computed again, and a folder that is none keeps nothing."""
+    monkeypatch.setenv(FOLDER, str(tmp_path))
+    counted, case = Counted(), named("one-step")
+    kept(counted.work, case)
+    (file,) = tmp_path.iterdir()
+    file.write_bytes(file.read_bytes()[:5])
+    assert kept(counted.work, case)[2] == 2
+    monkeypatch.setenv(FOLDER, str(file))
+    assert kept(counted.work, case)[2] == 3
+
+
 def test_what_is_kept_is_what_was_computed_to_the_bit(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

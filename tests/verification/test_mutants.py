@@ -221,6 +221,11 @@ def test_every_conviction_is_by_a_check_that_exists() -> None:
         ("value =", 'code = "_CLAMP_GAP = 1"\nvalue =', r"overrides\[1\]: has both code and value"),
         ("value =", 'find = "0"\nvalue =', "Additional properties.*'find'"),
         ('"0.1 * original"', '"0.1 *"', r"overrides\[1\].value: line 1 is not Python 3.8"),
+        (
+            "def friction_",
+            "from __future__ import annotations\ndef friction_",
+            r"overrides\[0\].code: line 2 is not Python 3.8: from __future__",
+        ),
         ('"0.1 * original"', '"a = 1"', r"overrides\[1\].value: line 1 is not Python 3.8"),
         (
             "    return orig",

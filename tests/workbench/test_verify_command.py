@@ -181,6 +181,7 @@ def test_a_baseline_shows_how_margins_moved(command: Command, fmu_path: Path) ->
         (["--baseline", "{text}"], "text.fmu: "),
         (["--fault", "nothing"], "--fault"),
         (["--fault", "none.toml"], "--fault none.toml: no such file"),
+        (["--fault", "state-*", "--mutants"], "--fault does not go with --mutants"),
         (["--jobs", "0"], "--jobs"),
         (["--time-limit", "-1"], "--time-limit"),
         (["--accept", "--fmu", "{slider}", "--names", "{names}"], "only our own FMU"),

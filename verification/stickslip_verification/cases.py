@@ -295,9 +295,6 @@ def _cycle(file: Path, data: Mapping[str, Any], rules: Rules) -> Iterator[tuple[
     if at.kind == "every_point":
         reason = "a cycle has no value at every point: end, { cycle = n } or { event = n }"
         raise CaseError(file, where_is(file, ("cycle", "at")), reason)
-    if len(rules.values) > 1:
-        reason = "the formulas are of the values at the start, and the experiment changes some"
-        raise CaseError(file, where_is(file, ("cycle",)), reason)
     if not rules.lambda_:
         reason = "without a gap and a pull there is no cycle"
         raise CaseError(file, where_is(file, ("cycle",)), reason)

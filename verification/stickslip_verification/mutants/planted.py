@@ -193,17 +193,19 @@ def _override(file: Path, here: str, entry: Mapping[str, str]) -> Override:
             raise MutantError(file, f"{here}.target", reason)
         if not override.code:
             raise MutantError(file, field, "a call of the master is replaced by code")
-    text, mode = (override.code, "exec") if override.code else (f"(\n{override.value}\n)", "eval")
+    text, mode = (override.code, "exec") if override.code else (f"({override.value}\n)", "eval")
     try:
         tree = ast.parse(text, mode=mode, feature_version=PYTHON)
-        # What a syntax tree may hold and a function, or a module, may not.
-        for made in (text, override.function("made")):
-            compile(made, here, mode if made is text else "exec")
-    except (SyntaxError, ValueError) as error:
-        if not isinstance(error, SyntaxError):
-            raise MutantError(file, field, str(error)) from None
-        reason = f"line {error.lineno} is not Python 3.8: {error.msg}"
+        # What a syntax tree may hold, and a module or a function may not.
+        for whole, how in ((text, mode), (override.function("made"), "exec")):
+            compile(whole, here, how)
+    except SyntaxError as error:
+        # A value ends in a line of its own, which the file does not have.
+        line = min(error.lineno or 1, max(1, len((override.code or override.value).splitlines())))
+        reason = f"line {line} is not Python 3.8: {error.msg}"
         raise MutantError(file, field, reason) from None
+    except ValueError as error:
+        raise MutantError(file, field, str(error)) from None
     last = override.path.rpartition(".")[2]
     if isinstance(tree, ast.Module) and last not in bindings(tree.body):
         raise MutantError(file, field, f"does not define {last}")
