@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from stickslip_design.claims import pages
 from stickslip_fmu.packer import build
 from stickslip_fmu.variables import VARIABLES, Variable
 from stickslip_verification import (
@@ -21,8 +22,7 @@ from stickslip_verification import (
     meanings,
     verify,
 )
-from stickslip_verification.claims import pages
-from stickslip_verification.svg import differences
+from stickslip_verification.report.svg import differences
 
 HERE = Path(__file__).parent
 

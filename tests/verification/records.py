@@ -8,13 +8,13 @@ from functools import cache
 
 import numpy as np
 
-from stickslip_verification.cases import CASES_FOLDER, Case, load_case
-from stickslip_verification.exact import Exact, exact_motion
-from stickslip_verification.judging.checks import OURS, Trial
-from stickslip_verification.judging.law_checks import applies, judge_residual
-from stickslip_verification.laws import ResidualLaw, load_laws
-from stickslip_verification.record import Record, Series
-from stickslip_verification.verdict import CheckResult
+from stickslip_verification.drive.exact import Exact, exact_motion
+from stickslip_verification.judge.checks import OURS, Trial
+from stickslip_verification.judge.invariant_checks import applies, judge_residual
+from stickslip_verification.model.record import Record, Series
+from stickslip_verification.model.verdict import CheckResult
+from stickslip_verification.suite.cases import CASES_FOLDER, Case, load_case
+from stickslip_verification.suite.invariants import ResidualLaw, load_laws
 
 LAWS: Mapping[str, ResidualLaw] = {law.id: law for law in load_laws().residuals}
 

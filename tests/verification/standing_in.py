@@ -8,12 +8,12 @@ from functools import cache
 
 import numpy as np
 
-from stickslip_verification.cases import Case, load_cases
-from stickslip_verification.exact import Exact, exact_motion
-from stickslip_verification.judging.checks import OURS, REFERENCE, judge
-from stickslip_verification.record import Record, Series
-from stickslip_verification.trial.sides import Side
-from stickslip_verification.verdict import CheckResult
+from stickslip_verification.drive.exact import Exact, exact_motion
+from stickslip_verification.drive.sides import Side
+from stickslip_verification.judge.checks import OURS, REFERENCE, judge
+from stickslip_verification.model.record import Record, Series
+from stickslip_verification.model.verdict import CheckResult
+from stickslip_verification.suite.cases import Case, load_cases
 
 Columns = dict[str, Series]
 Fault = Callable[[Columns], None]

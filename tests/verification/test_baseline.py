@@ -11,7 +11,7 @@ from rich.console import Console
 
 from stickslip.baseline_table import baseline_table
 from stickslip_verification import Verdict, write_json
-from stickslip_verification.baseline import (
+from stickslip_verification.run.earlier import (
     FLOOR,
     BaselineError,
     Moves,

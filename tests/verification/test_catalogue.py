@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from stickslip_verification.cases import load_cases
-from stickslip_verification.catalogue import Meaning, meanings, of_quantities
-from stickslip_verification.laws import Laws, load_laws
-from stickslip_verification.linter import SHORTEST, VAGUE
-from stickslip_verification.quantities import QUANTITIES
+from stickslip_verification.model.quantities import QUANTITIES
+from stickslip_verification.run.lint import SHORTEST, VAGUE
+from stickslip_verification.suite.cases import load_cases
+from stickslip_verification.suite.catalogue import Meaning, meanings, of_quantities
+from stickslip_verification.suite.invariants import Laws, load_laws
 
 CASES, LAWS = load_cases(), load_laws()
 FOUND = meanings(CASES, LAWS)

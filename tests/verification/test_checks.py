@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import Case
-from stickslip_verification.judging.checks import FOREIGN, OURS, STRICT, judge
-from stickslip_verification.record import Record
+from stickslip_verification.judge.checks import FOREIGN, OURS, STRICT, judge
+from stickslip_verification.model.record import Record
+from stickslip_verification.suite.cases import Case
 
 from .standing_in import Columns, Fault, StandIn, exact_of, failures, named
 

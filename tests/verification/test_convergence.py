@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip_verification.judging.checks import REFERENCE
-from stickslip_verification.judging.law_checks import judge_order
-from stickslip_verification.laws import Order, load_laws
-from stickslip_verification.trial.answer import Answer
-from stickslip_verification.trial.convergence import halves, observe, slope
-from stickslip_verification.verdict import CheckResult, ObservedOrder
+from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.convergence import halves, observe, slope
+from stickslip_verification.judge.checks import REFERENCE
+from stickslip_verification.judge.invariant_checks import judge_order
+from stickslip_verification.model.verdict import CheckResult, ObservedOrder
+from stickslip_verification.suite.invariants import Order, load_laws
 
 from .records import named
 

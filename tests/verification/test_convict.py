@@ -7,13 +7,14 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification import load_laws, load_mutants, verify
-from stickslip_verification.fmu import FmuError, FmuFile, NameMap
-from stickslip_verification.judging.checks import FOREIGN
-from stickslip_verification.mutants import Mutant
-from stickslip_verification.mutants.planted import Override, idle_reasons
-from stickslip_verification.suite.convict import How, convict
-from stickslip_verification.suite.ground import Ground, lay
-from stickslip_verification.verdict import KillMatrix
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.judge.checks import FOREIGN
+from stickslip_verification.model.verdict import KillMatrix
+from stickslip_verification.run.baseline import Ground, lay
+from stickslip_verification.run.kill_matrix import How, convict
+from stickslip_verification.suite.faults import Mutant, Override, idle_reasons
 
 from .standing_in import named
 

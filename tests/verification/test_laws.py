@@ -8,9 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.judging.checks import FOREIGN, OURS, Trial
-from stickslip_verification.judging.law_checks import agreeing, judge_agreement
-from stickslip_verification.laws import (
+from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.other_runs import RUNS
+from stickslip_verification.drive.probes import PROBES
+from stickslip_verification.judge.checks import FOREIGN, OURS, Trial
+from stickslip_verification.judge.invariant_checks import agreeing, judge_agreement
+from stickslip_verification.judge.metrics import METRICS
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.model.record import Record
+from stickslip_verification.model.verdict import CheckResult
+from stickslip_verification.suite.invariants import (
     Agreement,
     LawError,
     Order,
@@ -19,13 +26,6 @@ from stickslip_verification.laws import (
     RunLaw,
     load_laws,
 )
-from stickslip_verification.metrics import METRICS
-from stickslip_verification.quantities import OUTPUT_NAMES
-from stickslip_verification.record import Record
-from stickslip_verification.trial.answer import Answer
-from stickslip_verification.trial.probes import PROBES
-from stickslip_verification.trial.runs import RUNS
-from stickslip_verification.verdict import CheckResult
 
 from .records import Draft, exact_of, named, planted
 

@@ -10,13 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification import linter
-from stickslip_verification.cases import CASES_FOLDER
-from stickslip_verification.judging.second import Accepted
-from stickslip_verification.laws import LawError, Laws, load_laws
-from stickslip_verification.linter import lint
-from stickslip_verification.mutants import MutantError, load_mutants
-from stickslip_verification.mutants.planted import FAULTS_FOLDER
+from stickslip_verification.judge.second_values import Accepted
+from stickslip_verification.run import lint as linter
+from stickslip_verification.run.lint import lint
+from stickslip_verification.suite.cases import CASES_FOLDER
+from stickslip_verification.suite.faults import FAULTS_FOLDER, MutantError, load_mutants
+from stickslip_verification.suite.invariants import LawError, Laws, load_laws
 
 LAWS = load_laws()
 

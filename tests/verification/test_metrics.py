@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import CASES_FOLDER, Case
-from stickslip_verification.exact import exact_motion
-from stickslip_verification.experiment import CommunicationStep
-from stickslip_verification.judging.checks import FOREIGN, OURS
-from stickslip_verification.judging.law_checks import judge_residual
-from stickslip_verification.metrics import METRICS, Course
-from stickslip_verification.quantities import OUTPUT_NAMES
-from stickslip_verification.record import Record
+from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.judge.checks import FOREIGN, OURS
+from stickslip_verification.judge.invariant_checks import judge_residual
+from stickslip_verification.judge.metrics import METRICS, Course
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.model.record import Record
+from stickslip_verification.suite.cases import CASES_FOLDER, Case
+from stickslip_verification.suite.experiment import CommunicationStep
 
 from .records import (
     LAWS,

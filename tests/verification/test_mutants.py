@@ -19,9 +19,16 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 
 from stickslip_verification import load_cases
-from stickslip_verification.laws import load_laws
-from stickslip_verification.mutants import Mutant, MutantError, load_mutants, plant
-from stickslip_verification.mutants.planted import Addition, Override, Substitution
+from stickslip_verification.drive.planting import plant
+from stickslip_verification.suite.faults import (
+    Addition,
+    Mutant,
+    MutantError,
+    Override,
+    Substitution,
+    load_mutants,
+)
+from stickslip_verification.suite.invariants import load_laws
 
 MUTANTS = load_mutants()
 INSIDE = [mutant for mutant in MUTANTS if mutant.changes_the_fmu]

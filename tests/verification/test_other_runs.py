@@ -10,21 +10,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import Case
-from stickslip_verification.exact import exact_motion
-from stickslip_verification.experiment import CommunicationStep
-from stickslip_verification.fmu import FmuFile, NameMap
-from stickslip_verification.fmu.names import NOT_THERE, Target
-from stickslip_verification.judging.checks import FOREIGN, OURS
-from stickslip_verification.judging.run_checks import judge_run
-from stickslip_verification.laws import RunLaw, load_laws
-from stickslip_verification.mutants import load_mutants, plant
-from stickslip_verification.quantities import OUTPUT_NAMES
-from stickslip_verification.record import Record
-from stickslip_verification.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
-from stickslip_verification.trial.answer import Answer
-from stickslip_verification.trial.drive import NotApplicableError, Plan, run_case, run_plan
-from stickslip_verification.trial.runs import RUNS
+from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.communication import NotApplicableError, Plan, run_case, run_plan
+from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.fmu.names import NOT_THERE, NameMap, Target
+from stickslip_verification.drive.other_runs import RUNS
+from stickslip_verification.drive.planting import plant
+from stickslip_verification.judge.checks import FOREIGN, OURS
+from stickslip_verification.judge.run_checks import judge_run
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.model.record import Record
+from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
+from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.experiment import CommunicationStep
+from stickslip_verification.suite.faults import load_mutants
+from stickslip_verification.suite.invariants import RunLaw, load_laws
 from stickslip_verification.truth.parameters import complete
 
 from .records import Draft, exact_of, named, planted

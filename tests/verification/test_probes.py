@@ -9,13 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.fmu import FmuFile, NameMap
-from stickslip_verification.laws import Probe, load_laws
-from stickslip_verification.mutants import Mutant, load_mutants, plant
-from stickslip_verification.mutants.planted import Substitution
-from stickslip_verification.quantities import OUTPUT_NAMES
-from stickslip_verification.trial.drive import NotApplicableError
-from stickslip_verification.trial.probes import INTERFACE, PROBES
+from stickslip_verification.drive.communication import NotApplicableError
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.drive.planting import plant
+from stickslip_verification.drive.probes import INTERFACE, PROBES
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.suite.faults import Mutant, Substitution, load_mutants
+from stickslip_verification.suite.invariants import Probe, load_laws
 from stickslip_verification.truth.parameters import START_VALUES
 
 from .foreign import building

@@ -10,10 +10,10 @@ from random import Random
 import pytest
 
 from stickslip_verification import ProofResult, prove
-from stickslip_verification.proofs import cycles as proof_cycles
-from stickslip_verification.proofs import draws
-from stickslip_verification.proofs import sequences as proof_sequences
-from stickslip_verification.proofs.tally import Tally
+from stickslip_verification.random_sets import cycles as proof_cycles
+from stickslip_verification.random_sets import draws
+from stickslip_verification.random_sets import sequences as proof_sequences
+from stickslip_verification.random_sets.tally import Tally
 
 SEED = 1
 TENTH = 0.1

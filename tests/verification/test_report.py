@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
-from stickslip_verification import CheckResult, Verdict, provenance, write_json
-from stickslip_verification.fmu import FmuFile
-from stickslip_verification.verdict import Conviction, KillMatrix, ObservedOrder, Second
+from stickslip_verification import CheckResult, Verdict, write_json
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.model.verdict import Conviction, KillMatrix, ObservedOrder, Second
+from stickslip_verification.report import provenance
 
 LAYOUT = [
     "case",

@@ -10,11 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stickslip_verification.baseline import compare, read_baseline
-from stickslip_verification.catalogue import Meaning
-from stickslip_verification.record import Record
-from stickslip_verification.report import ClaimSection, render, write_json, write_report
-from stickslip_verification.verdict import (
+from stickslip_verification.model.record import Record
+from stickslip_verification.model.verdict import (
     Conviction,
     KillMatrix,
     Motion,
@@ -22,6 +19,11 @@ from stickslip_verification.verdict import (
     Second,
     Verdict,
 )
+from stickslip_verification.report.html import render, write_report
+from stickslip_verification.report.json_file import write_json
+from stickslip_verification.report.words import ClaimSection
+from stickslip_verification.run.earlier import compare, read_baseline
+from stickslip_verification.suite.catalogue import Meaning
 from tests.verification.test_report import result
 
 VOID = {"meta", "input", "br", "hr", "link", "img"}

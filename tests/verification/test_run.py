@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification import CheckResult, FmuError, NameMap, Verdict, load_laws, verify
-from stickslip_verification.trial.sides import FmuSide, ReferenceSide
-from stickslip_verification.verdict import KINDS
+from stickslip_verification.drive.sides import FmuSide, ReferenceSide
+from stickslip_verification.model.verdict import KINDS
 
 from .standing_in import named
 

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.judging.checks import OURS, judge
-from stickslip_verification.judging.second import Accepted, AcceptError, accept, load_accepted
-from stickslip_verification.record import Record
-from stickslip_verification.verdict import CheckResult, Measured, Second, Verdict
+from stickslip_verification.judge.checks import OURS, judge
+from stickslip_verification.judge.second_values import Accepted, AcceptError, accept, load_accepted
+from stickslip_verification.model.record import Record
+from stickslip_verification.model.verdict import CheckResult, Measured, Second, Verdict
 
 from .records import Draft, exact_of, named, planted
 

@@ -15,12 +15,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import Case
-from stickslip_verification.fmu import NameMap, load_names
-from stickslip_verification.laws import load_laws
-from stickslip_verification.record import Record
-from stickslip_verification.trial import workers
-from stickslip_verification.trial.answer import Answer
+from stickslip_verification.drive import workers
+from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.fmu.names import NameMap, load_names
+from stickslip_verification.model.record import Record
+from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.invariants import load_laws
 
 from .foreign import building
 from .records import exact_of, named
@@ -178,8 +178,8 @@ def test_leaving_a_pool_ends_what_still_runs(
 TALKING = """\
 import sys
 from pathlib import Path
-from stickslip_verification.trial import workers
-from stickslip_verification.laws import load_laws
+from stickslip_verification.drive import workers
+from stickslip_verification.suite.invariants import load_laws
 
 if __name__ == "__main__":
     law = next(law for law in load_laws().probes if law.id == "warns-of-clamp")

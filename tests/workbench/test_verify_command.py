@@ -20,9 +20,9 @@ from stickslip.commands.shared import pack_evidence
 from stickslip.errors import CommandError
 from stickslip_verification import load_cases
 from stickslip_verification import verify as judge
-from stickslip_verification.cases import CASES_FOLDER
-from stickslip_verification.fmu import content_digest
-from stickslip_verification.mutants.planted import FAULTS_FOLDER
+from stickslip_verification.drive.fmu.digest import content_digest
+from stickslip_verification.suite.cases import CASES_FOLDER
+from stickslip_verification.suite.faults import FAULTS_FOLDER
 from tests.interrupting import HEARING, wait_for_work
 from tests.verification.foreign import building
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from stickslip_design.claims import draw, findings
 from stickslip_verification import (
     Baseline,
     Case,
@@ -18,7 +19,6 @@ from stickslip_verification import (
     write_pdf,
     write_report,
 )
-from stickslip_verification.claims import draw, findings
 
 
 def write(

@@ -6,8 +6,8 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
+from stickslip_verification.model.verdict import NOTED, CheckResult, Verdict
 from stickslip_verification.report.words import KINDS, SIDES, what_happened
-from stickslip_verification.verdict import NOTED, CheckResult, Verdict
 
 ABOUT_THE_FMU = "the FMU"
 """Class name of the checks that belong to no case."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from stickslip_verification.verdict import Conviction, KillMatrix
+from stickslip_verification.model.verdict import Conviction, KillMatrix
 
 CAUGHT, SURVIVED, NOT_JUDGED = "caught", "survived", "not judged"
 

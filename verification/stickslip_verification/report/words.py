@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from stickslip_verification.margins import error_text
-from stickslip_verification.verdict import DRIFT, CheckResult
+from stickslip_verification.model.margins import error_text
+from stickslip_verification.model.verdict import DRIFT, CheckResult
 
 KINDS: Final = {
     "closed_form": "closed form",

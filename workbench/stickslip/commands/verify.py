@@ -152,7 +152,7 @@ def _check_accept(
     accept: bool, names: Path | None, wanted: str | None, cases: "Sequence[Case]"
 ) -> None:
     """Refuse to accept what is not of the suite."""
-    from stickslip_verification.cases import CASES_FOLDER
+    from stickslip_verification.suite.cases import CASES_FOLDER
 
     if accept and names is not None:
         raise CommandError("--accept does not go with --names: only our own FMU is accepted")
@@ -172,8 +172,9 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
         raise CommandError("--pack does not go with --cases: the FMU carries the verdict on all")
     if fmu is None:
         return
-    from stickslip_verification.fmu import FmuError, FmuFile
-    from stickslip_verification.trial.drive import is_ours
+    from stickslip_verification.drive.communication import is_ours
+    from stickslip_verification.drive.fmu.archive import FmuFile
+    from stickslip_verification.drive.fmu.errors import FmuError
 
     try:
         file = FmuFile(fmu)

@@ -1,0 +1,6 @@
+"""Proofs on random sets: statements that hold for every draw, or are refuted by one."""
+
+from stickslip_verification.random_sets.run_all import prove
+from stickslip_verification.random_sets.tally import ProofResult
+
+__all__ = ["ProofResult", "prove"]

@@ -1,0 +1,207 @@
+"""Laws: data files, read, checked and turned into frozen objects."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from stickslip_verification.model.data_file import DataError, objection, read_toml
+
+HERE = Path(__file__).parent
+FOLDER = HERE / "invariants"
+SCHEMA = HERE / "invariant.schema.json"
+
+
+class LawError(DataError):
+    """A file of laws cannot be used; one line with the file, the law and the reason."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """One statement that is tried on every case, or once.
+
+    Attributes
+    ----------
+    id, title
+        Its name, and the statement in words.
+    kind, klass
+        Kind of truth, and physics or contract.
+    source
+        Equation number in docs/theory.md.
+    means, look
+        What it means when it fails, and where to look then.
+    """
+
+    id: str
+    title: str
+    kind: str
+    klass: str
+    source: int
+    means: str
+    look: str
+
+
+@dataclass(frozen=True)
+class ResidualLaw(Law):
+    """A law on the samples: `metric` (a key of `METRICS`) leaves nothing over.
+
+    ``tolerance`` and ``because`` are by side, as parts of the metric's scale.
+    """
+
+    metric: str
+    quantity: str
+    tolerance: Mapping[str, float]
+    because: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class RunLaw(Law):
+    """Another run of the FMU (a key of `RUNS`) gives the same motion.
+
+    ``tolerance`` is by solution, fmu (ours, exact) or numerical (any other), as parts of each
+    output's largest value; None: bit for bit.
+    """
+
+    run: str
+    tolerance: Mapping[str, float] | None
+    because: str
+
+
+@dataclass(frozen=True)
+class Probe(Law):
+    """A question to the FMU as a whole: a key of `PROBES` and its arguments."""
+
+    probe: str
+    arguments: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Agreement(Law):
+    """FMU and reference agree on `quantity`, within what the case allows both together."""
+
+    quantity: str
+
+
+@dataclass(frozen=True)
+class Order(Law):
+    """The reference's error in `quantity` falls with its tolerance in the order `order`.
+
+    Tried on `cases` with `levels` tolerances from `coarsest` to `finest`, evenly spaced in their
+    logarithm. ``tolerance`` is on the slope through all levels, ``halves`` on the difference of
+    the slopes of the coarser and the finer half, which is 0 in the asymptotic range.
+    """
+
+    quantity: str
+    cases: Sequence[str]
+    order: float
+    coarsest: float
+    finest: float
+    levels: int
+    tolerance: float
+    halves: float
+    because: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Laws:
+    """All laws, by the way they are tried."""
+
+    residuals: Sequence[ResidualLaw] = ()
+    runs: Sequence[RunLaw] = ()
+    probes: Sequence[Probe] = ()
+    agreements: Sequence[Agreement] = ()
+    orders: Sequence[Order] = ()
+
+    def __iter__(self) -> Iterator[Law]:
+        """Give every law."""
+        for each in fields(self):
+            yield from getattr(self, each.name)
+
+    def only(self, names: Collection[str]) -> Laws:
+        """Give those of these ids."""
+        families = {each.name: getattr(self, each.name) for each in fields(self)}
+        return Laws(
+            **{family: [law for law in of if law.id in names] for family, of in families.items()}
+        )
+
+
+_SHARED: Mapping[str, Mapping[str, Any]] = {
+    "probes": {"kind": "invariant", "class": "contract", "source": 1, "arguments": {}},
+    "agreements": {
+        "kind": "cross_code",
+        "class": "physics",
+        "source": 3,
+        "means": "The two codes give different motions; which is wrong, the stronger checks say.",
+        "look": "The checks of the same case against the exact motion, on both sides.",
+    },
+    "orders": {"kind": "convergence", "class": "physics"},
+    "runs": {"tolerance": None},
+}
+"""What all entries of a family have in common, and so is not written in the files."""
+
+_FAMILIES: Mapping[str, type[Law]] = {
+    "residuals": ResidualLaw,
+    "runs": RunLaw,
+    "probes": Probe,
+    "agreements": Agreement,
+    "orders": Order,
+}
+
+
+def load_laws(folder: Path = FOLDER) -> Laws:
+    """Read every TOML file of a folder, in the order of their names.
+
+    Raises
+    ------
+    LawError
+        A file is broken, or two laws share an id.
+    """
+    families: dict[str, list[Any]] = {family: [] for family in _FAMILIES}
+    seen: dict[str, Path] = {}
+    for file in sorted(folder.glob("*.toml")):
+        for family, law in _read(file):
+            if law.id in seen:
+                raise LawError(file, law.id, f"a law of {seen[law.id].name} has this id")
+            seen[law.id] = file
+            families[family].append(law)
+    return Laws(**{family: tuple(laws) for family, laws in families.items()})
+
+
+def _read(file: Path) -> Iterator[tuple[str, Law]]:
+    data = read_toml(file, LawError)
+    found = objection(data, SCHEMA)
+    if found is not None:
+        raise LawError(file, _place(found[0], data), found[1])
+    for family, entries in data.items():
+        for entry in entries:
+            _check_finite(file, entry)
+            yield family, _law(family, entry)
+
+
+def _check_finite(file: Path, entry: Mapping[str, Any]) -> None:
+    """Refuse tolerances and levels that are no numbers; arguments of probes may be anything."""
+    for name, value in entry.items():
+        values = value.items() if name == "tolerance" and isinstance(value, dict) else [("", value)]
+        for part, number in values:
+            if isinstance(number, float) and not math.isfinite(number):
+                where = ".".join(filter(None, (str(entry["id"]), name, part)))
+                raise LawError(file, where, f"{number} is not a finite number")
+
+
+def _law(family: str, entry: Mapping[str, Any]) -> Law:
+    values = {**_SHARED.get(family, {}), **entry}
+    values["klass"] = values.pop("class")
+    return _FAMILIES[family](**values)
+
+
+def _place(path: Iterable[str | int], data: Mapping[str, Any]) -> str:
+    """Name the law that a path of the schema leads to, and the field in it."""
+    parts = list(path)
+    if len(parts) < 2:
+        return ".".join(map(str, parts))
+    family, number, *rest = parts
+    name = data[str(family)][number].get("id", f"entry {number}")
+    return ".".join(map(str, (name, *rest)))
