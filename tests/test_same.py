@@ -43,7 +43,7 @@ REPORT: dict[str, Any] = {
                 "failing": {"T-exact": 3},
             }
         ],
-        "idle": {},
+        "kills_nothing": {},
     },
     "provenance": {"created": "today"},
 }

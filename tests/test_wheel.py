@@ -176,7 +176,7 @@ def test_the_installed_command_writes_the_page(installed: Environment) -> None:
 
 
 def test_the_installed_suite_is_in_order(installed: Environment) -> None:
-    """Cases, laws and faults are found where they are installed, and are well-formed."""
+    """Cases, invariants and faults are found where they are installed, and are well-formed."""
     installed.stickslip("lint")
 
 

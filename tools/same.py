@@ -141,7 +141,7 @@ def report_kills(report: Mapping[str, Any]) -> dict[str, Any]:
             "failing": dict(sorted(row["failing"].items())),
         }
         for row in kills["rows"]
-    } | {"idle checks": kills["idle"]}
+    } | {"checks that kill nothing": kills["kills_nothing"]}
 
 
 def description(fmu: Path) -> dict[str, Any]:

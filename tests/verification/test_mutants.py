@@ -28,7 +28,7 @@ from stickslip_verification.suite.faults import (
     Substitution,
     load_mutants,
 )
-from stickslip_verification.suite.invariants import load_laws
+from stickslip_verification.suite.invariants import load_invariants
 
 MUTANTS = load_mutants()
 INSIDE = [mutant for mutant in MUTANTS if mutant.changes_the_fmu]
@@ -37,7 +37,7 @@ PACKAGE = re.compile(r"stickslip_fmu_[0-9a-f]{16}")
 GOOD = '''\
 id = "good"
 about = "It is enough to be read."
-convicted_by = ["F_s-course"]
+detected_by = ["F_s-course"]
 
 [[additions]]
 file = "more.py"
@@ -203,10 +203,10 @@ def test_mutants_run_beside_the_original(
 
 
 def test_every_conviction_is_by_a_check_that_exists() -> None:
-    """Each check that a description names in advance is one of a case or a law of all runs."""
+    """Each check that a description names in advance is one of a case or an invariant."""
     known = {check.id for case in load_cases() for check in case.checks}
-    known |= {law.id for law in load_laws()}
-    unknown = {m.id: set(m.convicted_by) - known for m in MUTANTS if set(m.convicted_by) - known}
+    known |= {invariant.id for invariant in load_invariants()}
+    unknown = {m.id: set(m.detected_by) - known for m in MUTANTS if set(m.detected_by) - known}
     assert unknown == {}
 
 
@@ -218,9 +218,9 @@ def test_every_conviction_is_by_a_check_that_exists() -> None:
         ('id = "good"', 'id = "better"', "id: 'better' is not the name of the file"),
         ('id = "good"', 'id = "good"\ncolour = 1', "Additional properties.*'colour'"),
         ('"It is enough to be read."', '" "', "about: ' ' does not match"),
-        ('["F_s-course"]', "[]", r"convicted_by: \[\] should be non-empty"),
-        ('["F_s-course"]', '["F_s course"]', r"convicted_by\[0\]: 'F_s course' does not match"),
-        ('["F_s-course"]', '["a", "a"]', "convicted_by: .* has non-unique elements"),
+        ('["F_s-course"]', "[]", r"detected_by: \[\] should be non-empty"),
+        ('["F_s-course"]', '["F_s course"]', r"detected_by\[0\]: 'F_s course' does not match"),
+        ('["F_s-course"]', '["a", "a"]', "detected_by: .* has non-unique elements"),
         (GOOD[GOOD.index("[[ov") :], "", "plants nothing: .* neither overrides nor substitutions"),
         ('"friction._CLAMP_GAP"', '"_CLAMP_GAP"', r"overrides\[1\].target: .* does not match"),
         ('"friction._CLAMP_GAP"', '"a.b.c.d"', r"overrides\[1\].target: .* does not match"),

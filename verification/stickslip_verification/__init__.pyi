@@ -9,7 +9,7 @@ from .model.verdict import CheckResult as CheckResult
 from .model.verdict import KillMatrix as KillMatrix
 from .model.verdict import Verdict as Verdict
 from .random_sets.run_all import prove as prove
-from .random_sets.tally import ProofResult as ProofResult
+from .random_sets.tally import RandomTestResult as RandomTestResult
 from .report.html import render as render
 from .report.html import write_report as write_report
 from .report.json_file import as_json as as_json
@@ -21,10 +21,10 @@ from .report.pdf import write_pdf as write_pdf
 from .report.plots import course_tolerances as course_tolerances
 from .report.plots import draw_case as draw_case
 from .report.words import ClaimSection as ClaimSection
-from .run.earlier import Baseline as Baseline
-from .run.earlier import BaselineError as BaselineError
+from .run.earlier import EarlierReport as EarlierReport
+from .run.earlier import EarlierReportError as EarlierReportError
 from .run.earlier import compare as compare
-from .run.earlier import read_baseline as read_baseline
+from .run.earlier import read_earlier_report as read_earlier_report
 from .run.lint import lint as lint
 from .run.verify import verify as verify
 from .suite.cases import Case as Case
@@ -37,5 +37,5 @@ from .suite.faults import Mutant as Mutant
 from .suite.faults import MutantError as MutantError
 from .suite.faults import load_mutant as load_mutant
 from .suite.faults import load_mutants as load_mutants
-from .suite.invariants import LawError as LawError
-from .suite.invariants import load_laws as load_laws
+from .suite.invariants import InvariantError as InvariantError
+from .suite.invariants import load_invariants as load_invariants

@@ -5,14 +5,14 @@ from pathlib import Path
 
 from stickslip_design.claims import draw, findings
 from stickslip_verification import (
-    Baseline,
     Case,
     ClaimSection,
+    EarlierReport,
     Verdict,
     compare,
     course_tolerances,
     draw_case,
-    load_laws,
+    load_invariants,
     meanings,
     render,
     write_json,
@@ -24,7 +24,7 @@ from stickslip_verification import (
 def write(
     verdict: Verdict,
     cases: Sequence[Case],
-    earlier: Baseline | None,
+    earlier: EarlierReport | None,
     output: Path,
     pdf: Path | None,
 ) -> list[Path]:
@@ -49,7 +49,7 @@ def write(
         written.append(output)
     if output.suffix == ".json" and pdf is None:
         return written
-    known = meanings(cases, load_laws())
+    known = meanings(cases, load_invariants())
     moves = None if earlier is None else compare(earlier, verdict)
     claims = _claims()
     drawn = {

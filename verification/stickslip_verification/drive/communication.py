@@ -22,7 +22,7 @@ Read = Callable[[], list[float]]
 
 
 class NotApplicableError(Exception):
-    """The FMU lacks what a case or a law needs; the text says what."""
+    """The FMU lacks what a case or an invariant needs; the text says what."""
 
 
 def is_ours(fmu: FmuFile) -> bool:

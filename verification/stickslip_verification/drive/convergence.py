@@ -15,29 +15,29 @@ from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.invariants import Order
 
 
-def observe(case: Case, law: Order) -> ObservedOrder:
-    """Run the reference on a case at each tolerance of a law.
+def observe(case: Case, invariant: Order) -> ObservedOrder:
+    """Run the reference on a case at each tolerance of an invariant.
 
     The error is the root mean square over the communication points, over the quantity's largest
     value in the exact motion: a mean scatters less from level to level than a worst value.
     """
-    expected = exact_motion(case).record.outputs[law.quantity]
+    expected = exact_motion(case).record.outputs[invariant.quantity]
     scale = float(np.max(np.abs(expected)))
-    tolerances = np.geomspace(law.coarsest, law.finest, law.levels).tolist()
+    tolerances = np.geomspace(invariant.coarsest, invariant.finest, invariant.levels).tolist()
     errors = []
     for tolerance in tolerances:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            got = getattr(reference_run(case, tolerance), law.quantity)[1:]
+            got = getattr(reference_run(case, tolerance), invariant.quantity)[1:]
         errors.append(float(np.sqrt(np.mean((got - expected) ** 2))) / scale)
     pairs = itertools.pairwise(zip(tolerances, errors, strict=True))
     return ObservedOrder(
         case=case.id,
-        quantity=law.quantity,
+        quantity=invariant.quantity,
         tolerances=tolerances,
         errors=errors,
         orders=[slope([a[0], b[0]], [a[1], b[1]]) for a, b in pairs],
-        expected=law.order,
+        expected=invariant.order,
     )
 
 

@@ -168,7 +168,7 @@ RUNS: dict[str, Run] = {
     "reset": reset,
     "two_instances": two_instances,
 }
-"""What a law can name as ``run``."""
+"""What an invariant can name as ``run``."""
 
 
 def _drive(fmu: FmuFile, case: Case, instance: FmuInstance) -> Drive:

@@ -206,7 +206,7 @@ PROBES: dict[str, Probe] = {
     "starts_at": starts_at,
     "fails_until_reset": fails_until_reset,
 }
-"""What a law can name as ``probe``."""
+"""What an invariant can name as ``probe``."""
 
 
 def _goes_on(instance: FmuInstance, read: Callable[[], list[float]]) -> list[str]:

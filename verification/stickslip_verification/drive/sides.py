@@ -1,4 +1,4 @@
-"""The two sides on trial: an FMU through FMI, and the SciPy reference. Both give a `Record`."""
+"""The two sides of a case: an FMU through FMI, and the SciPy reference. Both give a `Record`."""
 
 from __future__ import annotations
 

@@ -68,9 +68,9 @@ def reference(case: Case) -> Answer[Record]:
     return _answer(kept, ReferenceSide().run, case)
 
 
-def observed_order(case: Case, law: Order) -> Answer[ObservedOrder]:
+def observed_order(case: Case, invariant: Order) -> Answer[ObservedOrder]:
     """Observe how the reference's error falls with its tolerance."""
-    return _answer(kept, convergence.observe, case, law)
+    return _answer(kept, convergence.observe, case, invariant)
 
 
 def plain_run(case: Case) -> Answer[Record]:
@@ -83,9 +83,9 @@ def other_run(case: Case, run: str) -> Answer[Record]:
     return _answer(lambda: RUNS[run](_fmu(), case))
 
 
-def probe(law: Probe) -> Answer[list[str]]:
+def probe(invariant: Probe) -> Answer[list[str]]:
     """Ask the FMU of this process a question."""
-    return _answer(lambda: PROBES[law.probe](_fmu(), **law.arguments))
+    return _answer(lambda: PROBES[invariant.probe](_fmu(), **invariant.arguments))
 
 
 class Pool:

@@ -1,6 +1,6 @@
 """Pure functions that judge one check of a case: where it looks, what it compares, by what measure.
 
-How a side is judged, `Trial`, is here too: which tolerances are its own, and what decides.
+How a side is judged, `Contract`, is here too: which tolerances are its own, and what decides.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from stickslip_verification.model.verdict import CheckResult, Measured
 from stickslip_verification.suite.cases import At, Case, Check
 from stickslip_verification.suite.tolerances import INTEGRATION, ROUNDING
 
-GRAIN = {"fmu": 1e-14, "reference": 1e-12}
+RESOLUTION = {"fmu": 1e-14, "reference": 1e-12}
 """What rounding between processors and mathematical libraries moves, as a part of the scale. Two
 libraries differ by a unit in the last place or two of a function (2e-16), of which the closed forms
 of a run add up some dozens; the reference also chooses its steps by them."""
 
 KEPT = {"fmu": ROUNDING, "reference": INTEGRATION}
 """The tolerances of the suite before conditioning; what a check allows beyond is its conditioning,
-and the grain grows with it."""
+and the resolution grows with it."""
 
 
 @dataclass(frozen=True)
-class Trial:
+class Contract:
     """How a side is judged.
 
     Attributes
@@ -61,10 +61,10 @@ class Trial:
         return klass == "physics" or self.contract
 
 
-OURS = Trial("fmu")
-REFERENCE = Trial("reference", exact=False)
-FOREIGN = Trial("fmu", ours=False, exact=False, contract=False)
-STRICT = Trial("fmu", ours=False)
+EXACT_CONTRACT = Contract("fmu")
+REFERENCE_CONTRACT = Contract("reference", exact=False)
+PHYSICS_CONTRACT = Contract("fmu", ours=False, exact=False, contract=False)
+STRICT_CONTRACT = Contract("fmu", ours=False)
 
 
 class CheckError(ValueError):
@@ -143,13 +143,15 @@ def errors(measure: str, got: Series, expected: Series, scale: float) -> Series:
         return np.where(difference == 0.0, 0.0, difference / size)
 
 
-def judge(case: Case, check: Check, trial: Trial, exact: Exact, record: Record) -> CheckResult:
+def judge(
+    case: Case, check: Check, contract: Contract, exact: Exact, record: Record
+) -> CheckResult:
     """Compare one side's record with the truth of one check.
 
     Never raises for what a side did: a missing output, a NaN or an infinity is a failed check
     with its reason. An output that a foreign FMU does not have makes the check not applicable.
     """
-    empty = blank(case, check, trial)
+    empty = blank(case, check, contract)
     try:
         chosen = places(check.at, exact)
         truth_samples = extract(check.quantity, exact.record, exact.start)
@@ -162,7 +164,7 @@ def judge(case: Case, check: Check, trial: Trial, exact: Exact, record: Record) 
     try:
         got = extract(check.quantity, record, exact.start)[chosen]
     except (CheckError, IndexError) as error:
-        return without_value(empty, trial, error, float(expected[-1]))
+        return without_value(empty, contract, error, float(expected[-1]))
     found = errors(check.measure, got, expected, scale)
     broken = np.flatnonzero(~np.isfinite(got) | ~np.isfinite(found))
     if len(broken):
@@ -172,15 +174,15 @@ def judge(case: Case, check: Check, trial: Trial, exact: Exact, record: Record) 
         return replace(empty, failure=reason, expected=float(expected[first]))
     worst = last_worst(found)
     size = scale if check.measure == "of_scale" else float(np.max(np.abs(expected))) or 1.0
-    conditioning = max(empty.tolerance / KEPT[trial.column], 1.0)
-    grain = min(GRAIN[trial.column] * conditioning, empty.tolerance)
+    conditioning = max(empty.tolerance / KEPT[contract.column], 1.0)
+    resolution = min(RESOLUTION[contract.column] * conditioning, empty.tolerance)
     return replace(
         empty,
         expected=float(expected[worst]),
         got=float(got[worst]),
         error=float(found[worst]),
         passed=bool(found[worst] <= empty.tolerance),
-        measured=Measured(float(np.mean(got)), size, grain),
+        measured=Measured(float(np.mean(got)), size, resolution),
     )
 
 
@@ -189,7 +191,7 @@ def last_worst(found: Series) -> int:
     return len(found) - 1 - int(np.argmax(found[::-1]))
 
 
-def blank(case: Case, check: Check, trial: Trial) -> CheckResult:
+def blank(case: Case, check: Check, contract: Contract) -> CheckResult:
     """Give the result of a check of a case before anything was compared."""
     return CheckResult(
         case=case.id,
@@ -197,24 +199,24 @@ def blank(case: Case, check: Check, trial: Trial) -> CheckResult:
         quantity=check.quantity,
         unit=check.unit,
         truth=check.truth.kind,
-        side=trial.side,
+        side=contract.side,
         expected=None,
         got=None,
         error=None,
-        tolerance=check.tolerance[trial.column],
-        because=check.because[trial.column],
+        tolerance=check.tolerance[contract.column],
+        because=check.because[contract.column],
         passed=False,
         klass=case.klass,
         measure=check.measure,
-        decides=trial.decides(case.klass),
+        decides=contract.decides(case.klass),
     )
 
 
 def without_value(
-    empty: CheckResult, trial: Trial, error: Exception, expected: float | None = None
+    empty: CheckResult, contract: Contract, error: Exception, expected: float | None = None
 ) -> CheckResult:
     """Give the result where the side has no value to compare: not applicable, or a failure."""
-    if isinstance(error, LackingError) and not trial.ours:
+    if isinstance(error, LackingError) and not contract.ours:
         return replace(empty, not_applicable=f"it has {error}", expected=expected)
     return replace(empty, failure=str(error), expected=expected)
 

@@ -1,4 +1,4 @@
-"""Pure functions that judge the laws: residuals, other runs, agreement, observed orders, probes."""
+"""Judgement of the invariants: residuals, other runs, agreement, observed orders, probes."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from stickslip_verification.drive import convergence
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.judge.checks import (
-    GRAIN,
+    RESOLUTION,
     CheckError,
+    Contract,
     LackingError,
-    Trial,
     errors,
     extract,
     last_worst,
@@ -25,9 +25,15 @@ from stickslip_verification.judge.metrics import METRICS, Course, MissingOutputE
 from stickslip_verification.model.record import Record
 from stickslip_verification.model.verdict import CheckResult, Measured, ObservedOrder
 from stickslip_verification.suite.cases import Case, Check
-from stickslip_verification.suite.invariants import Agreement, Law, Order, Probe, ResidualLaw
+from stickslip_verification.suite.invariants import (
+    Agreement,
+    Invariant,
+    Order,
+    Probe,
+    ResidualInvariant,
+)
 
-RESIDUAL_GRAIN = 0.1
+RESIDUAL_RESOLUTION = 0.1
 """The same of a mean residual of the exact block, as a part of its tolerance: it is rounding
 itself, a hundredth of the tolerance, and another mathematical library moved it by far less."""
 
@@ -37,31 +43,31 @@ kernels of the linear algebra moved slopes by 0.007 and differences of slopes by
 0.7, where the finest errors are near rounding."""
 
 
-def applies(law: ResidualLaw, case: Case, exact: Exact) -> bool:
-    """Whether the exact motion has a place that the law is about."""
-    return bool(np.any(_residual(law, case, exact, exact.record).where))
+def applies(invariant: ResidualInvariant, case: Case, exact: Exact) -> bool:
+    """Whether the exact motion has a place that the invariant is about."""
+    return bool(np.any(_residual(invariant, case, exact, exact.record).where))
 
 
 def judge_residual(
-    law: ResidualLaw, case: Case, trial: Trial, exact: Exact, record: Record
+    invariant: ResidualInvariant, case: Case, contract: Contract, exact: Exact, record: Record
 ) -> CheckResult:
-    """Judge what a law leaves over in one side's run of a case.
+    """Judge what an invariant leaves over in one side's run of a case.
 
-    A run in which the law finds no place although the exact motion has one is a failure.
+    A run in which the invariant finds no place although the exact motion has one is a failure.
     """
     empty = replace(
-        blank(law, case.id, trial),
-        quantity=law.quantity,
+        blank(invariant, case.id, contract),
+        quantity=invariant.quantity,
         measure="of_scale",
-        tolerance=law.tolerance[trial.column],
-        because=law.because[trial.column],
+        tolerance=invariant.tolerance[contract.column],
+        because=invariant.because[contract.column],
         expected=0.0,
     )
     try:
-        residual = _residual(law, case, exact, record)
+        residual = _residual(invariant, case, exact, record)
         found = residual.errors
     except MissingOutputError as error:
-        return without_value(empty, trial, LackingError(f"no output {error}"))
+        return without_value(empty, contract, LackingError(f"no output {error}"))
     except (ValueError, IndexError) as error:
         return replace(empty, failure=f"the samples do not fit together: {error}")
     empty = replace(empty, unit=residual.unit)
@@ -75,44 +81,44 @@ def judge_residual(
         nothing = ", where the exact motion has nothing" if math.isfinite(left) else ""
         return replace(empty, failure=f"it is {left!r} at t = {time:.6g} s{nothing}")
     worst = last_worst(found)
-    grain = min(GRAIN[trial.column], RESIDUAL_GRAIN * empty.tolerance)
+    resolution = min(RESOLUTION[contract.column], RESIDUAL_RESOLUTION * empty.tolerance)
     return replace(
         empty,
         got=float(residual.values[where[worst]]),
         error=float(found[worst]),
         passed=bool(found[worst] <= empty.tolerance),
-        measured=Measured(float(np.mean(found)), 1.0, grain),
+        measured=Measured(float(np.mean(found)), 1.0, resolution),
     )
 
 
-def agreeing(law: Agreement, case: Case) -> Check | None:
+def agreeing(invariant: Agreement, case: Case) -> Check | None:
     """Find the check of a case whose tolerances say how far FMU and reference may differ."""
     for check in case.checks:
         everywhere = check.at.kind == "every_point" and check.truth.formula is None
-        if check.quantity == law.quantity and everywhere:
+        if check.quantity == invariant.quantity and everywhere:
             return check
     return None
 
 
 def judge_agreement(
-    law: Agreement,
+    invariant: Agreement,
     case: Case,
     check: Check,
-    trial: Trial,
+    contract: Contract,
     exact: Answer[Exact],
     records: Mapping[str, Answer[Record]],
 ) -> CheckResult:
     """Hold the FMU against the reference, within what `check` of the case allows both."""
     empty = replace(
-        blank(law, case.id, trial),
+        blank(invariant, case.id, contract),
         side="both",
-        quantity=law.quantity,
+        quantity=invariant.quantity,
         unit=check.unit,
         measure=check.measure,
-        tolerance=check.tolerance[trial.column] + check.tolerance["reference"],
+        tolerance=check.tolerance[contract.column] + check.tolerance["reference"],
         because=(
             "the sum of what the case allows each of them: "
-            f"{check.because[trial.column]}; {check.because['reference']}"
+            f"{check.because[contract.column]}; {check.because['reference']}"
         ),
     )
     fmu, reference = records["fmu"], records["reference"]
@@ -124,14 +130,14 @@ def judge_agreement(
     assert exact.value is not None
     start = exact.value.start
     try:
-        expected = extract(law.quantity, reference.value, start)
-        got = extract(law.quantity, fmu.value, start)
+        expected = extract(invariant.quantity, reference.value, start)
+        got = extract(invariant.quantity, fmu.value, start)
     except CheckError as error:
-        return without_value(empty, trial, error)
-    scale = float(np.max(np.abs(extract(law.quantity, exact.value.record, start))))
+        return without_value(empty, contract, error)
+    scale = float(np.max(np.abs(extract(invariant.quantity, exact.value.record, start))))
     found = errors(check.measure, got, expected, scale)
     if not np.all(np.isfinite(found)):
-        return replace(empty, failure=f"{law.quantity} is no finite number on one side")
+        return replace(empty, failure=f"{invariant.quantity} is no finite number on one side")
     worst = last_worst(found)
     return replace(
         empty,
@@ -139,23 +145,27 @@ def judge_agreement(
         got=float(got[worst]),
         error=float(found[worst]),
         passed=bool(found[worst] <= empty.tolerance),
-        measured=Measured(float(np.mean(found)), 1.0, min(GRAIN["reference"], empty.tolerance)),
+        measured=Measured(
+            float(np.mean(found)), 1.0, min(RESOLUTION["reference"], empty.tolerance)
+        ),
     )
 
 
 def judge_order(
-    law: Order, case: str, trial: Trial, seen: Answer[ObservedOrder]
+    invariant: Order, case: str, contract: Contract, seen: Answer[ObservedOrder]
 ) -> Iterator[CheckResult]:
     """Judge an observed order, and whether it was observed in the asymptotic range."""
-    empty = replace(blank(law, case, trial), quantity=f"order in {law.quantity}", unit="1")
+    empty = replace(
+        blank(invariant, case, contract), quantity=f"order in {invariant.quantity}", unit="1"
+    )
     rows = (
-        ("", law.order, law.tolerance, law.because["order"]),
-        ("-asymptotic", 0.0, law.halves, law.because["halves"]),
+        ("", invariant.order, invariant.tolerance, invariant.because["order"]),
+        ("-asymptotic", 0.0, invariant.halves, invariant.because["halves"]),
     )
     for suffix, expected, tolerance, because in rows:
         row = replace(
             empty,
-            check=law.id + suffix,
+            check=invariant.id + suffix,
             quantity=empty.quantity + (", coarser less finer half" if suffix else ""),
             expected=expected,
             tolerance=tolerance,
@@ -183,10 +193,10 @@ def judge_order(
         )
 
 
-def judge_probe(law: Probe, trial: Trial, answer: Answer[list[str]]) -> CheckResult:
+def judge_probe(invariant: Probe, contract: Contract, answer: Answer[list[str]]) -> CheckResult:
     """Judge the complaints of a probe."""
     empty = replace(
-        blank(law, "", trial),
+        blank(invariant, "", contract),
         quantity="complaints",
         unit="1",
         tolerance=0.0,
@@ -206,26 +216,28 @@ def judge_probe(law: Probe, trial: Trial, answer: Answer[list[str]]) -> CheckRes
     )
 
 
-def blank(law: Law, case: str, trial: Trial) -> CheckResult:
-    """Give the result of a law before anything was compared."""
+def blank(invariant: Invariant, case: str, contract: Contract) -> CheckResult:
+    """Give the result of an invariant before anything was compared."""
     return CheckResult(
         case=case,
-        check=law.id,
+        check=invariant.id,
         quantity="",
         unit="1",
-        truth=law.kind,
-        side=trial.side,
+        truth=invariant.kind,
+        side=contract.side,
         expected=None,
         got=None,
         error=None,
         tolerance=0.0,
         because="",
         passed=False,
-        klass=law.klass,
-        decides=trial.decides(law.klass),
+        klass=invariant.klass,
+        decides=contract.decides(invariant.klass),
     )
 
 
-def _residual(law: ResidualLaw, case: Case, exact: Exact, record: Record) -> Residual:
+def _residual(invariant: ResidualInvariant, case: Case, exact: Exact, record: Record) -> Residual:
     with np.errstate(all="ignore"):
-        return METRICS[law.metric](Course(case, record, exact.record, np.array(exact.event_times)))
+        return METRICS[invariant.metric](
+            Course(case, record, exact.record, np.array(exact.event_times))
+        )

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
-from stickslip_verification.judge.checks import Trial, errors, last_worst
+from stickslip_verification.judge.checks import Contract, errors, last_worst
 from stickslip_verification.judge.invariant_checks import blank
 from stickslip_verification.judge.metrics import Course
 from stickslip_verification.judge.metrics.course import Mask
@@ -17,7 +17,7 @@ from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.model.record import Record, Series
 from stickslip_verification.model.verdict import CheckResult, Measured
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.invariants import RunLaw
+from stickslip_verification.suite.invariants import RunInvariant
 
 SPLIT_GRAIN = 0.5
 """What rounding between machines moves of the distance of two runs, as a part of its tolerance: it
@@ -25,35 +25,40 @@ is itself rounding, gathered over a whole run."""
 
 
 def judge_run(
-    law: RunLaw, case: Case, trial: Trial, exact: Exact, plain: Record, other: Answer[Record]
+    invariant: RunInvariant,
+    case: Case,
+    contract: Contract,
+    exact: Exact,
+    plain: Record,
+    other: Answer[Record],
 ) -> CheckResult:
     """Judge whether another run of the FMU gave the motion of the plain one, the start included.
 
     A numerical solution need not repeat a quantity better than the case asks it to know it.
     """
-    column = "fmu" if trial.exact else "numerical"
+    column = "fmu" if contract.exact else "numerical"
     empty = replace(
-        blank(law, case.id, trial),
+        blank(invariant, case.id, contract),
         quantity="every output",
         unit="1",
-        measure="absolute" if law.tolerance is None else "of_scale",
-        tolerance=0.0 if law.tolerance is None else law.tolerance[column],
-        because=law.because,
+        measure="absolute" if invariant.tolerance is None else "of_scale",
+        tolerance=0.0 if invariant.tolerance is None else invariant.tolerance[column],
+        because=invariant.because,
     )
     if other.value is None:
         return replace(empty, failure=other.failure, not_applicable=other.not_applicable)
     first, second = _with_start(plain), _with_start(other.value)
     if {n: s.shape for n, s in first.items()} != {n: s.shape for n, s in second.items()}:
         return replace(empty, failure="the runs have other outputs, or other numbers of samples")
-    if law.tolerance is None:
+    if invariant.tolerance is None:
         return _same_bits(empty, first, second)
     course = Course(case, plain, exact.record, np.array(exact.event_times))
     scales = {name: course.scale_of(name) for name in first}
     allowed = dict.fromkeys(first, empty.tolerance)
-    if not trial.exact:
+    if not contract.exact:
         for check in case.checks:
             if check.quantity in allowed:
-                known = check.tolerance[trial.column]
+                known = check.tolerance[contract.column]
                 allowed[check.quantity] = max(allowed[check.quantity], known)
     return _same_motion(empty, first, second, scales, allowed)
 

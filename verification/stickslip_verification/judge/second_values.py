@@ -52,7 +52,7 @@ class Accepted:
         drift = 0.0
         if mean != accepted:
             drift = abs(mean - accepted) / scale if scale > 0.0 else math.inf
-        return Second(accepted, mean, drift, result.measured.grain)
+        return Second(accepted, mean, drift, result.measured.resolution)
 
 
 def load_accepted(file: Path = FILE) -> Accepted:

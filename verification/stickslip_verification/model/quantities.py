@@ -88,7 +88,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "meter": ("delta_x", "spring_drop", "t_stick", "t_slip", "T", "x_dot_peak"),
     "energy": ("W_pull", "W_k", "Q_friction"),
 }
-"""Outputs that a case can name together; the others follow from these by a law each."""
+"""Outputs that a case can name together; the others follow from these by an invariant each."""
 
 
 def _jump_beyond_simplified(columns: Columns, start: Parameters) -> Series:

@@ -42,13 +42,13 @@ class Measured:
     """What a second value is made of.
 
     ``mean`` is that of the places a check looks at, in its unit; ``scale`` what a drift of it is
-    measured against; ``grain`` the part of the scale by which rounding may move it from machine
-    to machine.
+    measured against; ``resolution`` the part of the scale by which rounding may move it between
+    machines.
     """
 
     mean: float
     scale: float
-    grain: float
+    resolution: float
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ class ObservedOrder:
 
 
 @dataclass(frozen=True)
-class Conviction:
+class Detection:
     """What became of one planted fault.
 
     ``wanted`` are the checks that its description names in advance; ``failing`` gives, per check
@@ -174,20 +174,20 @@ class Conviction:
 class KillMatrix:
     """Every planted fault against every check.
 
-    ``checks`` are the columns, in the order of the suite. ``idle`` gives, for each check that kills
-    nothing, why it stays ("" where nothing says why, which fails the suite). Where it is not
-    ``whole``, each fault was tried on what was foretold alone, up to the first check that failed.
+    ``checks`` are the columns, in the order of the suite. ``kills_nothing`` gives, for each check
+    that kills no mutant, why it stays ("" where nothing says why, which fails the suite). Where it
+    is not ``whole``, each fault was tried on the foretold checks, up to the first that failed.
     """
 
     checks: Sequence[str]
-    rows: Sequence[Conviction]
-    idle: Mapping[str, str]
+    rows: Sequence[Detection]
+    kills_nothing: Mapping[str, str]
     whole: bool = True
 
     @property
     def passed(self) -> bool:
-        """Whether every fault was caught as foretold and every idle check is justified."""
-        return all(row.caught for row in self.rows) and all(self.idle.values())
+        """Whether every fault was caught as foretold and each check without a kill has a reason."""
+        return all(row.caught for row in self.rows) and all(self.kills_nothing.values())
 
 
 @dataclass(frozen=True)
@@ -238,8 +238,8 @@ class Verdict:
     @property
     def passed(self) -> bool:
         """Whether nothing that decides failed, the FMU met a truth, and every fault was caught."""
-        convicted = self.kills is None or self.kills.passed
-        return self.proven and convicted and not any(result.failed for result in self.checks)
+        detected = self.kills is None or self.kills.passed
+        return self.proven and detected and not any(result.failed for result in self.checks)
 
 
 def count(results: Sequence[CheckResult]) -> dict[str, int]:

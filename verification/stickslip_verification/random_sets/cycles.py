@@ -1,4 +1,4 @@
-"""Proofs about the steady cycle: random points, damped points, and a million cycles."""
+"""Random tests about the steady cycle: random points, damped points, and a million cycles."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from stickslip_verification import truth
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.random_sets import draws
 from stickslip_verification.random_sets.mover import Motion, Mover, State
-from stickslip_verification.random_sets.tally import ProofResult, Tally, relative
+from stickslip_verification.random_sets.tally import RandomTestResult, Tally, relative
 
 CYCLE = ("t_stick", "t_slip", "T", "delta_x", "spring_drop")
 POINTS = 5000
@@ -48,7 +48,7 @@ def undamped_points(seed: int, fraction: float) -> Iterator[tuple[Point, Random]
             yield kind(draw), draw
 
 
-def fmu_cycle(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None]:
+def fmu_cycle(fmu: Path, seed: int, fraction: float) -> Iterator[RandomTestResult | None]:
     """Prove that the FMU has the exact cycle at any steps from 1e-3 T to 20 T.
 
     Yields None after each draw, and the result at last.
@@ -72,7 +72,7 @@ def fmu_cycle(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | N
     yield tally.result()
 
 
-def reference_cycle(seed: int, fraction: float) -> Iterator[ProofResult | None]:
+def reference_cycle(seed: int, fraction: float) -> Iterator[RandomTestResult | None]:
     """Prove that the simulation misses no cycle and errs within its sensitivity, lambda >= 1e-3."""
     tally = Tally(
         "steady cycle simulated",
@@ -104,7 +104,7 @@ def reference_cycle(seed: int, fraction: float) -> Iterator[ProofResult | None]:
     yield tally.result()
 
 
-def reference_formulas(seed: int, fraction: float) -> Iterator[ProofResult | None]:
+def reference_formulas(seed: int, fraction: float) -> Iterator[RandomTestResult | None]:
     """Prove that the reference's closed forms of the undamped cycle are those of the theory."""
     tally = Tally(
         "steady cycle by formula", "reference", "1e-12 relative times mu_s/(mu_s - mu_k)", seed
@@ -134,7 +134,7 @@ def damped_points(seed: int, fraction: float) -> Iterator[tuple[Point, float, Ra
         yield point, _distance(point), draw
 
 
-def damped_cycle(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None]:
+def damped_cycle(fmu: Path, seed: int, fraction: float) -> Iterator[RandomTestResult | None]:
     """Prove that the FMU cycles where the damped cycle exists, nowhere else, and exactly."""
     tally = Tally(
         "damped cycle",
@@ -176,7 +176,7 @@ def damped_cycle(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult 
     yield tally.result()
 
 
-def million_cycles(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None]:
+def million_cycles(fmu: Path, seed: int, fraction: float) -> Iterator[RandomTestResult | None]:
     """Prove that the millionth cycle of one instance is the second, bit for bit."""
     names = ("t_slip", "t_stick", "spring_drop")
     tally = Tally("a million cycles", "fmu", "equal bit for bit to the second cycle", seed)

@@ -1,4 +1,4 @@
-"""The random sets of the proofs: steady cycles, damped cycles, input sequences, step splittings.
+"""The random sets: steady cycles, damped cycles, input sequences, step splittings.
 
 Every set is made by a `random.Random` that the caller seeds, so a seed names a set for ever.
 All values SI.

@@ -1,4 +1,4 @@
-"""Motions on one FMU instance that is used again and again, for the proofs."""
+"""Motions on one FMU instance that is used again and again, for the random tests."""
 
 from __future__ import annotations
 

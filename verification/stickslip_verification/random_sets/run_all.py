@@ -1,4 +1,4 @@
-"""All the proofs on random sets, in one call."""
+"""All random tests, in one call."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from stickslip_verification.random_sets import cycles, sequences
-from stickslip_verification.random_sets.tally import ProofResult
+from stickslip_verification.random_sets.tally import RandomTestResult
 
-__all__ = ["ProofResult", "prove"]
+__all__ = ["RandomTestResult", "prove"]
 
 Progress = Callable[[str, int, int], None]
 
 
 def prove(
     fmu: Path, seed: int = 1, fraction: float = 1.0, progress: Progress | None = None
-) -> list[ProofResult]:
+) -> list[RandomTestResult]:
     """Run every random set against an FMU and the reference.
 
     Parameters
@@ -39,7 +39,7 @@ def prove(
     """
     if not 0.0 < fraction <= 1.0:
         raise ValueError(f"fraction = {fraction}: must be above 0 and at most 1")
-    results: list[ProofResult] = []
+    results: list[RandomTestResult] = []
     for name, count, running in _proofs(fmu, seed, fraction):
         for done, result in enumerate(running):
             if progress is not None:
@@ -51,7 +51,7 @@ def prove(
 
 def _proofs(
     fmu: Path, seed: int, fraction: float
-) -> Iterator[tuple[str, int, Iterator[ProofResult | None]]]:
+) -> Iterator[tuple[str, int, Iterator[RandomTestResult | None]]]:
     points = round((cycles.POINTS + cycles.SHALLOW_POINTS) * fraction)
     damped = round(cycles.DAMPED_POINTS * fraction)
     motions = round(sequences.SEQUENCES * fraction)

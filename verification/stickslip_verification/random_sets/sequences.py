@@ -1,4 +1,4 @@
-"""Proofs about input sequences: splitting of steps, exactness, energy, scaling and mirror."""
+"""Random tests about input sequences: splitting of steps, exactness, energy, scaling and mirror."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from stickslip_verification.model.symmetries import (
 from stickslip_verification.random_sets import draws
 from stickslip_verification.random_sets.draws import Interval
 from stickslip_verification.random_sets.mover import Mover, State
-from stickslip_verification.random_sets.tally import ProofResult, Tally
+from stickslip_verification.random_sets.tally import RandomTestResult, Tally
 
 SEQUENCES = 5000
 TUNED = 1000
@@ -41,7 +41,7 @@ COUNTED = tuple(name for name in OUTPUT_NAMES if QUANTITIES[name].discrete)
 
 def split_and_truth(
     fmu: Path, seed: int, fraction: float, *, tunable: bool = False
-) -> Iterator[ProofResult | None]:
+) -> Iterator[RandomTestResult | None]:
     """Prove that one step and the same split give one motion, and that it is the exact one.
 
     With `tunable` the parameters k, c, mu_s and mu_k change on the way as well as the inputs.
@@ -95,7 +95,7 @@ def split_and_truth(
     yield exactness.result()
 
 
-def energy(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None]:
+def energy(fmu: Path, seed: int, fraction: float) -> Iterator[RandomTestResult | None]:
     """Prove that the energy account closes while inputs and tunable parameters change."""
     tally = Tally(
         "energy account", "fmu", "1e-11 of the largest of |W_pull|, Q_friction, stored", seed
@@ -116,7 +116,7 @@ def energy(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None
     yield tally.result()
 
 
-def no_hidden_scale(fmu: Path, seed: int, fraction: float) -> Iterator[ProofResult | None]:
+def no_hidden_scale(fmu: Path, seed: int, fraction: float) -> Iterator[RandomTestResult | None]:
     """Prove that mirror, forces times 4 and time halved give the same motion bit for bit."""
     symmetries = (MIRROR, HEAVIER, QUICKER)
     tallies = [Tally(each.name, "fmu", "equal bit for bit", seed) for each in symmetries]

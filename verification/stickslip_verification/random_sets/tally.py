@@ -1,4 +1,4 @@
-"""The result of a proof on a random set, and how it is gathered."""
+"""The result of a random test, and how it is gathered."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class ProofResult:
+class RandomTestResult:
     """What a random set showed.
 
     Attributes
@@ -79,11 +79,11 @@ class Tally:
         """Count a draw on which the side gave nothing."""
         self.judge({reason: math.inf}, draw)
 
-    def result(self) -> ProofResult:
+    def result(self) -> RandomTestResult:
         """Close the account."""
         few = self.left_out < self.most_left_out * self.drawn or not self.left_out
         judged = self.drawn - self.left_out
-        return ProofResult(
+        return RandomTestResult(
             name=self.name,
             side=self.side,
             bound=self.bound,

@@ -1,4 +1,4 @@
-"""The ground that FMUs are judged on: exact motions, the reference's runs, its observed orders.
+"""The baseline that FMUs are judged on: exact motions, the reference's runs, its observed orders.
 
 It is computed once, in several processes, and serves every FMU of a run.
 """
@@ -15,7 +15,7 @@ from stickslip_verification.judge.invariant_checks import applies
 from stickslip_verification.model.record import Record
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.invariants import Laws, Order, ResidualLaw
+from stickslip_verification.suite.invariants import Invariants, Order, ResidualInvariant
 
 TIME_LIMIT = 180.0
 """Seconds that the truth or the reference may take for one case; the longest takes a few."""
@@ -25,24 +25,29 @@ Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
-class Ground:
+class Baseline:
     """What one case is judged on.
 
-    ``laws`` are the laws on samples that the exact motion has a place for.
+    ``invariants`` are the invariants on samples that the exact motion has a place for.
     """
 
     case: Case
     exact: Answer[Exact]
     reference: Answer[Record]
-    laws: Sequence[ResidualLaw]
+    invariants: Sequence[ResidualInvariant]
     orders: Sequence[tuple[Order, Answer[ObservedOrder]]]
 
 
-def lay(
-    cases: Sequence[Case], laws: Laws, jobs: int, progress: Progress | None = None
-) -> list[Ground]:
-    """Compute the ground of each case; `progress` counts the cases."""
-    asked = [(case, law) for case in cases for law in laws.orders if case.id in law.cases]
+def compute(
+    cases: Sequence[Case], invariants: Invariants, jobs: int, progress: Progress | None = None
+) -> list[Baseline]:
+    """Compute the baseline of each case; `progress` counts the cases."""
+    asked = [
+        (case, invariant)
+        for case in cases
+        for invariant in invariants.orders
+        if case.id in invariant.cases
+    ]
     with workers.Pool(jobs, TIME_LIMIT) as pool:
         # Long runs first, so that no process is left alone with one at the end.
         by_length = sorted(cases, key=lambda case: case.stop_time, reverse=True)
@@ -56,17 +61,19 @@ def lay(
             found[case.id] = (next(exacts), next(references))
         observed = list(zip(asked, orders, strict=True))
     return [
-        Ground(
+        Baseline(
             case,
             *found[case.id],
-            laws=_about(case, found[case.id][0], laws),
-            orders=[(law, seen) for (of, law), seen in observed if of.id == case.id],
+            invariants=_about(case, found[case.id][0], invariants),
+            orders=[(invariant, seen) for (of, invariant), seen in observed if of.id == case.id],
         )
         for case in cases
     ]
 
 
-def _about(case: Case, exact: Answer[Exact], laws: Laws) -> list[ResidualLaw]:
+def _about(case: Case, exact: Answer[Exact], invariants: Invariants) -> list[ResidualInvariant]:
     if exact.value is None:
-        return list(laws.residuals)
-    return [law for law in laws.residuals if applies(law, case, exact.value)]
+        return list(invariants.residuals)
+    return [
+        invariant for invariant in invariants.residuals if applies(invariant, case, exact.value)
+    ]

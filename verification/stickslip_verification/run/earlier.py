@@ -22,7 +22,7 @@ FLOOR = 1e-3
 """Margins below this count as this: a thousandth of a tolerance is rounding, and rounding moves."""
 
 
-class BaselineError(ValueError):
+class EarlierReportError(ValueError):
     """An earlier report cannot be used; one line that says which and why."""
 
 
@@ -39,7 +39,7 @@ class Entry:
 
 
 @dataclass(frozen=True)
-class Baseline:
+class EarlierReport:
     """An earlier report; ``created`` and ``sha256`` (of its FMU) are None where it does not say."""
 
     file: Path
@@ -85,7 +85,7 @@ class Moves:
         Number of checks in both.
     """
 
-    baseline: Baseline
+    baseline: EarlierReport
     grew: Sequence[Move]
     shrank: Sequence[Move]
     changed: Sequence[Move]
@@ -94,41 +94,41 @@ class Moves:
     compared: int
 
 
-def read_baseline(path: Path) -> Baseline:
+def read_earlier_report(path: Path) -> EarlierReport:
     """Read an earlier ``report.json``.
 
     Raises
     ------
-    BaselineError
+    EarlierReportError
         There is no such file, or it is not such a report.
     """
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise BaselineError(f"{path}: {(error.strerror or str(error)).lower()}") from None
+        raise EarlierReportError(f"{path}: {(error.strerror or str(error)).lower()}") from None
     except UnicodeDecodeError:
-        raise BaselineError(f"{path}: is not a report: not UTF-8") from None
+        raise EarlierReportError(f"{path}: is not a report: not UTF-8") from None
     except (json.JSONDecodeError, RecursionError) as error:
-        raise BaselineError(f"{path}: is not a report: not JSON: {error}") from None
+        raise EarlierReportError(f"{path}: is not a report: not JSON: {error}") from None
     rows = report.get("checks") if isinstance(report, dict) else None
     if not isinstance(rows, list):
-        raise BaselineError(f"{path}: is not a report: it has no list of checks")
+        raise EarlierReportError(f"{path}: is not a report: it has no list of checks")
     entries: dict[Key, Entry] = {}
     for number, row in enumerate(rows):
         try:
             entries[row["case"], row["check"], row["side"]] = _entry(row)
         except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
             reason = f"checks[{number}]: {type(error).__name__}: {error}"
-            raise BaselineError(f"{path}: is not a report: {reason}") from None
+            raise EarlierReportError(f"{path}: is not a report: {reason}") from None
     provenance = report.get("provenance")
     told = provenance if isinstance(provenance, dict) else {}
     fmu = told.get("fmu")
-    return Baseline(
+    return EarlierReport(
         path, told.get("created"), fmu.get("sha256") if isinstance(fmu, dict) else None, entries
     )
 
 
-def compare(baseline: Baseline, verdict: Verdict) -> Moves:
+def compare(baseline: EarlierReport, verdict: Verdict) -> Moves:
     """Tell how the margins of a verdict moved since an earlier report."""
     now = {
         (each.case, each.check, each.side): Entry(

@@ -1,4 +1,4 @@
-"""The run of an FMU: everything it is asked, and the result of every check, law and probe."""
+"""The run of an FMU: everything it is asked, and the result of every check, invariant and probe."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from dataclasses import dataclass, replace
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.judge import checks, run_checks
-from stickslip_verification.judge import invariant_checks as law_checks
-from stickslip_verification.judge.checks import REFERENCE, Trial
+from stickslip_verification.judge import invariant_checks as invariant_checks
+from stickslip_verification.judge.checks import REFERENCE_CONTRACT, Contract
 from stickslip_verification.model.record import Record
 from stickslip_verification.model.verdict import CheckResult, Motion
-from stickslip_verification.run.baseline import Ground, Progress
+from stickslip_verification.run.baseline import Baseline, Progress
 from stickslip_verification.suite.cases import Check
-from stickslip_verification.suite.invariants import Laws, ResidualLaw, RunLaw
+from stickslip_verification.suite.invariants import Invariants, ResidualInvariant, RunInvariant
 
 FINISHES = "runs-to-the-end"
 """The check that a run which does not finish fails; for the others nothing is there to judge."""
 
 
 @dataclass(frozen=True)
-class Trials:
+class Answers:
     """What an FMU did: its plain run and its other runs of each case, and the probes' answers."""
 
     plain: Mapping[str, Answer[Record]]
@@ -31,17 +31,19 @@ class Trials:
 
 def ask(
     pool: workers.Pool,
-    ground: Sequence[Ground],
-    laws: Laws,
+    baseline: Sequence[Baseline],
+    invariants: Invariants,
     progress: Progress | None = None,
-) -> Trials:
-    """Let the FMU of a pool do all that it is judged by on this ground and by these laws."""
-    cases = [each.case for each in ground]
-    kinds = list(dict.fromkeys(law.run for law in laws.runs))
+) -> Answers:
+    """Run the FMU of a pool through the cases of the baseline and what the invariants ask for."""
+    cases = [each.case for each in baseline]
+    kinds = list(dict.fromkeys(invariant.run for invariant in invariants.runs))
     asked = [(case, kind) for case in cases for kind in kinds]
     plain = pool.each(workers.plain_run, [(case,) for case in cases])
     runs = pool.each(workers.other_run, asked)
-    probes = pool.each(workers.probe, [(law,) for law in laws.probes], most=workers.PROBE_LIMIT)
+    probes = pool.each(
+        workers.probe, [(invariant,) for invariant in invariants.probes], most=workers.PROBE_LIMIT
+    )
     found: dict[str, Answer[Record]] = {}
     others: dict[tuple[str, str], Answer[Record]] = {}
     for done, case in enumerate(cases):
@@ -52,32 +54,37 @@ def ask(
         if progress is not None and done % len(kinds) == 0:
             progress(f"FMU in other runs: {case.id}", done // len(kinds), len(cases))
         others[case.id, kind] = next(runs)
-    return Trials(found, others, {law.id: next(probes) for law in laws.probes})
+    return Answers(found, others, {invariant.id: next(probes) for invariant in invariants.probes})
 
 
 def judge(
-    ground: Sequence[Ground], laws: Laws, trials: Trials, trial: Trial, *, reference: bool = True
+    baseline: Sequence[Baseline],
+    invariants: Invariants,
+    answers: Answers,
+    contract: Contract,
+    *,
+    reference: bool = True,
 ) -> Iterator[CheckResult]:
     """Give the result of every check, case by case, then those of the FMU as a whole.
 
     Without `reference` only what the FMU did is judged.
     """
-    for each in ground:
-        results = _judge_case(each, laws, trials, trial, reference=reference)
+    for each in baseline:
+        results = _judge_case(each, invariants, answers, contract, reference=reference)
         if each.case.klass == "contract":
             # Whatever is said of a convention is no more than a convention.
-            results = (_by_contract(result, trial) for result in results)
+            results = (_by_contract(result, contract) for result in results)
         yield from results
-    for law in laws.probes:
-        yield law_checks.judge_probe(law, trial, trials.probes[law.id])
+    for invariant in invariants.probes:
+        yield invariant_checks.judge_probe(invariant, contract, answers.probes[invariant.id])
 
 
-def motions(ground: Sequence[Ground], trials: Trials) -> Iterator[Motion]:
+def motions(baseline: Sequence[Baseline], answers: Answers) -> Iterator[Motion]:
     """Give what each case looked like on the sides that ran."""
-    for each in ground:
+    for each in baseline:
         if each.exact.value is None:
             continue
-        sides = {"fmu": trials.plain[each.case.id].value, "reference": each.reference.value}
+        sides = {"fmu": answers.plain[each.case.id].value, "reference": each.reference.value}
         yield Motion(
             case=each.case.id,
             title=each.case.title,
@@ -89,24 +96,31 @@ def motions(ground: Sequence[Ground], trials: Trials) -> Iterator[Motion]:
 
 
 def _judge_case(
-    ground: Ground, laws: Laws, trials: Trials, trial: Trial, *, reference: bool
+    baseline: Baseline,
+    invariants: Invariants,
+    answers: Answers,
+    contract: Contract,
+    *,
+    reference: bool,
 ) -> Iterator[CheckResult]:
-    case = ground.case
-    plain = trials.plain[case.id]
-    sides = [(trial, plain)] + ([(REFERENCE, ground.reference)] if reference else [])
+    case = baseline.case
+    plain = answers.plain[case.id]
+    sides = [(contract, plain)] + ([(REFERENCE_CONTRACT, baseline.reference)] if reference else [])
     for check in case.checks:
         for side, answer in sides:
-            yield _judge_side(checks.blank(case, check, side), ground, answer, check, side)
-    for law in ground.laws:
+            yield _judge_side(checks.blank(case, check, side), baseline, answer, check, side)
+    for invariant in baseline.invariants:
         for side, answer in sides:
-            yield _judge_law(ground, law, answer, side)
-    for run in laws.runs:
-        yield _judge_run(ground, run, trials, trial)
-    yield from _judge_against_reference(ground, laws, trials, trial, reference=reference)
+            yield _judge_invariant(baseline, invariant, answer, side)
+    for run in invariants.runs:
+        yield _judge_run(baseline, run, answers, contract)
+    yield from _judge_against_reference(
+        baseline, invariants, answers, contract, reference=reference
+    )
 
 
-def _by_contract(result: CheckResult, trial: Trial) -> CheckResult:
-    decides = (REFERENCE if result.side == "reference" else trial).decides("contract")
+def _by_contract(result: CheckResult, contract: Contract) -> CheckResult:
+    decides = (REFERENCE_CONTRACT if result.side == "reference" else contract).decides("contract")
     return replace(result, klass="contract", decides=decides)
 
 
@@ -121,47 +135,58 @@ def _unanswered(empty: CheckResult, answer: Answer[Record]) -> CheckResult:
 
 
 def _judge_side(
-    empty: CheckResult, ground: Ground, answer: Answer[Record], check: Check, side: Trial
+    empty: CheckResult, baseline: Baseline, answer: Answer[Record], check: Check, side: Contract
 ) -> CheckResult:
-    if ground.exact.value is None:
-        return replace(empty, failure=f"the truth cannot be computed: {ground.exact.failure}")
+    if baseline.exact.value is None:
+        return replace(empty, failure=f"the truth cannot be computed: {baseline.exact.failure}")
     if answer.value is None:
         return _unanswered(empty, answer)
-    return checks.judge(ground.case, check, side, ground.exact.value, answer.value)
+    return checks.judge(baseline.case, check, side, baseline.exact.value, answer.value)
 
 
-def _judge_law(
-    ground: Ground, law: ResidualLaw, answer: Answer[Record], side: Trial
+def _judge_invariant(
+    baseline: Baseline, invariant: ResidualInvariant, answer: Answer[Record], side: Contract
 ) -> CheckResult:
-    empty = law_checks.blank(law, ground.case.id, side)
-    if ground.exact.value is None:
-        return replace(empty, failure=f"the truth cannot be computed: {ground.exact.failure}")
+    empty = invariant_checks.blank(invariant, baseline.case.id, side)
+    if baseline.exact.value is None:
+        return replace(empty, failure=f"the truth cannot be computed: {baseline.exact.failure}")
     if answer.value is None:
         return _unanswered(empty, answer)
-    return law_checks.judge_residual(law, ground.case, side, ground.exact.value, answer.value)
+    return invariant_checks.judge_residual(
+        invariant, baseline.case, side, baseline.exact.value, answer.value
+    )
 
 
-def _judge_run(ground: Ground, law: RunLaw, trials: Trials, trial: Trial) -> CheckResult:
-    plain = trials.plain[ground.case.id]
-    empty = law_checks.blank(law, ground.case.id, trial)
+def _judge_run(
+    baseline: Baseline, invariant: RunInvariant, answers: Answers, contract: Contract
+) -> CheckResult:
+    plain = answers.plain[baseline.case.id]
+    empty = invariant_checks.blank(invariant, baseline.case.id, contract)
     if plain.value is None:
         return _unanswered(empty, plain)
-    if ground.exact.value is None:
-        return replace(empty, failure=f"the truth cannot be computed: {ground.exact.failure}")
-    other = trials.runs[ground.case.id, law.run]
-    exact = ground.exact.value
-    return run_checks.judge_run(law, ground.case, trial, exact, plain.value, other)
+    if baseline.exact.value is None:
+        return replace(empty, failure=f"the truth cannot be computed: {baseline.exact.failure}")
+    other = answers.runs[baseline.case.id, invariant.run]
+    exact = baseline.exact.value
+    return run_checks.judge_run(invariant, baseline.case, contract, exact, plain.value, other)
 
 
 def _judge_against_reference(
-    ground: Ground, laws: Laws, trials: Trials, trial: Trial, *, reference: bool
+    baseline: Baseline,
+    invariants: Invariants,
+    answers: Answers,
+    contract: Contract,
+    *,
+    reference: bool,
 ) -> Iterator[CheckResult]:
-    case = ground.case
-    records = {"fmu": trials.plain[case.id], "reference": ground.reference}
-    for law in laws.agreements:
-        check = law_checks.agreeing(law, case)
+    case = baseline.case
+    records = {"fmu": answers.plain[case.id], "reference": baseline.reference}
+    for invariant in invariants.agreements:
+        check = invariant_checks.agreeing(invariant, case)
         if check is not None:
-            yield law_checks.judge_agreement(law, case, check, trial, ground.exact, records)
+            yield invariant_checks.judge_agreement(
+                invariant, case, check, contract, baseline.exact, records
+            )
     if reference:
-        for order, seen in ground.orders:
-            yield from law_checks.judge_order(order, case.id, REFERENCE, seen)
+        for order, seen in baseline.orders:
+            yield from invariant_checks.judge_order(order, case.id, REFERENCE_CONTRACT, seen)

@@ -1,4 +1,4 @@
-"""The suite's own trial: planted faults must each fail a check that was named in advance."""
+"""The kill matrix: each planted fault must fail a check that was named in advance."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from pathlib import Path
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.judge.checks import OURS, Trial
-from stickslip_verification.model.verdict import CheckResult, Conviction, KillMatrix
-from stickslip_verification.run.baseline import Ground, Progress
-from stickslip_verification.run.judged import Trials, ask, judge
-from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantError, idle_reasons
-from stickslip_verification.suite.invariants import Laws
+from stickslip_verification.judge.checks import EXACT_CONTRACT, Contract
+from stickslip_verification.model.verdict import CheckResult, Detection, KillMatrix
+from stickslip_verification.run.baseline import Baseline, Progress
+from stickslip_verification.run.judged import Answers, ask, judge
+from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantError, reasons_to_stay
+from stickslip_verification.suite.invariants import Invariants
 
 LONGEST = 100.0
 """Cases of more simulated time [s] are left out: a mutant that integrates would take minutes."""
@@ -32,7 +32,7 @@ class How:
 
     Attributes
     ----------
-    names, trial, fresh
+    names, contract, fresh
         For a foreign FMU: the map to its names, how it is judged, and whether it lives only once in
         a process. What can be planted in it are faults in the calls of the master.
     whole
@@ -42,16 +42,16 @@ class How:
     """
 
     names: NameMap | None = None
-    trial: Trial = OURS
+    contract: Contract = EXACT_CONTRACT
     fresh: bool = False
     whole: bool = True
 
 
-def convict(
+def detect(
     fmu: Path,
     mutants: Sequence[Mutant],
-    ground: Sequence[Ground],
-    laws: Laws,
+    baseline: Sequence[Baseline],
+    invariants: Invariants,
     jobs: int,
     progress: Progress | None = None,
     how: How = How(),
@@ -67,9 +67,9 @@ def convict(
         The FMU without faults.
     mutants
         What to plant.
-    ground
+    baseline
         Of the cases to try; those of more than `LONGEST` are left out.
-    laws
+    invariants
         Of the suite.
     jobs
         How many mutants are tried at once, each in a process of its own.
@@ -83,18 +83,18 @@ def convict(
     MutantError
         No case is short enough.
     """
-    short = [each for each in ground if each.case.stop_time <= LONGEST]
+    short = [each for each in baseline if each.case.stop_time <= LONGEST]
     if not short:
         raise MutantError(
             FAULTS_FOLDER, "", f"no case is short enough to plant faults in: {LONGEST:g} s at most"
         )
-    rows: dict[str, Conviction] = {}
+    rows: dict[str, Detection] = {}
     with (
         tempfile.TemporaryDirectory(prefix="stickslip-mutants-") as folder,
         ThreadPoolExecutor(jobs) as threads,
     ):
         futures = {
-            threads.submit(_try, fmu, mutant, short, laws, Path(folder), how): mutant
+            threads.submit(_try, fmu, mutant, short, invariants, Path(folder), how): mutant
             for mutant in mutants
         }
         try:
@@ -107,21 +107,29 @@ def convict(
             threads.shutdown(wait=False, cancel_futures=True)
             raise
     in_order = [rows[mutant.id] for mutant in mutants]
-    columns = list(_columns(short, laws))
+    columns = list(_columns(short, invariants))
     killing = {check for row in in_order for check in row.failing}
-    reasons = idle_reasons()
-    idle = {check: reasons.get(check, "") for check in columns if check not in killing}
+    reasons = reasons_to_stay()
+    kills_nothing = {check: reasons.get(check, "") for check in columns if check not in killing}
     return KillMatrix(
-        checks=columns, rows=in_order, idle=idle if how.whole else {}, whole=how.whole
+        checks=columns,
+        rows=in_order,
+        kills_nothing=kills_nothing if how.whole else {},
+        whole=how.whole,
     )
 
 
 def _try(
-    fmu: Path, mutant: Mutant, ground: Sequence[Ground], laws: Laws, folder: Path, how: How
-) -> Conviction:
+    fmu: Path,
+    mutant: Mutant,
+    baseline: Sequence[Baseline],
+    invariants: Invariants,
+    folder: Path,
+    how: How,
+) -> Detection:
     failing: Mapping[str, int] = {}
     broken = None
-    wanted = tuple(mutant.convicted_by)
+    wanted = tuple(mutant.detected_by)
     try:
         planted = plant(fmu, mutant, folder)
     except MutantError as error:
@@ -129,15 +137,15 @@ def _try(
     else:
         if not how.whole:
             with _pool(planted, mutant, how) as pool:
-                failing, broken = _first_foretold(pool, wanted, ground, laws, how.trial)
+                failing, broken = _first_foretold(pool, wanted, baseline, invariants, how.contract)
         if not failing and broken is None:
             with _pool(planted, mutant, how) as pool:
-                trials = ask(pool, ground, laws)
-            failing = _count(_failures(ground, laws, trials, how.trial))
-            if all(answer.value is None for answer in trials.plain.values()):
-                first = next(iter(trials.plain.values()))
+                answers = ask(pool, baseline, invariants)
+            failing = _count(_failures(baseline, invariants, answers, how.contract))
+            if all(answer.value is None for answer in answers.plain.values()):
+                first = next(iter(answers.plain.values()))
                 broken = f"it finished no case: {first.failure}"
-    return Conviction(
+    return Detection(
         mutant=mutant.id,
         about=mutant.about,
         wanted=wanted,
@@ -154,31 +162,38 @@ def _pool(planted: Path, mutant: Mutant, how: How) -> workers.Pool:
 def _first_foretold(
     pool: workers.Pool,
     wanted: Sequence[str],
-    ground: Sequence[Ground],
-    laws: Laws,
-    trial: Trial,
+    baseline: Sequence[Baseline],
+    invariants: Invariants,
+    contract: Contract,
 ) -> tuple[Mapping[str, int], str | None]:
     """Give what fails first of the checks `wanted`, in one case or of the FMU as a whole.
 
     The second value says why the mutant cannot be judged, or is None.
     """
-    if not set(wanted) & set(_columns(ground, laws)):
+    if not set(wanted) & set(_columns(baseline, invariants)):
         return {}, f"none of {', '.join(wanted)} is a check of these cases or of all runs"
-    few = laws.only(wanted)
+    few = invariants.only(wanted)
     every_case = few.residuals or few.runs or few.agreements
-    places: list[Sequence[Ground]] = [
-        [replace(each, laws=[law for law in each.laws if law in few.residuals])]
-        for each in sorted(ground, key=lambda each: len(each.case.steps))
+    places: list[Sequence[Baseline]] = [
+        [
+            replace(
+                each,
+                invariants=[
+                    invariant for invariant in each.invariants if invariant in few.residuals
+                ],
+            )
+        ]
+        for each in sorted(baseline, key=lambda each: len(each.case.steps))
         if every_case or any(check.id in wanted for check in each.case.checks)
     ]
     # The probes, about no case, are asked beside the first one.
     for here in places or [[]]:
-        trials = ask(pool, here, few)
-        found = _failures(here, few, trials, trial)
+        answers = ask(pool, here, few)
+        found = _failures(here, few, answers, contract)
         failing = _count(result for result in found if result.check in wanted)
         if failing:
             return failing, None
-        late = next((answer for answer in trials.plain.values() if answer.late), None)
+        late = next((answer for answer in answers.plain.values() if answer.late), None)
         if late is not None:
             return {}, f"it takes too long: {late.failure}"
         few = replace(few, probes=())
@@ -186,31 +201,33 @@ def _first_foretold(
 
 
 def _failures(
-    ground: Sequence[Ground], laws: Laws, trials: Trials, trial: Trial
+    baseline: Sequence[Baseline], invariants: Invariants, answers: Answers, contract: Contract
 ) -> Iterator[CheckResult]:
     """Give the checks that failed for what the FMU did, and not for the time it took."""
-    late = set(_late(trials, laws))
-    for result in judge(ground, laws, trials, trial, reference=False):
+    late = set(_late(answers, invariants))
+    for result in judge(baseline, invariants, answers, contract, reference=False):
         if result.failed and not late & {(result.case, ""), (result.case, result.check)}:
             yield result
 
 
-def _late(trials: Trials, laws: Laws) -> Iterator[tuple[str, str]]:
-    """Give what took too long: a case and the law that asked for the run, "" for the plain one."""
-    yield from ((case, "") for case, answer in trials.plain.items() if answer.late)
-    for (case, run), answer in trials.runs.items():
+def _late(answers: Answers, invariants: Invariants) -> Iterator[tuple[str, str]]:
+    """Give what took too long: a case, and the invariant that asked for the run or ""."""
+    yield from ((case, "") for case, answer in answers.plain.items() if answer.late)
+    for (case, run), answer in answers.runs.items():
         if answer.late:
-            yield from ((case, law.id) for law in laws.runs if law.run == run)
-    yield from (("", law) for law, answer in trials.probes.items() if answer.late)
+            yield from (
+                (case, invariant.id) for invariant in invariants.runs if invariant.run == run
+            )
+    yield from (("", invariant) for invariant, answer in answers.probes.items() if answer.late)
 
 
 def _count(results: Iterable[CheckResult]) -> Mapping[str, int]:
     return dict(Counter(result.check for result in results))
 
 
-def _columns(ground: Sequence[Ground], laws: Laws) -> Iterable[str]:
+def _columns(baseline: Sequence[Baseline], invariants: Invariants) -> Iterable[str]:
     """Give the checks that an FMU can fail, each once, in the order of the suite."""
-    of_cases = (check.id for each in ground for check in each.case.checks)
-    families = (laws.residuals, laws.runs, laws.agreements, laws.probes)
-    of_laws = (law.id for family in families for law in family)
-    return dict.fromkeys((*of_cases, *of_laws))
+    of_cases = (check.id for each in baseline for check in each.case.checks)
+    families = (invariants.residuals, invariants.runs, invariants.agreements, invariants.probes)
+    of_invariants = (invariant.id for family in families for invariant in family)
+    return dict.fromkeys((*of_cases, *of_invariants))

@@ -24,10 +24,10 @@ from stickslip_verification.suite.faults import (
     FAULTS_FOLDER,
     Mutant,
     MutantError,
-    idle_reasons,
     load_mutants,
+    reasons_to_stay,
 )
-from stickslip_verification.suite.invariants import LawError, Laws, load_laws
+from stickslip_verification.suite.invariants import InvariantError, Invariants, load_invariants
 from stickslip_verification.suite.tolerances import ZERO, Facts
 
 THEORY = Path(__file__).parents[3] / "docs" / "theory.md"
@@ -49,7 +49,7 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
     Parameters
     ----------
     folder
-        Where the cases are. Laws, planted faults and accepted values are those of the suite.
+        Where the cases are. Invariants, planted faults and accepted values are those of the suite.
     """
     findings: list[str] = []
     cases = []
@@ -59,31 +59,31 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
         except CaseError as error:
             findings.append(str(error))
     try:
-        laws, mutants = load_laws(), load_mutants()
-    except (LawError, MutantError) as error:
+        invariants, mutants = load_invariants(), load_mutants()
+    except (InvariantError, MutantError) as error:
         return [*findings, str(error)]
     motions = {case.file: kept(exact_motion, case) for case in cases}
-    findings += _ids(cases, laws)
+    findings += _ids(cases, invariants)
     findings += _motions(cases, motions)
-    findings += _reasons(cases, laws)
-    findings += _sources(cases, laws)
-    findings += _unused(cases, laws)
-    findings += _mutants(cases, laws, mutants)
+    findings += _reasons(cases, invariants)
+    findings += _sources(cases, invariants)
+    findings += _unused(cases, invariants)
+    findings += _mutants(cases, invariants, mutants)
     if folder == CASES_FOLDER:
-        findings += _accepted(cases, laws, load_accepted(), motions)
+        findings += _accepted(cases, invariants, load_accepted(), motions)
     return findings
 
 
-def _ids(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
+def _ids(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
     counted = Counter(case.id for case in cases)
     yield from (f"{name}: {n} cases have this id" for name, n in counted.items() if n > 1)
-    names = {law.id for law in laws}
+    names = {invariant.id for invariant in invariants}
     for case in cases:
         if case.file.stem != case.id:
             yield f"{case.file.name}: its id is {case.id!r}, not the name of the file"
         for check in case.checks:
             if check.id in names:
-                yield f"{case.id} / {check.id}: a law has this id"
+                yield f"{case.id} / {check.id}: an invariant has this id"
     for name, n in Counter(case.title for case in cases).items():
         if n > 1:
             yield f"{n} cases have the title {name!r}"
@@ -124,17 +124,17 @@ def _as_toml(facts: Facts) -> str:
     return f"motion = {{ {', '.join(parts)} }}"
 
 
-def _reasons(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
+def _reasons(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
     for case, check in _checks(cases):
         for side, text in check.because.items():
             yield from _reason(f"{case.id} / {check.id}: because.{side}", text)
-    for law in laws:
-        yield from _reason(f"{law.id}: means", law.means)
-        yield from _reason(f"{law.id}: look", law.look)
-        because = getattr(law, "because", {})
+    for invariant in invariants:
+        yield from _reason(f"{invariant.id}: means", invariant.means)
+        yield from _reason(f"{invariant.id}: look", invariant.look)
+        because = getattr(invariant, "because", {})
         texts = {"": because} if isinstance(because, str) else because
         for side, text in texts.items():
-            yield from _reason(f"{law.id}: because {side}".rstrip(), text)
+            yield from _reason(f"{invariant.id}: because {side}".rstrip(), text)
 
 
 def _reason(where: str, text: str) -> Iterator[str]:
@@ -145,32 +145,32 @@ def _reason(where: str, text: str) -> Iterator[str]:
             yield f"{where}: {word!r} is no reason"
 
 
-def _sources(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
+def _sources(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
     if not THEORY.is_file():
         return
     numbers = {int(n) for n in re.findall(r"\\tag\{(\d+)\}", THEORY.read_text(encoding="utf-8"))}
     for case, check in _checks(cases):
         if check.truth.source not in numbers:
             yield f"{case.id} / {check.id}: docs/theory.md has no equation ({check.truth.source})"
-    for law in laws:
-        if law.source not in numbers:
-            yield f"{law.id}: docs/theory.md has no equation ({law.source})"
+    for invariant in invariants:
+        if invariant.source not in numbers:
+            yield f"{invariant.id}: docs/theory.md has no equation ({invariant.source})"
 
 
-def _unused(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
+def _unused(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
     checks = [check for _, check in _checks(cases)]
     quantities = {check.quantity for check in checks}
-    quantities |= {law.quantity for law in laws.agreements}
-    quantities |= {law.quantity for law in laws.orders}
+    quantities |= {invariant.quantity for invariant in invariants.agreements}
+    quantities |= {invariant.quantity for invariant in invariants.orders}
     formulas = {check.truth.formula for check in checks if check.truth.formula is not None}
     # What the designers' slip time is held against is the difference, not the formula itself.
     formulas.add("half_period")
     families: tuple[tuple[str, Collection[str], set[str]], ...] = (
         ("quantity", QUANTITIES, quantities),
         ("formula", FORMULAS, formulas),
-        ("metric", METRICS, {law.metric for law in laws.residuals}),
-        ("run", RUNS, {law.run for law in laws.runs}),
-        ("probe", PROBES, {law.probe for law in laws.probes}),
+        ("metric", METRICS, {invariant.metric for invariant in invariants.residuals}),
+        ("run", RUNS, {invariant.run for invariant in invariants.runs}),
+        ("probe", PROBES, {invariant.probe for invariant in invariants.probes}),
     )
     for what, known, used in families:
         for name in sorted(set(known) - used):
@@ -178,16 +178,18 @@ def _unused(cases: Sequence[Case], laws: Laws) -> Iterator[str]:
         for name in sorted(used - set(known)):
             yield f"{what} {name}: there is no such {what}"
     known_cases = {case.id for case in cases}
-    for order in laws.orders:
+    for order in invariants.orders:
         for name in order.cases:
             if name not in known_cases:
                 yield f"{order.id}: there is no case {name}"
 
 
-def _mutants(cases: Sequence[Case], laws: Laws, mutants: Sequence[Mutant]) -> Iterator[str]:
-    checks = {check.id for _, check in _checks(cases)} | {law.id for law in laws}
+def _mutants(
+    cases: Sequence[Case], invariants: Invariants, mutants: Sequence[Mutant]
+) -> Iterator[str]:
+    checks = {check.id for _, check in _checks(cases)} | {invariant.id for invariant in invariants}
     for mutant in mutants:
-        for name in mutant.convicted_by:
+        for name in mutant.detected_by:
             if name not in checks:
                 yield f"planted fault {mutant.id}: there is no check {name}"
     substituted = sum(bool(mutant.substitutions) for mutant in mutants)
@@ -196,17 +198,17 @@ def _mutants(cases: Sequence[Case], laws: Laws, mutants: Sequence[Mutant]) -> It
             f"{FAULTS_FOLDER.name}: substitutions: {substituted} faults substitute text, "
             f"{MOST_SUBSTITUTED} at most; let them override names"
         )
-    for name, reason in idle_reasons().items():
+    for name, reason in reasons_to_stay().items():
         if name not in checks:
-            yield f"idle check {name}: there is no such check"
-        yield from _reason(f"idle check {name}", reason)
+            yield f"kills_nothing check {name}: there is no such check"
+        yield from _reason(f"kills_nothing check {name}", reason)
 
 
 def _accepted(
-    cases: Sequence[Case], laws: Laws, accepted: Accepted, motions: Mapping[Path, Exact]
+    cases: Sequence[Case], invariants: Invariants, accepted: Accepted, motions: Mapping[Path, Exact]
 ) -> Iterator[str]:
     """Hold the accepted values against what a verdict on these cases yields."""
-    held, wanted = set(accepted.values), set(_yielded(cases, laws, motions))
+    held, wanted = set(accepted.values), set(_yielded(cases, invariants, motions))
     then = "run stickslip verify --accept"
     for case, check, side in sorted(wanted - held):
         yield f"{case} / {check} ({side}): no accepted value; {then}"
@@ -214,19 +216,29 @@ def _accepted(
         yield f"{case} / {check} ({side}): an accepted value of no check; {then}"
 
 
-def _yielded(cases: Sequence[Case], laws: Laws, motions: Mapping[Path, Exact]) -> Iterator[Key]:
+def _yielded(
+    cases: Sequence[Case], invariants: Invariants, motions: Mapping[Path, Exact]
+) -> Iterator[Key]:
     sides = ("fmu", "reference")
     for case in cases:
         exact = motions[case.file]
         on_both = [check.id for check in case.checks]
-        on_both += [law.id for law in laws.residuals if applies(law, case, exact)]
+        on_both += [
+            invariant.id for invariant in invariants.residuals if applies(invariant, case, exact)
+        ]
         yield from ((case.id, check, side) for check in on_both for side in sides)
-        yield from ((case.id, law.id, "fmu") for law in laws.runs)
-        yield from ((case.id, law.id, "both") for law in laws.agreements if agreeing(law, case))
-        for law in laws.orders:
-            if case.id in law.cases:
-                yield from ((case.id, law.id + end, "reference") for end in ("", "-asymptotic"))
-    yield from (("", law.id, "fmu") for law in laws.probes)
+        yield from ((case.id, invariant.id, "fmu") for invariant in invariants.runs)
+        yield from (
+            (case.id, invariant.id, "both")
+            for invariant in invariants.agreements
+            if agreeing(invariant, case)
+        )
+        for invariant in invariants.orders:
+            if case.id in invariant.cases:
+                yield from (
+                    (case.id, invariant.id + end, "reference") for end in ("", "-asymptotic")
+                )
+    yield from (("", invariant.id, "fmu") for invariant in invariants.probes)
 
 
 def _checks(cases: Iterable[Case]) -> Iterator[tuple[Case, Check]]:

@@ -10,16 +10,16 @@ from stickslip_verification.drive.communication import is_ours
 from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.judge.checks import FOREIGN, OURS, STRICT
+from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT, STRICT_CONTRACT
 from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Verdict
 from stickslip_verification.report import provenance
-from stickslip_verification.run.baseline import Progress, lay
+from stickslip_verification.run.baseline import Progress, compute
 from stickslip_verification.run.judged import ask, judge, motions
-from stickslip_verification.run.kill_matrix import How, convict
+from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Mutant
-from stickslip_verification.suite.invariants import load_laws
+from stickslip_verification.suite.invariants import load_invariants
 
 
 def verify(
@@ -74,28 +74,34 @@ def verify(
     file = FmuFile(fmu, names)
     try:
         require(file)
-        trial = OURS if is_ours(file) else STRICT if strict else FOREIGN
+        contract = (
+            EXACT_CONTRACT if is_ours(file) else STRICT_CONTRACT if strict else PHYSICS_CONTRACT
+        )
         inside = next((mutant for mutant in mutants if mutant.changes_the_fmu), None)
-        if inside is not None and not trial.ours:
+        if inside is not None and not contract.ours:
             raise FmuError(f"{fmu}: the fault {inside.id} is planted in our own FMU only")
         origin = provenance.collect(file, command)
     finally:
         file.close()
-    laws = load_laws()
+    invariants = load_invariants()
     jobs = workers.jobs_here() if jobs is None else jobs
-    ground = lay(cases, laws, jobs, progress)
+    baseline = compute(cases, invariants, jobs, progress)
     fresh = file.once_per_process
     with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
-        trials = ask(pool, ground, laws, progress)
+        answers = ask(pool, baseline, invariants, progress)
     kills = None
     if mutants:
-        how = How(names, trial, fresh=fresh, whole=whole_matrix)
-        kills = convict(fmu, mutants, ground, laws, jobs, progress, how)
+        how = How(names, contract, fresh=fresh, whole=whole_matrix)
+        kills = detect(fmu, mutants, baseline, invariants, jobs, progress, how)
     return Verdict(
-        checks=load_accepted().attach(judge(ground, laws, trials, trial), fmu=trial.ours),
+        checks=load_accepted().attach(
+            judge(baseline, invariants, answers, contract), fmu=contract.ours
+        ),
         provenance=origin,
-        motions=list(motions(ground, trials)),
-        orders=[seen.value for each in ground for _, seen in each.orders if seen.value is not None],
+        motions=list(motions(baseline, answers)),
+        orders=[
+            seen.value for each in baseline for _, seen in each.orders if seen.value is not None
+        ],
         kills=kills,
-        ours=trial.ours,
+        ours=contract.ours,
     )

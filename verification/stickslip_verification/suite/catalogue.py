@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.invariants import Laws
+from stickslip_verification.suite.invariants import Invariants
 
 FILE = Path(__file__).parent / "meanings.toml"
 
@@ -29,13 +29,13 @@ def of_quantities() -> Mapping[str, Meaning]:
     return {name: Meaning(entry["means"], entry["look"]) for name, entry in entries.items()}
 
 
-def meanings(cases: Iterable[Case], laws: Laws) -> dict[str, Meaning]:
+def meanings(cases: Iterable[Case], invariants: Invariants) -> dict[str, Meaning]:
     """Give the meaning of every check by its id, those of cases first."""
     known = of_quantities()
     found = {check.id: known[check.quantity] for case in cases for check in case.checks}
-    found |= {law.id: Meaning(law.means, law.look) for law in laws}
+    found |= {invariant.id: Meaning(invariant.means, invariant.look) for invariant in invariants}
     asymptotic = Meaning(
         "The order was not observed in the asymptotic range, so it says nothing.",
         "The levels of tolerance: steps bound by a limit, or errors lost in rounding.",
     )
-    return found | {f"{law.id}-asymptotic": asymptotic for law in laws.orders}
+    return found | {f"{invariant.id}-asymptotic": asymptotic for invariant in invariants.orders}

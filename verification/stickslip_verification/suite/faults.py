@@ -1,7 +1,7 @@
 """Descriptions of planted faults: data files, read, checked and turned into frozen objects.
 
 A fault is one TOML file under `fault.schema.json`: what it replaces, in the packed source of the
-FMU or in the calls that the suite makes to it, and which checks must convict it. Adding a fault is
+FMU or in the calls that the suite makes to it, and which checks must detect it. Adding a fault is
 adding a file.
 """
 
@@ -27,7 +27,7 @@ from stickslip_verification.model.data_file import (
 HERE = Path(__file__).parent
 FAULTS_FOLDER = HERE / "faults"
 SCHEMA = HERE / "fault.schema.json"
-IDLE = HERE / "idle.toml"
+KILLS_NOTHING = HERE / "kills_nothing.toml"
 
 MASTER = "master"
 """In place of a module: the override replaces a call that the suite makes to an instance."""
@@ -101,14 +101,14 @@ class Addition:
 class Mutant:
     """One fault to plant.
 
-    ``convicted_by`` names the checks that fit the fault; at least one of them must fail. The
+    ``detected_by`` names the checks that fit the fault; at least one of them must fail. The
     ``additions`` are made first, then the ``substitutions``, then the ``overrides``, each in their
     order. ``file`` is the description.
     """
 
     id: str
     about: str
-    convicted_by: tuple[str, ...]
+    detected_by: tuple[str, ...]
     substitutions: tuple[Substitution, ...]
     additions: tuple[Addition, ...]
     file: Path
@@ -163,7 +163,7 @@ def load_mutant(file: Path) -> Mutant:
     return Mutant(
         id=data["id"],
         about=" ".join(data["about"].split()),
-        convicted_by=tuple(data["convicted_by"]),
+        detected_by=tuple(data["detected_by"]),
         substitutions=tuple(
             _substitution(file, f"substitutions[{n}]", entry)
             for n, entry in enumerate(data.get("substitutions", []))
@@ -181,9 +181,9 @@ def load_mutant(file: Path) -> Mutant:
 
 
 @cache
-def idle_reasons(file: Path = IDLE) -> Mapping[str, str]:
-    """Read why checks that convict no fault stay, by check."""
-    reasons: dict[str, str] = read_toml(file, MutantError)["idle"]
+def reasons_to_stay(file: Path = KILLS_NOTHING) -> Mapping[str, str]:
+    """Read why checks that detect no fault stay, by check."""
+    reasons: dict[str, str] = read_toml(file, MutantError)["kills_nothing"]
     return reasons
 
 

@@ -1,4 +1,4 @@
-"""Laws: data files, read, checked and turned into frozen objects."""
+"""Invariants: data files, read, checked and turned into frozen objects."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ FOLDER = HERE / "invariants"
 SCHEMA = HERE / "invariant.schema.json"
 
 
-class LawError(DataError):
-    """A file of laws cannot be used; one line with the file, the law and the reason."""
+class InvariantError(DataError):
+    """A file of invariants cannot be used; one line with the file, the invariant and the reason."""
 
 
 @dataclass(frozen=True)
-class Law:
+class Invariant:
     """One statement that is tried on every case, or once.
 
     Attributes
@@ -45,8 +45,8 @@ class Law:
 
 
 @dataclass(frozen=True)
-class ResidualLaw(Law):
-    """A law on the samples: `metric` (a key of `METRICS`) leaves nothing over.
+class ResidualInvariant(Invariant):
+    """An invariant on the samples: `metric` (a key of `METRICS`) leaves nothing over.
 
     ``tolerance`` and ``because`` are by side, as parts of the metric's scale.
     """
@@ -58,7 +58,7 @@ class ResidualLaw(Law):
 
 
 @dataclass(frozen=True)
-class RunLaw(Law):
+class RunInvariant(Invariant):
     """Another run of the FMU (a key of `RUNS`) gives the same motion.
 
     ``tolerance`` is by solution, fmu (ours, exact) or numerical (any other), as parts of each
@@ -71,7 +71,7 @@ class RunLaw(Law):
 
 
 @dataclass(frozen=True)
-class Probe(Law):
+class Probe(Invariant):
     """A question to the FMU as a whole: a key of `PROBES` and its arguments."""
 
     probe: str
@@ -79,14 +79,14 @@ class Probe(Law):
 
 
 @dataclass(frozen=True)
-class Agreement(Law):
+class Agreement(Invariant):
     """FMU and reference agree on `quantity`, within what the case allows both together."""
 
     quantity: str
 
 
 @dataclass(frozen=True)
-class Order(Law):
+class Order(Invariant):
     """The reference's error in `quantity` falls with its tolerance in the order `order`.
 
     Tried on `cases` with `levels` tolerances from `coarsest` to `finest`, evenly spaced in their
@@ -106,25 +106,28 @@ class Order(Law):
 
 
 @dataclass(frozen=True)
-class Laws:
-    """All laws, by the way they are tried."""
+class Invariants:
+    """All invariants, by the way they are tried."""
 
-    residuals: Sequence[ResidualLaw] = ()
-    runs: Sequence[RunLaw] = ()
+    residuals: Sequence[ResidualInvariant] = ()
+    runs: Sequence[RunInvariant] = ()
     probes: Sequence[Probe] = ()
     agreements: Sequence[Agreement] = ()
     orders: Sequence[Order] = ()
 
-    def __iter__(self) -> Iterator[Law]:
-        """Give every law."""
+    def __iter__(self) -> Iterator[Invariant]:
+        """Give every invariant."""
         for each in fields(self):
             yield from getattr(self, each.name)
 
-    def only(self, names: Collection[str]) -> Laws:
+    def only(self, names: Collection[str]) -> Invariants:
         """Give those of these ids."""
         families = {each.name: getattr(self, each.name) for each in fields(self)}
-        return Laws(
-            **{family: [law for law in of if law.id in names] for family, of in families.items()}
+        return Invariants(
+            **{
+                family: [invariant for invariant in of if invariant.id in names]
+                for family, of in families.items()
+            }
         )
 
 
@@ -142,43 +145,45 @@ _SHARED: Mapping[str, Mapping[str, Any]] = {
 }
 """What all entries of a family have in common, and so is not written in the files."""
 
-_FAMILIES: Mapping[str, type[Law]] = {
-    "residuals": ResidualLaw,
-    "runs": RunLaw,
+_FAMILIES: Mapping[str, type[Invariant]] = {
+    "residuals": ResidualInvariant,
+    "runs": RunInvariant,
     "probes": Probe,
     "agreements": Agreement,
     "orders": Order,
 }
 
 
-def load_laws(folder: Path = FOLDER) -> Laws:
+def load_invariants(folder: Path = FOLDER) -> Invariants:
     """Read every TOML file of a folder, in the order of their names.
 
     Raises
     ------
-    LawError
-        A file is broken, or two laws share an id.
+    InvariantError
+        A file is broken, or two invariants share an id.
     """
     families: dict[str, list[Any]] = {family: [] for family in _FAMILIES}
     seen: dict[str, Path] = {}
     for file in sorted(folder.glob("*.toml")):
-        for family, law in _read(file):
-            if law.id in seen:
-                raise LawError(file, law.id, f"a law of {seen[law.id].name} has this id")
-            seen[law.id] = file
-            families[family].append(law)
-    return Laws(**{family: tuple(laws) for family, laws in families.items()})
+        for family, invariant in _read(file):
+            if invariant.id in seen:
+                raise InvariantError(
+                    file, invariant.id, f"an invariant of {seen[invariant.id].name} has this id"
+                )
+            seen[invariant.id] = file
+            families[family].append(invariant)
+    return Invariants(**{family: tuple(invariants) for family, invariants in families.items()})
 
 
-def _read(file: Path) -> Iterator[tuple[str, Law]]:
-    data = read_toml(file, LawError)
+def _read(file: Path) -> Iterator[tuple[str, Invariant]]:
+    data = read_toml(file, InvariantError)
     found = objection(data, SCHEMA)
     if found is not None:
-        raise LawError(file, _place(found[0], data), found[1])
+        raise InvariantError(file, _place(found[0], data), found[1])
     for family, entries in data.items():
         for entry in entries:
             _check_finite(file, entry)
-            yield family, _law(family, entry)
+            yield family, _invariant(family, entry)
 
 
 def _check_finite(file: Path, entry: Mapping[str, Any]) -> None:
@@ -188,17 +193,17 @@ def _check_finite(file: Path, entry: Mapping[str, Any]) -> None:
         for part, number in values:
             if isinstance(number, float) and not math.isfinite(number):
                 where = ".".join(filter(None, (str(entry["id"]), name, part)))
-                raise LawError(file, where, f"{number} is not a finite number")
+                raise InvariantError(file, where, f"{number} is not a finite number")
 
 
-def _law(family: str, entry: Mapping[str, Any]) -> Law:
+def _invariant(family: str, entry: Mapping[str, Any]) -> Invariant:
     values = {**_SHARED.get(family, {}), **entry}
     values["klass"] = values.pop("class")
     return _FAMILIES[family](**values)
 
 
 def _place(path: Iterable[str | int], data: Mapping[str, Any]) -> str:
-    """Name the law that a path of the schema leads to, and the field in it."""
+    """Name the invariant that a path of the schema leads to, and the field in it."""
     parts = list(path)
     if len(parts) < 2:
         return ".".join(map(str, parts))

@@ -20,7 +20,7 @@ from stickslip.commands.shared import (
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
-    from stickslip_verification import Baseline, Case, Meaning, Mutant, NameMap, Verdict
+    from stickslip_verification import Case, EarlierReport, Meaning, Mutant, NameMap, Verdict
 
 DEFAULT_REPORT = Path("report")
 
@@ -113,10 +113,10 @@ def verify(
 
         screen.print(verdict_summary(verdict, _meanings(chosen)))
     if earlier is not None:
-        from stickslip.baseline_table import baseline_table
+        from stickslip.earlier_table import earlier_table
         from stickslip_verification import compare
 
-        screen.print(baseline_table(compare(earlier, verdict)))
+        screen.print(earlier_table(compare(earlier, verdict)))
     for file in written:
         print(file)
     if pack:
@@ -143,9 +143,9 @@ def _cases(wanted: str | None) -> "list[Case]":
 
 
 def _meanings(cases: "Sequence[Case]") -> "Mapping[str, Meaning]":
-    from stickslip_verification import load_laws, meanings
+    from stickslip_verification import load_invariants, meanings
 
-    return meanings(cases, load_laws())
+    return meanings(cases, load_invariants())
 
 
 def _check_accept(
@@ -208,14 +208,14 @@ def _names(file: Path | None) -> "NameMap | None":
         raise CommandError(f"--names {error}") from error
 
 
-def _baseline(file: Path | None) -> "Baseline | None":
-    from stickslip_verification import BaselineError, read_baseline
+def _baseline(file: Path | None) -> "EarlierReport | None":
+    from stickslip_verification import EarlierReportError, read_earlier_report
 
     if file is None:
         return None
     try:
-        return read_baseline(file)
-    except BaselineError as error:
+        return read_earlier_report(file)
+    except EarlierReportError as error:
         raise CommandError(f"--baseline {error}") from error
 
 
@@ -293,7 +293,7 @@ def _verdict(
 def _write(
     verdict: "Verdict",
     cases: "Sequence[Case]",
-    earlier: "Baseline | None",
+    earlier: "EarlierReport | None",
     output: Path,
     pdf: Path | None,
 ) -> list[Path]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from stickslip_design.claims.all_claims import findings
 from stickslip_design.claims.document import PLOTS, markdown
 from stickslip_design.claims.plots import draw
-from stickslip_design.claims.trial import findings
 
 NOTE = "<!-- Made by `make docs`; do not edit. -->"
 

@@ -1,4 +1,4 @@
-"""Residuals of the law, of the energy account and between outputs, straight from the samples."""
+"""Residuals of the equations of motion, of energy and between outputs, from the samples."""
 
 from stickslip_verification.judge.metrics import energy, events, outputs, slip, stick
 from stickslip_verification.judge.metrics.course import Course, MissingOutputError
@@ -69,4 +69,4 @@ METRICS: dict[str, Metric] = {
     )
     for metric in metrics
 }
-"""What a law can name as ``metric``: module and function."""
+"""What an invariant can name as ``metric``: module and function."""

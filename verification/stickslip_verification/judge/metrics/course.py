@@ -21,7 +21,7 @@ SLACK = 8.0 * 2.0**-52
 
 
 class MissingOutputError(LookupError):
-    """The side does not give an output that a law is about; the text is its name."""
+    """The side does not give an output that an invariant is about; the text is its name."""
 
 
 @dataclass(frozen=True)

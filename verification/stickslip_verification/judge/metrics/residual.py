@@ -1,4 +1,4 @@
-"""What a law leaves over: the residual of each step, its scale and its unit."""
+"""What an invariant leaves over: the residual of each step, its scale and its unit."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from stickslip_verification.model.record import Series
 
 @dataclass(frozen=True)
 class Residual:
-    """By how much a law is missed, step by step.
+    """By how much an invariant is missed, step by step.
 
     Attributes
     ----------
     values
-        The residual of each step in `unit`, shape ``(n,)``; zero where the law holds.
+        The residual of each step in `unit`, shape ``(n,)``; zero where the invariant holds.
     where
-        The steps that the law is about, shape ``(n,)``.
+        The steps that the invariant is about, shape ``(n,)``.
     scale
         What the residual is measured against, in `unit`, above zero.
     unit
@@ -34,7 +34,7 @@ class Residual:
 
     @property
     def errors(self) -> Series:
-        """Residual over scale at the steps that the law is about; 0 where nothing is missed."""
+        """Residual over scale at the steps that the invariant is about."""
         values = np.abs(self.values)
         with np.errstate(divide="ignore", invalid="ignore"):
             parts = np.where(values == 0.0, 0.0, values / np.asarray(self.scale))
@@ -42,7 +42,7 @@ class Residual:
 
 
 Metric = Callable[[Course], Residual]
-"""From a side's run to what a law leaves over in it. Raises `MissingOutputError`."""
+"""From a side's run to what an invariant leaves over in it. Raises `MissingOutputError`."""
 
 
 def everywhere(course: Course) -> Mask:

@@ -1,4 +1,4 @@
-"""The law of slip, (1) and (3): exact from sample to sample, friction against the motion."""
+"""The invariant of slip, (1) and (3): exact from sample to sample, friction against the motion."""
 
 from __future__ import annotations
 

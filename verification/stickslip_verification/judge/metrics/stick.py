@@ -1,4 +1,4 @@
-"""The law of stick, (1): x constant, force within break-away, friction holds the balance."""
+"""The invariant of stick, (1): x constant, force within break-away, friction holds the balance."""
 
 from __future__ import annotations
 

@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from stickslip.baseline_table import baseline_table
+from stickslip.earlier_table import earlier_table
 from stickslip_verification import Verdict, write_json
 from stickslip_verification.run.earlier import (
     FLOOR,
-    BaselineError,
+    EarlierReportError,
     Moves,
     compare,
-    read_baseline,
+    read_earlier_report,
 )
 from tests.verification.test_report import result
 
@@ -26,7 +26,7 @@ PROVENANCE = {"created": "2026-01-02T03:04:05+00:00", "fmu": {"file": "a.fmu", "
 def moves(folder: Path, before: list[Any], now: list[Any]) -> Moves:
     """Compare a verdict with a report of another one, through its file."""
     write_json(Verdict(before, PROVENANCE), folder / "old.json")
-    return compare(read_baseline(folder / "old.json"), Verdict(now))
+    return compare(read_earlier_report(folder / "old.json"), Verdict(now))
 
 
 def test_the_same_verdict_has_not_moved(tmp_path: Path) -> None:
@@ -84,7 +84,7 @@ def test_a_report_from_before_there_were_verdicts_can_be_read(tmp_path: Path) ->
     row = {"case": "default", "check": "T", "side": "fmu", "error": 2e-13, "tolerance": 1e-12,
            "passed": True}  # fmt: skip
     (tmp_path / "old.json").write_text(json.dumps({"checks": [row]}), encoding="utf-8")
-    entry = read_baseline(tmp_path / "old.json").entries["default", "T", "fmu"]
+    entry = read_earlier_report(tmp_path / "old.json").entries["default", "T", "fmu"]
     assert entry.margin == pytest.approx(0.2)
     assert entry.verdict == "pass"
 
@@ -111,8 +111,8 @@ def test_what_is_no_report_is_told_in_one_line(tmp_path: Path, content: bytes | 
     file = tmp_path / "old.json"
     if content is not None:
         file.write_bytes(content)
-    with pytest.raises(BaselineError) as told:
-        read_baseline(file)
+    with pytest.raises(EarlierReportError) as told:
+        read_earlier_report(file)
     assert "\n" not in str(told.value)
     assert str(told.value).startswith(f"{file}: ")
 
@@ -124,7 +124,7 @@ def test_the_table_names_what_moved(tmp_path: Path, width: int) -> None:
     crashed = result(check="left", got=None, error=None, passed=False, failure="it refused")
     found = moves(tmp_path, before, [result(check="grew", error=9e-13), crashed, result()])
     console = Console(file=io.StringIO(), width=width)
-    console.print(baseline_table(found))
+    console.print(earlier_table(found))
     text = console.file.getvalue()  # type: ignore[attr-defined]
     assert text.count("grew") == 2
     assert "0.9" in text

@@ -15,7 +15,7 @@ _NAMED: Final = 5
 """How many of the new and the gone checks are named; the report names them all."""
 
 
-def baseline_table(moves: Moves) -> RenderableType:
+def earlier_table(moves: Moves) -> RenderableType:
     """Make the table of the checks that are not as they were, and the counts.
 
     A margin is error over tolerance. Where the line is short, each check has one column.

@@ -1,4 +1,4 @@
-"""The proofs on random sets as a table: one row per statement and side."""
+"""The random tests as a table: one row per statement and side."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -10,14 +10,14 @@ from rich.table import Table
 from rich.text import Text
 
 from stickslip.fitted import Fitted
-from stickslip_verification import ProofResult
+from stickslip_verification import RandomTestResult
 
 _STATEMENT: Final = 48
 """Characters of a statement or a bound in a line of the table."""
 
 
-def proof_table(results: Sequence[ProofResult]) -> RenderableType:
-    """Make the table of all proofs, what refutes the failed ones, and the count.
+def random_test_table(results: Sequence[RandomTestResult]) -> RenderableType:
+    """Make the table of all random tests, what refutes the failed ones, and the count.
 
     Where the line cannot hold all columns, the numbers stand in words below each bound.
     """
@@ -31,7 +31,7 @@ def proof_table(results: Sequence[ProofResult]) -> RenderableType:
     )
 
 
-def _full_table(results: Sequence[ProofResult]) -> Table:
+def _full_table(results: Sequence[RandomTestResult]) -> Table:
     table = _empty_table(results)
     table.add_column("statement\n  bound", overflow="fold", max_width=_STATEMENT)
     table.add_column("side", no_wrap=True)
@@ -51,7 +51,7 @@ def _full_table(results: Sequence[ProofResult]) -> Table:
     return table
 
 
-def _short_table(results: Sequence[ProofResult]) -> Table:
+def _short_table(results: Sequence[RandomTestResult]) -> Table:
     table = _empty_table(results)
     table.add_column("verdict", no_wrap=True)
     table.add_column("statement, side\n  bound", overflow="fold")
@@ -65,10 +65,10 @@ def _short_table(results: Sequence[ProofResult]) -> Table:
     return table
 
 
-def _empty_table(results: Sequence[ProofResult]) -> Table:
+def _empty_table(results: Sequence[RandomTestResult]) -> Table:
     seeds = ", ".join(sorted({str(each.seed) for each in results}))
     return Table(
-        title=f"Proofs on random sets, seed {seeds}",
+        title=f"Random tests on random sets, seed {seeds}",
         title_justify="left",
         title_style="bold",
         box=SIMPLE_HEAD,
@@ -79,5 +79,5 @@ def _below(text: str) -> Padding:
     return Padding(Text(text), (0, 0, 0, 2))
 
 
-def _verdict(result: ProofResult) -> Text:
+def _verdict(result: RandomTestResult) -> Text:
     return Text("holds", style="green") if result.passed else Text("FAILS", style="bold red")

@@ -1,4 +1,4 @@
-"""The suite on trial: planted faults are convicted as foretold, and nothing else is."""
+"""The kill matrix: planted faults are detected as foretold, and nothing else is."""
 
 from dataclasses import replace
 from functools import cache
@@ -6,15 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification import load_laws, load_mutants, verify
+from stickslip_verification import load_invariants, load_mutants, verify
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.judge.checks import FOREIGN
+from stickslip_verification.judge.checks import PHYSICS_CONTRACT
 from stickslip_verification.model.verdict import KillMatrix
-from stickslip_verification.run.baseline import Ground, lay
-from stickslip_verification.run.kill_matrix import How, convict
-from stickslip_verification.suite.faults import Mutant, Override, idle_reasons
+from stickslip_verification.run.baseline import Baseline, compute
+from stickslip_verification.run.kill_matrix import How, detect
+from stickslip_verification.suite.faults import Mutant, Override, reasons_to_stay
 
 from .standing_in import named
 
@@ -22,9 +22,9 @@ CASES = [named("default"), named("reversals")]
 
 
 @cache
-def ground() -> list[Ground]:
-    """Return the ground of two cases, without observed orders."""
-    return lay(CASES, replace(load_laws(), orders=()), jobs=1)
+def baseline() -> list[Baseline]:
+    """Return the baseline of two cases, without observed orders."""
+    return compute(CASES, replace(load_invariants(), orders=()), jobs=1)
 
 
 def fault(name: str) -> Mutant:
@@ -37,11 +37,11 @@ WHOLE, FORETOLD = How(), How(whole=False)
 
 def tried(fmu: Path, *mutants: Mutant, how: How = WHOLE) -> KillMatrix:
     """Try faults on two cases."""
-    return convict(fmu, mutants, ground(), load_laws(), jobs=1, how=how)
+    return detect(fmu, mutants, baseline(), load_invariants(), jobs=1, how=how)
 
 
 def test_faults_are_caught_by_the_checks_that_fit(fmu_path: Path) -> None:
-    """Wrong gravity fails the break-away force, a creep the law of stick, each by its name."""
+    """Wrong gravity fails the break-away force, creep the invariant of stick, each by its name."""
     kills = tried(fmu_path, fault("constant-g"), fault("creep-in-stick"))
     gravity, creep = kills.rows
     assert gravity.caught
@@ -75,20 +75,20 @@ def test_what_is_no_fault_is_not_convicted(fmu_path: Path, harmless: Mutant) -> 
 
 
 def test_a_fault_that_does_not_fit_is_told(fmu_path: Path) -> None:
-    """An override of a name that is gone convicts nobody; the row says why."""
+    """An override of a name that is gone detects nothing; the row says why."""
     kills = tried(fmu_path, overriding("friction.breakaway", "def breakaway():\n    return 1.0"))
     assert not kills.rows[0].caught
     assert "no friction.breakaway in the FMU" in (kills.rows[0].broken or "")
 
 
 def test_in_the_gate_a_fault_is_tried_where_it_was_foretold(fmu_path: Path) -> None:
-    """The first foretold check that fails ends it, in one case; idle checks are not asked for."""
+    """The first foretold check that fails ends it; nothing is said of checks that kill nothing."""
     kills = tried(fmu_path, fault("constant-g"), how=FORETOLD)
     (row,) = kills.rows
     assert row.caught
     assert set(row.failing.values()) == {1}
     assert set(row.failing) <= set(row.wanted)
-    assert kills.idle == {}
+    assert kills.kills_nothing == {}
     assert kills.passed
 
 
@@ -108,14 +108,14 @@ def test_a_fault_that_ends_its_process_is_no_end_of_the_suite(fmu_path: Path) ->
 
 def test_a_fault_whose_checks_are_nowhere_says_so(fmu_path: Path) -> None:
     """A name that is no check of the chosen cases is told, and not tried."""
-    lost = replace(fault("constant-g"), convicted_by=("slip-frction",))
+    lost = replace(fault("constant-g"), detected_by=("slip-frction",))
     (row,) = tried(fmu_path, lost, how=FORETOLD).rows
     assert row.broken == "none of slip-frction is a check of these cases or of all runs"
 
 
 def test_a_fault_that_was_foretold_wrongly_is_tried_on_everything(fmu_path: Path) -> None:
     """Where no foretold check fails, the row says which others do, so the next try is right."""
-    wrong = replace(fault("constant-g"), convicted_by=("mode-and-sticking-agree",))
+    wrong = replace(fault("constant-g"), detected_by=("mode-and-sticking-agree",))
     kills = tried(fmu_path, wrong, how=FORETOLD)
     (row,) = kills.rows
     assert not row.caught
@@ -124,13 +124,13 @@ def test_a_fault_that_was_foretold_wrongly_is_tried_on_everything(fmu_path: Path
 
 
 def test_a_check_that_kills_nothing_needs_a_reason(fmu_path: Path) -> None:
-    """With one fault most checks are idle, and without reasons the suite does not pass."""
+    """With one fault most checks are kills_nothing, and without reasons the suite does not pass."""
     kills = tried(fmu_path, fault("constant-g"))
-    assert "creep" not in kills.idle
-    assert kills.idle["stick-holds-x"] == ""
+    assert "creep" not in kills.kills_nothing
+    assert kills.kills_nothing["stick-holds-x"] == ""
     assert kills.rows[0].caught
     assert not kills.passed
-    assert all(idle_reasons().values())
+    assert all(reasons_to_stay().values())
 
 
 def test_the_matrix_is_part_of_the_verdict(fmu_path: Path) -> None:
@@ -143,7 +143,7 @@ def test_the_matrix_is_part_of_the_verdict(fmu_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["fixed-step-1ms", "tanh-friction"])
 def test_whole_simulators_can_be_planted(fmu_path: Path, name: str) -> None:
-    """A fixed-step solver and a regularised friction run as FMUs and are convicted."""
+    """A fixed-step solver and a regularised friction run as FMUs and are detected."""
     (row,) = tried(fmu_path, fault(name)).rows
     assert row.caught
 
@@ -151,9 +151,9 @@ def test_whole_simulators_can_be_planted(fmu_path: Path, name: str) -> None:
 def test_a_foreign_fmu_carries_faults_in_its_calls(
     slider_mm: Path, slider_mm_names: NameMap
 ) -> None:
-    """An honest FMU without source, by its own names and units, is convicted of what is planted."""
+    """An honest FMU without source, by its own names and units, fails by what is planted."""
     wrong_unit, lagging = (fault(name) for name in ("unit-force-in-kgf", "output-x-pull-lags"))
-    how = How(slider_mm_names, FOREIGN)
+    how = How(slider_mm_names, PHYSICS_CONTRACT)
     honest, unit, lag = tried(slider_mm, HARMLESS[1], wrong_unit, lagging, how=how).rows
     assert honest.failing == {}
     assert (unit.caught, lag.caught) == (True, True)

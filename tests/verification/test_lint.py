@@ -15,9 +15,9 @@ from stickslip_verification.run import lint as linter
 from stickslip_verification.run.lint import lint
 from stickslip_verification.suite.cases import CASES_FOLDER
 from stickslip_verification.suite.faults import FAULTS_FOLDER, MutantError, load_mutants
-from stickslip_verification.suite.invariants import LawError, Laws, load_laws
+from stickslip_verification.suite.invariants import InvariantError, Invariants, load_invariants
 
-LAWS = load_laws()
+INVARIANTS = load_invariants()
 
 CASE = "default.toml"
 
@@ -47,7 +47,7 @@ def test_the_suite_is_sound() -> None:
 
 
 def test_one_case_alone_leaves_things_unused(alone: set[str]) -> None:
-    """With one case only, what other cases use, and what laws and faults name, is found missing."""
+    """With one case only, what other cases, invariants and faults name is found missing."""
     kinds = {
         r"formula \w+: nothing uses it",
         r"quantity \w+: nothing uses it",
@@ -109,7 +109,11 @@ def test_one_case_alone_leaves_things_unused(alone: set[str]) -> None:
             "conditioning = 5.0",
             "tolerances.conditioning: 5.0 is above that of the narrowest gap, 2.5",
         ),
-        (r'id = "first-load-up"', 'id = "splitting"', "default / splitting: a law has this id"),
+        (
+            r'id = "first-load-up"',
+            'id = "splitting"',
+            "default / splitting: an invariant has this id",
+        ),
         (r'quantity = "F_s"', 'quantity = "y"', r"checks\[1\]\.quantity: 'y' is not a known"),
         (r"\[experiment\]", "[experiment", "default.toml: line"),
     ],
@@ -163,73 +167,93 @@ def test_a_broken_case_does_not_hide_the_others(tmp_path: Path, alone: set[str])
     assert finding.startswith(f"{tmp_path / 'broken.toml'}: line 1")
 
 
-Flaw = Callable[[Laws], Laws]
+Flaw = Callable[[Invariants], Invariants]
 
 FLAWS: list[tuple[Flaw, str]] = [
     (
-        lambda laws: replace(laws, residuals=laws.residuals[1:]),
-        f"metric {LAWS.residuals[0].metric}: nothing uses it",
+        lambda invariants: replace(invariants, residuals=invariants.residuals[1:]),
+        f"metric {INVARIANTS.residuals[0].metric}: nothing uses it",
     ),
     (
-        lambda laws: replace(
-            laws, residuals=(*laws.residuals, replace(laws.residuals[0], metric="stick.slides"))
+        lambda invariants: replace(
+            invariants,
+            residuals=(
+                *invariants.residuals,
+                replace(invariants.residuals[0], metric="stick.slides"),
+            ),
         ),
         "metric stick.slides: there is no such metric",
     ),
     (
-        lambda laws: replace(laws, runs=[law for law in laws.runs if law.run != "reset"]),
+        lambda invariants: replace(
+            invariants,
+            runs=[invariant for invariant in invariants.runs if invariant.run != "reset"],
+        ),
         "run reset: nothing uses it",
     ),
     (
-        lambda laws: replace(laws, runs=(*laws.runs, replace(laws.runs[0], run="backward"))),
+        lambda invariants: replace(
+            invariants, runs=(*invariants.runs, replace(invariants.runs[0], run="backward"))
+        ),
         "run backward: there is no such run",
     ),
     (
-        lambda laws: replace(laws, probes=[law for law in laws.probes if law.probe != "warns"]),
+        lambda invariants: replace(
+            invariants,
+            probes=[invariant for invariant in invariants.probes if invariant.probe != "warns"],
+        ),
         "probe warns: nothing uses it",
     ),
     (
-        lambda laws: replace(laws, probes=(*laws.probes, replace(laws.probes[0], probe="asks"))),
+        lambda invariants: replace(
+            invariants, probes=(*invariants.probes, replace(invariants.probes[0], probe="asks"))
+        ),
         "probe asks: there is no such probe",
     ),
     (
-        lambda laws: replace(
-            laws, agreements=(*laws.agreements, replace(laws.agreements[0], quantity="y"))
+        lambda invariants: replace(
+            invariants,
+            agreements=(*invariants.agreements, replace(invariants.agreements[0], quantity="y")),
         ),
         "quantity y: there is no such quantity",
     ),
     (
-        lambda laws: replace(laws, orders=(replace(laws.orders[0], cases=("default", "none")),)),
-        f"{LAWS.orders[0].id}: there is no case none",
-    ),
-    (
-        lambda laws: replace(laws, probes=(replace(laws.probes[0], means="It is bad."),)),
-        f"{LAWS.probes[0].id}: means: 'It is bad.' says too little",
-    ),
-    (
-        lambda laws: replace(laws, probes=(replace(laws.probes[0], source=99),)),
-        f"{LAWS.probes[0].id}: docs/theory.md has no equation (99)",
-    ),
-    (
-        lambda laws: replace(
-            laws, runs=(replace(laws.runs[0], because="somehow it always was like that"),)
+        lambda invariants: replace(
+            invariants, orders=(replace(invariants.orders[0], cases=("default", "none")),)
         ),
-        f"{LAWS.runs[0].id}: because: 'somehow' is no reason",
+        f"{INVARIANTS.orders[0].id}: there is no case none",
     ),
     (
-        lambda laws: replace(laws, residuals=laws.residuals[:-1]),
-        f"there is no check {LAWS.residuals[-1].id}",
+        lambda invariants: replace(
+            invariants, probes=(replace(invariants.probes[0], means="It is bad."),)
+        ),
+        f"{INVARIANTS.probes[0].id}: means: 'It is bad.' says too little",
+    ),
+    (
+        lambda invariants: replace(invariants, probes=(replace(invariants.probes[0], source=99),)),
+        f"{INVARIANTS.probes[0].id}: docs/theory.md has no equation (99)",
+    ),
+    (
+        lambda invariants: replace(
+            invariants,
+            runs=(replace(invariants.runs[0], because="somehow it always was like that"),),
+        ),
+        f"{INVARIANTS.runs[0].id}: because: 'somehow' is no reason",
+    ),
+    (
+        lambda invariants: replace(invariants, residuals=invariants.residuals[:-1]),
+        f"there is no check {INVARIANTS.residuals[-1].id}",
     ),
 ]
 
 
 @pytest.mark.parametrize(("flaw", "told"), FLAWS, ids=[told for _, told in FLAWS])
-def test_a_flaw_in_the_laws_is_found(
+def test_a_flaw_in_the_invariants_is_found(
     tmp_path: Path, alone: set[str], monkeypatch: pytest.MonkeyPatch, flaw: Flaw, told: str
 ) -> None:
-    """What laws name and is not there, and what is there and no law names, is one line."""
+    """What an invariant names but is missing, and what no invariant names, is one line."""
     shutil.copy(CASES_FOLDER / CASE, tmp_path)
-    monkeypatch.setattr(linter, "load_laws", lambda: flaw(LAWS))
+    monkeypatch.setattr(linter, "load_invariants", lambda: flaw(INVARIANTS))
     new = set(lint(tmp_path)) - alone
     assert [found for found in new if found.endswith(told)], new
 
@@ -237,14 +261,14 @@ def test_a_flaw_in_the_laws_is_found(
 @pytest.mark.parametrize(
     ("loader", "error"),
     [
-        ("load_laws", LawError(Path("laws.toml"), "pull", "no good")),
+        ("load_invariants", InvariantError(Path("invariants.toml"), "pull", "no good")),
         ("load_mutants", MutantError(Path("fault.toml"), "id", "no good")),
     ],
 )
 def test_what_cannot_be_loaded_is_a_finding(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, loader: str, error: Exception
 ) -> None:
-    """A broken file of laws or faults is told as one line, and no traceback."""
+    """A broken file of invariants or faults is told as one line, and no traceback."""
 
     def fail() -> None:
         raise error
@@ -256,18 +280,20 @@ def test_what_cannot_be_loaded_is_a_finding(
 def test_a_fault_and_an_idle_check_must_name_checks(
     tmp_path: Path, alone: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A planted fault convicted by nothing, and an idle check that is none, are told."""
+    """A fault that names no check, and a reason for a check that does not exist, are told."""
     shutil.copy(CASES_FOLDER / CASE, tmp_path)
     mutants = load_mutants()
-    wrong = replace(mutants[0], convicted_by=("no-such-check",))
+    wrong = replace(mutants[0], detected_by=("no-such-check",))
     monkeypatch.setattr(linter, "load_mutants", lambda: [*mutants, wrong])
-    monkeypatch.setattr(linter, "idle_reasons", lambda: {"no-check": "short", "splitting": "magic"})
+    monkeypatch.setattr(
+        linter, "reasons_to_stay", lambda: {"no-check": "short", "splitting": "magic"}
+    )
     assert set(lint(tmp_path)) - alone == {
         f"planted fault {wrong.id}: there is no check no-such-check",
-        "idle check no-check: there is no such check",
-        "idle check no-check: 'short' says too little",
-        "idle check splitting: 'magic' says too little",
-        "idle check splitting: 'magic' is no reason",
+        "kills_nothing check no-check: there is no such check",
+        "kills_nothing check no-check: 'short' says too little",
+        "kills_nothing check splitting: 'magic' says too little",
+        "kills_nothing check splitting: 'magic' is no reason",
     }
 
 

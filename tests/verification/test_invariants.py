@@ -1,4 +1,4 @@
-"""The laws as data: what is read, and what a broken file is told."""
+"""The invariants as data: what is read, and what a broken file is told."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes import PROBES
-from stickslip_verification.judge.checks import FOREIGN, OURS, Trial
+from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT, Contract
 from stickslip_verification.judge.invariant_checks import agreeing, judge_agreement
 from stickslip_verification.judge.metrics import METRICS
 from stickslip_verification.model.quantities import OUTPUT_NAMES
@@ -19,17 +19,17 @@ from stickslip_verification.model.record import Record
 from stickslip_verification.model.verdict import CheckResult
 from stickslip_verification.suite.invariants import (
     Agreement,
-    LawError,
+    InvariantError,
     Order,
     Probe,
-    ResidualLaw,
-    RunLaw,
-    load_laws,
+    ResidualInvariant,
+    RunInvariant,
+    load_invariants,
 )
 
 from .records import Draft, exact_of, named, planted
 
-LAWS = load_laws()
+INVARIANTS = load_invariants()
 
 RESIDUAL = """\
 [[residuals]]
@@ -97,18 +97,24 @@ quantity = "z"
 
 
 def test_each_family_is_read_whole(tmp_path: Path) -> None:
-    """A file may hold laws of every family, and gives each what its family has in common."""
+    """A file may hold invariants of every family, and gives each what its family has in common."""
     (tmp_path / "all.toml").write_text(
         "\n".join((RESIDUAL, RUN, ORDER, PROBE, AGREEMENT)), encoding="utf-8"
     )
-    laws = load_laws(tmp_path)
-    assert [type(law) for law in laws] == [ResidualLaw, RunLaw, Probe, Agreement, Order]
-    (run,), (probe,) = laws.runs, laws.probes
+    invariants = load_invariants(tmp_path)
+    assert [type(invariant) for invariant in invariants] == [
+        ResidualInvariant,
+        RunInvariant,
+        Probe,
+        Agreement,
+        Order,
+    ]
+    (run,), (probe,) = invariants.runs, invariants.probes
     assert run.tolerance is None
     assert (probe.klass, probe.kind, dict(probe.arguments)) == ("contract", "invariant", {})
-    assert laws.agreements[0].kind == "cross_code"
-    assert laws.orders[0].kind == "convergence"
-    assert all(law.means and law.look for law in laws)
+    assert invariants.agreements[0].kind == "cross_code"
+    assert invariants.orders[0].kind == "convergence"
+    assert all(invariant.means and invariant.look for invariant in invariants)
 
 
 @pytest.mark.parametrize(
@@ -138,78 +144,94 @@ def test_each_family_is_read_whole(tmp_path: Path) -> None:
         (AGREEMENT, AGREEMENT, "", "should be non-empty"),
     ],
 )
-def test_a_broken_law_is_refused_by_file_law_and_field(
+def test_a_broken_invariant_is_refused_by_file_invariant_and_field(
     tmp_path: Path, text: str, old: str, new: str, told: str
 ) -> None:
-    """A mistake in a file of laws is told in one line: the file, the law, the field, the reason."""
+    """A mistake in a file of invariants is one line: file, invariant, field, reason."""
     assert old in text
-    file = tmp_path / "laws.toml"
+    file = tmp_path / "invariants.toml"
     file.write_text(text.replace(old, new, 1), encoding="utf-8")
-    with pytest.raises(LawError, match=told) as caught:
-        load_laws(tmp_path)
+    with pytest.raises(InvariantError, match=told) as caught:
+        load_invariants(tmp_path)
     assert str(caught.value).startswith(f"{file}: ")
     assert "\n" not in str(caught.value)
 
 
-def test_no_two_laws_share_an_id(tmp_path: Path) -> None:
+def test_no_two_invariants_share_an_id(tmp_path: Path) -> None:
     """An id that is taken, in the same file or another, is told with both files."""
     (tmp_path / "a.toml").write_text(RESIDUAL, encoding="utf-8")
     (tmp_path / "b.toml").write_text(RUN.replace('"again"', '"pull"'), encoding="utf-8")
-    with pytest.raises(LawError, match=r"b\.toml: pull: a law of a\.toml has this id"):
-        load_laws(tmp_path)
+    with pytest.raises(InvariantError, match=r"b\.toml: pull: an invariant of a\.toml has this id"):
+        load_invariants(tmp_path)
     (tmp_path / "b.toml").write_text(PROBE + PROBE, encoding="utf-8")
-    with pytest.raises(LawError, match=r"b\.toml: starts: a law of b\.toml has this id"):
-        load_laws(tmp_path)
+    with pytest.raises(
+        InvariantError, match=r"b\.toml: starts: an invariant of b\.toml has this id"
+    ):
+        load_invariants(tmp_path)
 
 
 def test_a_file_that_is_no_text_is_told(tmp_path: Path) -> None:
     """Bytes that are not UTF-8 are an error of the file and no traceback."""
-    (tmp_path / "laws.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(LawError, match=r"laws\.toml: is not UTF-8") as caught:
-        load_laws(tmp_path)
+    (tmp_path / "invariants.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(InvariantError, match=r"invariants\.toml: is not UTF-8") as caught:
+        load_invariants(tmp_path)
     assert "\n" not in str(caught.value)
 
 
 def test_the_suite_names_only_what_exists() -> None:
-    """Every metric, run, probe and quantity that a law names is there, and each id once."""
-    assert {law.metric for law in LAWS.residuals} <= set(METRICS)
-    assert {law.run for law in LAWS.runs} <= set(RUNS)
-    assert {law.probe for law in LAWS.probes} <= set(PROBES)
-    assert {law.quantity for law in LAWS.agreements} <= set(OUTPUT_NAMES)
-    assert {law.quantity for law in LAWS.orders} <= set(OUTPUT_NAMES)
-    assert {n for n, count in Counter(law.id for law in LAWS).items() if count > 1} == set()
+    """Every metric, run, probe and quantity that an invariant names is there, and each id once."""
+    assert {invariant.metric for invariant in INVARIANTS.residuals} <= set(METRICS)
+    assert {invariant.run for invariant in INVARIANTS.runs} <= set(RUNS)
+    assert {invariant.probe for invariant in INVARIANTS.probes} <= set(PROBES)
+    assert {invariant.quantity for invariant in INVARIANTS.agreements} <= set(OUTPUT_NAMES)
+    assert {invariant.quantity for invariant in INVARIANTS.orders} <= set(OUTPUT_NAMES)
+    assert {
+        n for n, count in Counter(invariant.id for invariant in INVARIANTS).items() if count > 1
+    } == set()
 
 
 def test_physics_that_demands_every_bit_is_a_sign_or_a_count() -> None:
-    """No law of physics asks a numerical solution for a digit it cannot keep."""
-    strict = {law.id for law in LAWS.residuals if law.tolerance["reference"] == 0.0}
-    assert {law.id for law in LAWS.residuals if law.klass == "physics"} & strict == {
+    """No invariant of physics asks a numerical solution for a digit it cannot keep."""
+    strict = {
+        invariant.id
+        for invariant in INVARIANTS.residuals
+        if invariant.tolerance["reference"] == 0.0
+    }
+    assert {
+        invariant.id for invariant in INVARIANTS.residuals if invariant.klass == "physics"
+    } & strict == {
         "finite",
         "mode-and-sticking-agree",
         "runs-to-the-end",
     }
-    assert all(law.klass == "contract" for law in LAWS.runs if law.tolerance is None)
+    assert all(
+        invariant.klass == "contract"
+        for invariant in INVARIANTS.runs
+        if invariant.tolerance is None
+    )
 
 
-def test_no_law_allows_ours_more_than_a_numerical_solution() -> None:
-    """The exact block is held at least as tightly as an integrator, by every law."""
-    for law in LAWS.residuals:
-        assert law.tolerance["fmu"] <= law.tolerance["reference"], law.id
-    for run in LAWS.runs:
+def test_no_invariant_allows_ours_more_than_a_numerical_solution() -> None:
+    """The exact block is held at least as tightly as an integrator, by every invariant."""
+    for invariant in INVARIANTS.residuals:
+        assert invariant.tolerance["fmu"] <= invariant.tolerance["reference"], invariant.id
+    for run in INVARIANTS.runs:
         assert run.tolerance is None or run.tolerance["fmu"] <= run.tolerance["numerical"], run.id
 
 
-AGREE = {law.quantity: law for law in LAWS.agreements}
+AGREE = {invariant.quantity: invariant for invariant in INVARIANTS.agreements}
 
 
-def agreed(name: str, quantity: str, fmu: Record, trial: Trial = OURS) -> CheckResult | None:
+def agreed(
+    name: str, quantity: str, fmu: Record, contract: Contract = EXACT_CONTRACT
+) -> CheckResult | None:
     """Hold a record against the exact motion in the place of the reference."""
-    law, case, exact = AGREE[quantity], named(name), exact_of(name)
-    check = agreeing(law, case)
+    invariant, case, exact = AGREE[quantity], named(name), exact_of(name)
+    check = agreeing(invariant, case)
     if check is None:
         return None
     records = {"fmu": Answer(fmu), "reference": Answer(exact.record)}
-    return judge_agreement(law, case, check, trial, Answer(exact), records)
+    return judge_agreement(invariant, case, check, contract, Answer(exact), records)
 
 
 def late(draft: Draft) -> None:
@@ -222,11 +244,11 @@ def test_two_codes_agree_within_what_the_case_allows_both() -> None:
     """FMU and reference may differ by the sum of their tolerances, and by no more."""
     case, exact = named("default"), exact_of("default").record
     (check,) = (check for check in case.checks if check.id == "t_event-course")
-    for trial in (OURS, FOREIGN):
-        result = agreed("default", "t_event", exact, trial)
+    for contract in (EXACT_CONTRACT, PHYSICS_CONTRACT):
+        result = agreed("default", "t_event", exact, contract)
         assert result is not None
         assert (result.side, result.truth, result.passed) == ("both", "cross_code", True)
-        allowed = check.tolerance[trial.column] + check.tolerance["reference"]
+        allowed = check.tolerance[contract.column] + check.tolerance["reference"]
         assert result.tolerance == allowed
     for quantity in ("t_event", "n_slips"):
         result = agreed("default", quantity, planted(exact, late))
@@ -242,7 +264,10 @@ def test_agreement_needs_the_output_on_both_sides() -> None:
         del draft.outputs["t_event"]
 
     poor = planted(exact_of("default").record, lacking)
-    ours, foreign = (agreed("default", "t_event", poor, trial) for trial in (OURS, FOREIGN))
+    ours, foreign = (
+        agreed("default", "t_event", poor, contract)
+        for contract in (EXACT_CONTRACT, PHYSICS_CONTRACT)
+    )
     assert ours is not None
     assert foreign is not None
     assert (ours.verdict, ours.failure) == ("fail", "no output t_event")
