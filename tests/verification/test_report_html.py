@@ -19,10 +19,10 @@ from stickslip_verification.model.verdict import (
     Second,
     Verdict,
 )
+from stickslip_verification.report.earlier import compare, read_earlier_report
 from stickslip_verification.report.html import render, write_report
 from stickslip_verification.report.json_file import write_json
 from stickslip_verification.report.words import ClaimSection
-from stickslip_verification.run.earlier import compare, read_earlier_report
 from stickslip_verification.suite.catalogue import Meaning
 from tests.verification.test_report import result
 

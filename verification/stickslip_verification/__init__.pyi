@@ -10,6 +10,10 @@ from .model.verdict import KillMatrix as KillMatrix
 from .model.verdict import Verdict as Verdict
 from .random_sets.run_all import prove as prove
 from .random_sets.tally import RandomTestResult as RandomTestResult
+from .report.earlier import EarlierReport as EarlierReport
+from .report.earlier import EarlierReportError as EarlierReportError
+from .report.earlier import compare as compare
+from .report.earlier import read_earlier_report as read_earlier_report
 from .report.html import render as render
 from .report.html import write_report as write_report
 from .report.json_file import as_json as as_json
@@ -21,10 +25,6 @@ from .report.pdf import write_pdf as write_pdf
 from .report.plots import course_tolerances as course_tolerances
 from .report.plots import draw_case as draw_case
 from .report.words import ClaimSection as ClaimSection
-from .run.earlier import EarlierReport as EarlierReport
-from .run.earlier import EarlierReportError as EarlierReportError
-from .run.earlier import compare as compare
-from .run.earlier import read_earlier_report as read_earlier_report
 from .run.lint import lint as lint
 from .run.verify import verify as verify
 from .suite.cases import Case as Case

@@ -28,7 +28,6 @@ from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.communication import NotApplicableError, run_case
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.fmu.hooks import Hook
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.other_runs import RUNS
@@ -37,6 +36,7 @@ from stickslip_verification.drive.sides import ReferenceSide
 from stickslip_verification.model.record import Record
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.faults import Hook
 from stickslip_verification.suite.invariants import Order, Probe
 
 T = TypeVar("T")
