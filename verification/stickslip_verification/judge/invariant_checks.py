@@ -23,7 +23,7 @@ from stickslip_verification.judge.checks import (
 )
 from stickslip_verification.judge.metrics import METRICS, Course, MissingOutputError, Residual
 from stickslip_verification.model.record import Record
-from stickslip_verification.model.verdict import CheckResult, Measured, ObservedOrder
+from stickslip_verification.model.verdict import CheckResult, Measure, Measured, ObservedOrder
 from stickslip_verification.suite.cases import Case, Check
 from stickslip_verification.suite.invariants import (
     Agreement,
@@ -58,7 +58,7 @@ def judge_residual(
     empty = replace(
         blank(invariant, case.id, contract),
         quantity=invariant.quantity,
-        measure="of_scale",
+        measure=Measure.OF_SCALE,
         tolerance=invariant.tolerance[contract.column],
         because=invariant.because[contract.column],
         expected=0.0,

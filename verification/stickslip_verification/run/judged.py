@@ -11,7 +11,7 @@ from stickslip_verification.judge import checks, run_checks
 from stickslip_verification.judge import invariant_checks as invariant_checks
 from stickslip_verification.judge.checks import REFERENCE_CONTRACT, Contract
 from stickslip_verification.model.record import Record
-from stickslip_verification.model.verdict import CheckResult, Motion
+from stickslip_verification.model.verdict import CheckResult, Klass, Motion
 from stickslip_verification.run.baseline import Baseline, Progress
 from stickslip_verification.suite.cases import Check
 from stickslip_verification.suite.invariants import Invariants, ResidualInvariant, RunInvariant
@@ -71,7 +71,7 @@ def judge(
     """
     for each in baseline:
         results = _judge_case(each, invariants, answers, contract, reference=reference)
-        if each.case.klass == "contract":
+        if each.case.klass == Klass.CONTRACT:
             # Whatever is said of a convention is no more than a convention.
             results = (_by_contract(result, contract) for result in results)
         yield from results
@@ -120,8 +120,10 @@ def _judge_case(
 
 
 def _by_contract(result: CheckResult, contract: Contract) -> CheckResult:
-    decides = (REFERENCE_CONTRACT if result.side == "reference" else contract).decides("contract")
-    return replace(result, klass="contract", decides=decides)
+    decides = (REFERENCE_CONTRACT if result.side == "reference" else contract).decides(
+        Klass.CONTRACT
+    )
+    return replace(result, klass=Klass.CONTRACT, decides=decides)
 
 
 def _unanswered(empty: CheckResult, answer: Answer[Record]) -> CheckResult:
