@@ -41,6 +41,7 @@ OUTSIDE = {
 
 # Single modules that need more from outside than the rest of their package.
 EXTRA_OUTSIDE = {
+    ("stickslip", "csv_file"): frozenset({"fmpy"}),
     ("stickslip", "handbook.document"): frozenset({"jinja2", "markupsafe", "rcssmin"}),
     ("stickslip", "page.assemble"): frozenset({"jinja2", "rcssmin", "rjsmin"}),
     ("stickslip_fmu", "fmi2"): frozenset({"pythonfmu"}),
