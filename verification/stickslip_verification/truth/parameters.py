@@ -1,7 +1,7 @@
-"""The numbers of one run, checked as doubles and held exactly as binary values in high precision.
+"""The parameters of a run: checked as doubles, then held exactly in high precision.
 
-What a simulator was given are doubles; the exact solution is that of these very numbers, so nothing
-is read as the decimal it was typed as. docs/theory.md, the model and (2).
+A simulator computes with doubles. The exact solution is that of these very binary numbers, not of
+the decimals they were typed as. docs/theory.md, the model and (2).
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import mpmath
@@ -51,6 +52,31 @@ _GUARD_DIGITS = 20
 _ROOT_BITS = 30
 
 
+@dataclass(frozen=True)
+class OwnParameter:
+    """A parameter that a friction law has beyond the twelve.
+
+    Attributes
+    ----------
+    start
+        Its value where none is given, SI.
+    low
+        Its lower bound; None without one.
+    strict
+        Whether the bound itself is excluded.
+    changeable
+        Whether it may change between two steps.
+    """
+
+    start: float
+    low: float | None = None
+    strict: bool = False
+    changeable: bool = True
+
+
+_NONE: Mapping[str, OwnParameter] = MappingProxyType({})
+
+
 @functools.cache
 def high_precision(digits: int) -> Context:
     """Return the context that carries `digits` decimal digits and the guard digits.
@@ -74,19 +100,29 @@ def root_tolerance(context: Context) -> Number:
     return context.ldexp(1, _ROOT_BITS - context.prec)
 
 
-def complete(given: Mapping[str, float]) -> dict[str, float]:
-    """Return all twelve parameters as doubles, those not given at their start values.
+def complete(
+    given: Mapping[str, float], own: Mapping[str, OwnParameter] = _NONE
+) -> dict[str, float]:
+    """Return all parameters as doubles, those not given at their start values.
+
+    Parameters
+    ----------
+    given
+        Values by name, SI.
+    own
+        The friction law's own parameters, which follow the twelve in the result.
 
     Raises
     ------
     ValueError
         Naming the parameter, its value and its range: unknown name, NaN or infinity; m, g or k
-        not positive; c, mu_s or mu_k negative; load below -m g.
+        not positive; c, mu_s or mu_k negative; load below -m g; an own parameter out of its range.
     """
-    unknown = sorted(set(given) - set(START_VALUES))
+    starts = {**START_VALUES, **{name: each.start for name, each in own.items()}}
+    unknown = sorted(set(given) - set(starts))
     if unknown:
-        raise ValueError(f"no parameter named {', '.join(unknown)}; there are {list(START_VALUES)}")
-    values = {name: float(given.get(name, start)) for name, start in START_VALUES.items()}
+        raise ValueError(f"no parameter named {', '.join(unknown)}; there are {list(starts)}")
+    values = {name: float(given.get(name, start)) for name, start in starts.items()}
     for name, value in values.items():
         if not math.isfinite(value):
             raise ValueError(f"{name} = {value} is not a finite number")
@@ -94,6 +130,12 @@ def complete(given: Mapping[str, float]) -> dict[str, float]:
             raise ValueError(f"{name} = {value!r} is outside {name} > 0")
         if name in _NON_NEGATIVE and value < 0.0:
             raise ValueError(f"{name} = {value!r} is outside {name} >= 0")
+    for name, each in own.items():
+        if each.low is not None and not (
+            values[name] > each.low if each.strict else values[name] >= each.low
+        ):
+            sense = ">" if each.strict else ">="
+            raise ValueError(f"{name} = {values[name]!r} is outside {name} {sense} {each.low}")
     weight = values["m"] * values["g"]
     if values["load"] + weight < 0.0:
         raise ValueError(f"load = {values['load']!r} is outside load >= -m g = {-weight!r}")
@@ -110,8 +152,9 @@ class Numbers:
     """The parameters of one arc as exact numbers, with the forces that follow from them.
 
     m [kg], k [N/m], c [N.s/m], v [m/s], F_ext [N] as given; mu_k [1] after the clamp;
-    N [N] normal force; F_s [N] break-away force mu_s N; F_k [N] kinetic friction mu_k N;
-    gap [N] F_s - F_k, zero exactly where the two coefficients are equal or N is zero.
+    N [N] normal force; F_s [N] static friction mu_s N; F_k [N] kinetic friction mu_k N;
+    gap [N] F_s - F_k, zero exactly where the two coefficients are equal or N is zero;
+    own: the friction law's own parameters by name [SI].
     """
 
     m: Number
@@ -124,10 +167,11 @@ class Numbers:
     F_s: Number
     F_k: Number
     gap: Number
+    own: Mapping[str, Number] = field(default_factory=dict)
 
 
 def exact(context: Context, values: Mapping[str, float]) -> Numbers:
-    """Return `values` (all twelve, as from `complete`) as exact numbers of `context`."""
+    """Return `values` (all of them, as from `complete`) as exact numbers of `context`."""
     exact_values = {name: context.mpf(value) for name, value in values.items()}
     mu_s = exact_values["mu_s"]
     mu_k = context.mpf(used_mu_k(values["mu_s"], values["mu_k"]))
@@ -148,6 +192,7 @@ def exact(context: Context, values: Mapping[str, float]) -> Numbers:
         F_s=mu_s * N,
         F_k=mu_k * N,
         gap=(mu_s - mu_k) * N,
+        own={name: each for name, each in exact_values.items() if name not in START_VALUES},
     )
 
 
