@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from stickslip_verification.truth import FrictionLaw, Number, Numbers, OwnParameter, Series
+from stickslip_verification.truth import FrictionLaw, Kind, Number, Numbers, Parameter, Series
 
 
 class Falling(FrictionLaw):
     """Kinetic friction ``(mu_k - slope |x_dot|) N`` while that is >= 0; static ``mu_s N``."""
 
-    parameters: Mapping[str, OwnParameter] = {"slope": OwnParameter(0.1, low=0.0)}
+    parameters = (Parameter("slope", "s/m", 0.1, Kind.TUNABLE, low=0.0),)
 
     def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
         """Return ``(mu_k - slope speed) N`` [N]."""

@@ -12,10 +12,12 @@ from stickslip_verification.truth.law import FrictionLaw, Slip, friction_law
 from stickslip_verification.truth.motion import Event
 from stickslip_verification.truth.parameters import (
     CHANGEABLE,
+    PARAMETERS,
     START_VALUES,
+    Kind,
     Number,
     Numbers,
-    OwnParameter,
+    Parameter,
     complete,
 )
 from stickslip_verification.truth.series import Series
@@ -23,13 +25,15 @@ from stickslip_verification.truth.series import Series
 __all__ = [
     "CHANGEABLE",
     "COULOMB",
+    "PARAMETERS",
     "START_VALUES",
     "Coulomb",
     "Event",
     "FrictionLaw",
+    "Kind",
     "Number",
     "Numbers",
-    "OwnParameter",
+    "Parameter",
     "Run",
     "Series",
     "Slip",

@@ -12,6 +12,7 @@ from stickslip_verification.truth.motion import Event, Motion
 from stickslip_verification.truth.parameters import (
     CHANGEABLE,
     Number,
+    changeable,
     complete,
     high_precision,
 )
@@ -99,7 +100,7 @@ def run(
     context = high_precision(digits)
     law = friction_law(law) if isinstance(law, str) else law
     values = complete(parameters, law.parameters)
-    changeable = CHANGEABLE.union(name for name, own in law.parameters.items() if own.changeable)
+    may_change = CHANGEABLE | changeable(law.parameters)
     if not math.isfinite(start_time):
         raise ValueError(f"start_time = {start_time} is not a finite number")
     motion = Motion(context, values, start_time, law)
@@ -110,10 +111,10 @@ def run(
         if not (math.isfinite(step.h) and step.h > 0.0):
             raise ValueError(f"h = {step.h} is outside h > 0")
         if step.changes:
-            fixed = sorted(set(step.changes) - changeable)
+            fixed = sorted(set(step.changes) - may_change)
             if fixed:
                 raise ValueError(
-                    f"{', '.join(fixed)} cannot change in a run; {sorted(changeable)} can"
+                    f"{', '.join(fixed)} cannot change in a run; {sorted(may_change)} can"
                 )
             values = complete({**values, **step.changes}, law.parameters)
             motion.change({name: values[name] for name in step.changes})

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib import import_module
-from types import MappingProxyType
 from typing import Any, Protocol
 
 from stickslip_verification.truth.march import Friction, March
-from stickslip_verification.truth.parameters import Context, Number, Numbers, OwnParameter
+from stickslip_verification.truth.parameters import Context, Number, Numbers, Parameter
 from stickslip_verification.truth.series import Series
 
 _EXAMPLE = "'my_laws.stribeck:STRIBECK'"
@@ -65,7 +64,7 @@ class FrictionLaw:
 
     A law brings:
 
-    1. Its own parameters in `parameters`, by name.
+    1. Its own parameters in `parameters`, rows as those of the model's own table.
     2. The break-away force, `hold`, given the age of the stick as a series. If it depends on the
        age, set ``ages = True``; it must then be a non-decreasing, concave function of the age. At
        age 0 it is at least the friction at speed 0.
@@ -93,8 +92,8 @@ class FrictionLaw:
     10. Events, meter, energies and outputs. The law's methods have no side effect.
     """
 
-    parameters: Mapping[str, OwnParameter] = MappingProxyType({})
-    """The law's own parameters by name."""
+    parameters: Sequence[Parameter] = ()
+    """The law's own parameters."""
 
     ages: bool = False
     """Whether the break-away force depends on the age of the stick."""
