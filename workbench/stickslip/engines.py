@@ -199,7 +199,8 @@ def _unpacked(fmu: Path) -> Iterator[str]:
     """Unpack an FMU for as long as it runs."""
     import fmpy
 
-    from stickslip_verification.fmu import FmuError, new_folder
+    from stickslip_verification.drive.fmu.errors import FmuError
+    from stickslip_verification.drive.fmu.unpacking import new_folder
 
     try:
         folder = new_folder()
