@@ -12,9 +12,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from fmukit.table import Variable
 from stickslip_design.claims import pages
+from stickslip_fmu.interface import TABLE
 from stickslip_fmu.packer import build
-from stickslip_fmu.variables import VARIABLES, Variable
 from stickslip_verification import (
     CheckResult,
     Meaning,
@@ -93,7 +94,7 @@ def interface() -> Iterator[str]:
     yield ""
     yield "| variable | type | unit | causality | variability | start | range | what it is |"
     yield "|---|---|---|---|---|---|---|---|"
-    for row in VARIABLES:
+    for row in TABLE.rows:
         start = "" if row.start is None else f"{row.start:g}"
         cells = (
             f"`{row.name}`",

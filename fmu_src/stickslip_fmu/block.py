@@ -9,12 +9,16 @@ import math
 from operator import attrgetter
 from typing import Any, Dict, List, Optional, Tuple, Union
 
+from fmukit.model import ModelError
+from fmukit.plain import values
+
 from .arcs import SlipArc, StickArc
 from .compensated import CompensatedSum, add
-from .friction import direction_from_rest, friction_forces, kinetic_coefficient
+from .friction import clamp_warning, direction_from_rest, friction_forces, kinetic_coefficient
 from .meter import CycleMeter
 from .oscillator import Oscillator
-from .settings import BlockError, Settings
+from .saved import check_saved
+from .settings import Settings
 
 # What one step may hold: above it the caller would wait for minutes, so the step is refused.
 MOST_TRANSITIONS = 2**24
@@ -79,7 +83,7 @@ class Block:
 
     Raises
     ------
-    BlockError
+    ModelError
         If the settings are beyond their range together.
     """
 
@@ -127,7 +131,7 @@ class Block:
 
         Raises
         ------
-        BlockError
+        ModelError
             If the step is no such number or holds too many transitions, or if the values set
             since the last step are beyond their range together.
         """
@@ -144,6 +148,14 @@ class Block:
                 return
         self._advance_through(time, step)
 
+    def check(self) -> None:
+        """Raise ModelError if the load that is set would lift the mass."""
+        self.wanted.normal_force()
+
+    def warning(self) -> Optional[str]:
+        """Return that the kinetic coefficient that is set is clamped; None if it is not."""
+        return clamp_warning(self.wanted.mu_s, self.wanted.mu_k)
+
     def date_start(self, time: float) -> None:
         """Let `meter.t_event` show that the simulation starts at `time` [s], if it has not yet."""
         if not self._started:
@@ -151,7 +163,7 @@ class Block:
             self.meter.t_event = time
 
     def refresh(self) -> None:
-        """Compute the motion where the block stands; raises BlockError where it is not finite."""
+        """Compute the motion where the block stands; raises ModelError where it is not finite."""
         arc = self._arc
         growth, x_dot, displacement = arc.state(self._elapsed)
         settings = self._settings
@@ -169,7 +181,7 @@ class Block:
         self._displacement = displacement
         self.stale = False
         if not abs(x_pull + F) < math.inf:
-            raise BlockError(_NOT_FINITE)
+            raise ModelError(_NOT_FINITE)
 
     @property
     def sticking(self) -> bool:
@@ -225,10 +237,11 @@ class Block:
         }
 
     def restore(self, saved: Dict[str, Any]) -> None:
-        """Take up a state that `save` returned, bit for bit."""
-        self.wanted = Settings(saved["settings"])
+        """Take up a state that `save` returned, bit for bit; raises ModelError for another."""
+        check_saved(saved, self.save())
+        self.wanted = values(Settings, saved["settings"])
         self._adopt_settings()
-        self.wanted = Settings(saved["wanted"])
+        self.wanted = values(Settings, saved["wanted"])
         self._part()
         self._place(*saved["arc"])
         self._elapsed, self._elapsed_low = saved["elapsed"]
@@ -245,9 +258,9 @@ class Block:
     def _advance_through(self, time: float, step: float) -> None:
         """Move on by one step that may begin with other settings or hold transitions."""
         if not 0.0 < step < math.inf:
-            raise BlockError(f"step size h = {step!r} s is out of range: above 0 and finite")
+            raise ModelError(f"step size h = {step!r} s is out of range: above 0 and finite")
         if not math.isfinite(time):
-            raise BlockError(f"communication point t = {time!r} s is out of range: a finite number")
+            raise ModelError(f"communication point t = {time!r} s is out of range: a finite number")
         self._part()
         if self._changed:
             self._change_settings(time)
@@ -391,16 +404,16 @@ class Block:
 
 
 def _finite(value: float) -> float:
-    """Return `value`; raises BlockError where it is none."""
+    """Return `value`; raises ModelError where it is none."""
     if not math.isfinite(value):
-        raise BlockError(_NOT_FINITE)
+        raise ModelError(_NOT_FINITE)
     return value
 
 
 def _check_pace(transitions: int, step: float, done: float) -> None:
     """Refuse a step of which `done` [s] already held so many transitions that it never ends."""
     if transitions > MOST_TRANSITIONS * (done / step):
-        raise BlockError(
+        raise ModelError(
             f"step size h = {step!r} s is out of range: it holds more than "
             f"{MOST_TRANSITIONS} transitions between stick and slip; make it shorter"
         )

@@ -3,12 +3,12 @@
 from typing import Dict
 from xml.etree.ElementTree import Element, SubElement
 
-from .description import (
+from ..description import (
     LOG_CATEGORIES,
-    MODEL,
     add_experiment,
     add_log_categories,
     add_units,
+    drop_empty_lists,
     initial_unknowns,
     outputs,
     root_element,
@@ -16,14 +16,10 @@ from .description import (
     value_attributes,
     variable_attributes,
 )
-from .quantities import QUANTITIES, Quantity
-from .variables import VALUE_REFERENCES, VARIABLES
-
-# FMI 3.0 wants the independent variable to be one of the variables.
-TIME = len(VARIABLES)
+from ..model import Spec
+from ..table import Quantity, Table
 
 _CAPABILITIES = {
-    "modelIdentifier": MODEL,
     "needsExecutionTool": "false",
     "canBeInstantiatedOnlyOncePerProcess": "false",
     "canGetAndSetFMUState": "true",
@@ -45,29 +41,32 @@ def type_name(quantity: Quantity) -> str:
     return {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}[quantity.kind]
 
 
-def model_description(identity: str, generator: str) -> Element:
+def model_description(spec: Spec, identity: str, generator: str) -> Element:
     """Return the root of modelDescription.xml.
 
     Parameters
     ----------
+    spec
+        The model.
     identity
         The instantiation token.
     generator
         Name and version of what wraps the slave.
     """
-    root = root_element("3.0", ("instantiationToken", identity), generator)
-    SubElement(root, "CoSimulation", _CAPABILITIES)
-    add_units(root)
-    _add_types(SubElement(root, "TypeDefinitions"))
+    root = root_element(spec, "3.0", ("instantiationToken", identity), generator)
+    SubElement(root, "CoSimulation", {"modelIdentifier": spec.name, **_CAPABILITIES})
+    add_units(root, spec.table)
+    _add_types(SubElement(root, "TypeDefinitions"), spec.table)
     add_log_categories(root, _LOG_CATEGORIES)
-    add_experiment(root)
-    _add_variables(SubElement(root, "ModelVariables"))
-    _add_structure(SubElement(root, "ModelStructure"))
+    add_experiment(root, spec.experiment)
+    _add_variables(SubElement(root, "ModelVariables"), spec.table)
+    _add_structure(SubElement(root, "ModelStructure"), spec.table)
+    drop_empty_lists(root)
     return root
 
 
-def _add_types(parent: Element) -> None:
-    for name, quantity in QUANTITIES.items():
+def _add_types(parent: Element, table: Table) -> None:
+    for name, quantity in table.quantities.items():
         attributes = {"name": name, **type_attributes(quantity)}
         element = SubElement(parent, f"{type_name(quantity)}Type", attributes)
         for item in quantity.items:
@@ -79,29 +78,36 @@ def _add_types(parent: Element) -> None:
             SubElement(element, "Item", attributes)
 
 
-def _add_variables(parent: Element) -> None:
-    for variable in VARIABLES:
+def _add_variables(parent: Element, table: Table) -> None:
+    for variable in table.rows:
         attributes = {**variable_attributes(variable), **value_attributes(variable)}
         SubElement(parent, type_name(variable.type), attributes)
-    SubElement(parent, "Float64", _time_attributes())
+    SubElement(parent, "Float64", _time_attributes(table))
 
 
-def _time_attributes() -> Dict[str, str]:
-    return {
+def time_reference(table: Table) -> int:
+    """Return the value reference of the independent variable, which FMI 3.0 wants to be listed."""
+    return len(table.rows)
+
+
+def _time_attributes(table: Table) -> Dict[str, str]:
+    attributes = {
         "name": "time",
-        "valueReference": str(TIME),
+        "valueReference": str(time_reference(table)),
         "description": "Time",
         "causality": "independent",
         "variability": "continuous",
-        "declaredType": "Time",
-        **type_attributes(QUANTITIES["Time"]),
     }
+    if "Time" in table.quantities:
+        attributes["declaredType"] = "Time"
+        attributes.update(type_attributes(table.quantities["Time"]))
+    return attributes
 
 
-def _add_structure(parent: Element) -> None:
-    for variable in outputs():
-        reference = str(VALUE_REFERENCES[variable.name])
+def _add_structure(parent: Element, table: Table) -> None:
+    for variable in outputs(table):
+        reference = str(variable.number)
         SubElement(parent, "Output", {"valueReference": reference, "dependencies": ""})
-    for variable, dependencies in initial_unknowns():
-        reference = str(VALUE_REFERENCES[variable.name])
+    for variable, dependencies in initial_unknowns(table):
+        reference = str(variable.number)
         SubElement(parent, "InitialUnknown", {"valueReference": reference, **dependencies})

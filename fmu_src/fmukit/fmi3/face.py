@@ -1,17 +1,18 @@
-"""The FMI 3.0 co-simulation face of the block, for pythonfmu3's wrapper."""
+"""The FMI 3.0 co-simulation face of a model, for pythonfmu3's wrapper."""
 
 from typing import Any, Callable, Dict, List, NamedTuple, Optional
 
 from pythonfmu3 import Fmi3Slave
 
-from .description3 import TIME, type_name
-from .face import Face, LogMessage, entry
-from .lifetime import settle
-from .references import References
-from .settings import BlockError
-from .variables import Variable
+from ..instance import Instance, LogMessage, entry
+from ..lifetime import settle
+from ..model import ModelError, Spec
+from ..readers import References
+from ..table import Variable
+from .description import time_reference, type_name
 
 _ERROR = 3
+_TYPES = ("Float64", "Int32", "Int64", "UInt64", "Boolean", "String")
 
 
 def _type_of(variable: Variable) -> str:
@@ -20,12 +21,8 @@ def _type_of(variable: Variable) -> str:
     return "Int64" if name == "Enumeration" else name
 
 
-_REFERENCES = References(("Float64", "Int32", "Int64", "UInt64", "Boolean", "String"), _type_of)
-_FLOAT_READERS = _REFERENCES.readers["Float64"]
-
-
 class StepResult(NamedTuple):
-    """What the wrapper reads off the result of a step."""
+    """The members that the wrapper reads off the result of a step."""
 
     status: int
     terminateSimulation: bool
@@ -39,27 +36,37 @@ def _absent(call: str) -> Callable[..., Any]:
     """Return the method behind a call that the wrapper makes although nothing declares it."""
 
     @entry
-    def refuse(self: "StickSlip", *arguments: Any) -> Any:
-        raise BlockError(f"{call} is not allowed here: this is co-simulation without event mode")
+    def refuse(self: "Slave", *arguments: Any) -> Any:
+        raise ModelError(f"{call} is not allowed here: this is co-simulation without event mode")
 
     return refuse
 
 
-class StickSlip(Face, Fmi3Slave):  # type: ignore[misc]
-    """The stick-slip block as a slave."""
+class Slave(Instance, Fmi3Slave):  # type: ignore[misc]
+    """A model as a slave; a subclass names the model, ``class Packed(Slave, spec=SPEC)``."""
 
-    _references = _REFERENCES
+    # Value reference of the independent variable, the time.
+    _time_reference: int
+
+    def __init_subclass__(cls, spec: Optional[Spec] = None, **arguments: Any) -> None:
+        super().__init_subclass__(**arguments)
+        # The class in the slave's own file has the model from its base.
+        if spec is not None:
+            cls._spec = spec
+            cls._references = References(spec.table, _TYPES, _type_of)
+            cls._time_reference = time_reference(spec.table)
 
     def __init__(self, **arguments: Any) -> None:
         arguments.setdefault("instance_name", "")
         super().__init__(**arguments)
-        self.modelName = "StickSlip"
+        self.modelName = self._spec.name
+        self._float_readers = self._references.readers["Float64"]
         self._begin()
         if self.resources is not None:
             settle(self.resources)
 
     def do_step(self, current_time: float, step_size: float) -> StepResult:
-        """Advance the block by one communication step.
+        """Advance the model by one communication step.
 
         A refusal is returned and not raised, for a raised one would be fatal to all instances.
         """
@@ -67,8 +74,8 @@ class StickSlip(Face, Fmi3Slave):  # type: ignore[misc]
             if not self._ready:
                 self._prepare_step()
                 # The wrapper keeps the start time to itself.
-                self._block.date_start(current_time)
-            self._block.advance(current_time, step_size)
+                self._model.date_start(current_time)
+            self._model.advance(current_time, step_size)
         except BaseException as error:  # whatever it is, the importing process must survive it
             text = self._remember(error)
             self.log_queue.append(LogMessage(_ERROR, "logStatusError", text))
@@ -81,13 +88,10 @@ class StickSlip(Face, Fmi3Slave):  # type: ignore[misc]
         # The call that simulators make most, so the common way is written out.
         try:
             if self._settled:
-                block = self._block
-                if block.stale:
-                    block.refresh()
-                read = _FLOAT_READERS.get(tuple(vrs))
+                read = self._float_readers.get(tuple(vrs))
                 if read is not None:
-                    return list(read(block))
-            if TIME in vrs:
+                    return read(self._model)
+            if self._time_reference in vrs:
                 return self._read_with_time(vrs)
             return self._read("Float64", vrs)
         except BaseException as error:  # whatever it is, the importing process must survive it
@@ -105,30 +109,30 @@ class StickSlip(Face, Fmi3Slave):  # type: ignore[misc]
 
     @entry
     def get_uint64(self, vrs: List[int]) -> List[Any]:
-        """Refuse: there are none."""
+        """Refuse: a table has no UInt64."""
         return self._read("UInt64", vrs)
 
     @entry
     def set_float64(self, vrs: List[int], values: List[float]) -> None:
-        """Set parameters and inputs; in a running simulation they act from the next step on."""
-        if TIME in vrs:
-            raise BlockError("time is the independent variable: it cannot be set")
+        """Set Float64 parameters and inputs."""
+        if self._time_reference in vrs:
+            raise ModelError("time is the independent variable: it cannot be set")
         self._set("Float64", vrs, values)
 
     @entry
     def set_int32(self, vrs: List[int], values: List[int]) -> None:
-        """Take nothing but start values before the start: no Int32 is an input."""
-        self._refuse_to_set("Int32", vrs, values)
+        """Set Int32 parameters and inputs."""
+        self._set("Int32", vrs, values)
 
     @entry
     def set_int64(self, vrs: List[int], values: List[int]) -> None:
-        """Refuse: no Enumeration is an input."""
-        self._refuse_to_set("Int64", vrs, values)
+        """Set Enumeration parameters and inputs."""
+        self._set("Int64", vrs, values)
 
     @entry
     def set_uint64(self, vrs: List[int], values: List[int]) -> None:
-        """Refuse: there are none."""
-        self._refuse_to_set("UInt64", vrs, values)
+        """Refuse: a table has no UInt64."""
+        self._set("UInt64", vrs, values)
 
     set_time = _absent("fmi3SetTime")
     update_discrete_states = _absent("fmi3UpdateDiscreteStates")
@@ -138,20 +142,23 @@ class StickSlip(Face, Fmi3Slave):  # type: ignore[misc]
     get_event_indicators = _absent("fmi3GetEventIndicators")
 
     def get_continuous_state_derivatives(self) -> List[float]:
-        """Return none; here the wrapper would not survive a refusal."""
+        """Return an empty list: the wrapper would not survive a refusal here."""
         return []
 
     def to_xml(self, model_options: Optional[Dict[str, str]] = None) -> Any:
-        """Return the model description, which the builder writes; the options are fixed."""
-        import pythonfmu3
+        """Return the model description for the builder; options have no effect."""
+        import pythonfmu3  # only a build asks, and an import of the whole builder is slow
 
-        from .description import identity
-        from .description3 import model_description
+        from ..description import identity
+        from .description import model_description
 
         package = __name__.partition(".")[0]
-        return model_description(identity(package), f"pythonfmu3 {pythonfmu3.__version__}")
+        return model_description(
+            self._spec, identity(package), f"pythonfmu3 {pythonfmu3.__version__}"
+        )
 
     def _read_with_time(self, vrs: List[int]) -> List[float]:
         """Return Float64 values, the time among them."""
-        others = iter(self._read("Float64", [each for each in vrs if each != TIME]))
-        return [self._time if each == TIME else next(others) for each in vrs]
+        time = self._time_reference
+        others = iter(self._read("Float64", [each for each in vrs if each != time]))
+        return [self._time if each == time else next(others) for each in vrs]

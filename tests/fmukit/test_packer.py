@@ -6,8 +6,9 @@ from pathlib import Path
 import fmpy
 import pytest
 
+from fmukit.packer import write_archive
 from stickslip_fmu import packer
-from stickslip_fmu.variables import start_values
+from stickslip_fmu.interface import TABLE
 from stickslip_ref import Parameters
 
 
@@ -33,7 +34,7 @@ def test_the_date_is_that_of_the_release_or_of_the_build(
 def test_start_values_are_the_defaults_of_the_reference() -> None:
     """The FMU and the reference, which share no code, start from the same numbers."""
     reference = Parameters()
-    for name, value in start_values().items():
+    for name, value in TABLE.start_values().items():
         assert getattr(reference, name) == value
 
 
@@ -75,5 +76,5 @@ def test_an_archive_that_cannot_take_its_place_leaves_nothing(tmp_path: Path) ->
     target = tmp_path / "StickSlip.fmu"
     target.mkdir()
     with pytest.raises(IsADirectoryError):
-        packer.write_archive({"modelDescription.xml": b"<fmiModelDescription/>"}, target)
+        write_archive({"modelDescription.xml": b"<fmiModelDescription/>"}, target)
     assert [path.name for path in tmp_path.iterdir()] == ["StickSlip.fmu"]
