@@ -10,9 +10,9 @@ import functools
 import sys
 from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
-from .block import Block
 from .handles import Handle, held
 from .lifetime import give_reference
+from .model import Block
 from .references import References
 from .settings import BlockError, Settings
 from .state import State, from_bytes

@@ -3,7 +3,7 @@
 from operator import attrgetter
 from typing import Any, Callable, Dict, Iterable, List, Sequence, Tuple
 
-from .block import Block
+from .model import Block
 from .settings import BlockError
 from .variables import VARIABLES, Variable
 

@@ -6,10 +6,10 @@ needs no look inside. What comes as bytes is looked at once, when it is read.
 
 import json
 import math
-from typing import Any, Dict, Iterable, List, Optional, Tuple
+from typing import Any, Dict, Iterable, List, Optional
 
-from .block import Block
 from .meter import MOST_SLIPS
+from .model import Block
 from .settings import Settings
 from .variables import VARIABLES_BY_NAME, start_values
 
@@ -36,7 +36,7 @@ class State:
     __slots__ = ("_bytes", "block", "phase", "settings", "settled", "time")
 
     def __init__(
-        self, block: Tuple[Any, ...], settings: Settings, time: float, phase: str, settled: bool
+        self, block: Any, settings: Settings, time: float, phase: str, settled: bool
     ) -> None:
         self.block = block
         self.settings = settings

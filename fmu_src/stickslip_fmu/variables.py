@@ -251,7 +251,7 @@ VARIABLES: Tuple[Variable, ...] = (
         ("mu_s", "mu_k"),
         0.0,
         "discrete",
-    ),
+    )._replace(attribute="state.friction.mu_k_used"),
 )
 
 VARIABLES_BY_NAME: Dict[str, Variable] = {variable.name: variable for variable in VARIABLES}

@@ -5,7 +5,7 @@ import random
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
-from stickslip_fmu.block import Block
+from stickslip_fmu.model import Block
 from stickslip_fmu.settings import Settings
 from stickslip_fmu.variables import VARIABLES, start_values
 

@@ -11,7 +11,7 @@ import fmpy
 import pytest
 
 from stickslip_fmu import packer
-from stickslip_fmu.block import Block
+from stickslip_fmu.model import Block
 from stickslip_fmu.quantities import QUANTITIES, UNITS
 from stickslip_fmu.settings import Settings
 from stickslip_fmu.variables import VARIABLES, start_values

@@ -5,7 +5,7 @@ import random
 import mpmath
 import pytest
 
-from stickslip_fmu.oscillator import Oscillator
+from stickslip_fmu.laws.coulomb.oscillator import Oscillator
 from stickslip_fmu.settings import BlockError
 
 CONTEXT = mpmath.mp.clone()

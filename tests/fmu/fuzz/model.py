@@ -11,7 +11,7 @@ import struct
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip_fmu.block import Block
+from stickslip_fmu.model import Block
 from stickslip_fmu.settings import BlockError, Settings
 from stickslip_fmu.variables import VARIABLES, start_values
 from tests.fmu.fuzz.sequences import MODERATE, NAMES, Call

@@ -3,7 +3,7 @@
 import math
 from typing import Iterator, Tuple
 
-from .settings import BlockError
+from ...settings import BlockError
 
 # Above this damping ratio the two rates of decay are far enough apart to be taken one by one.
 _FAR_APART = 2.0
@@ -86,6 +86,11 @@ class Oscillator:
                 "their rates leave the range of double-precision numbers"
             )
         self._beginning = _BEGINNING / quickest
+
+    @property
+    def constants(self) -> Tuple[float, float, float]:
+        """Stiffness, mass and damping."""
+        return self.k, self.m, self.c
 
     def responses(self, tau: float) -> Tuple[float, float, float]:
         """Return G [1], K [s] and the slope of K [1] at `tau` [s]."""
