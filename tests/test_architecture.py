@@ -13,7 +13,14 @@ import pytest
 
 from stickslip_fmu.packer import PACKED
 
-OURS = ("stickslip_fmu", "stickslip_ref", "stickslip_verification", "stickslip")
+OURS = (
+    "stickslip_fmu",
+    "stickslip_ref",
+    "stickslip_verification",
+    "stickslip_score",
+    "stickslip_design",
+    "stickslip",
+)
 
 
 @dataclass(frozen=True)
@@ -29,10 +36,18 @@ RULES = {
     "stickslip_ref": Rule(outside=frozenset({"numpy", "scipy"})),
     "stickslip_verification": Rule(
         ours=frozenset({"stickslip_ref"}),
-        outside=frozenset({"numpy", "mpmath", "fmpy", "jsonschema", "pebble"}),
+        outside=frozenset({"numpy", "mpmath", "fmpy", "jsonschema", "lazy_loader", "pebble"}),
+    ),
+    "stickslip_score": Rule(
+        ours=frozenset({"stickslip_verification"}),
+        outside=frozenset({"lazy_loader", "mpmath", "numpy"}),
+    ),
+    "stickslip_design": Rule(
+        ours=frozenset({"stickslip_ref", "stickslip_verification"}),
+        outside=frozenset({"lazy_loader", "mpmath", "numpy"}),
     ),
     "stickslip": Rule(
-        ours=frozenset({"stickslip_fmu", "stickslip_ref", "stickslip_verification"}),
+        ours=frozenset(OURS) - {"stickslip"},
         outside=frozenset({"typer", "rich", "matplotlib", "numpy", "fmpy"}),
     ),
 }
@@ -44,14 +59,14 @@ EXTRA_OUTSIDE = {
     ("stickslip_fmu", "fmi2"): frozenset({"pythonfmu"}),
     ("stickslip_fmu", "fmi3"): frozenset({"pythonfmu3"}),
     ("stickslip_fmu", "packer"): frozenset({"pythonfmu", "pythonfmu3"}),
-    ("stickslip_verification", "claims.plots"): frozenset({"matplotlib"}),
+    ("stickslip_design", "claims.plots"): frozenset({"matplotlib"}),
     ("stickslip_verification", "report.house_style"): frozenset({"matplotlib"}),
     ("stickslip_verification", "report.environment"): frozenset({"jinja2", "markupsafe"}),
     ("stickslip_verification", "report.html"): frozenset({"markupsafe"}),
     ("stickslip_verification", "report.order_plot"): frozenset({"matplotlib"}),
     ("stickslip_verification", "report.pdf"): frozenset({"weasyprint"}),
     ("stickslip_verification", "report.plots"): frozenset({"matplotlib"}),
-    ("stickslip_verification", "svg.figure"): frozenset({"matplotlib"}),
+    ("stickslip_verification", "report.svg.figure"): frozenset({"matplotlib"}),
 }
 
 

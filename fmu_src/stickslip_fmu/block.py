@@ -8,12 +8,16 @@ parameter took another value; nothing else re-bases the motion.
 import math
 from typing import Any, Dict, Optional
 
+from fmukit.model import ModelError
+from fmukit.plain import values
+
 from .laws.law import Arc, Friction, Law, Motion, Start
 from .meter import CycleMeter
 from .numerics.compensated import ZERO, Sum, add
 from .numerics.finite import NOT_FINITE, finite
-from .record import Record
-from .settings import BlockError, Settings
+from .record import Record, plain
+from .saved import check_saved
+from .settings import Settings
 
 # What one step may hold: above it the caller would wait for minutes, so the step is refused.
 MOST_TRANSITIONS = 2**24
@@ -80,6 +84,15 @@ class State(Record):
         twin.meter = self.meter.copy()
         return twin
 
+    def save(self) -> Dict[str, Any]:
+        """Return the fields by name as plain data, but for the friction, which follows."""
+        fields = {name: getattr(self, name) for name in self.__slots__}
+        del fields["friction"]
+        for name in ("wanted", "settings"):
+            fields[name] = fields[name].as_dict()
+        fields["arc"] = self.arc.start
+        return {name: plain(value) for name, value in fields.items()}
+
 
 class Block:
     """One stick-slip block under the friction law of its class.
@@ -110,7 +123,7 @@ class Block:
 
     Raises
     ------
-    BlockError
+    ModelError
         If the settings are beyond their range together.
     """
 
@@ -163,7 +176,7 @@ class Block:
 
         Raises
         ------
-        BlockError
+        ModelError
             If the step is no such number or holds too many transitions, or if the values set
             since the last step are beyond their range together.
         """
@@ -180,13 +193,21 @@ class Block:
             return
         self._advance_through(time, step)
 
+    def check(self) -> None:
+        """Raise ModelError if the load that is set would lift the mass."""
+        self.state.wanted.normal_force()
+
+    def warning(self) -> Optional[str]:
+        """Return what the friction law finds unusual about what is set, or None."""
+        return self.law.warning(self.state.wanted)
+
     def date_start(self, time: float) -> None:
         """Let the meter's `t_event` show a start at `time` [s], if there was no step yet."""
         if not self.state.started:
             self.meter.t_event = time
 
     def refresh(self) -> None:
-        """Compute the motion where the block stands; raises BlockError where it is not finite."""
+        """Compute the motion where the block stands; raises ModelError where it is not finite."""
         state = self.state
         settings = state.settings
         arc = state.arc
@@ -204,7 +225,7 @@ class Block:
         self._displacement = displacement
         self.stale = False
         if not abs(x_pull + F) < math.inf:
-            raise BlockError(NOT_FINITE)
+            raise ModelError(NOT_FINITE)
 
     @property
     def sticking(self) -> bool:
@@ -246,49 +267,30 @@ class Block:
 
     def save(self) -> Dict[str, Any]:
         """Return the whole state as plain numbers, lists and dictionaries, for `restore`."""
-        state = self.state
-        mode, z, x_dot, force, age, own = state.arc.start
-        return {
-            "wanted": state.wanted.as_dict(),
-            "settings": state.settings.as_dict(),
-            "arc": [mode, z, x_dot, force],
-            "age": age,
-            "own": list(own),
-            "elapsed": [state.elapsed, state.elapsed_low],
-            "x": list(state.x),
-            "W_pull": list(state.W_pull),
-            "W_k": list(state.W_k),
-            "Q_friction": list(state.Q_friction),
-            "meter": state.meter.save(),
-            "started": state.started,
-            "changed": state.changed,
-        }
+        return self.state.save()
 
     def restore(self, saved: Dict[str, Any]) -> None:
-        """Take up a state that `save` returned, bit for bit."""
+        """Take up a state that `save` returned, bit for bit; raises ModelError for another."""
+        check_saved(saved, self.save())
+        kind = type(self.state.wanted)
         state = State()
-        state.wanted = Settings(saved["wanted"])
-        state.settings = Settings(saved["settings"])
+        state.restore(saved)
+        state.wanted = values(kind, saved["wanted"])
+        state.settings = values(kind, saved["settings"])
         state.friction = self.law.under(state.settings)
-        mode, z, x_dot, force = saved["arc"]
-        own = tuple(saved["own"])
-        state.arc = state.friction.arc(Start(mode, z, x_dot, force, saved["age"], own))
-        state.elapsed, state.elapsed_low = saved["elapsed"]
-        for name in ("x", "W_pull", "W_k", "Q_friction"):
-            setattr(state, name, tuple(saved[name]))
+        *start, own = saved["arc"]
+        state.arc = state.friction.arc(Start(*start, tuple(own)))
         state.meter = CycleMeter(0.0)
         state.meter.restore(saved["meter"])
-        state.started = saved["started"]
-        state.changed = saved["changed"]
         self.thaw(state)
         self.refresh()
 
     def _advance_through(self, time: float, step: float) -> None:
         """Move on by one step that may begin with other settings or hold transitions."""
         if not 0.0 < step < math.inf:
-            raise BlockError(f"step size h = {step!r} s is out of range: above 0 and finite")
+            raise ModelError(f"step size h = {step!r} s is out of range: above 0 and finite")
         if not math.isfinite(time):
-            raise BlockError(f"communication point t = {time!r} s is out of range: a finite number")
+            raise ModelError(f"communication point t = {time!r} s is out of range: a finite number")
         state = self.state
         if state.changed:
             self._change_settings(time)
@@ -396,7 +398,7 @@ class Block:
 def _check_pace(transitions: int, step: float, done: float) -> None:
     """Refuse a step of which `done` [s] already held so many transitions that it never ends."""
     if transitions > MOST_TRANSITIONS * (done / step):
-        raise BlockError(
+        raise ModelError(
             f"step size h = {step!r} s is out of range: it holds more than "
             f"{MOST_TRANSITIONS} transitions between stick and slip; make it shorter"
         )

@@ -26,16 +26,17 @@ class Record:
         cls.copy = made["copy"]
 
     def save(self) -> Dict[str, Any]:
-        """Return the fields by name as plain numbers and lists, for `restore`."""
+        """Return the fields by name as plain data: numbers, texts, lists and dictionaries."""
         return {name: plain(getattr(self, name)) for name in self.__slots__}
 
     def restore(self, saved: Mapping[str, Any]) -> None:
-        """Take up fields that `save` returned."""
-        for name in self.__slots__:
-            value = saved[name]
+        """Take up fields that `save` returned, lists as tuples."""
+        for name, value in saved.items():
             setattr(self, name, tuple(value) if isinstance(value, list) else value)
 
 
 def plain(value: Any) -> Any:
-    """Return a number as it is and a tuple as a list, as JSON gives it back."""
-    return [plain(each) for each in value] if isinstance(value, tuple) else value
+    """Return a tuple as a list, a record by name, and any other value as it is."""
+    if isinstance(value, tuple):
+        return [plain(each) for each in value]
+    return value.save() if isinstance(value, Record) else value

@@ -7,7 +7,6 @@ from stickslip_fmu import handles
 from stickslip_fmu.handles import Handle, held
 from stickslip_fmu.settings import Settings
 from stickslip_fmu.state import State, from_bytes
-from stickslip_fmu.variables import start_values
 
 from .blocks import make_block, outputs
 
@@ -22,7 +21,7 @@ def release(address: int) -> None:
 
 def state_of_some_block() -> State:
     """Return the state of a block at the start."""
-    settings = Settings(start_values())
+    settings = Settings.at_start()
     return State(make_block().freeze(), settings, 0.0, "stepping", True)
 
 

@@ -7,7 +7,7 @@ import fmpy
 import pytest
 
 from stickslip_fmu import packer
-from stickslip_fmu.variables import start_values
+from stickslip_fmu.interface import TABLE
 from stickslip_ref import Parameters
 
 
@@ -33,7 +33,7 @@ def test_the_date_is_that_of_the_release_or_of_the_build(
 def test_start_values_are_the_defaults_of_the_reference() -> None:
     """The FMU and the reference, which share no code, start from the same numbers."""
     reference = Parameters()
-    for name, value in start_values().items():
+    for name, value in TABLE.start_values().items():
         assert getattr(reference, name) == value
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from stickslip_verification import CaseError, load_cases
-from stickslip_verification.cases import At, Case, Truth
-from stickslip_verification.exact import exact_motion
-from stickslip_verification.formulas import FORMULAS
-from stickslip_verification.judging.checks import extract, places
-from stickslip_verification.quantities import GROUPS
+from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.judge.checks import extract, places
+from stickslip_verification.model.formulas import FORMULAS
+from stickslip_verification.model.quantities import GROUPS
+from stickslip_verification.suite.cases import At, Case, Truth
 
 from .standing_in import exact_of
 

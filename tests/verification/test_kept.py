@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import Case
-from stickslip_verification.exact import exact_motion
-from stickslip_verification.record import Record
-from stickslip_verification.trial import kept as module
-from stickslip_verification.trial.kept import FOLDER, kept
-from stickslip_verification.trial.sides import ReferenceSide
+from stickslip_verification.drive import kept as module
+from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.drive.kept import FOLDER, kept
+from stickslip_verification.drive.sides import ReferenceSide
+from stickslip_verification.model.record import Record
+from stickslip_verification.suite.cases import Case
 
 from .standing_in import named
 

@@ -6,7 +6,7 @@ import pytest
 from rich.console import Console
 
 from stickslip.score_table import score_table
-from stickslip_verification.score import Compared, Score
+from stickslip_score import Compared, Score
 
 SCORE = Score(
     period=Compared(0.315973, 0.315243, 0.00073, 2.4e-5),

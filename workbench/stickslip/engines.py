@@ -25,7 +25,7 @@ from stickslip.run import (
     fitting_interval,
     sample_times,
 )
-from stickslip_fmu.variables import VARIABLES
+from stickslip_fmu.interface import TABLE
 
 Progress = Callable[[float, float], None]
 """Called with the time simulated and the time to simulate [s]."""
@@ -112,7 +112,7 @@ def _samples(
     outputs = [
         variable
         for kind in _COLUMN_TYPES
-        for variable in VARIABLES
+        for variable in TABLE.rows
         if variable.causality == "output" and variable.kind == kind
     ]
     columns = [("time", np.float64), *((o.name, _COLUMN_TYPES[o.kind]) for o in outputs)]
@@ -199,7 +199,8 @@ def _unpacked(fmu: Path) -> Iterator[str]:
     """Unpack an FMU for as long as it runs."""
     import fmpy
 
-    from stickslip_verification.fmu import FmuError, new_folder
+    from stickslip_verification.drive.fmu.errors import FmuError
+    from stickslip_verification.drive.fmu.unpacking import new_folder
 
     try:
         folder = new_folder()
@@ -229,7 +230,7 @@ def _description(fmu: Path) -> Any:
     if description.coSimulation is None:
         raise CommandError(f"--fmu {fmu}: the FMU has no co-simulation interface")
     outputs = {v.name for v in description.modelVariables if v.causality == "output"}
-    missing = [v.name for v in VARIABLES if v.causality == "output" and v.name not in outputs]
+    missing = [v.name for v in TABLE.rows if v.causality == "output" and v.name not in outputs]
     if missing:
         raise CommandError(f"--fmu {fmu}: the FMU has no output {', '.join(missing)}")
     return description

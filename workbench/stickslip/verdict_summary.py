@@ -13,7 +13,7 @@ from stickslip_verification import CheckResult, KillMatrix, Meaning, Verdict, ma
 
 _KINDS: Final = {
     "closed_form": "exact motion and closed forms",
-    "invariant": "laws, other runs, interface",
+    "invariant": "invariants, other runs, interface",
     "convergence": "observed order of the reference",
     "cross_code": "FMU against reference: the weaker kind, it makes nothing green",
 }
@@ -35,7 +35,7 @@ def verdict_summary(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Render
     return Fitted(
         [_cases(verdict, worst=True), _cases(verdict, worst=False)],
         _kinds(verdict),
-        *_convictions(verdict.kills),
+        *_detections(verdict.kills),
         *_failures(verdict, meanings),
         counts(verdict),
     )
@@ -56,7 +56,7 @@ def counts(verdict: Verdict) -> Text:
 
 def _why(verdict: Verdict) -> str:
     if verdict.kills is not None and not verdict.kills.passed:
-        return "the suite did not convict every planted fault, or has idle checks"
+        return "the suite did not detect every planted fault, or has checks that kill nothing"
     return "no check of the FMU against a truth passed"
 
 
@@ -118,7 +118,7 @@ def _kinds(verdict: Verdict) -> Table:
     return table
 
 
-def _convictions(kills: KillMatrix | None) -> Iterator[Text]:
+def _detections(kills: KillMatrix | None) -> Iterator[Text]:
     if kills is None:
         return
     caught = sum(row.caught for row in kills.rows)
@@ -128,9 +128,11 @@ def _convictions(kills: KillMatrix | None) -> Iterator[Text]:
         if not row.caught:
             why = row.broken or f"it fails {', '.join(row.failing) or 'nothing'}"
             yield Text(f"SURVIVED {row.mutant} (wanted {', '.join(row.wanted)}): {why}", "red")
-    for check, reason in kills.idle.items():
+    for check, reason in kills.kills_nothing.items():
         if not reason:
-            yield Text(f"IDLE {check}: it kills nothing, and nothing says why it stays", "red")
+            yield Text(
+                f"KILLS_NOTHING {check}: it kills nothing, and nothing says why it stays", "red"
+            )
 
 
 def _failures(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Iterator[Text]:

@@ -125,7 +125,7 @@ class Friction(Protocol):
         """Return the arc that follows the end of `arc`, at spring extension `z` [m].
 
         `arc` was made by this law, maybe under other settings with the same slip terms. Raises
-        BlockError where the motion leaves the range of the law.
+        ModelError where the motion leaves the range of the law.
         """
 
     def arc(self, start: Start) -> Arc:
@@ -166,8 +166,11 @@ class Law(Protocol):
     10. the faces, the steps of the simulator, and any object that was made before: all are shared.
     """
 
+    def warning(self, settings: Settings) -> Optional[str]:
+        """Return what is unusual about these settings, or None."""
+
     def under(self, settings: Settings, before: Optional[Friction] = None) -> Friction:
         """Return the law under these settings; `before` is what held until now, to take over from.
 
-        Raises BlockError if the settings are beyond their range together.
+        Raises ModelError if the settings are beyond their range together.
         """

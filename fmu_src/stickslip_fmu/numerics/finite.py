@@ -2,13 +2,13 @@
 
 import math
 
-from ..settings import BlockError
+from fmukit.model import ModelError
 
 NOT_FINITE = "the motion or its forces leave the range of double-precision numbers"
 
 
 def finite(value: float) -> float:
-    """Return `value`; raises BlockError where it is infinite or not a number."""
+    """Return `value`; raises ModelError where it is infinite or not a number."""
     if not math.isfinite(value):
-        raise BlockError(NOT_FINITE)
+        raise ModelError(NOT_FINITE)
     return value

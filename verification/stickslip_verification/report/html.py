@@ -11,17 +11,17 @@ from typing import Any
 
 from markupsafe import Markup
 
-from stickslip_verification import baseline, svg
-from stickslip_verification.catalogue import Meaning
-from stickslip_verification.margins import error_text
-from stickslip_verification.report import kill_view, order_plot, plots, view
+from stickslip_verification.drive import convergence
+from stickslip_verification.model.margins import error_text
+from stickslip_verification.model.verdict import NOT_APPLICABLE, NOTED, ObservedOrder, Verdict
+from stickslip_verification.model.whole_file import write_whole
+from stickslip_verification.report import kill_view, order_plot, plots, svg, view
 from stickslip_verification.report.environment import environment, text_of
 from stickslip_verification.report.json_file import json_text
 from stickslip_verification.report.junit import as_junit
 from stickslip_verification.report.words import KINDS, SIDES, WORTH, ClaimSection
-from stickslip_verification.trial import convergence
-from stickslip_verification.verdict import NOT_APPLICABLE, NOTED, ObservedOrder, Verdict
-from stickslip_verification.whole_file import write_whole
+from stickslip_verification.run import earlier as baseline
+from stickslip_verification.suite.catalogue import Meaning
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
 

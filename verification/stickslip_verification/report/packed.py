@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from stickslip_verification.margins import error_text, margin_of
+from stickslip_verification.model.margins import error_text, margin_of
+from stickslip_verification.model.verdict import PASS, CheckResult, Verdict, count
 from stickslip_verification.report import view
 from stickslip_verification.report.environment import environment, text_of
 from stickslip_verification.report.words import KINDS, WORTH
-from stickslip_verification.verdict import PASS, CheckResult, Verdict, count
 
 SHOWN = "default"
 """The case that the page shows comparison by comparison: it is the one that runs as it comes."""

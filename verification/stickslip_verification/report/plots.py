@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip_verification import svg
-from stickslip_verification.record import Record, Series
-from stickslip_verification.report import curve
+from stickslip_verification.model.record import Record, Series
+from stickslip_verification.model.verdict import CheckResult, Motion
+from stickslip_verification.report import curve, svg
 from stickslip_verification.report.house_style import (
     BLUE,
     GREY,
@@ -23,7 +23,6 @@ from stickslip_verification.report.house_style import (
     as_svg,
     label_decades,
 )
-from stickslip_verification.verdict import CheckResult, Motion
 
 SIDES: Final = (("fmu", "FMU", BLUE, "o", 4.0), ("reference", "reference", ORANGE, "x", 3.4))
 

@@ -6,10 +6,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from stickslip_verification.catalogue import Meaning
-from stickslip_verification.margins import error_text, margin_of, value_text
-from stickslip_verification.report.words import KINDS, MEASURES, SIDES, what_happened
-from stickslip_verification.verdict import (
+from stickslip_verification.model.margins import error_text, margin_of, value_text
+from stickslip_verification.model.verdict import (
     DRIFT,
     FAIL,
     NOTED,
@@ -19,6 +17,8 @@ from stickslip_verification.verdict import (
     Verdict,
     count,
 )
+from stickslip_verification.report.words import KINDS, MEASURES, SIDES, what_happened
+from stickslip_verification.suite.catalogue import Meaning
 
 NEAREST = 10
 """How many margins page one names."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from stickslip_verification.margins import error_text
-from stickslip_verification.verdict import DRIFT, CheckResult
+from stickslip_verification.model.margins import error_text
+from stickslip_verification.model.verdict import DRIFT, CheckResult
 
 KINDS: Final = {
     "closed_form": "closed form",
@@ -18,7 +18,7 @@ KINDS: Final = {
 WORTH: Final = {
     "closed_form": "Code verification against the exact solution of the equations, by a formula or "
     "in high precision, written apart from both sides. The strongest kind.",
-    "invariant": "Code verification against a law that every exact motion obeys, such as the "
+    "invariant": "Code verification against an invariant of every exact motion, such as the "
     "energy balance or the mirror. It needs no solution, so it also judges motions without a "
     "formula.",
     "convergence": "Solution verification: the numerical error must fall with the tolerance or the "

@@ -7,7 +7,7 @@ from ...settings import Settings
 from ..law import Arc, Friction
 from ..sticking import Sticking
 from .arcs import SlipArc
-from .coefficients import friction_forces, kinetic_coefficient
+from .coefficients import clamp_warning, friction_forces, kinetic_coefficient
 from .oscillator import Oscillator
 
 
@@ -30,7 +30,7 @@ class CoulombFriction(Sticking):
 
     Raises
     ------
-    BlockError
+    ModelError
         If a force or a rate is beyond the range of double-precision numbers.
     """
 
@@ -62,6 +62,10 @@ class CoulombFriction(Sticking):
 
 class Coulomb:
     """Coulomb's friction law."""
+
+    def warning(self, settings: Settings) -> Optional[str]:
+        """Return that the kinetic coefficient is clamped; None if it is not."""
+        return clamp_warning(settings.mu_s, settings.mu_k)
 
     def under(self, settings: Settings, before: Optional[Friction] = None) -> Friction:
         """Return the law under these settings."""

@@ -3,7 +3,7 @@
 import math
 from typing import Iterator, Tuple
 
-from ...settings import BlockError
+from fmukit.model import ModelError
 
 # Above this damping ratio the two rates of decay are far enough apart to be taken one by one.
 _FAR_APART = 2.0
@@ -44,7 +44,7 @@ class Oscillator:
 
     Raises
     ------
-    BlockError
+    ModelError
         If a rate is not a double-precision number above zero.
     """
 
@@ -81,7 +81,7 @@ class Oscillator:
             self._later = self._decaying
         quickest = max(self.w, self.fast)
         if not (self.w2 > 0.0 and quickest < math.inf and (self.slow > 0.0 or c == 0.0)):
-            raise BlockError(
+            raise ModelError(
                 f"k = {k!r} N/m, m = {m!r} kg, c = {c!r} N.s/m are out of range together: "
                 "their rates leave the range of double-precision numbers"
             )

@@ -1,0 +1,1 @@
+"""Runs: an FMU or the reference driven through a case, each in a process with a time limit."""
