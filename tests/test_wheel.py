@@ -13,6 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = (
+    "fmukit",
     "stickslip",
     "stickslip_design",
     "stickslip_fmu",

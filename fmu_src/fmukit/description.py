@@ -99,6 +99,14 @@ def add_experiment(root: Element, experiment: Experiment) -> None:
     SubElement(root, "DefaultExperiment", given)
 
 
+def drop_empty_lists(root: Element) -> None:
+    """Remove lists without members, which the schemas forbid."""
+    for parent in (root, *root.iter("ModelStructure")):
+        for child in list(parent):
+            if not len(child) and not child.attrib and child.tag != "ModelStructure":
+                parent.remove(child)
+
+
 def type_attributes(quantity: Quantity) -> Dict[str, str]:
     """Return the attributes of a type of Reals: quantity, units, order of magnitude."""
     if quantity.kind != "Real":

@@ -62,7 +62,7 @@ def test_description_is_the_table_and_the_time(fmi3_path: Path) -> None:
         assert (found.causality, found.variability) == (row.causality, row.variability)
         assert (found.unit or "") == row.unit
         assert found.description == row.description
-        assert found.declaredType.name == row.quantity
+        assert found.declaredType.name == row.type.name
         for text, value in (
             (found.start, row.start),
             (found.min, row.minimum),

@@ -7,6 +7,7 @@ from ..description import (
     add_experiment,
     add_log_categories,
     add_units,
+    drop_empty_lists,
     initial_unknowns,
     outputs,
     root_element,
@@ -54,6 +55,7 @@ def model_description(spec: Spec, identity: str, generator: str) -> Element:
         scalar = SubElement(variables, "ScalarVariable", variable_attributes(variable))
         SubElement(scalar, variable.kind, value_attributes(variable))
     _add_structure(SubElement(root, "ModelStructure"), spec.table)
+    drop_empty_lists(root)
     return root
 
 

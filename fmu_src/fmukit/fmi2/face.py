@@ -21,6 +21,9 @@ class Slave(Instance, Fmi2Slave):  # type: ignore[misc]
         super().__init_subclass__(**arguments)
         cls._spec = spec
         cls._references = References(spec.table, _TYPES, lambda variable: variable.kind)
+        # For a text that it cannot read the wrapper looks this up with an exception pending, and
+        # then Python gives up at the first class that lacks it.
+        cls.set_string = Instance.set_string  # type: ignore[method-assign]
 
     def __init__(self, **arguments: Any) -> None:
         arguments.setdefault("instance_name", "")
@@ -65,10 +68,6 @@ class Slave(Instance, Fmi2Slave):  # type: ignore[misc]
     def set_integer(self, vrs: List[int], values: List[int]) -> None:
         """Set Integer parameters and inputs."""
         self._set("Integer", vrs, values)
-
-    # For a text that it cannot read the wrapper looks this up with an exception pending, and then
-    # Python gives up at the first class that lacks it.
-    set_string = Instance.set_string
 
     def to_xml(self, model_options: Optional[Dict[str, str]] = None) -> Any:
         """Return the model description for the builder; options have no effect."""

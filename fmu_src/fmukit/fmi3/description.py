@@ -8,6 +8,7 @@ from ..description import (
     add_experiment,
     add_log_categories,
     add_units,
+    drop_empty_lists,
     initial_unknowns,
     outputs,
     root_element,
@@ -60,6 +61,7 @@ def model_description(spec: Spec, identity: str, generator: str) -> Element:
     add_experiment(root, spec.experiment)
     _add_variables(SubElement(root, "ModelVariables"), spec.table)
     _add_structure(SubElement(root, "ModelStructure"), spec.table)
+    drop_empty_lists(root)
     return root
 
 

@@ -52,7 +52,7 @@ STEP = "        if not 0.0 < step < math.inf:\n"
 
 FAULTS = {
     "takes NaN": (
-        ("variables.py", "if math.isfinite(value) and value >= low:", "if not value < low:"),
+        ("table.py", "math.isfinite(value) and low <= value <= high:", "not value < low:"),
         "set: status 0, expected 4",
     ),
     "lets the load lift the mass": (

@@ -3,15 +3,14 @@
 import itertools
 from operator import attrgetter
 
+from fmukit.readers import References
 from stickslip_fmu.interface import TABLE
-from stickslip_fmu.references import References
-
-from .blocks import make_block
+from tests.fmu.blocks import make_block
 
 
 def test_each_of_very_many_lists_is_read_right() -> None:
     """Of 400 lists of references each gives its variables' values, the first one again at last."""
-    references = References(("Real", "Integer", "Boolean"), lambda variable: variable.kind)
+    references = References(TABLE, ("Real", "Integer", "Boolean"), lambda variable: variable.kind)
     block = make_block()
     reals = [number for number, each in enumerate(TABLE.rows) if each.kind == "Real"]
     lists = list(itertools.islice(itertools.permutations(reals, 2), 400))

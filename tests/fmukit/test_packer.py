@@ -6,6 +6,7 @@ from pathlib import Path
 import fmpy
 import pytest
 
+from fmukit.packer import write_archive
 from stickslip_fmu import packer
 from stickslip_fmu.interface import TABLE
 from stickslip_ref import Parameters
@@ -75,5 +76,5 @@ def test_an_archive_that_cannot_take_its_place_leaves_nothing(tmp_path: Path) ->
     target = tmp_path / "StickSlip.fmu"
     target.mkdir()
     with pytest.raises(IsADirectoryError):
-        packer.write_archive({"modelDescription.xml": b"<fmiModelDescription/>"}, target)
+        write_archive({"modelDescription.xml": b"<fmiModelDescription/>"}, target)
     assert [path.name for path in tmp_path.iterdir()] == ["StickSlip.fmu"]

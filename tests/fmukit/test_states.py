@@ -1,14 +1,17 @@
-"""States inside the FMU: frozen without a copy, behind handles that outlive careless freeing."""
+"""States of an instance: as bytes, and behind handles that outlive careless freeing."""
 
 import ctypes
 import random
 
-from stickslip_fmu import handles
-from stickslip_fmu.handles import Handle, held
-from stickslip_fmu.settings import Settings
-from stickslip_fmu.state import State, from_bytes
+import pytest
 
-from .blocks import make_block, outputs
+from fmukit import states
+from fmukit.model import ModelError
+from fmukit.states import Handle, State, from_bytes, held
+from stickslip_fmu.block import Block
+from stickslip_fmu.settings import Settings
+from stickslip_fmu.spec import SPEC
+from tests.fmu.blocks import make_block, outputs
 
 # More than stay, so that every handle of a test is let go in the end.
 MANY = 2000
@@ -22,7 +25,7 @@ def release(address: int) -> None:
 def state_of_some_block() -> State:
     """Return the state of a block at the start."""
     settings = Settings.at_start()
-    return State(make_block().freeze(), settings, 0.0, "stepping", True)
+    return State(Block, make_block().freeze(), settings, 0.0, "stepping", True)
 
 
 def test_a_frozen_block_is_never_written_to() -> None:
@@ -48,11 +51,12 @@ def test_bytes_hold_the_whole_state() -> None:
     block = make_block(c=0.5)
     for _ in range(40):
         block.advance(0.0, 0.0173)
-        state = State(block.freeze(), block.wanted, 0.5, "stepping", True)
-        again = from_bytes(state.to_bytes())
-        assert again is not None
+        state = State(Block, block.freeze(), block.wanted, 0.5, "stepping", True)
+        again = from_bytes(SPEC, state.to_bytes())
         assert again.to_bytes() == state.to_bytes()
-    assert from_bytes(b"{}") is None
+    for content in (b"{}", b"[]", b"null", b"0.5"):
+        with pytest.raises(ModelError):
+            from_bytes(SPEC, content)
 
 
 def test_a_freed_handle_is_known() -> None:
@@ -61,7 +65,7 @@ def test_a_freed_handle_is_known() -> None:
     address = id(handle)
     assert held(handle) is not None
     del handle
-    found = [grave[0] for grave in handles._graves if id(grave[0]) == address]
+    found = [kept[0] for kept in states._freed if id(kept[0]) == address]
     assert len(found) == 1
     assert held(found[0]) is None
     assert held(None) is None
@@ -80,5 +84,5 @@ def test_handles_may_be_freed_again() -> None:
                 release(addresses[-1])
     for _ in range(MANY):
         Handle(None)
-    assert len(handles._graves) < MANY
-    assert all(handles._count(grave) == handles._WHOLE for grave in handles._graves)
+    assert len(states._freed) < MANY
+    assert all(states._count(kept) == states._WHOLE for kept in states._freed)
