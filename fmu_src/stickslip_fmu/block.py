@@ -279,7 +279,7 @@ class Block:
         state.settings = values(kind, saved["settings"])
         state.friction = self.law.under(state.settings)
         *start, own = saved["arc"]
-        state.arc = state.friction.arc(Start(*start, tuple(own)))
+        state.arc = state.friction.arc(Start._make([*start, tuple(own)]))
         state.meter = CycleMeter(0.0)
         state.meter.restore(saved["meter"])
         self.thaw(state)
