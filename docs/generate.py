@@ -23,15 +23,16 @@ from stickslip_verification import (
     meanings,
     verify,
 )
+from stickslip_verification.model.verdict import Kind
 from stickslip_verification.report.svg import differences
 
 HERE = Path(__file__).parent
 
 KINDS = {
-    "closed_form": "the exact motion in high precision, and named closed forms",
-    "invariant": "on the samples, energy, mirror, scaling, splitting, rollback, interface",
-    "convergence": "the observed order of the reference, in its asymptotic range",
-    "cross_code": "the FMU against the reference: the weaker kind, alone it makes nothing green",
+    Kind.CLOSED_FORM: "the exact motion in high precision, and named closed forms",
+    Kind.INVARIANT: "on the samples, energy, mirror, scaling, splitting, rollback, interface",
+    Kind.CONVERGENCE: "the observed order of the reference, in its asymptotic range",
+    Kind.CROSS_CODE: "the FMU against the reference: the weaker kind, alone it makes nothing green",
 }
 
 

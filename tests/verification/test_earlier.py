@@ -11,7 +11,7 @@ from rich.console import Console
 
 from stickslip.earlier_table import earlier_table
 from stickslip_verification import Verdict, write_json
-from stickslip_verification.run.earlier import (
+from stickslip_verification.report.earlier import (
     FLOOR,
     EarlierReportError,
     Moves,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import (
     Detection,
     KillMatrix,
@@ -19,10 +19,10 @@ from stickslip_verification.model.verdict import (
     Second,
     Verdict,
 )
+from stickslip_verification.report.earlier import compare, read_earlier_report
 from stickslip_verification.report.html import render, write_report
 from stickslip_verification.report.json_file import write_json
 from stickslip_verification.report.words import ClaimSection
-from stickslip_verification.run.earlier import compare, read_earlier_report
 from stickslip_verification.suite.catalogue import Meaning
 from tests.verification.test_report import result
 
@@ -79,7 +79,7 @@ def motion(case: str) -> Motion:
     zero = np.zeros(10)
     outputs = {"x": zero, "x_dot": zero, "x_pull": t, "z": t, "F": t, "F_s": zero + 2.0,
                "mode": zero}  # fmt: skip
-    record = Record(t, outputs, dict.fromkeys(outputs, 0.0) | {"F_s": 2.0})
+    record = Run(t, outputs, dict.fromkeys(outputs, 0.0) | {"F_s": 2.0})
     return Motion(case, f"The title of {case}", "What it is about.", record, (), {"fmu": record})
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from stickslip_verification import CheckResult, FmuError, NameMap, Verdict, load_invariants, verify
 from stickslip_verification.drive.sides import FmuSide, ReferenceSide
-from stickslip_verification.model.verdict import KINDS
+from stickslip_verification.model.verdict import Kind
 
 from .standing_in import named
 
@@ -36,7 +36,7 @@ def test_fmu_and_reference_hold_in_every_kind_of_truth(ours: Verdict) -> None:
     assert wrong(ours) == []
     assert ours.passed
     assert ours.summary["not_applicable"] == ours.summary["noted"] == 0
-    assert set(ours.by_kind) == set(KINDS)
+    assert set(ours.by_kind) == set(Kind)
 
 
 def test_every_check_of_a_case_is_made_on_both_sides(ours: Verdict) -> None:

@@ -6,7 +6,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.run import Event, Run
+from stickslip.run import Run
+from stickslip_verification import Event
 
 _REALS = ("x", "x_dot", "x_pull", "z", "F", "F_s", "delta_x", "t_stick", "t_slip", "T", "t_event")
 

@@ -13,10 +13,11 @@ from stickslip.random_test_table import random_test_table
 from stickslip.verdict_table import verdict_table
 from stickslip_fmu.interface import TABLE
 from stickslip_verification import CheckResult, RandomTestResult, Verdict
+from stickslip_verification.model.verdict import Kind
 
 CHECK = CheckResult(
     case="slip-against-the-x", check="slip-half-period-at-first-order", quantity="spring_drop",
-    unit="N.s/m", truth="closed_form", side="fmu", expected=-1.23456e-08, got=-1.23456e-08,
+    unit="N.s/m", truth=Kind.CLOSED_FORM, side="fmu", expected=-1.23456e-08, got=-1.23456e-08,
     error=2.5e-13, tolerance=1e-12, because="rounding", passed=True,
 )  # fmt: skip
 CHECKS = (

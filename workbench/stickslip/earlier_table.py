@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from stickslip.fitted import Fitted
-from stickslip_verification.run.earlier import FACTOR, Key, Move, Moves
+from stickslip_verification.report.earlier import FACTOR, Key, Move, Moves
 
 _NAMED: Final = 5
 """How many of the new and the gone checks are named; the report names them all."""

@@ -10,12 +10,13 @@ from rich.text import Text
 
 from stickslip.fitted import Fitted
 from stickslip_verification import CheckResult, KillMatrix, Meaning, Verdict, margin
+from stickslip_verification.model.verdict import Kind
 
-_KINDS: Final = {
-    "closed_form": "exact motion and closed forms",
-    "invariant": "invariants, other runs, interface",
-    "convergence": "observed order of the reference",
-    "cross_code": "FMU against reference: the weaker kind, it makes nothing green",
+_KINDS: Final[dict[str, str]] = {
+    Kind.CLOSED_FORM: "exact motion and closed forms",
+    Kind.INVARIANT: "invariants, other runs, interface",
+    Kind.CONVERGENCE: "observed order of the reference",
+    Kind.CROSS_CODE: "FMU against reference: the weaker kind, it makes nothing green",
 }
 _SIDES: Final = ("fmu", "reference")
 _TOLD: Final = 12

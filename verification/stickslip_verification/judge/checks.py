@@ -13,8 +13,8 @@ import numpy as np
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
-from stickslip_verification.model.record import Record, Series
-from stickslip_verification.model.verdict import CheckResult, Measured
+from stickslip_verification.model.run import Run, Series
+from stickslip_verification.model.verdict import CheckResult, Klass, Measure, Measured
 from stickslip_verification.suite.cases import At, Case, Check
 from stickslip_verification.suite.tolerances import INTEGRATION, ROUNDING
 
@@ -58,7 +58,7 @@ class Contract:
 
     def decides(self, klass: str) -> bool:
         """Whether a failure in a check of this class fails the verdict."""
-        return klass == "physics" or self.contract
+        return klass == Klass.PHYSICS or self.contract
 
 
 EXACT_CONTRACT = Contract("fmu")
@@ -104,7 +104,7 @@ def places(at: At, exact: Exact) -> list[int]:
     return [after]
 
 
-def extract(quantity: str, record: Record, start: Mapping[str, float]) -> Series:
+def extract(quantity: str, record: Run, start: Mapping[str, float]) -> Series:
     """Give the samples of a quantity at all communication points, in its unit.
 
     Raises
@@ -136,16 +136,14 @@ def errors(measure: str, got: Series, expected: Series, scale: float) -> Series:
         Largest magnitude of the quantity in the exact motion, in its unit.
     """
     difference = np.abs(got - expected)
-    if measure == "absolute":
+    if measure == Measure.ABSOLUTE:
         return difference
-    size = np.abs(expected) if measure == "relative" else np.full_like(difference, scale)
+    size = np.abs(expected) if measure == Measure.RELATIVE else np.full_like(difference, scale)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(difference == 0.0, 0.0, difference / size)
 
 
-def judge(
-    case: Case, check: Check, contract: Contract, exact: Exact, record: Record
-) -> CheckResult:
+def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Run) -> CheckResult:
     """Compare one side's record with the truth of one check.
 
     Never raises for what a side did: a missing output, a NaN or an infinity is a failed check
@@ -173,7 +171,7 @@ def judge(
         reason = f"{check.quantity} is {got[first]} at t = {time:.6g} s"
         return replace(empty, failure=reason, expected=float(expected[first]))
     worst = last_worst(found)
-    size = scale if check.measure == "of_scale" else float(np.max(np.abs(expected))) or 1.0
+    size = scale if check.measure == Measure.OF_SCALE else float(np.max(np.abs(expected))) or 1.0
     conditioning = max(empty.tolerance / KEPT[contract.column], 1.0)
     resolution = min(RESOLUTION[contract.column] * conditioning, empty.tolerance)
     return replace(

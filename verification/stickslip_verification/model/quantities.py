@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip_verification.model import formulas
-from stickslip_verification.model.record import Series
+from stickslip_verification.model.run import Series
 
 Columns = Mapping[str, Series]
 Parameters = Mapping[str, float]

@@ -4,18 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Any
 
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 
-KINDS = ("closed_form", "invariant", "convergence", "cross_code")
-"""The four kinds of truth, never mixed; strongest first."""
 
-PASS = "pass"
-FAIL = "fail"
-DRIFT = "drift"
-NOTED = "noted"
-NOT_APPLICABLE = "not applicable"
+class Kind(StrEnum):
+    """The four kinds of truth, never mixed; strongest first."""
+
+    CLOSED_FORM = "closed_form"
+    INVARIANT = "invariant"
+    CONVERGENCE = "convergence"
+    CROSS_CODE = "cross_code"
+
+
+class Klass(StrEnum):
+    """What a check is about: physics, or a convention of the interface."""
+
+    PHYSICS = "physics"
+    CONTRACT = "contract"
+
+
+class Measure(StrEnum):
+    """The measure of an error: part of the value, part of the scale, or in the unit."""
+
+    RELATIVE = "relative"
+    OF_SCALE = "of_scale"
+    ABSOLUTE = "absolute"
+
+
+class Outcome(StrEnum):
+    """The outcome of a check; ``noted`` is a failure that does not decide."""
+
+    PASS = "pass"
+    FAIL = "fail"
+    DRIFT = "drift"
+    NOTED = "noted"
+    NOT_APPLICABLE = "not applicable"
 
 
 @dataclass(frozen=True)
@@ -63,7 +89,7 @@ class CheckResult:
         What was compared; ``expected`` and ``got`` are in ``unit``, at the worst place where a
         check looks at many.
     truth
-        Kind of truth, one of `KINDS`.
+        Kind of truth.
     side
         fmu, reference, or both where one is held against the other.
     error, tolerance
@@ -89,7 +115,7 @@ class CheckResult:
     check: str
     quantity: str
     unit: str
-    truth: str
+    truth: Kind
     side: str
     expected: float | None
     got: float | None
@@ -98,28 +124,28 @@ class CheckResult:
     because: str
     passed: bool
     failure: str | None = None
-    klass: str = "physics"
-    measure: str = "absolute"
+    klass: Klass = Klass.PHYSICS
+    measure: Measure = Measure.ABSOLUTE
     decides: bool = True
     not_applicable: str | None = None
     measured: Measured | None = None
     second: Second | None = None
 
     @property
-    def verdict(self) -> str:
+    def verdict(self) -> Outcome:
         """One word: pass, fail, drift, noted (failed, and does not decide) or not applicable."""
         if self.not_applicable is not None:
-            return NOT_APPLICABLE
+            return Outcome.NOT_APPLICABLE
         if not self.passed:
-            return FAIL if self.decides else NOTED
+            return Outcome.FAIL if self.decides else Outcome.NOTED
         if self.second is not None and self.second.drifted:
-            return DRIFT
-        return PASS
+            return Outcome.DRIFT
+        return Outcome.PASS
 
     @property
     def failed(self) -> bool:
         """Whether this result alone fails the verdict."""
-        return self.verdict in (FAIL, DRIFT)
+        return self.verdict in (Outcome.FAIL, Outcome.DRIFT)
 
 
 @dataclass(frozen=True)
@@ -132,9 +158,9 @@ class Motion:
     case: str
     title: str
     about: str
-    exact: Record
+    exact: Run
     event_times: Sequence[float]
-    records: Mapping[str, Record]
+    records: Mapping[str, Run]
 
 
 @dataclass(frozen=True)
@@ -212,8 +238,8 @@ class Verdict:
 
     @property
     def by_kind(self) -> dict[str, dict[str, int]]:
-        """The same counts for each kind of truth that occurs, in the order of `KINDS`."""
-        sorted_out = {kind: [r for r in self.checks if r.truth == kind] for kind in KINDS}
+        """The same counts for each kind of truth that occurs, in the order of `Kind`."""
+        sorted_out = {kind: [r for r in self.checks if r.truth == kind] for kind in Kind}
         return {kind: count(results) for kind, results in sorted_out.items() if results}
 
     @property
@@ -223,17 +249,17 @@ class Verdict:
         That FMU and reference agree, or that the reference is right, makes no FMU green.
         """
         return any(
-            r.verdict == PASS
+            r.verdict == Outcome.PASS
             and r.decides
             and r.side == "fmu"
-            and r.truth in ("closed_form", "invariant")
+            and r.truth in (Kind.CLOSED_FORM, Kind.INVARIANT)
             for r in self.checks
         )
 
     @property
     def contract_decides(self) -> bool:
         """Whether contract checks decide for the FMU."""
-        return any(r.klass == "contract" and r.decides and r.side == "fmu" for r in self.checks)
+        return any(r.klass == Klass.CONTRACT and r.decides and r.side == "fmu" for r in self.checks)
 
     @property
     def passed(self) -> bool:
@@ -246,8 +272,8 @@ def count(results: Sequence[CheckResult]) -> dict[str, int]:
     """Count results by verdict: passed, failed (drift included), noted, not_applicable."""
     verdicts = [result.verdict for result in results]
     return {
-        "passed": verdicts.count(PASS),
-        "failed": verdicts.count(FAIL) + verdicts.count(DRIFT),
-        "noted": verdicts.count(NOTED),
-        "not_applicable": verdicts.count(NOT_APPLICABLE),
+        "passed": verdicts.count(Outcome.PASS),
+        "failed": verdicts.count(Outcome.FAIL) + verdicts.count(Outcome.DRIFT),
+        "noted": verdicts.count(Outcome.NOTED),
+        "not_applicable": verdicts.count(Outcome.NOT_APPLICABLE),
     }

@@ -6,7 +6,7 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
-from stickslip_verification.model.verdict import NOTED, CheckResult, Verdict
+from stickslip_verification.model.verdict import CheckResult, Outcome, Verdict
 from stickslip_verification.report.words import KINDS, SIDES, what_happened
 
 ABOUT_THE_FMU = "the FMU"
@@ -79,7 +79,7 @@ def _add(suite: ET.Element, case: str, result: CheckResult) -> None:
             test, "failure", type=result.truth, message=_clean(what_happened(result))
         )
         failure.text = _clean(_story(result))
-    elif result.verdict == NOTED:
+    elif result.verdict == Outcome.NOTED:
         output = ET.SubElement(test, "system-out")
         output.text = _clean(f"noted, does not decide: {what_happened(result)}\n{_story(result)}")
 

@@ -18,6 +18,7 @@ from stickslip_verification.judge.metrics import METRICS
 from stickslip_verification.judge.second_values import Accepted, Key, load_accepted
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
+from stickslip_verification.model.verdict import Measure
 from stickslip_verification.suite.cases import CASES_FOLDER, Case, Check, load_case
 from stickslip_verification.suite.experiment import CaseError
 from stickslip_verification.suite.faults import (
@@ -101,7 +102,7 @@ def _motions(cases: Sequence[Case], motions: Mapping[Path, Exact]) -> Iterator[s
                 f"write {_as_toml(replace(happens, zero=frozenset(zero)))}"
             )
             continue
-        looked_at = {check.quantity for check in case.checks if check.measure == "of_scale"}
+        looked_at = {check.quantity for check in case.checks if check.measure == Measure.OF_SCALE}
         under_way = int(exact.record.outputs["mode"][-1] != 0)
         if not 0 <= case.facts.slips - happens.slips <= under_way:
             or_more = f" or {happens.slips + 1}" if under_way else ""

@@ -18,6 +18,7 @@ from stickslip_verification import truth
 from stickslip_verification.model.data_file import objection, read_toml, where_is
 from stickslip_verification.model.formulas import CYCLE, FORMULAS
 from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES, QUANTITIES
+from stickslip_verification.model.verdict import Kind, Klass, Measure
 from stickslip_verification.suite.experiment import (
     CaseError,
     CommunicationStep,
@@ -52,7 +53,7 @@ class Truth:
     name in `FORMULAS`, or None for the exact motion in high precision.
     """
 
-    kind: str
+    kind: Kind
     source: int
     formula: str | None
 
@@ -70,7 +71,7 @@ class Check:
     unit: str
     truth: Truth
     at: At
-    measure: str
+    measure: Measure
     tolerance: Mapping[str, float]
     because: Mapping[str, str]
 
@@ -92,7 +93,7 @@ class Case:
     steps: tuple[CommunicationStep, ...]
     checks: tuple[Check, ...]
     file: Path
-    klass: str = "physics"
+    klass: Klass = Klass.PHYSICS
     facts: Facts | None = None
 
     @property
@@ -157,7 +158,7 @@ def load_case(file: Path) -> Case:
         steps=steps,
         checks=_checks(file, data, rules),
         file=file,
-        klass=data.get("class", "physics"),
+        klass=Klass(data.get("class", Klass.PHYSICS)),
         facts=stated,
     )
 
@@ -278,7 +279,7 @@ def _check(name: str, quantity: str, formula: str | None, at: At, tolerance: Tol
         id=name,
         quantity=quantity,
         unit=QUANTITIES[quantity].unit,
-        truth=Truth("closed_form", equation, formula),
+        truth=Truth(Kind.CLOSED_FORM, equation, formula),
         at=at,
         measure=tolerance.measure,
         tolerance=tolerance.allowed,
@@ -335,12 +336,12 @@ def _written(file: Path, n: int, entry: Mapping[str, Any], rules: Rules) -> Chec
     rule = rules.formula(name) if name is not None else None
     if name is None and quantity.name in OUTPUT_NAMES:
         rule = rules.course(quantity.name)
-    measure = own.get("measure", "relative" if rule is None else rule.measure)
-    if measure == "relative" and at.kind == "every_point":
+    measure = Measure(own.get("measure", Measure.RELATIVE if rule is None else rule.measure))
+    if measure == Measure.RELATIVE and at.kind == "every_point":
         reason = "relative makes no sense over all points, where a value may cross zero: of_scale"
         raise refuse(reason, "tolerance", "measure")
     if quantity.discrete and (
-        measure != "absolute" or any(own.get(side, 0.0) != 0.0 for side in SIDES)
+        measure != Measure.ABSOLUTE or any(own.get(side, 0.0) != 0.0 for side in SIDES)
     ):
         reason = f"{quantity.name} is discrete: measure absolute, tolerance 0 on both sides"
         raise refuse(reason, "tolerance")

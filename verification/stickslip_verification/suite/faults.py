@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from stickslip_verification.drive.fmu.hooks import HOOKS, Hook
 from stickslip_verification.model.data_file import (
     DataError,
     objection,
@@ -28,6 +27,12 @@ HERE = Path(__file__).parent
 FAULTS_FOLDER = HERE / "faults"
 SCHEMA = HERE / "fault.schema.json"
 KILLS_NOTHING = HERE / "kills_nothing.toml"
+
+Hook = tuple[str, str]
+"""One of `HOOKS`, and Python that defines a function of this name, given ``original``."""
+
+HOOKS = ("get", "set", "step", "reset")
+"""Calls of the master that a fault can replace. Variables by the suite's names, values in SI."""
 
 MASTER = "master"
 """In place of a module: the override replaces a call that the suite makes to an instance."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip_verification.model.data_file import DataError, objection, read_toml
+from stickslip_verification.model.verdict import Kind, Klass
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "invariants"
@@ -37,8 +38,8 @@ class Invariant:
 
     id: str
     title: str
-    kind: str
-    klass: str
+    kind: Kind
+    klass: Klass
     source: int
     means: str
     look: str
@@ -132,15 +133,15 @@ class Invariants:
 
 
 _SHARED: Mapping[str, Mapping[str, Any]] = {
-    "probes": {"kind": "invariant", "class": "contract", "source": 1, "arguments": {}},
+    "probes": {"kind": Kind.INVARIANT, "class": Klass.CONTRACT, "source": 1, "arguments": {}},
     "agreements": {
-        "kind": "cross_code",
-        "class": "physics",
+        "kind": Kind.CROSS_CODE,
+        "class": Klass.PHYSICS,
         "source": 3,
         "means": "The two codes give different motions; which is wrong, the stronger checks say.",
         "look": "The checks of the same case against the exact motion, on both sides.",
     },
-    "orders": {"kind": "convergence", "class": "physics"},
+    "orders": {"kind": Kind.CONVERGENCE, "class": Klass.PHYSICS},
     "runs": {"tolerance": None},
 }
 """What all entries of a family have in common, and so is not written in the files."""
@@ -198,7 +199,7 @@ def _check_finite(file: Path, entry: Mapping[str, Any]) -> None:
 
 def _invariant(family: str, entry: Mapping[str, Any]) -> Invariant:
     values = {**_SHARED.get(family, {}), **entry}
-    values["klass"] = values.pop("class")
+    values["kind"], values["klass"] = Kind(values["kind"]), Klass(values.pop("class"))
     return _FAMILIES[family](**values)
 
 

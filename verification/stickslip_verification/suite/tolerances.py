@@ -13,6 +13,7 @@ from functools import cached_property
 
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
+from stickslip_verification.model.verdict import Measure
 from stickslip_verification.truth import Run
 from stickslip_verification.truth.parameters import used_mu_k
 
@@ -76,7 +77,7 @@ def facts_of(run: Run) -> Facts:
 class Tolerance:
     """What a check allows each side, by which measure, and why; see `cases.Check`."""
 
-    measure: str
+    measure: Measure
     allowed: Mapping[str, float]
     because: Mapping[str, str]
 
@@ -125,19 +126,21 @@ class Rules:
         if QUANTITIES[quantity].discrete:
             near = "a count or a state: no communication point lies within {} of an event"
             reasons = near.format("rounding"), near.format("the solver's error")
-            return _tolerance("absolute", (0.0, 0.0), reasons)
+            return _tolerance(Measure.ABSOLUTE, (0.0, 0.0), reasons)
         if quantity == "W_k" and len({value["k"] for value in self.values}) == 1:
-            return _alike("absolute", 0.0, "the stiffness never changes, so nothing is ever added")
+            return _alike(
+                Measure.ABSOLUTE, 0.0, "the stiffness never changes, so nothing is ever added"
+            )
         if quantity == "spring_drop" and self._relieves_nothing:
             return self._no_relief()
         if quantity in self.facts.zero:
-            return _alike("absolute", 0.0, ZERO)
+            return _alike(Measure.ABSOLUTE, 0.0, ZERO)
         if quantity in PRODUCTS:
-            return _alike("of_scale", PRODUCT, _PRODUCT)
+            return _alike(Measure.OF_SCALE, PRODUCT, _PRODUCT)
         if quantity == "x_pull":
             once = "a sum of v h: rounding of one addition a {}"
             reasons = once.format("step"), once.format("phase")
-            return _tolerance("of_scale", (SUM, SUM), reasons)
+            return _tolerance(Measure.OF_SCALE, (SUM, SUM), reasons)
         slips = max(self.facts.slips, 1)
         reference = (
             rounded_up(INTEGRATION * self.conditioning * slips),
@@ -145,7 +148,7 @@ class Rules:
             f"times {slips} slip{'s' if slips > 1 else ''}",
         )
         fmu = self.own_fmu or self.fmu_course()
-        return _tolerance("of_scale", (fmu[0], reference[0]), (fmu[1], reference[1]))
+        return _tolerance(Measure.OF_SCALE, (fmu[0], reference[0]), (fmu[1], reference[1]))
 
     def fmu_course(self) -> tuple[float, str]:
         """Give the rule's tolerance of the exact block's courses, and its reason."""
@@ -169,7 +172,7 @@ class Rules:
         """Give the tolerance of a value against a closed form, or None where no rule gives one."""
         power = FORMULAS[name].sensitivity
         if name == "break_away_force":
-            return _alike("relative", PRODUCT, _PRODUCT)
+            return _alike(Measure.RELATIVE, PRODUCT, _PRODUCT)
         if power is None or (power and not self.lambda_):
             return None
         factor = 1.0 + self.lambda_**-power if power else 1.0
@@ -180,7 +183,7 @@ class Rules:
         }[power]
         words = self._conditioning_in_words()
         return _tolerance(
-            "relative",
+            Measure.RELATIVE,
             (
                 rounded_up(ROUNDING * self.conditioning),
                 rounded_up(INTEGRATION * self.conditioning * factor),
@@ -227,7 +230,7 @@ class Rules:
         extension = load_up + abs(value["v"]) * math.sqrt(value["m"] / value["k"])
         of_it = f"of the extension of {1e3 * extension:.2g} mm"
         return _tolerance(
-            "absolute",
+            Measure.ABSOLUTE,
             (rounded_up(ROUNDING * extension), rounded_up(INTEGRATION * extension)),
             (
                 f"without a gap nothing is relieved: rounding, 1e-12, {of_it}",
@@ -257,7 +260,9 @@ def _normal_force(value: Mapping[str, float]) -> float:
     return value["m"] * value["g"] + value["load"]
 
 
-def _tolerance(measure: str, allowed: tuple[float, float], reasons: tuple[str, str]) -> Tolerance:
+def _tolerance(
+    measure: Measure, allowed: tuple[float, float], reasons: tuple[str, str]
+) -> Tolerance:
     sides = ("fmu", "reference")
     return Tolerance(
         measure,
@@ -266,5 +271,5 @@ def _tolerance(measure: str, allowed: tuple[float, float], reasons: tuple[str, s
     )
 
 
-def _alike(measure: str, allowed: float, reason: str) -> Tolerance:
+def _alike(measure: Measure, allowed: float, reason: str) -> Tolerance:
     return _tolerance(measure, (allowed, allowed), (reason, reason))

@@ -16,11 +16,12 @@ import fmpy.model_description
 from stickslip_verification.drive.fmu.errors import FmuError, one_line
 from stickslip_verification.drive.fmu.fmi2 import Fmi2Instance
 from stickslip_verification.drive.fmu.fmi3 import Fmi3Instance
-from stickslip_verification.drive.fmu.hooks import Hook, hooked
+from stickslip_verification.drive.fmu.hooks import hooked
 from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.fmu.unpacking import new_folder
 from stickslip_verification.drive.fmu.variables import Variable, collect, extra_outputs
+from stickslip_verification.suite.faults import Hook
 
 _FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
 

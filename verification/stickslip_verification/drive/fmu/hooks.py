@@ -1,4 +1,4 @@
-"""Faults that act between the suite, as master, and an FMU: on calls and values, not inside."""
+"""Planted faults that act on the calls between the suite, as master, and an FMU."""
 
 from __future__ import annotations
 
@@ -6,12 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from stickslip_verification.drive.fmu.instance import FmuInstance, Unpacked
-
-Hook = tuple[str, str]
-"""One of `HOOKS`, and Python that defines a function of this name, given ``original``."""
-
-HOOKS = ("get", "set", "step", "reset")
-"""The calls that a fault can replace: methods of `Hooked`. Variables by our names, values in SI."""
+from stickslip_verification.suite.faults import Hook
 
 
 class Hooked(FmuInstance):

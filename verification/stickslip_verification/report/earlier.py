@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip_verification.model.margins import margin
-from stickslip_verification.model.verdict import FAIL, NOT_APPLICABLE, PASS, Verdict
+from stickslip_verification.model.verdict import Outcome, Verdict
 
 Key = tuple[str, str, str]
 """Case, check and side."""
@@ -138,7 +138,9 @@ def compare(baseline: EarlierReport, verdict: Verdict) -> Moves:
     }
     both = [Move(*key, baseline.entries[key], now[key]) for key in now if key in baseline.entries]
     applied = [
-        move for move in both if NOT_APPLICABLE not in (move.before.verdict, move.now.verdict)
+        move
+        for move in both
+        if Outcome.NOT_APPLICABLE not in (move.before.verdict, move.now.verdict)
     ]
     return Moves(
         baseline,
@@ -154,5 +156,5 @@ def compare(baseline: EarlierReport, verdict: Verdict) -> Moves:
 def _entry(row: Mapping[str, Any]) -> Entry:
     error, tolerance = row["error"], float(row["tolerance"])
     # A report from before there were verdicts tells only whether a check passed.
-    verdict = str(row.get("verdict", PASS if row["passed"] else FAIL))
+    verdict = str(row.get("verdict", Outcome.PASS if row["passed"] else Outcome.FAIL))
     return Entry(margin(None if error is None else float(error), tolerance), tolerance, verdict)
