@@ -69,8 +69,11 @@ class Model(Protocol):
         modules along that it imports.
     """
 
-    wanted: Any
     stale: bool
+
+    @property
+    def wanted(self) -> Any:
+        """The values as last set."""
 
     def __init__(self, values: Any, start_time: float = 0.0) -> None: ...
 

@@ -87,6 +87,11 @@ class Oscillator:
             )
         self._beginning = _BEGINNING / quickest
 
+    @property
+    def constants(self) -> Tuple[float, float, float]:
+        """Stiffness, mass and damping."""
+        return self.k, self.m, self.c
+
     def responses(self, tau: float) -> Tuple[float, float, float]:
         """Return G [1], K [s] and the slope of K [1] at `tau` [s]."""
         return self._first(tau) if tau < self._beginning else self._later(tau)

@@ -2,9 +2,6 @@
 
 from typing import Optional, Tuple
 
-# The rest test forgives rounding: 8 units in the last place of the forces it compares.
-_SLACK = 8.0 * 2.0**-52
-
 # The gap that a kinetic coefficient above the static one is clamped to.
 _CLAMP_GAP = 0.01
 
@@ -30,20 +27,3 @@ def friction_forces(mu_s: float, mu_k_used: float, normal: float) -> Tuple[float
     The difference is formed from the coefficients, where it is exact when they are close.
     """
     return mu_s * normal, mu_k_used * normal, (mu_s - mu_k_used) * normal
-
-
-def direction_from_rest(spring: float, external: float, breakaway: float) -> int:
-    """Return 0 if the mass stays at rest, or the sign of the slip that starts: (4).
-
-    Parameters
-    ----------
-    spring, external
-        Spring force k z and external force F_ext on the mass [N].
-    breakaway
-        Break-away force F_s [N].
-    """
-    force = spring + external
-    slack = _SLACK * (abs(spring) + abs(external) + breakaway)
-    if abs(force) <= breakaway + slack:
-        return 0
-    return 1 if force > 0.0 else -1

@@ -1,16 +1,12 @@
-"""Stick and slip as arcs: where one began, its coefficients, when it ends.
-
-An arc is made once, at an event or at a change of input or parameter, and then only read: at any
-elapsed time `tau` it gives the state in closed form, so its end and its quantities do not depend
-on the steps that cut it. docs/theory.md (3), (5), (8).
-"""
+"""Slip under constant kinetic friction, in closed form: docs/theory.md (3), (5), (8)."""
 
 import math
-from typing import Optional, Tuple
+from typing import Tuple
 
+from ...numerics.quadrature import integral
+from ...numerics.roots import falling_zero
+from ..law import Motion, Start
 from .oscillator import Oscillator
-from .quadrature import integral
-from .roots import falling_zero
 
 _TURN = 2.0 * math.pi
 
@@ -19,64 +15,6 @@ _TURN = 2.0 * math.pi
 # the longest one, it is integrated instead.
 _SHORT = 4.0
 _EARLY = 1e-2
-
-
-class StickArc:
-    """The mass rests while the pulled end loads the spring.
-
-    Parameters
-    ----------
-    k
-        Stiffness [N/m].
-    v
-        Pulling velocity [m/s].
-    z
-        Spring extension at the start [m].
-    breakaway
-        Break-away force F_s [N].
-    external
-        External force F_ext [N].
-    way
-        What the force still lacks of F_s in the direction of the pull [N], where a slip left it
-        known better than as a difference; else None.
-    """
-
-    __slots__ = ("duration", "k", "mode", "v", "x_dot_start", "z_end", "z_start")
-
-    def __init__(
-        self,
-        k: float,
-        v: float,
-        z: float,
-        breakaway: float,
-        external: float,
-        way: Optional[float] = None,
-    ) -> None:
-        self.mode = 0
-        self.x_dot_start = 0.0
-        self.k = k
-        self.v = v
-        self.z_start = z
-        if v == 0.0:
-            self.z_end = z
-            self.duration = math.inf
-        else:
-            self.z_end = (math.copysign(breakaway, v) - external) / k
-            growth = self.z_end - z if way is None else math.copysign(1.0, v) * way / k
-            # A rest that rounding put beyond the threshold breaks away at once.
-            self.duration = max(growth / v, 0.0)
-
-    def state(self, tau: float) -> Tuple[float, float, float]:
-        """Return growth of the spring, velocity and displacement of the mass at `tau`."""
-        return self.v * tau, 0.0, 0.0
-
-    def pull_work(self, tau: float) -> float:
-        """Return the work of the pulling end up to `tau` [J]: (15)."""
-        return self.k * (self.v * tau) * (self.z_start + 0.5 * self.v * tau)
-
-    def heat(self, tau: float, displacement: float) -> float:
-        """Return the heat of friction and damping up to `tau` [J]: none."""
-        return 0.0
 
 
 class SlipArc:
@@ -153,8 +91,15 @@ class SlipArc:
         self._peak_time = math.inf
         self.duration = self._find_end()
 
-    def state(self, tau: float) -> Tuple[float, float, float]:
-        """Return growth of the spring, velocity and displacement of the mass at `tau`."""
+    age = 0.0
+
+    @property
+    def start(self) -> Start:
+        """Where the arc starts."""
+        return Start(self.mode, self.z_start, self.x_dot_start, self._net)
+
+    def state(self, tau: float) -> Motion:
+        """Return the motion at `tau`."""
         oscillator = self._oscillator
         step, impulse, slope = oscillator.responses(tau)
         start, v = self.x_dot_start, self.v
@@ -164,16 +109,21 @@ class SlipArc:
             x_dot = 0.0
         integral_of_step = oscillator.step_integral(tau, step, impulse)
         displacement = start * impulse + v * integral_of_step + self._reach * step
-        return self._z_dot * impulse - self._swing * step, x_dot, displacement
+        friction = -(self.mode * self._kinetic + oscillator.c * x_dot)
+        return self._z_dot * impulse - self._swing * step, x_dot, displacement, friction
 
-    def end(self) -> Tuple[float, float, float]:
-        """Return growth of the spring, velocity (none) and displacement of the mass at the end."""
-        growth, _, displacement = self.state(self.duration)
+    def end(self) -> Motion:
+        """Return the motion at the end of the slip, where the velocity is 0."""
+        growth, _, displacement, friction = self.state(self.duration)
         if self._from_rest:
             growth = -2.0 * self._swing
             if self.mode * self.v > 0.0:
                 displacement = self.v * self.duration - growth
-        return growth, 0.0, displacement
+        return growth, 0.0, displacement, friction
+
+    def own(self, tau: float) -> Tuple[float, ...]:
+        """Return the law's own state: none."""
+        return ()
 
     def way_to_break_away(self, gap: float) -> float:
         """Return what the force lacks of F_s at the end, in the direction of the slip [N].
