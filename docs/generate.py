@@ -10,27 +10,28 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from stickslip_design.claims import pages
 from stickslip_fmu.packer import build
 from stickslip_fmu.variables import VARIABLES, Variable
 from stickslip_verification import (
     CheckResult,
     Meaning,
     load_cases,
-    load_laws,
+    load_invariants,
     load_mutants,
     meanings,
     verify,
 )
-from stickslip_verification.claims import pages
-from stickslip_verification.svg import differences
+from stickslip_verification.model.verdict import Kind
+from stickslip_verification.report.svg import differences
 
 HERE = Path(__file__).parent
 
 KINDS = {
-    "closed_form": "the exact motion in high precision, and named closed forms",
-    "invariant": "laws on the samples, energy, mirror, scaling, splitting, rollback, interface",
-    "convergence": "the observed order of the reference, in its asymptotic range",
-    "cross_code": "the FMU against the reference: the weaker kind, alone it makes nothing green",
+    Kind.CLOSED_FORM: "the exact motion in high precision, and named closed forms",
+    Kind.INVARIANT: "on the samples, energy, mirror, scaling, splitting, rollback, interface",
+    Kind.CONVERGENCE: "the observed order of the reference, in its asymptotic range",
+    Kind.CROSS_CODE: "the FMU against the reference: the weaker kind, alone it makes nothing green",
 }
 
 
@@ -141,32 +142,32 @@ def verdict(fmu: Path) -> Iterator[str]:
 
 def checks() -> Iterator[str]:
     """Give the lines of the catalogue: what each check is, means, and where to look."""
-    cases, laws, faults = load_cases(), load_laws(), load_mutants()
-    known = meanings(cases, laws)
-    convicted: dict[str, int] = {}
+    cases, invariants, faults = load_cases(), load_invariants(), load_mutants()
+    known = meanings(cases, invariants)
+    detected: dict[str, int] = {}
     for fault in faults:
-        for check in fault.convicted_by:
-            convicted[check] = convicted.get(check, 0) + 1
+        for check in fault.detected_by:
+            detected[check] = detected.get(check, 0) + 1
     yield "# The checks"
     yield ""
     yield "What the failure of a check means, and where to look then. Checks of class `physics`"
     yield "have a tolerance and decide for every FMU; those of class `contract` decide for ours,"
     yield "and for a foreign one with `--strict`. The last column counts the planted faults that"
-    yield "name the check as one which convicts them."
+    yield "name the check as one which detects them."
     yield ""
-    yield "## Laws, tried on every case"
+    yield "## Invariants, tried on every case"
     yield ""
     yield "| check | statement | kind, class | (eq.) | it fails: this means | look at | faults |"
     yield "|---|---|---|---|---|---|---|"
-    for law in laws:
+    for invariant in invariants:
         cells = (
-            f"`{law.id}`",
-            law.title,
-            f"{law.kind}, {law.klass}",
-            f"({law.source})",
-            law.means,
-            law.look,
-            str(convicted.get(law.id, "")),
+            f"`{invariant.id}`",
+            invariant.title,
+            f"{invariant.kind}, {invariant.klass}",
+            f"({invariant.source})",
+            invariant.means,
+            invariant.look,
+            str(detected.get(invariant.id, "")),
         )
         yield "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
     yield ""
@@ -182,7 +183,7 @@ def checks() -> Iterator[str]:
         for each in case.checks:
             counted[each.id] = counted.get(each.id, 0) + 1
     for check in sorted(counted):
-        yield _catalogued(check, counted[check], known[check], convicted.get(check))
+        yield _catalogued(check, counted[check], known[check], detected.get(check))
 
 
 def _catalogued(check: str, cases: int, meaning: Meaning, faults: int | None) -> str:

@@ -12,8 +12,7 @@ from types import ModuleType
 
 import pytest
 
-from stickslip_verification import formulas, truth
-from stickslip_verification.claims import (
+from stickslip_design.claims import (
     Finding,
     critical,
     findings,
@@ -23,9 +22,11 @@ from stickslip_verification.claims import (
     slip_time,
     stick_time,
 )
-from stickslip_verification.claims.finding import Series
-from stickslip_verification.claims.numbers import figure, pulled_at, threshold
-from stickslip_verification.claims.told import HERE, Claim, ClaimError, load_claim
+from stickslip_design.claims.finding import Series
+from stickslip_design.claims.numbers import figure, pulled_at, threshold
+from stickslip_design.claims.told import HERE, Claim, ClaimError, load_claim
+from stickslip_verification import truth
+from stickslip_verification.model import formulas
 
 SIX_DIGITS = 1e-5
 MODULES = (jump, gap, slip_time, stick_time, critical, fixed_step)

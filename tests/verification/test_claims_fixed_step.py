@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip_verification import formulas, truth
-from stickslip_verification.claims import findings, fixed_step
-from stickslip_verification.claims.told import HERE, Claim, geometric, load_claim
-from stickslip_verification.claims.verlet import Marched, march
+from stickslip_design.claims import findings, fixed_step
+from stickslip_design.claims.told import HERE, Claim, geometric, load_claim
+from stickslip_design.claims.verlet import Marched, march
+from stickslip_verification import truth
+from stickslip_verification.model import formulas
 
 H = 1e-3
 

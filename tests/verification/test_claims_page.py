@@ -12,13 +12,13 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.claims import findings, markdown, write
-from stickslip_verification.svg import tidy
+from stickslip_design.claims import findings, markdown, write
+from stickslip_verification.report.svg import tidy
 
 # In a process of its own, so that neither the cache nor the hash seed of this one helps.
 ELSEWHERE = """
 import hashlib, sys
-from stickslip_verification import claims
+from stickslip_design import claims
 heavy = {"numpy", "mpmath", "matplotlib"}
 print(sorted(heavy & set(sys.modules)))
 found = claims.findings()

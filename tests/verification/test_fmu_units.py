@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip_verification.fmu.names import UNITS
-from stickslip_verification.fmu.units import Conversion, Dimension, conversion, defined, spelled
+from stickslip_verification.drive.fmu.names import UNITS
+from stickslip_verification.model.units import Conversion, Dimension, conversion, defined, spelled
 
 LENGTH: Dimension = (0, 1, 0, 0, 0, 0, 0, 0)
 PLAIN: Dimension = (0, 0, 0, 0, 0, 0, 0, 0)

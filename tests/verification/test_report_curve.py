@@ -6,13 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import load_cases
-from stickslip_verification.exact import exact_motion
-from stickslip_verification.report import draw_case
+from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.model.verdict import Motion
 from stickslip_verification.report.curve import curve
-from stickslip_verification.svg import columns, thinned, tidy
-from stickslip_verification.svg.line import SHAPE
-from stickslip_verification.verdict import Motion
+from stickslip_verification.report.plots import draw_case
+from stickslip_verification.report.svg import columns, thinned, tidy
+from stickslip_verification.report.svg.line import SHAPE
+from stickslip_verification.suite.cases import load_cases
 
 
 @cache

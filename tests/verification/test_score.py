@@ -8,8 +8,8 @@ import sys
 import numpy as np
 import pytest
 
+from stickslip_score import Curve, CurveError, Score, as_json, score
 from stickslip_verification import truth
-from stickslip_verification.score import Curve, CurveError, Score, as_json, score
 from stickslip_verification.truth import Step
 from tests.verification import curve_makers as makers
 from tests.verification.curve_makers import Made

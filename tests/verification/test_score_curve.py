@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification.score import Curve, CurveError, read_curve
+from stickslip_score import Curve, CurveError, read_curve
 
 ROWS = [(0.1 * i, 0.001 * i, 2.0 * i) for i in range(8)]
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from stickslip_score import Curve, Score, score
 from stickslip_verification import truth
-from stickslip_verification.score import Curve, Score, score
 from stickslip_verification.truth import Step
 from tests.verification import curve_makers as makers
 from tests.verification.curve_makers import Floats, Made

@@ -15,7 +15,7 @@ from fmpy.util import read_csv
 
 from stickslip_fmu.variables import VARIABLES
 from stickslip_ref import Parameters, simulate
-from stickslip_verification.fmu.digest import content_digest
+from stickslip_verification.drive.fmu.digest import content_digest
 
 from .running import Command
 

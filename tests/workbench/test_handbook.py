@@ -126,5 +126,5 @@ def test_the_icon_is_a_small_square_picture() -> None:
         assert (drawn.format, drawn.size) == ("PNG", (256, 256))
         colours = drawn.convert("RGB").getcolors(100_000)
     assert colours is not None
-    # Mass, spring, ground and paper, beside the mixed colours of edges.
+    # Mass, spring, baseline and paper, beside the mixed colours of edges.
     assert sum(count > 200 for count, _ in colours) >= 4

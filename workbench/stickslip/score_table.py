@@ -10,7 +10,7 @@ from rich.text import Text
 
 from stickslip.fitted import Fitted
 from stickslip.scales import LENGTHS, TIMES, Scale, Scales, scale_for
-from stickslip_verification.score import Compared, Score
+from stickslip_score import Compared, Score
 
 _QUANTITIES: Final[tuple[tuple[str, str, Scales], ...]] = (
     ("period", "T", TIMES),

@@ -3,28 +3,28 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from stickslip_design.claims import draw, findings
 from stickslip_verification import (
-    Baseline,
     Case,
     ClaimSection,
+    EarlierReport,
     Verdict,
     compare,
     course_tolerances,
     draw_case,
-    load_laws,
+    load_invariants,
     meanings,
     render,
     write_json,
     write_pdf,
     write_report,
 )
-from stickslip_verification.claims import draw, findings
 
 
 def write(
     verdict: Verdict,
     cases: Sequence[Case],
-    earlier: Baseline | None,
+    earlier: EarlierReport | None,
     output: Path,
     pdf: Path | None,
 ) -> list[Path]:
@@ -49,7 +49,7 @@ def write(
         written.append(output)
     if output.suffix == ".json" and pdf is None:
         return written
-    known = meanings(cases, load_laws())
+    known = meanings(cases, load_invariants())
     moves = None if earlier is None else compare(earlier, verdict)
     claims = _claims()
     drawn = {

@@ -10,12 +10,13 @@ from rich.text import Text
 
 from stickslip.fitted import Fitted
 from stickslip_verification import CheckResult, KillMatrix, Meaning, Verdict, margin
+from stickslip_verification.model.verdict import Kind
 
-_KINDS: Final = {
-    "closed_form": "exact motion and closed forms",
-    "invariant": "laws, other runs, interface",
-    "convergence": "observed order of the reference",
-    "cross_code": "FMU against reference: the weaker kind, it makes nothing green",
+_KINDS: Final[dict[str, str]] = {
+    Kind.CLOSED_FORM: "exact motion and closed forms",
+    Kind.INVARIANT: "invariants, other runs, interface",
+    Kind.CONVERGENCE: "observed order of the reference",
+    Kind.CROSS_CODE: "FMU against reference: the weaker kind, it makes nothing green",
 }
 _SIDES: Final = ("fmu", "reference")
 _TOLD: Final = 12
@@ -35,7 +36,7 @@ def verdict_summary(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Render
     return Fitted(
         [_cases(verdict, worst=True), _cases(verdict, worst=False)],
         _kinds(verdict),
-        *_convictions(verdict.kills),
+        *_detections(verdict.kills),
         *_failures(verdict, meanings),
         counts(verdict),
     )
@@ -56,7 +57,7 @@ def counts(verdict: Verdict) -> Text:
 
 def _why(verdict: Verdict) -> str:
     if verdict.kills is not None and not verdict.kills.passed:
-        return "the suite did not convict every planted fault, or has idle checks"
+        return "the suite did not detect every planted fault, or has checks that kill nothing"
     return "no check of the FMU against a truth passed"
 
 
@@ -118,7 +119,7 @@ def _kinds(verdict: Verdict) -> Table:
     return table
 
 
-def _convictions(kills: KillMatrix | None) -> Iterator[Text]:
+def _detections(kills: KillMatrix | None) -> Iterator[Text]:
     if kills is None:
         return
     caught = sum(row.caught for row in kills.rows)
@@ -128,9 +129,11 @@ def _convictions(kills: KillMatrix | None) -> Iterator[Text]:
         if not row.caught:
             why = row.broken or f"it fails {', '.join(row.failing) or 'nothing'}"
             yield Text(f"SURVIVED {row.mutant} (wanted {', '.join(row.wanted)}): {why}", "red")
-    for check, reason in kills.idle.items():
+    for check, reason in kills.kills_nothing.items():
         if not reason:
-            yield Text(f"IDLE {check}: it kills nothing, and nothing says why it stays", "red")
+            yield Text(
+                f"KILLS_NOTHING {check}: it kills nothing, and nothing says why it stays", "red"
+            )
 
 
 def _failures(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Iterator[Text]:

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.mutants import Mutant, plant
-from stickslip_verification.mutants.planted import Substitution
+from stickslip_verification.drive.planting import plant
+from stickslip_verification.suite.faults import Mutant, Substitution
 from tests.fmu.fuzz.sequences import sequence
 from tests.fmu.fuzz.trial import Trial, table
 

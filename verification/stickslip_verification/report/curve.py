@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip_verification.record import Series
-from stickslip_verification.verdict import Motion
+from stickslip_verification.model.run import Series
+from stickslip_verification.model.verdict import Motion
 
 PIECES = 400
 """Straight pieces over the whole time that a slip is drawn with: about one per point of width."""

@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip_verification import svg
-from stickslip_verification.record import Record, Series
-from stickslip_verification.report import curve
+from stickslip_verification.model.run import Run, Series
+from stickslip_verification.model.verdict import CheckResult, Measure, Motion
+from stickslip_verification.report import curve, svg
 from stickslip_verification.report.house_style import (
     BLUE,
     GREY,
@@ -23,7 +23,6 @@ from stickslip_verification.report.house_style import (
     as_svg,
     label_decades,
 )
-from stickslip_verification.verdict import CheckResult, Motion
 
 SIDES: Final = (("fmu", "FMU", BLUE, "o", 4.0), ("reference", "reference", ORANGE, "x", 3.4))
 
@@ -50,7 +49,7 @@ def course_tolerances(checks: Sequence[CheckResult], case: str) -> dict[str, flo
     return {
         result.side: result.tolerance
         for result in checks
-        if (result.case, result.check, result.measure) == (case, "x-course", "of_scale")
+        if (result.case, result.check, result.measure) == (case, "x-course", Measure.OF_SCALE)
     }
 
 
@@ -188,7 +187,7 @@ def _legend(panel: Axes) -> None:
     )
 
 
-def _errors(exact: Record, record: Record | None, quantity: str) -> Series | None:
+def _errors(exact: Run, record: Run | None, quantity: str) -> Series | None:
     if record is None or quantity not in record.outputs:
         return None
     truth = exact.outputs[quantity]

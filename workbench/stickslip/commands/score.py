@@ -47,8 +47,8 @@ def score(
     json: Annotated[bool, typer.Option("--json", help="Print JSON for machines.")] = False,
 ) -> None:
     """Say how a curve from any tool compares with the exact cycle, and why it differs."""
-    from stickslip_verification.score import CurveError, as_json, read_curve
-    from stickslip_verification.score import score as judge
+    from stickslip_score import CurveError, as_json, read_curve
+    from stickslip_score import score as judge
 
     given = {"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k}
     parameters = read_values({**given, "v": v, "load": load, "F_ext": F_ext})
