@@ -12,9 +12,14 @@ def test_an_interrupted_write_leaves_the_old_file(tmp_path: Path) -> None:
     """Where the block fails the file is as it was, and nothing else is left beside it."""
     file = tmp_path / "report.json"
     file.write_bytes(b"old")
-    with pytest.raises(KeyboardInterrupt), replacing(file) as stream:
-        stream.write(b"half of the n")
-        raise KeyboardInterrupt
+
+    def interrupted() -> None:
+        with replacing(file) as stream:
+            stream.write(b"half of the n")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
     assert file.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [file]
 
