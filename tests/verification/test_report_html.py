@@ -135,7 +135,7 @@ def test_page_one_has_the_verdict_and_its_scope(page: Page) -> None:
     assert "The weaker class: both may be wrong alike, so it alone makes nothing green." in first
     assert "Contract checks" in first
     assert "0 held, 1 drifted" in first
-    assert "What it means: The mass is elsewhere. Where to look: the arcs" in first
+    assert "What it means: The mass is elsewhere. Likeliest bug: the arcs" in first
     assert "did not see all planted faults" in first
 
 

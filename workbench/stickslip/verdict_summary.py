@@ -141,7 +141,7 @@ def _failures(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Iterator[Tex
         meaning = meanings.get(result.check)
         if meaning is not None and result.check not in told:
             told.add(result.check)
-            yield Text(f"     {meaning.means} Look at: {meaning.look}")
+            yield Text(f"     {meaning.means} Likeliest bug: {meaning.look}")
     if len(failed) > _TOLD:
         yield Text(f"and {len(failed) - _TOLD} more; the report tells them all", "red")
 
