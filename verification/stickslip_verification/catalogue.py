@@ -35,7 +35,9 @@ def meanings(cases: Iterable[Case], laws: Laws) -> dict[str, Meaning]:
     found = {check.id: known[check.quantity] for case in cases for check in case.checks}
     found |= {law.id: Meaning(law.means, law.look) for law in laws}
     asymptotic = Meaning(
-        "The error does not fall at one rate over all tolerances, so the observed order proves nothing about the reference.",
-        "The coarsest tolerances, where a largest step limits the steps, or the finest, where rounding hides the error.",
+        "The error does not fall at one rate over all tolerances, so the observed order proves "
+        "nothing about the reference.",
+        "The coarsest tolerances, where a largest step limits the steps, or the finest, where "
+        "rounding hides the error.",
     )
     return found | {f"{law.id}-asymptotic": asymptotic for law in laws.orders}
