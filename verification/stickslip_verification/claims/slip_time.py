@@ -47,7 +47,8 @@ def examine(claim: Claim) -> Finding:
     sentence = (
         f"Half a period is the limit for slow pull. It is always too short, by at most {reached} "
         f"on. The slip takes {figure(1 / (1 - of_lambda(mpf(1))))} times half a period at λ = 1 "
-        f"and {figure(slowest)} times at λ = {low:g}; towards fast pull it takes twice half a period."
+        f"and {figure(slowest)} times at λ = {low:g}; towards fast pull it takes twice "
+        f"half a period."
     )
     times = [1 / (1 - of_lambda(each)) for each in grid["lambda_"]]
     panel = Panel(

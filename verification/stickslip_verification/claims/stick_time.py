@@ -66,8 +66,8 @@ def examine(claim: Claim) -> Finding:
         f"mu_s / (2 (mu_s − mu_k)), at any speed too. The factor is "
         f"{figure(formulas.load_up_over_stick(default))} with the default parameters and "
         f"{_one_or_span(of_worst)[0]} at mu_k = {largest:g} mu_s. In the cycle the formula is "
-        f"right to {percent(within)} only for mu_k between {figure(low)} and {figure(high)} mu_s; below "
-        f"this range it is too short, above it too long."
+        f"right to {percent(within)} only for mu_k between {figure(low)} and {figure(high)} mu_s; "
+        f"below this range it is too short, above it too long."
     )
     return claim.found(
         verdict=_verdict(list(runs.values())),
