@@ -175,8 +175,8 @@ means for a user of the FMU, and which bug is the likeliest.
 
 - Numbers in brackets are the equations of [theory.md](theory.md).
 - A check of class `physics` has a tolerance and decides for every FMU.
-- A check of class `contract` decides for the stick-slip FMUs of this project. For any
-  other FMU it is noted, and decides with `--strict`.
+- A check of class `contract` decides for the exact block, the FMU of `stickslip build`. For
+  any other FMU it is noted, and decides with `--strict`.
 - The last column counts the planted faults whose description names this check. A planted
   fault must fail at least one of the checks that it names.
 

@@ -1,4 +1,4 @@
-"""The proofs on random sets as a table: one row per statement and side."""
+"""The random tests as a table: one row per statement and side."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -68,7 +68,7 @@ def _short_table(results: Sequence[ProofResult]) -> Table:
 def _empty_table(results: Sequence[ProofResult]) -> Table:
     seeds = ", ".join(sorted({str(each.seed) for each in results}))
     return Table(
-        title=f"Proofs on random sets, seed {seeds}",
+        title=f"Random tests, seed {seeds}",
         title_justify="left",
         title_style="bold",
         box=SIMPLE_HEAD,

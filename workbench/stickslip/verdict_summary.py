@@ -13,13 +13,13 @@ from stickslip_verification import CheckResult, KillMatrix, Meaning, Verdict, ma
 
 _KINDS: Final = {
     "closed_form": "exact motion and closed forms",
-    "invariant": "laws, other runs, interface",
+    "invariant": "samples, pairs of runs, interface",
     "convergence": "observed order of the reference",
-    "cross_code": "FMU against reference: the weaker kind, it makes nothing green",
+    "cross_code": "FMU against reference: the weaker kind, it alone gives no pass",
 }
 _SIDES: Final = ("fmu", "reference")
 _TOLD: Final = 12
-"""How many failed checks are told in full; the report tells them all."""
+"""How many failed checks are printed in full; the report lists all."""
 
 
 def verdict_summary(verdict: Verdict, meanings: Mapping[str, Meaning]) -> RenderableType:
@@ -56,8 +56,8 @@ def counts(verdict: Verdict) -> Text:
 
 def _why(verdict: Verdict) -> str:
     if verdict.kills is not None and not verdict.kills.passed:
-        return "the suite did not convict every planted fault, or has idle checks"
-    return "no check of the FMU against a truth passed"
+        return "a planted fault survived, or an idle check has no reason to stay"
+    return "no check of the FMU against the exact solution or an invariant passed"
 
 
 def _cases(verdict: Verdict, *, worst: bool) -> Table:
@@ -122,15 +122,17 @@ def _convictions(kills: KillMatrix | None) -> Iterator[Text]:
     if kills is None:
         return
     caught = sum(row.caught for row in kills.rows)
-    style = "green" if kills.passed else "bold red"
-    yield Text(f"{caught} of {len(kills.rows)} planted faults caught as foretold", style=style)
+    count = f"{caught} of {len(kills.rows)} planted faults detected by a check named in advance"
+    yield Text(count, style="green" if kills.passed else "bold red")
     for row in kills.rows:
         if not row.caught:
-            why = row.broken or f"it fails {', '.join(row.failing) or 'nothing'}"
-            yield Text(f"SURVIVED {row.mutant} (wanted {', '.join(row.wanted)}): {why}", "red")
+            why = row.broken or f"failing checks: {', '.join(row.failing) or 'none'}"
+            yield Text(f"SURVIVED {row.mutant} (named: {', '.join(row.wanted)}): {why}", "red")
     for check, reason in kills.idle.items():
         if not reason:
-            yield Text(f"IDLE {check}: it kills nothing, and nothing says why it stays", "red")
+            yield Text(
+                f"IDLE {check}: it detects no planted fault and has no reason to stay", "red"
+            )
 
 
 def _failures(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Iterator[Text]:
@@ -143,7 +145,7 @@ def _failures(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Iterator[Tex
             told.add(result.check)
             yield Text(f"     {meaning.means} Likeliest bug: {meaning.look}")
     if len(failed) > _TOLD:
-        yield Text(f"and {len(failed) - _TOLD} more; the report tells them all", "red")
+        yield Text(f"and {len(failed) - _TOLD} more; the report lists them all", "red")
 
 
 def _name(result: CheckResult) -> str:
