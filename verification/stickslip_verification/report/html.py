@@ -141,7 +141,7 @@ def _reasons(verdict: Verdict) -> list[str]:
     elif not verdict.proven:
         reasons.append("No comparison of the FMU with a closed form or an invariant passed.")
     if verdict.kills is not None and not verdict.kills.passed:
-        reasons.append("A planted fault survived, or a check that detects none has no reason to stay.")
+        reasons.append("A planted fault survived, or an idle check has no reason to stay.")
     return reasons
 
 
