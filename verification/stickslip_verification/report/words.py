@@ -19,7 +19,8 @@ WORTH: Final[dict[str, str]] = {
     Kind.CLOSED_FORM: "Code verification against the exact solution of the equations, by a formula "
     "or in high precision. Its code is independent of FMU and reference. The strongest kind.",
     Kind.INVARIANT: "Code verification against what every exact motion satisfies, such as the "
-    "energy balance or the mirror. It needs no solution, so it also judges motions without a formula.",
+    "energy balance or the mirror. It needs no solution, so it also judges motions without a "
+    "formula.",
     Kind.CONVERGENCE: "Solution verification: the numerical error must fall with the tolerance or "
     "the step at the order that the method promises.",
     Kind.CROSS_CODE: "Two programs compared with each other. The weaker kind: both may be wrong "
