@@ -12,6 +12,9 @@ class ModelError(ValueError):
 class Model(Protocol):
     """A model that an FMU runs.
 
+    A class that derives from this one may leave out `refresh`, `check`, `warning` and
+    `date_start`.
+
     Parameters
     ----------
     values
@@ -70,7 +73,7 @@ class Model(Protocol):
     """
 
     wanted: Any
-    stale: bool
+    stale: bool = False
 
     def __init__(self, values: Any, start_time: float = 0.0) -> None: ...
 
@@ -95,9 +98,11 @@ class Model(Protocol):
 
     def refresh(self) -> None:
         """Compute the outputs where the model stands, and clear `stale`."""
+        self.stale = False
 
     def check(self) -> None:
         """Raise ModelError if the values in `wanted` do not go together."""
+        return
 
     def warning(self) -> Optional[str]:
         """Return what is unusual about the values in `wanted`, or None.
@@ -105,9 +110,11 @@ class Model(Protocol):
         The simulator is told at the end of the initialization and before the first step after a
         value was set, once for each text.
         """
+        return None
 
     def date_start(self, time: float) -> None:
         """Take `time` [s] for the start time if no step was made yet: FMI 3.0 tells it so late."""
+        return
 
     def freeze(self) -> Any:
         """Return the whole state for `thaw`."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fmukit.model import Experiment, ModelError, Spec
+from fmukit.model import Experiment, Model, ModelError, Spec
 from fmukit.plain import check, values
 
 from .controller import Controller, Gains
@@ -14,7 +14,7 @@ from .setpoint import SetPoint
 from .table import TABLE, Settings
 
 
-class ServoDrive:
+class ServoDrive(Model):
     """The drive, at rest at the start.
 
     Parameters
@@ -29,8 +29,6 @@ class ServoDrive:
     ModelError
         If the sample time is too long for the motion.
     """
-
-    stale = False
 
     def __init__(self, settings: Settings, start_time: float = 0.0) -> None:
         self._begin(settings)
@@ -62,18 +60,6 @@ class ServoDrive:
             raise ModelError(f"step = {step!r} s is out of range: it must be above 0")
         self.drive.advance(step, self.wanted.F, self.wanted.x)
         self._time += step
-
-    def refresh(self) -> None:
-        """Do nothing: every output is up to date."""
-
-    def check(self) -> None:
-        """Accept all inputs."""
-
-    def warning(self) -> None:
-        """Warn of nothing."""
-
-    def date_start(self, time: float) -> None:
-        """Do nothing: no output shows the start time."""
 
     def freeze(self) -> tuple[Settings, float, tuple[float, ...]]:
         """Return the whole state for `thaw`."""
