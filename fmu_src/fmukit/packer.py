@@ -172,7 +172,7 @@ def travelling(main: str, face: Literal[2, 3] = 2) -> Dict[str, bytes]:
             )
         module = _Module(name, file, file.read_bytes())
         files[module.path] = module.packed()
-        waiting.update(dict.fromkeys(set(module.imported()) - seen, name))
+        waiting.update(dict.fromkeys(sorted(set(module.imported()) - seen, reverse=True), name))
     return files
 
 
