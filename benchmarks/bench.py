@@ -21,8 +21,8 @@ from benchmarks.empty_slave import build_empty_slave
 from benchmarks.page import NoBrowserError, measure_moves
 from benchmarks.plain_cycle import plain_steady_cycle
 from stickslip.page import page
-from stickslip_fmu.block import Block
 from stickslip_fmu.interface import TABLE
+from stickslip_fmu.model import Block
 from stickslip_fmu.packer import build
 from stickslip_fmu.settings import Settings
 from stickslip_ref import Parameters, simulate, steady_cycle

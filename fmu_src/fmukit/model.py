@@ -1,6 +1,6 @@
 """What the kit makes an FMU of: the protocol of a model, its error, and the specification."""
 
-from typing import Any, Dict, NamedTuple, Optional, Protocol, Type
+from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Protocol, Type
 
 from .table import Table, Values
 
@@ -72,8 +72,14 @@ class Model(Protocol):
         modules along that it imports.
     """
 
-    wanted: Any
     stale: bool = False
+
+    # A class holds it as an attribute or as a property.
+    if TYPE_CHECKING:
+
+        @property
+        def wanted(self) -> Any:
+            """The values as last set."""
 
     def __init__(self, values: Any, start_time: float = 0.0) -> None: ...
 

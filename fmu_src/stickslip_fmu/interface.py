@@ -233,6 +233,7 @@ _ROWS: Tuple[Variable, ...] = (
         ("mu_s", "mu_k"),
         0.0,
         variability="discrete",
+        held_at="state.friction.mu_k_used",
     ),
 )
 

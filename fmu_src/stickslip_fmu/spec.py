@@ -2,7 +2,7 @@
 
 from fmukit.model import Experiment, Spec
 
-from .block import Block
+from .model import Block
 from .release import DATE, VERSION
 from .settings import Settings
 

@@ -10,8 +10,8 @@ from examples.feed_axis.axis import Axis
 from examples.feed_axis.servo_drive.controller import Controller, Gains
 from examples.feed_axis.servo_drive.drive import Drive
 from examples.feed_axis.servo_drive.setpoint import SetPoint
-from stickslip_fmu.block import Block
 from stickslip_fmu.interface import TABLE
+from stickslip_fmu.model import Block
 from stickslip_fmu.settings import Settings
 
 

@@ -5,8 +5,8 @@ import random
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
-from stickslip_fmu.block import Block
 from stickslip_fmu.interface import TABLE
+from stickslip_fmu.model import Block
 from stickslip_fmu.settings import Settings
 
 OUTPUTS = [each for each in TABLE.rows if each.causality == "output"]

@@ -12,8 +12,8 @@ import fmpy
 import pytest
 
 from stickslip_fmu import packer
-from stickslip_fmu.block import Block
 from stickslip_fmu.interface import TABLE
+from stickslip_fmu.model import Block
 from stickslip_fmu.settings import Settings
 from tests.needs import needs
 
@@ -243,7 +243,7 @@ def test_the_guid_tells_the_content(
     guid = fmpy.read_model_description(str(fmu_path)).guid
     assert re.fullmatch(r"\{[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}\}", guid)
     shutil.copytree(Path(packer.__file__).parent, tmp_path / "stickslip_fmu")
-    with (tmp_path / "stickslip_fmu" / "arcs.py").open("a") as source:
+    with (tmp_path / "stickslip_fmu" / "meter.py").open("a") as source:
         source.write("\n")
     # The packer looks for what travels where Python does.
     monkeypatch.syspath_prepend(tmp_path)

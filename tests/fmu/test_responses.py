@@ -6,7 +6,7 @@ import mpmath
 import pytest
 
 from fmukit.model import ModelError
-from stickslip_fmu.oscillator import Oscillator
+from stickslip_fmu.laws.coulomb.oscillator import Oscillator
 
 CONTEXT = mpmath.mp.clone()
 CONTEXT.dps = 60

@@ -11,11 +11,9 @@ from fmukit.table import ABOVE_ZERO, Quantity, Table, Unit, Values, Variable
 
 UNITS = {"m": Unit({"m": 1}), "rad": Unit({"rad": 1}), "rad/s": Unit({"rad": 1, "s": -1}),
          "1/s": Unit({"s": -1}), "rad/s2": Unit({"rad": 1, "s": -2})}  # fmt: skip
-LENGTH = Quantity("Length", "Real", "Length", "m")
-RATE = Quantity("Rate", "Real", "", "1/s")
+LENGTH, RATE = Quantity("Length", "Real", "Length", "m"), Quantity("Rate", "Real", "", "1/s")
 ANGLE = Quantity("Angle", "Real", "Angle", "rad")
-SPEED = Quantity("Speed", "Real", "AngularVelocity", "rad/s")
-PUSH = Quantity("Push", "Real", "", "rad/s2")
+SPEED, PUSH = Quantity("Speed", "Real", "", "rad/s"), Quantity("Push", "Real", "", "rad/s2")
 ROWS = [
     Variable(0, "l", LENGTH, "parameter", "fixed", 1.0, "Length", minimum=ABOVE_ZERO),
     Variable(1, "d", RATE, "parameter", "tunable", 0.1, "Rate of decay", minimum=0.0),
@@ -32,6 +30,8 @@ class Settings(Values, table=Table(UNITS, [LENGTH, RATE, ANGLE, SPEED, PUSH], RO
 
 class Pendulum(Model):
     """phi'' = push - 2 d phi' - g/l phi, with the push held over a step."""
+
+    wanted: Settings
 
     def __init__(self, settings: Settings, start_time: float = 0.0) -> None:
         self.wanted, self.phi, self.omega = settings, settings.phi_start, 0.0

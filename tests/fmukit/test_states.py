@@ -8,7 +8,7 @@ import pytest
 from fmukit import states
 from fmukit.model import ModelError
 from fmukit.states import Handle, State, from_bytes, held
-from stickslip_fmu.block import Block
+from stickslip_fmu.model import Block
 from stickslip_fmu.settings import Settings
 from stickslip_fmu.spec import SPEC
 from tests.fmu.blocks import make_block, outputs

@@ -30,6 +30,8 @@ class ServoDrive(Model):
         If the sample time is too long for the motion.
     """
 
+    wanted: Settings
+
     def __init__(self, settings: Settings, start_time: float = 0.0) -> None:
         self._begin(settings)
 

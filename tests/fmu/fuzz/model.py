@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fmukit.model import ModelError
-from stickslip_fmu.block import Block
 from stickslip_fmu.interface import TABLE
+from stickslip_fmu.model import Block
 from stickslip_fmu.settings import Settings
 from tests.fmu.fuzz.sequences import MODERATE, NAMES, Call
 from tests.fmu.inside import SKIPPED

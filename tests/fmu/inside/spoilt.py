@@ -9,8 +9,8 @@ from tests.fmu.importer import Importer
 
 # Numbers that no state can have, each of the right type.
 _IMPOSSIBLE: tuple[tuple[tuple[Any, ...], float], ...] = (
-    (("model", "elapsed", 0), -1.0),
-    (("model", "elapsed", 1), -5.0),
+    (("model", "elapsed"), -1.0),
+    (("model", "elapsed_low"), -5.0),
     (("model", "x", 1), 1.0),
     (("model", "meter", "_phase", 1), 0.5),
     (("model", "meter", "t_slip"), -1.0),
@@ -19,6 +19,7 @@ _IMPOSSIBLE: tuple[tuple[tuple[Any, ...], float], ...] = (
     (("model", "meter", "n_slips"), -1),
     (("model", "Q_friction", 0), -1.0),
     (("model", "arc", 0), 2),
+    (("model", "arc", 4), -1.0),
 )
 
 
