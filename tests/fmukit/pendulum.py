@@ -72,7 +72,7 @@ class Pendulum(Model):
     def restore(self, saved: Any) -> None:
         """Take up plain data; raises ModelError where they are no state."""
         check(saved, self.save())
-        self.thaw((values(Settings, saved["wanted"]), *saved["motion"]))
+        self.thaw((values(type(self.wanted), saved["wanted"]), *saved["motion"]))
 
 
 SPEC = Spec("Pendulum", "A damped pendulum", "You", "1.0", "2026-11-22T00:00:00Z", "MIT",

@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Literal
 
+import fmpy
 import pytest
 
 from fmukit.packer import build_fmu
@@ -119,3 +120,46 @@ def test_the_kit_packs_where_nothing_else_of_ours_is(tmp_path: Path) -> None:
     )
     given, _ = swung(tmp_path / "Pendulum.fmu", tmp_path)
     assert given["again"] == [given["given"][3:]] * 2
+
+
+BUOYANT = """
+from tests.fmukit.pendulum import SPEC as PENDULUM
+from tests.fmukit.pendulum import Pendulum, Settings
+from fmukit.table import Table
+from water import BUOYANCY, DENSITY
+
+TABLE = Settings.table
+
+
+class Wet(Settings, table=Table(TABLE.units, [*TABLE.quantities.values(), DENSITY],
+                                [*TABLE.rows, BUOYANCY])):
+    pass
+
+
+class Buoyant(Pendulum):
+    pass
+
+
+SPEC = PENDULUM._replace(name="Buoyant", values=Wet, model=Buoyant)
+"""
+WATER = """
+from fmukit.table import Quantity, Variable
+
+DENSITY = Quantity("Density", "Real", "Density")
+BUOYANCY = Variable(6, "density", DENSITY, "parameter", "fixed", 1e3, "Density of the water")
+"""
+
+
+def test_a_model_may_be_put_together_in_the_main_text(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of modules from anywhere, with a name and last rows of its own."""
+    (tmp_path / "water.py").write_text(WATER, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    fmu = build_fmu(BUOYANT, tmp_path / "Buoyant.fmu", "buoyant_")
+    description = fmpy.read_model_description(str(fmu))
+    assert (description.modelName, description.coSimulation.modelIdentifier) == ("Buoyant",) * 2
+    assert description.modelVariables[-1].name == "density"
+    given, said = swung(fmu, tmp_path)
+    assert len(given["again"]) == 2
+    assert "Buoyant: d = 4.0 1/s is out of range" in said

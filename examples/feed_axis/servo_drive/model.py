@@ -81,7 +81,7 @@ class ServoDrive(Model):
     def restore(self, saved: Any) -> None:
         """Take up a state that `save` returned; raises ModelError for anything else."""
         check(saved, self.save())
-        settings = values(Settings, saved["settings"])
+        settings = values(type(self.wanted), saved["settings"])
         self.thaw((settings, saved["time"], tuple(saved["memory"])))
 
 
