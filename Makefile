@@ -45,6 +45,7 @@ lint: $(VENV)/ready-to-test
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo --no-cache
 	$(BIN)/stickslip lint
 
 # The random sets of the specification in full; SEED and FRACTION may be set.

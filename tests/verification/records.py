@@ -11,7 +11,7 @@ import numpy as np
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.judge.checks import EXACT_CONTRACT, Contract
 from stickslip_verification.judge.invariant_checks import applies, judge_residual
-from stickslip_verification.model.record import Record, Series
+from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import CheckResult
 from stickslip_verification.suite.cases import CASES_FOLDER, Case, load_case
 from stickslip_verification.suite.invariants import ResidualInvariant, load_invariants
@@ -54,7 +54,7 @@ def exact_of(name: str) -> Exact:
 
 
 @cache
-def believed(name: str, *values: tuple[str, float]) -> Record:
+def believed(name: str, *values: tuple[str, float]) -> Run:
     """Give the exact motion of a case in a world with other parameters."""
     case = named(name)
     return exact_motion(replace(case, parameters={**case.parameters, **dict(values)})).record
@@ -70,19 +70,17 @@ def invariants_of(name: str) -> tuple[ResidualInvariant, ...]:
     )
 
 
-def planted(record: Record, fault: Fault) -> Record:
+def planted(record: Run, fault: Fault) -> Run:
     """Give a copy of a record with a fault in it."""
     draft = Draft(
         {name: np.array(samples) for name, samples in record.outputs.items()},
         dict(record.initial),
     )
     fault(draft)
-    return Record(record.times, draft.outputs, draft.initial, record.messages)
+    return Run(record.times, draft.outputs, draft.initial, record.messages)
 
 
-def judged(
-    name: str, record: Record, contract: Contract = EXACT_CONTRACT
-) -> dict[str, CheckResult]:
+def judged(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> dict[str, CheckResult]:
     """Give the results of the invariants that the exact motion has a place for, by invariant."""
     case, exact = named(name), exact_of(name)
     return {
@@ -91,7 +89,7 @@ def judged(
     }
 
 
-def seen(name: str, record: Record, contract: Contract = EXACT_CONTRACT) -> set[str]:
+def seen(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> set[str]:
     """Give the invariants that a record breaks."""
     results = judged(name, record, contract)
     return {

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.sides import Side
 from stickslip_verification.judge.checks import EXACT_CONTRACT, REFERENCE_CONTRACT, judge
-from stickslip_verification.model.record import Record, Series
+from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import CheckResult
 from stickslip_verification.suite.cases import Case, load_cases
 
@@ -39,14 +39,14 @@ class StandIn:
         self._fault = fault
         self._believed = believed or {}
 
-    def run(self, case: Case) -> Record:
+    def run(self, case: Case) -> Run:
         """Give the exact motion with the fault in it."""
         parameters = {**case.parameters, **self._believed}
         other = replace(case, parameters=parameters)
         record = exact_motion(other).record if self._believed else exact_of(case.id).record
         columns = {name: np.array(samples) for name, samples in record.outputs.items()}
         self._fault(columns)
-        return Record(record.times, columns, record.initial)
+        return Run(record.times, columns, record.initial)
 
 
 def named(case: str) -> Case:

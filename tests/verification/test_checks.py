@@ -11,7 +11,7 @@ from stickslip_verification.judge.checks import (
     STRICT_CONTRACT,
     judge,
 )
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 
 from .standing_in import Columns, Fault, StandIn, exact_of, failures, named
@@ -197,7 +197,7 @@ def test_a_convention_does_not_decide_for_a_foreign_fmu() -> None:
 def test_too_few_samples_fail_where_they_end() -> None:
     """A record that stops early fails every check that looks beyond its end."""
     whole = StandIn().run(DEFAULT)
-    early = Record(whole.times[:10], {n: s[:10] for n, s in whole.outputs.items()}, whole.initial)
+    early = Run(whole.times[:10], {n: s[:10] for n, s in whole.outputs.items()}, whole.initial)
     results = [
         judge(DEFAULT, c, EXACT_CONTRACT, exact_of("default"), early) for c in DEFAULT.checks
     ]

@@ -19,7 +19,7 @@ from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.record import Series
+from stickslip_verification.model.run import Series
 from tests.needs import needs
 from tests.verification.foreign import native
 from tests.verification.foreign.building import HERE, altered

@@ -15,7 +15,7 @@ from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT
 from stickslip_verification.judge.invariant_checks import agreeing, judge_agreement
 from stickslip_verification.judge.metrics import METRICS
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import CheckResult
 from stickslip_verification.suite.invariants import (
     Agreement,
@@ -223,7 +223,7 @@ AGREE = {invariant.quantity: invariant for invariant in INVARIANTS.agreements}
 
 
 def agreed(
-    name: str, quantity: str, fmu: Record, contract: Contract = EXACT_CONTRACT
+    name: str, quantity: str, fmu: Run, contract: Contract = EXACT_CONTRACT
 ) -> CheckResult | None:
     """Hold a record against the exact motion in the place of the reference."""
     invariant, case, exact = AGREE[quantity], named(name), exact_of(name)

@@ -14,7 +14,7 @@ from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT
 from stickslip_verification.judge.invariant_checks import judge_residual
 from stickslip_verification.judge.metrics import METRICS, Course
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import CASES_FOLDER, Case
 from stickslip_verification.suite.experiment import CommunicationStep
 
@@ -306,7 +306,7 @@ def test_letting_go_below_break_away_is_seen() -> None:
     assert not {"force-is-k-z", "pull-moves-at-v", "mode-and-sticking-agree"} & found
 
 
-def sinusoid(turns: float, depth: float, phase: float) -> tuple[Case, Record]:
+def sinusoid(turns: float, depth: float, phase: float) -> tuple[Case, Run]:
     """Give an undamped slip in two steps of so many turns whose speed goes `depth` below zero.
 
     depth in parts of v. The friction keeps its direction, as it would if nobody looked.
@@ -328,7 +328,7 @@ def sinusoid(turns: float, depth: float, phase: float) -> tuple[Case, Record]:
     rows = [begin, *map(moved, case.times)]
     meter = {"t_event": 0.0, "n_slips": 0.0}
     columns = {name: np.array([{**row, **meter}[name] for row in rows]) for name in begin | meter}
-    record = Record(
+    record = Run(
         np.array(case.times),
         {name: samples[1:] for name, samples in columns.items()},
         {name: float(samples[0]) for name, samples in columns.items()},

@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 
 from stickslip_verification.drive.answer import Answer
-from stickslip_verification.drive.communication import NotApplicableError, Plan, run_case, run_plan
 from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.names import NOT_THERE, NameMap, Target
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.planting import plant
+from stickslip_verification.drive.stepping import NotApplicableError, Setting, run, run_case
 from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT
 from stickslip_verification.judge.run_checks import judge_run
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.experiment import CommunicationStep
@@ -60,12 +60,12 @@ def ours(fmu_path: Path) -> Iterator[FmuFile]:
 
 
 @pytest.fixture(scope="module")
-def plain(ours: FmuFile) -> Callable[[str], Record]:
+def plain(ours: FmuFile) -> Callable[[str], Run]:
     """Return what gives our FMU's plain run of a case."""
     return cache(lambda name: run_case(ours, named(name)))
 
 
-def differing(one: Record, other: Record) -> set[str]:
+def differing(one: Run, other: Run) -> set[str]:
     """Give the outputs in which two records differ in a bit, at the start or later."""
     return {
         name
@@ -78,7 +78,7 @@ def differing(one: Record, other: Record) -> set[str]:
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("run", [run for run in RUNS if run != "splitting"])
 def test_our_block_repeats_every_bit(
-    ours: FmuFile, plain: Callable[[str], Record], run: str, name: str
+    ours: FmuFile, plain: Callable[[str], Run], run: str, name: str
 ) -> None:
     """Mirrored, scaled, set back, moved, reset or not alone: no digit of our block changes."""
     assert differing(plain(name), RUNS[run](ours, named(name))) == set()
@@ -86,7 +86,7 @@ def test_our_block_repeats_every_bit(
 
 @pytest.mark.parametrize("name", CASES)
 def test_our_block_does_not_care_how_steps_are_cut(
-    ours: FmuFile, plain: Callable[[str], Record], name: str
+    ours: FmuFile, plain: Callable[[str], Run], name: str
 ) -> None:
     """Cut in three, the steps end at the same motion within the rounding of their lengths."""
     cut = RUNS["splitting"](ours, named(name))
@@ -116,7 +116,7 @@ def test_a_symmetry_is_one_of_the_exact_motion(symmetry: Symmetry, name: str) ->
     back = symmetry.outputs
     outputs = {n: samples / back.get(n, 1.0) for n, samples in scaled.outputs.items()}
     initial = {n: value / back.get(n, 1.0) for n, value in scaled.initial.items()}
-    assert differing(exact_of(name).record, Record(scaled.times, outputs, initial)) == set()
+    assert differing(exact_of(name).record, Run(scaled.times, outputs, initial)) == set()
 
 
 MUTANTS = {
@@ -152,7 +152,7 @@ def test_a_run_shows_the_fault_it_is_there_for(fmu_path: Path, tmp_path: Path, m
     assert all(result.failure is None for result in results)
 
 
-def answer(file: FmuFile, run: str, name: str) -> Answer[Record]:
+def answer(file: FmuFile, run: str, name: str) -> Answer[Run]:
     """Give what a run of a case comes to."""
     return Answer(RUNS[run](file, named(name)))
 
@@ -215,8 +215,8 @@ def test_a_scaled_run_sets_only_what_is_there(ours: FmuFile) -> None:
     poor = FmuFile(ours.path, NameMap({"g": Target(NOT_THERE)}))
     case = shortened("default", 40)
     whole = run_case(poor, case)
-    for run in ("mirror", "forces"):
-        assert differing(whole, RUNS[run](poor, case)) == set()
+    for other in ("mirror", "forces"):
+        assert differing(whole, RUNS[other](poor, case)) == set()
     with pytest.raises(NotApplicableError, match=r"^it has no variable g$"):
         RUNS["time"](poor, case)
 
@@ -225,12 +225,12 @@ TO_THE_BIT = INVARIANTS["reset-to-the-bit"]
 NEARLY = INVARIANTS["mirror"]
 
 
-def small() -> tuple[Case, Record]:
+def small() -> tuple[Case, Run]:
     """Give a case and its exact motion."""
     return named("grazing"), exact_of("grazing").record
 
 
-def changed(record: Record, name: str, by: float, at: int = -1) -> Answer[Record]:
+def changed(record: Run, name: str, by: float, at: int = -1) -> Answer[Run]:
     """Give a record with one value moved."""
 
     def fault(draft: Draft) -> None:
@@ -328,11 +328,11 @@ def test_why_there_is_no_other_run_is_kept() -> None:
     assert (lacking.verdict, lacking.not_applicable) == ("not applicable", "it cannot")
 
 
-def test_a_plan_begins_its_steps_where_the_last_ended(ours: FmuFile) -> None:
+def test_a_setting_begins_its_steps_where_the_last_ended(ours: FmuFile) -> None:
     """Communication points are the correctly rounded sums of the steps, and begin at 0."""
-    plan = Plan({}, [CommunicationStep(0.1, {})] * 10)
-    assert plan.points[0] == 0.0
-    assert plan.points[-1] == 0.9
+    setting = Setting({}, [CommunicationStep(0.1, {})] * 10)
+    assert setting.points[0] == 0.0
+    assert (setting.points[9], setting.points[-1]) == (0.9, 1.0)
     case = shortened("default", 10)
-    record = run_plan(ours, case, Plan(case.parameters, case.steps))
+    record = run(ours, Setting(case.parameters, case.steps))
     assert differing(record, run_case(ours, case)) == set()

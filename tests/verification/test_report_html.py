@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import (
     Detection,
     KillMatrix,
@@ -79,7 +79,7 @@ def motion(case: str) -> Motion:
     zero = np.zeros(10)
     outputs = {"x": zero, "x_dot": zero, "x_pull": t, "z": t, "F": t, "F_s": zero + 2.0,
                "mode": zero}  # fmt: skip
-    record = Record(t, outputs, dict.fromkeys(outputs, 0.0) | {"F_s": 2.0})
+    record = Run(t, outputs, dict.fromkeys(outputs, 0.0) | {"F_s": 2.0})
     return Motion(case, f"The title of {case}", "What it is about.", record, (), {"fmu": record})
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from stickslip_verification.judge.checks import EXACT_CONTRACT, judge
 from stickslip_verification.judge.second_values import Accepted, AcceptError, accept, load_accepted
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import CheckResult, Kind, Measured, Second, Verdict
 
 from .records import Draft, exact_of, named, planted
@@ -188,7 +188,7 @@ def test_there_may_be_no_accepted_values_yet(tmp_path: Path) -> None:
     assert load_accepted(tmp_path / "none.json").values == {}
 
 
-def moved(by: float) -> Record:
+def moved(by: float) -> Run:
     """Give the exact motion of a case with its slip times moved by a part of them."""
 
     def fault(draft: Draft) -> None:

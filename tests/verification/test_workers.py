@@ -18,7 +18,7 @@ import pytest
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.fmu.names import NameMap, load_names
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.invariants import load_invariants
 
@@ -47,7 +47,7 @@ def short(steps: int) -> Case:
     return replace(named("default"), steps=named("default").steps[:steps])
 
 
-def plain(pool: workers.Pool, *cases: Case) -> list[Answer[Record]]:
+def plain(pool: workers.Pool, *cases: Case) -> list[Answer[Run]]:
     """Give the answers to plain runs of cases."""
     return list(pool.each(workers.plain_run, [(case,) for case in cases]))
 

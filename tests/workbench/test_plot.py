@@ -9,8 +9,9 @@ import pytest
 from stickslip.curve import curve, stick_phases
 from stickslip.errors import CommandError
 from stickslip.plot import figure, write_plot
-from stickslip.run import Run, events_between, sample_times
+from stickslip.run import Run, sample_times
 from stickslip.scales import FORCES, LENGTHS, scale_for
+from stickslip_verification import events_between
 
 from .motion_in_closed_form import ClosedForm
 

@@ -1,9 +1,13 @@
+from . import drive as drive
 from .drive.fmu.errors import FmuError as FmuError
 from .drive.fmu.names import NameMap as NameMap
 from .drive.fmu.names import NamesError as NamesError
 from .drive.fmu.names import load_names as load_names
 from .judge.second_values import AcceptError as AcceptError
 from .judge.second_values import accept as accept
+from .model.events import Event as Event
+from .model.events import Transition as Transition
+from .model.events import events_between as events_between
 from .model.margins import margin as margin
 from .model.verdict import CheckResult as CheckResult
 from .model.verdict import KillMatrix as KillMatrix

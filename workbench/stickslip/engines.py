@@ -1,4 +1,4 @@
-"""One simulation by either engine: the FMU through fmpy, or the SciPy reference.
+"""One simulation by either engine: the FMU, or the SciPy reference.
 
 Both are sampled at the same times and give the same `Run`.
 """
@@ -6,9 +6,8 @@ Both are sampled at the same times and give the same `Run`.
 import contextlib
 import io
 import math
-import shutil
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -17,15 +16,9 @@ import numpy as np
 import stickslip_ref
 from stickslip.errors import CommandError
 from stickslip.progress import deferred_interrupt
-from stickslip.run import (
-    Event,
-    Run,
-    drawable_interval,
-    events_between,
-    fitting_interval,
-    sample_times,
-)
-from stickslip_fmu.variables import VARIABLES
+from stickslip.run import Run, drawable_interval, fitting_interval, sample_times
+from stickslip_fmu.variables import VARIABLES, Variable
+from stickslip_verification import Event, Transition, drive, events_between
 
 Progress = Callable[[float, float], None]
 """Called with the time simulated and the time to simulate [s]."""
@@ -98,33 +91,38 @@ def simulate_reference(what: Experiment) -> tuple[Run, list[str]]:
         except (ValueError, RuntimeError) as error:
             raise CommandError(_one_line(error)) from error
     events = tuple(
-        Event(event.time, event.kind, event.mode, event.x, event.z) for event in trajectory.events
+        Event(event.time, Transition(event.kind), event.mode, event.x, event.z)
+        for event in trajectory.events
     )
-    samples = _samples(trajectory, times)
+    columns = {output.name: getattr(trajectory, output.name) for output in _outputs()}
+    samples = _samples(columns, times)
     run = Run("reference", dict(what.parameters), samples, events)
     return run, [str(warning.message) for warning in caught]
 
 
-def _samples(
-    trajectory: stickslip_ref.Trajectory, times: np.ndarray[Any, Any]
-) -> np.ndarray[Any, Any]:
-    """Give the trajectory as fmpy gives its result: Reals, then Integers, then Booleans."""
-    outputs = [
+def _outputs() -> list[Variable]:
+    """Return the outputs in the order of fmpy's results: Reals, then Integers, then Booleans."""
+    return [
         variable
         for kind in _COLUMN_TYPES
         for variable in VARIABLES
         if variable.causality == "output" and variable.kind == kind
     ]
-    columns = [("time", np.float64), *((o.name, _COLUMN_TYPES[o.kind]) for o in outputs)]
-    samples = np.empty(len(times), dtype=columns)
+
+
+def _samples(columns: Mapping[str, Any], times: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Return samples as fmpy gives them: a structured array of the time and every output."""
+    outputs = _outputs()
+    types = [("time", np.float64), *((o.name, _COLUMN_TYPES[o.kind]) for o in outputs)]
+    samples = np.empty(len(times), dtype=types)
     samples["time"] = times
     for output in outputs:
-        samples[output.name] = getattr(trajectory, output.name)
+        samples[output.name] = columns[output.name]
     return samples
 
 
 def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, list[str]]:
-    """Simulate the FMU in the file `fmu` with `fmpy.simulate_fmu`.
+    """Simulate the FMU in the file `fmu`.
 
     Parameters
     ----------
@@ -146,94 +144,52 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, 
         If the file is not an FMU that can be simulated, or the FMU fails; then with the FMU's own
         message.
     """
-    import fmpy
-    from fmpy.fmi1 import FMICallException
-
-    description = _description(fmu)
-    messages: list[str] = []
-
-    def take_message(
-        environment: object, instance: bytes, status: int, category: bytes, text: bytes
-    ) -> None:
-        if status > 0 and text:
-            messages.append(" ".join(text.decode("utf-8", errors="replace").split()))
-
-    known = {variable.name for variable in description.modelVariables}
+    times = sample_times(what.start_time, what.stop_time, what.output_interval)
+    file = _opened(fmu)
+    setting = drive.Setting(
+        {name: value for name, value in what.parameters.items() if file.has(name)},
+        [drive.CommunicationStep(float(h), {}) for h in np.diff(times)],
+        what.start_time,
+    )
     with (
-        _unpacked(fmu) as folder,
         deferred_interrupt() as interrupted,
         # The FMU says a failure on standard error too, for importers that drop its log.
         contextlib.redirect_stderr(io.StringIO()) as said,
     ):
 
-        def step_finished(time: float, recorder: object) -> bool:
-            progress(time - what.start_time, what.duration)
-            return not interrupted()
+        def after_step(elapsed: float) -> bool:
+            progress(elapsed, what.duration)
+            return interrupted()
 
         try:
-            samples = fmpy.simulate_fmu(
-                folder,
-                start_time=what.start_time,
-                stop_time=what.stop_time,
-                output_interval=what.output_interval,
-                start_values={n: value for n, value in what.parameters.items() if n in known},
-                fmi_type="CoSimulation",
-                model_description=description,
-                logger=take_message,
-                debug_logging=True,
-                step_finished=step_finished,
-            )
-        except FMICallException as error:
-            # The last line it wrote is its own; pythonfmu's wrapper dresses it up in the log.
-            own = [*messages, *said.getvalue().split("\n")]
-            last = next((text for text in reversed(own) if text.strip()), _one_line(error))
-            raise CommandError(last) from error
-        except Exception as error:
-            raise CommandError(f"{fmu}: {_one_line(error)}") from error
+            run = drive.run(file, setting, after_step)
+        except drive.FmuError as error:
+            # The last line that the FMU wrote is its own; its wrapper dresses it up in the log.
+            own = [line for line in said.getvalue().split("\n") if line.strip()]
+            raise CommandError(own[-1] if own else str(error)) from error
+        finally:
+            file.close()
+    columns = {name: np.append(run.initial[name], run.outputs[name]) for name in run.outputs}
+    samples = _samples(columns, times[: len(run.times) + 1])
     events, hidden = events_between(samples, what.parameters["v"])
+    messages = [" ".join(text.split()) for text in run.messages]
     return Run("fmu", dict(what.parameters), samples, events, hidden), messages
 
 
-@contextlib.contextmanager
-def _unpacked(fmu: Path) -> Iterator[str]:
-    """Unpack an FMU for as long as it runs."""
-    import fmpy
-
-    from stickslip_verification.drive.fmu.errors import FmuError
-    from stickslip_verification.drive.fmu.unpacking import new_folder
-
-    try:
-        folder = new_folder()
-    except FmuError as error:
-        raise CommandError(str(error)) from error
-    try:
-        fmpy.extract(str(fmu), unzipdir=str(folder))
-    except Exception as error:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise CommandError(f"{fmu}: {_one_line(error)}") from error
-    try:
-        yield str(folder)
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-def _description(fmu: Path) -> Any:
-    import fmpy
-
+def _opened(fmu: Path) -> drive.FmuFile:
     if not fmu.is_file():
         reason = "it is not a file" if fmu.exists() else "there is no such file"
         raise CommandError(f"--fmu {fmu}: {reason}")
     try:
-        description = fmpy.read_model_description(str(fmu))
-    except Exception as error:
-        raise CommandError(f"--fmu {fmu}: not an FMU: {_one_line(error)}") from error
-    if description.coSimulation is None:
-        raise CommandError(f"--fmu {fmu}: the FMU has no co-simulation interface")
-    outputs = {v.name for v in description.modelVariables if v.causality == "output"}
-    missing = [v.name for v in VARIABLES if v.causality == "output" and v.name not in outputs]
+        file = drive.FmuFile(fmu)
+    except drive.FmuError as error:
+        raise CommandError(f"--fmu {error}") from error
+    if file.problems:
+        raise CommandError(f"--fmu {fmu}: not an FMU: {file.problems[0]}")
+    missing = [output.name for output in _outputs() if not file.has(output.name)]
     if missing:
         raise CommandError(f"--fmu {fmu}: the FMU has no output {', '.join(missing)}")
-    return description
+    return file
 
 
 def _one_line(error: Exception) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case, follow
 from stickslip_verification.suite.tolerances import Facts, facts_of
 from stickslip_verification.truth.parameters import complete
@@ -30,7 +30,7 @@ class Exact:
         What the tolerances take from it.
     """
 
-    record: Record
+    record: Run
     start: Mapping[str, float]
     event_times: Sequence[float]
     facts: Facts
@@ -43,7 +43,7 @@ def exact_motion(case: Case) -> Exact:
         name: np.array([float(sample[name]) for sample in run.samples]) for name in OUTPUT_NAMES
     }
     return Exact(
-        record=Record(
+        record=Run(
             times=np.array(case.times),
             outputs=outputs,
             initial={name: float(run.initial[name]) for name in OUTPUT_NAMES},

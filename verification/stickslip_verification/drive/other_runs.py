@@ -8,24 +8,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from stickslip_verification.drive.communication import (
-    Drive,
-    NotApplicableError,
-    Plan,
-    may_change,
-    plan,
-    run_plan,
-)
+import numpy as np
+
 from stickslip_verification.drive.fmu.archive import FmuFile, available
 from stickslip_verification.drive.fmu.instance import FmuInstance
+from stickslip_verification.drive.stepping import (
+    Driver,
+    NotApplicableError,
+    Setting,
+    may_change,
+    run,
+    setting_of,
+)
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.experiment import CommunicationStep
 from stickslip_verification.truth.parameters import START_VALUES, complete
 
-Run = Callable[[FmuFile, Case], Record]
+OtherRun = Callable[[FmuFile, Case], Run]
 """Runs a case in another way. Raises `FmuError`, or `NotApplicableError` with what is lacking."""
 
 _PIECES = (0.3, 0.45)
@@ -36,35 +38,36 @@ _REPEATED = 20
 """How often a run is set back, and over how many steps each time."""
 
 
-def _symmetric(symmetry: Symmetry) -> Run:
-    def run(fmu: FmuFile, case: Case) -> Record:
-        plain = plan(fmu, case)
+def _symmetric(symmetry: Symmetry) -> OtherRun:
+    def symmetric(fmu: FmuFile, case: Case) -> Run:
+        plain = setting_of(fmu, case)
         values = symmetry.scaled(complete(case.parameters))
         absent = [n for n in values if not fmu.has(n) and values[n] != START_VALUES[n]]
         if absent:
             raise NotApplicableError(f"it has no variable {', '.join(absent)}")
-        scaled = Plan(
+        scaled = Setting(
             {name: value for name, value in values.items() if fmu.has(name)},
             [
                 CommunicationStep(step.h * symmetry.pace, symmetry.scaled(step.changes))
                 for step in plain.steps
             ],
         )
-        record = run_plan(fmu, case, scaled)
+        record = run(fmu, scaled)
         back = symmetry.outputs
         return replace(
             record,
+            times=np.array(case.times),
             outputs={n: s / back.get(n, 1.0) for n, s in record.outputs.items()},
             initial={n: value / back.get(n, 1.0) for n, value in record.initial.items()},
         )
 
-    run.__doc__ = f"Run the case under a symmetry: {symmetry.name}."
-    return run
+    symmetric.__doc__ = f"Run the case under a symmetry: {symmetry.name}."
+    return symmetric
 
 
-def splitting(fmu: FmuFile, case: Case) -> Record:
+def splitting(fmu: FmuFile, case: Case) -> Run:
     """Run the case with every step cut in three uneven pieces, read where the whole ones end."""
-    whole = plan(fmu, case)
+    whole = setting_of(fmu, case)
     pieces = []
     for step in whole.steps:
         first, second = (step.h * part for part in _PIECES)
@@ -74,14 +77,14 @@ def splitting(fmu: FmuFile, case: Case) -> Record:
             CommunicationStep(second, {}),
             CommunicationStep(last, {}),
         ]
-    cut = run_plan(fmu, case, Plan(whole.parameters, pieces))
+    cut = run(fmu, Setting(whole.parameters, pieces))
     outputs = {
         name: samples[len(_PIECES) :: len(_PIECES) + 1] for name, samples in cut.outputs.items()
     }
-    return replace(cut, outputs=outputs)
+    return replace(cut, times=np.array(case.times), outputs=outputs)
 
 
-def rollback(fmu: FmuFile, case: Case) -> Record:
+def rollback(fmu: FmuFile, case: Case) -> Run:
     """Run the case; now and then go on, set the state back, and repeat the same steps."""
     _need(fmu.can_get_and_set_state, "get and set its state")
     with fmu.instantiate() as instance:
@@ -98,10 +101,10 @@ def rollback(fmu: FmuFile, case: Case) -> Record:
             instance.free_state(state)
             done = mark
         drive.go(done, len(case.steps))
-        return drive.record(case)
+        return drive.run()
 
 
-def serialized(fmu: FmuFile, case: Case) -> Record:
+def serialized(fmu: FmuFile, case: Case) -> Run:
     """Run the case; now and then go on in another instance, from the state as bytes."""
     _need(fmu.can_get_and_set_state and fmu.can_serialize_state, "serialize its state")
     _need(not fmu.once_per_process, "be instantiated twice in a process")
@@ -122,10 +125,10 @@ def serialized(fmu: FmuFile, case: Case) -> Record:
             here, there = there, here
             done = mark
         here.go(done, len(case.steps))
-        return here.record(case)
+        return here.run()
 
 
-def reset(fmu: FmuFile, case: Case) -> Record:
+def reset(fmu: FmuFile, case: Case) -> Run:
     """Run the case, reset the instance, and run it again.
 
     Before the reset whatever may be set was set, so that what is kept shows.
@@ -139,26 +142,26 @@ def reset(fmu: FmuFile, case: Case) -> Record:
         instance.reset()
         again = _drive(fmu, case, instance)
         again.whole()
-        return again.record(case)
+        return again.run()
 
 
-def two_instances(fmu: FmuFile, case: Case) -> Record:
+def two_instances(fmu: FmuFile, case: Case) -> Run:
     """Run the case while another instance, pulled at another speed, is stepped in between."""
     _need(not fmu.once_per_process, "be instantiated twice in a process")
     with fmu.instantiate() as instance, fmu.instantiate() as other:
         drive = _drive(fmu, case, instance)
         beside = _drive(fmu, case, other)
-        values = {**beside.plan.parameters, "v": 0.037}
-        beside.plan = Plan(values, beside.plan.steps)
+        values = {**beside.setting.parameters, "v": 0.037}
+        beside.setting = Setting(values, beside.setting.steps)
         drive.begin()
         beside.begin()
         for number in range(len(case.steps)):
             drive.go(number, number + 1)
             beside.go(number, number + 1)
-        return drive.record(case)
+        return drive.run()
 
 
-RUNS: dict[str, Run] = {
+RUNS: dict[str, OtherRun] = {
     "mirror": _symmetric(MIRROR),
     "forces": _symmetric(HEAVIER),
     "time": _symmetric(QUICKER),
@@ -171,8 +174,8 @@ RUNS: dict[str, Run] = {
 """What an invariant can name as ``run``."""
 
 
-def _drive(fmu: FmuFile, case: Case, instance: FmuInstance) -> Drive:
-    return Drive(instance, plan(fmu, case), available(fmu, OUTPUT_NAMES))
+def _drive(fmu: FmuFile, case: Case, instance: FmuInstance) -> Driver:
+    return Driver(instance, setting_of(fmu, case), available(fmu, OUTPUT_NAMES))
 
 
 def _need(able: bool, what: str) -> None:

@@ -1,4 +1,4 @@
-"""The two sides of a case: an FMU through FMI, and the SciPy reference. Both give a `Record`."""
+"""The two sides of a case: an FMU through FMI, and the SciPy reference. Both give a `Run`."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Protocol
 import numpy as np
 
 import stickslip_ref
-from stickslip_verification.drive import communication as drive
+from stickslip_verification.drive import stepping
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 
 __all__ = ["FmuError", "FmuSide", "ReferenceSide", "Side", "reference_run"]
@@ -26,7 +26,7 @@ class Side(Protocol):
 
     name: str
 
-    def run(self, case: Case) -> Record:
+    def run(self, case: Case) -> Run:
         """Run the case from its start; raise with a reason if that is impossible."""
         ...
 
@@ -43,9 +43,9 @@ class FmuSide:
     def __init__(self, path: Path, names: NameMap | None = None) -> None:
         self.file = FmuFile(path, names)
 
-    def run(self, case: Case) -> Record:
+    def run(self, case: Case) -> Run:
         """Run the case: values set before initialization, changes before the step they act in."""
-        return drive.run_case(self.file, case)
+        return stepping.run_case(self.file, case)
 
 
 class ReferenceSide:
@@ -53,14 +53,14 @@ class ReferenceSide:
 
     name = "reference"
 
-    def run(self, case: Case) -> Record:
+    def run(self, case: Case) -> Run:
         """Run the case; the samples are those of its communication points."""
         times = np.array((0.0, *case.times))
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             trajectory = reference_run(case)
         columns = _columns(trajectory, len(times))
-        return Record(
+        return Run(
             times=times[1:],
             outputs={name: samples[1:] for name, samples in columns.items()},
             initial={name: float(samples[0]) for name, samples in columns.items()},

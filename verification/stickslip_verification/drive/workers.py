@@ -25,7 +25,6 @@ from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from stickslip_verification.drive import convergence
 from stickslip_verification.drive.answer import Answer
-from stickslip_verification.drive.communication import NotApplicableError, run_case
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.names import NameMap
@@ -33,7 +32,8 @@ from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes import PROBES
 from stickslip_verification.drive.sides import ReferenceSide
-from stickslip_verification.model.record import Record
+from stickslip_verification.drive.stepping import NotApplicableError, run_case
+from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Hook
@@ -63,7 +63,7 @@ def exact(case: Case) -> Answer[Exact]:
     return _answer(kept, exact_motion, case)
 
 
-def reference(case: Case) -> Answer[Record]:
+def reference(case: Case) -> Answer[Run]:
     """Run the reference on a case."""
     return _answer(kept, ReferenceSide().run, case)
 
@@ -73,12 +73,12 @@ def observed_order(case: Case, invariant: Order) -> Answer[ObservedOrder]:
     return _answer(kept, convergence.observe, case, invariant)
 
 
-def plain_run(case: Case) -> Answer[Record]:
+def plain_run(case: Case) -> Answer[Run]:
     """Run the FMU of this process on a case."""
     return _answer(lambda: run_case(_fmu(), case))
 
 
-def other_run(case: Case, run: str) -> Answer[Record]:
+def other_run(case: Case, run: str) -> Answer[Run]:
     """Run the FMU of this process on a case in another way, a key of `RUNS`."""
     return _answer(lambda: RUNS[run](_fmu(), case))
 

@@ -13,7 +13,7 @@ import numpy as np
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
-from stickslip_verification.model.record import Record, Series
+from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import CheckResult, Klass, Measure, Measured
 from stickslip_verification.suite.cases import At, Case, Check
 from stickslip_verification.suite.tolerances import INTEGRATION, ROUNDING
@@ -104,7 +104,7 @@ def places(at: At, exact: Exact) -> list[int]:
     return [after]
 
 
-def extract(quantity: str, record: Record, start: Mapping[str, float]) -> Series:
+def extract(quantity: str, record: Run, start: Mapping[str, float]) -> Series:
     """Give the samples of a quantity at all communication points, in its unit.
 
     Raises
@@ -143,9 +143,7 @@ def errors(measure: str, got: Series, expected: Series, scale: float) -> Series:
         return np.where(difference == 0.0, 0.0, difference / size)
 
 
-def judge(
-    case: Case, check: Check, contract: Contract, exact: Exact, record: Record
-) -> CheckResult:
+def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Run) -> CheckResult:
     """Compare one side's record with the truth of one check.
 
     Never raises for what a side did: a missing output, a NaN or an infinity is a failed check

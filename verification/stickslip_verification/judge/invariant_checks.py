@@ -22,7 +22,7 @@ from stickslip_verification.judge.checks import (
     without_value,
 )
 from stickslip_verification.judge.metrics import METRICS, Course, MissingOutputError, Residual
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import CheckResult, Measure, Measured, ObservedOrder
 from stickslip_verification.suite.cases import Case, Check
 from stickslip_verification.suite.invariants import (
@@ -49,7 +49,7 @@ def applies(invariant: ResidualInvariant, case: Case, exact: Exact) -> bool:
 
 
 def judge_residual(
-    invariant: ResidualInvariant, case: Case, contract: Contract, exact: Exact, record: Record
+    invariant: ResidualInvariant, case: Case, contract: Contract, exact: Exact, record: Run
 ) -> CheckResult:
     """Judge what an invariant leaves over in one side's run of a case.
 
@@ -106,7 +106,7 @@ def judge_agreement(
     check: Check,
     contract: Contract,
     exact: Answer[Exact],
-    records: Mapping[str, Answer[Record]],
+    records: Mapping[str, Answer[Run]],
 ) -> CheckResult:
     """Hold the FMU against the reference, within what `check` of the case allows both."""
     empty = replace(
@@ -236,7 +236,7 @@ def blank(invariant: Invariant, case: str, contract: Contract) -> CheckResult:
     )
 
 
-def _residual(invariant: ResidualInvariant, case: Case, exact: Exact, record: Record) -> Residual:
+def _residual(invariant: ResidualInvariant, case: Case, exact: Exact, record: Run) -> Residual:
     with np.errstate(all="ignore"):
         return METRICS[invariant.metric](
             Course(case, record, exact.record, np.array(exact.event_times))

@@ -14,7 +14,7 @@ from stickslip_verification.judge.invariant_checks import blank
 from stickslip_verification.judge.metrics import Course
 from stickslip_verification.judge.metrics.course import Mask
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
-from stickslip_verification.model.record import Record, Series
+from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import CheckResult, Measure, Measured
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.invariants import RunInvariant
@@ -29,8 +29,8 @@ def judge_run(
     case: Case,
     contract: Contract,
     exact: Exact,
-    plain: Record,
-    other: Answer[Record],
+    plain: Run,
+    other: Answer[Run],
 ) -> CheckResult:
     """Judge whether another run of the FMU gave the motion of the plain one, the start included.
 
@@ -63,7 +63,7 @@ def judge_run(
     return _same_motion(empty, first, second, scales, allowed)
 
 
-def _with_start(record: Record) -> dict[str, Series]:
+def _with_start(record: Run) -> dict[str, Series]:
     """Give the samples of each output, that after initialization first."""
     return {
         name: np.concatenate(([record.initial[name]], record.outputs[name]))

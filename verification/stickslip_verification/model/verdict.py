@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 
 
 class Kind(StrEnum):
@@ -158,9 +158,9 @@ class Motion:
     case: str
     title: str
     about: str
-    exact: Record
+    exact: Run
     event_times: Sequence[float]
-    records: Mapping[str, Record]
+    records: Mapping[str, Run]
 
 
 @dataclass(frozen=True)

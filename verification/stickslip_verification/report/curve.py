@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip_verification.model.record import Series
+from stickslip_verification.model.run import Series
 from stickslip_verification.model.verdict import Motion
 
 PIECES = 400

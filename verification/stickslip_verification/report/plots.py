@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stickslip_verification.model.record import Record, Series
+from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import CheckResult, Measure, Motion
 from stickslip_verification.report import curve, svg
 from stickslip_verification.report.house_style import (
@@ -187,7 +187,7 @@ def _legend(panel: Axes) -> None:
     )
 
 
-def _errors(exact: Record, record: Record | None, quantity: str) -> Series | None:
+def _errors(exact: Run, record: Run | None, quantity: str) -> Series | None:
     if record is None or quantity not in record.outputs:
         return None
     truth = exact.outputs[quantity]

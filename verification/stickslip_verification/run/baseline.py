@@ -12,7 +12,7 @@ from stickslip_verification.drive import workers
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.judge.invariant_checks import applies
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.invariants import Invariants, Order, ResidualInvariant
@@ -33,7 +33,7 @@ class Baseline:
 
     case: Case
     exact: Answer[Exact]
-    reference: Answer[Record]
+    reference: Answer[Run]
     invariants: Sequence[ResidualInvariant]
     orders: Sequence[tuple[Order, Answer[ObservedOrder]]]
 
@@ -54,7 +54,7 @@ def compute(
         exacts = pool.each(workers.exact, [(case,) for case in by_length])
         references = pool.each(workers.reference, [(case,) for case in by_length])
         orders = pool.each(workers.observed_order, asked)
-        found: dict[str, tuple[Answer[Exact], Answer[Record]]] = {}
+        found: dict[str, tuple[Answer[Exact], Answer[Run]]] = {}
         for done, case in enumerate(by_length):
             if progress is not None:
                 progress(f"exact and reference: {case.id}", done, len(cases))

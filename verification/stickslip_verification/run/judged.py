@@ -10,7 +10,7 @@ from stickslip_verification.drive.answer import Answer
 from stickslip_verification.judge import checks, run_checks
 from stickslip_verification.judge import invariant_checks as invariant_checks
 from stickslip_verification.judge.checks import REFERENCE_CONTRACT, Contract
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import CheckResult, Klass, Motion
 from stickslip_verification.run.baseline import Baseline, Progress
 from stickslip_verification.suite.cases import Check
@@ -24,8 +24,8 @@ FINISHES = "runs-to-the-end"
 class Answers:
     """What an FMU did: its plain run and its other runs of each case, and the probes' answers."""
 
-    plain: Mapping[str, Answer[Record]]
-    runs: Mapping[tuple[str, str], Answer[Record]]
+    plain: Mapping[str, Answer[Run]]
+    runs: Mapping[tuple[str, str], Answer[Run]]
     probes: Mapping[str, Answer[list[str]]]
 
 
@@ -44,8 +44,8 @@ def ask(
     probes = pool.each(
         workers.probe, [(invariant,) for invariant in invariants.probes], most=workers.PROBE_LIMIT
     )
-    found: dict[str, Answer[Record]] = {}
-    others: dict[tuple[str, str], Answer[Record]] = {}
+    found: dict[str, Answer[Run]] = {}
+    others: dict[tuple[str, str], Answer[Run]] = {}
     for done, case in enumerate(cases):
         if progress is not None:
             progress(f"FMU: {case.id}", done, len(cases))
@@ -126,7 +126,7 @@ def _by_contract(result: CheckResult, contract: Contract) -> CheckResult:
     return replace(result, klass=Klass.CONTRACT, decides=decides)
 
 
-def _unanswered(empty: CheckResult, answer: Answer[Record]) -> CheckResult:
+def _unanswered(empty: CheckResult, answer: Answer[Run]) -> CheckResult:
     """Give the result where a run gave no record.
 
     One check fails with the reason; the others say that there is nothing to judge.
@@ -137,7 +137,7 @@ def _unanswered(empty: CheckResult, answer: Answer[Record]) -> CheckResult:
 
 
 def _judge_side(
-    empty: CheckResult, baseline: Baseline, answer: Answer[Record], check: Check, side: Contract
+    empty: CheckResult, baseline: Baseline, answer: Answer[Run], check: Check, side: Contract
 ) -> CheckResult:
     if baseline.exact.value is None:
         return replace(empty, failure=f"the truth cannot be computed: {baseline.exact.failure}")
@@ -147,7 +147,7 @@ def _judge_side(
 
 
 def _judge_invariant(
-    baseline: Baseline, invariant: ResidualInvariant, answer: Answer[Record], side: Contract
+    baseline: Baseline, invariant: ResidualInvariant, answer: Answer[Run], side: Contract
 ) -> CheckResult:
     empty = invariant_checks.blank(invariant, baseline.case.id, side)
     if baseline.exact.value is None:

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from stickslip_verification.drive import workers
-from stickslip_verification.drive.communication import is_ours
 from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.drive.stepping import is_ours
 from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT, STRICT_CONTRACT
 from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Verdict

@@ -172,9 +172,9 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
         raise CommandError("--pack does not go with --cases: the FMU carries the verdict on all")
     if fmu is None:
         return
-    from stickslip_verification.drive.communication import is_ours
     from stickslip_verification.drive.fmu.archive import FmuFile
     from stickslip_verification.drive.fmu.errors import FmuError
+    from stickslip_verification.drive.stepping import is_ours
 
     try:
         file = FmuFile(fmu)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_verification.model import symmetries
-from stickslip_verification.model.record import Record, Series
+from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth.parameters import complete, used_mu_k
 
@@ -44,8 +44,8 @@ class Course:
     """
 
     case: Case
-    record: Record
-    exact: Record
+    record: Run
+    exact: Run
     event_times: Series
 
     def after(self, name: str) -> Series:

@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip_verification.judge.metrics.course import Course
 from stickslip_verification.judge.metrics.residual import Residual, everywhere
-from stickslip_verification.model.record import Series
+from stickslip_verification.model.run import Series
 from stickslip_verification.truth.parameters import complete
 
 

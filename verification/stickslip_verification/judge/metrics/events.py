@@ -7,7 +7,7 @@ import numpy as np
 from stickslip_verification.judge.metrics import propagation
 from stickslip_verification.judge.metrics.course import SLACK, Course, Mask
 from stickslip_verification.judge.metrics.residual import Residual
-from stickslip_verification.model.record import Series
+from stickslip_verification.model.run import Series
 
 
 def break_away_at_threshold(course: Course) -> Residual:

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip_verification.judge.metrics.course import Course
 from stickslip_verification.judge.metrics.residual import Residual, everywhere
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.record import Series
+from stickslip_verification.model.run import Series
 
 _STEADY = 1e-12
 """Where the exact motion itself keeps delta_x = v T to this part, the cycle is steady."""

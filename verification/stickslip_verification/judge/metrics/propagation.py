@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_verification.judge.metrics.course import Course, Mask
-from stickslip_verification.model.record import Series
+from stickslip_verification.model.run import Series
 
 Wide = NDArray[np.longdouble]
 

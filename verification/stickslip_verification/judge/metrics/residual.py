@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip_verification.judge.metrics.course import Course, Mask
-from stickslip_verification.model.record import Series
+from stickslip_verification.model.run import Series
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from stickslip_verification.judge.metrics import propagation
 from stickslip_verification.judge.metrics.course import Course
 from stickslip_verification.judge.metrics.residual import Residual
-from stickslip_verification.model.record import Series
+from stickslip_verification.model.run import Series
 
 _POLISHES = 4
 _PROBES = (*(0.5**n for n in range(30, 4, -1)), *(n / 16.0 for n in range(1, 17)))

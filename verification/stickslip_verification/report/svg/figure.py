@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip_verification.model.record import Series
+from stickslip_verification.model.run import Series
 from stickslip_verification.report.svg.line import thinned
 from stickslip_verification.report.svg.text import standalone
 

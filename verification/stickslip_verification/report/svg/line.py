@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_verification.model.record import Series
+from stickslip_verification.model.run import Series
 
 SHAPE = 0.03
 """Distance [pt] by which a thinned line may leave the full one: a 30th of a thin line's width.

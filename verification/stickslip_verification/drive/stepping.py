@@ -1,9 +1,10 @@
-"""Driving an FMU through a case: what it is set to, step by step, and what is read."""
+"""An FMU driven through a setting: values before the start, steps, changes between them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from stickslip_verification.drive.fmu.archive import FmuFile, available
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.record import Record
+from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.experiment import CommunicationStep, points
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, complete
@@ -19,6 +20,9 @@ from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, co
 OUR_IDENTIFIER = "StickSlip"
 
 Read = Callable[[], list[float]]
+
+AfterStep = Callable[[float], bool]
+"""Called with the time since the start [s] after each step; a true answer ends the run there."""
 
 
 class NotApplicableError(Exception):
@@ -31,23 +35,34 @@ def is_ours(fmu: FmuFile) -> bool:
 
 
 @dataclass(frozen=True)
-class Plan:
-    """What an FMU is set to (SI): `parameters` before the start, changes before their steps."""
+class Setting:
+    """What an FMU is driven through (SI).
+
+    Attributes
+    ----------
+    parameters
+        Parameters and inputs set before the start, by the suite's names.
+    steps
+        Communication steps; the changes of each are set before it.
+    start_time
+        Time of the start [s].
+    """
 
     parameters: Mapping[str, float]
     steps: Sequence[CommunicationStep]
+    start_time: float = 0.0
 
-    @property
-    def points(self) -> Sequence[float]:
-        """Times at the beginning of the steps [s]."""
-        return (0.0, *points(step.h for step in self.steps)[:-1])
+    @cached_property
+    def points(self) -> tuple[float, ...]:
+        """Communication points after the start [s], from 0: the correctly rounded sums of steps."""
+        return (0.0, *points(step.h for step in self.steps))
 
 
-def plan(fmu: FmuFile, case: Case) -> Plan:
-    """Make the plan of a case for this FMU.
+def setting_of(fmu: FmuFile, case: Case) -> Setting:
+    """Return the setting of a case for this FMU.
 
-    Of ours only what the case sets is set, so that its defaults are tried too. Of any other all
-    twelve values are, for its defaults are its own affair.
+    Of ours only what the case sets is set, so that its defaults are tried too. Of any other FMU
+    all values are set, since its defaults may differ.
 
     Raises
     ------
@@ -56,7 +71,7 @@ def plan(fmu: FmuFile, case: Case) -> Plan:
         change one on the way.
     """
     if is_ours(fmu):
-        return Plan(case.parameters, case.steps)
+        return Setting(case.parameters, case.steps)
     values = complete(case.parameters)
     absent = [n for n in values if not fmu.has(n) and values[n] != START_VALUES[n]]
     changed = {name for step in case.steps for name in step.changes}
@@ -66,7 +81,7 @@ def plan(fmu: FmuFile, case: Case) -> Plan:
     fixed = sorted(name for name in changed if not may_change(fmu, name))
     if fixed:
         raise NotApplicableError(f"it cannot change {', '.join(fixed)} on the way")
-    return Plan({n: value for n, value in values.items() if fmu.has(n)}, case.steps)
+    return Setting({n: value for n, value in values.items() if fmu.has(n)}, case.steps)
 
 
 def may_change(fmu: FmuFile, name: str) -> bool:
@@ -78,43 +93,46 @@ def may_change(fmu: FmuFile, name: str) -> bool:
 
 
 @dataclass
-class Drive:
-    """One instance on its way through a plan; rows of outputs gather in `rows`."""
+class Driver:
+    """One instance on its way through a setting; rows of outputs gather in `rows`."""
 
     instance: FmuInstance
-    plan: Plan
+    setting: Setting
     names: Sequence[str]
+    after_step: AfterStep | None = None
 
     def __post_init__(self) -> None:
-        self._points = self.plan.points
         self._read: Read | None = None
         self.initial: list[float] = []
         self.rows: list[list[float]] = []
 
-    def begin(self, start_time: float = 0.0) -> None:
+    def begin(self) -> None:
         """Set the parameters and initialize."""
-        self.instance.start(self.plan.parameters, start_time)
+        self.instance.start(self.setting.parameters, self.setting.start_time)
         self.initial = self._reader()()
 
     def go(self, begin: int, end: int) -> None:
         """Take the steps from number `begin` up to `end` without it, one row each."""
-        read = self._reader()
+        read, setting = self._reader(), self.setting
         for number in range(begin, end):
-            step = self.plan.steps[number]
+            step = setting.steps[number]
             self.instance.set(step.changes)
-            self.instance.step(self._points[number], step.h)
+            self.instance.step(setting.start_time + setting.points[number], step.h)
             self.rows.append(read())
+            if self.after_step is not None and self.after_step(setting.points[number + 1]):
+                return
 
-    def whole(self) -> None:
+    def whole(self) -> Run:
         """Go from the start to the end."""
         self.begin()
-        self.go(0, len(self.plan.steps))
+        self.go(0, len(self.setting.steps))
+        return self.run()
 
-    def record(self, case: Case) -> Record:
-        """Give what was read as the record of a case."""
+    def run(self) -> Run:
+        """Return what was read so far."""
         columns = np.array(self.rows, dtype=np.float64).reshape(len(self.rows), len(self.names))
-        return Record(
-            times=np.array(case.times),
+        return Run(
+            times=np.array(self.setting.points[1 : len(self.rows) + 1]),
             outputs={name: columns[:, i] for i, name in enumerate(self.names)},
             initial=dict(zip(self.names, self.initial, strict=True)),
             messages=tuple(self.instance.messages),
@@ -126,30 +144,41 @@ class Drive:
         return self._read
 
 
-def run_case(fmu: FmuFile, case: Case) -> Record:
-    """Run a case on a fresh instance; `FmuError` with the FMU's own message if it refuses.
+def run(fmu: FmuFile, setting: Setting, after_step: AfterStep | None = None) -> Run:
+    """Drive a fresh instance of an FMU through a setting.
 
-    An output that the FMU lacks is absent from the record.
+    Parameters
+    ----------
+    fmu
+        The FMU. An output that it lacks is absent from the run.
+    setting
+        Values before the start, steps and changes.
+    after_step
+        For progress, and to end the run early.
+
+    Raises
+    ------
+    FmuError
+        With the FMU's own message, if it refuses a call.
     """
-    return run_plan(fmu, case, plan(fmu, case))
-
-
-def run_plan(fmu: FmuFile, case: Case, planned: Plan) -> Record:
-    """Run a plan on a fresh instance; `FmuError` if the FMU refuses."""
     with fmu.instantiate() as instance:
-        drive = Drive(instance, planned, available(fmu, OUTPUT_NAMES))
-        drive.whole()
-        return drive.record(case)
+        return Driver(instance, setting, available(fmu, OUTPUT_NAMES), after_step).whole()
+
+
+def run_case(fmu: FmuFile, case: Case) -> Run:
+    """Drive a fresh instance of an FMU through a case; raises as `setting_of` and `run` do."""
+    return run(fmu, setting_of(fmu, case))
 
 
 __all__ = [
-    "Drive",
+    "CommunicationStep",
+    "Driver",
     "FmuError",
     "NotApplicableError",
-    "Plan",
+    "Setting",
     "is_ours",
     "may_change",
-    "plan",
+    "run",
     "run_case",
-    "run_plan",
+    "setting_of",
 ]

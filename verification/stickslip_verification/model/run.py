@@ -1,4 +1,4 @@
-"""What one side said about one case: every output at every communication point."""
+"""A run: every output at every communication point, from an FMU or from the reference."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Series = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Record:
+class Run:
     """The outputs of one run, in SI units, sampled at the end of each communication step.
 
     Attributes
