@@ -51,7 +51,7 @@ EXTRA_OUTSIDE = {
     ("stickslip_fmu", "fmi3"): frozenset({"pythonfmu3"}),
     ("stickslip_fmu", "packer"): frozenset({"pythonfmu", "pythonfmu3"}),
     ("stickslip_ref", "laws.named"): frozenset({COMPUTED}),
-    ("stickslip_verification", "truth.law"): frozenset({COMPUTED}),
+    ("stickslip_verification", "truth.named"): frozenset({COMPUTED}),
     ("stickslip_design", "claims.plots"): frozenset({"matplotlib"}),
     ("stickslip_verification", "report.house_style"): frozenset({"matplotlib"}),
     ("stickslip_verification", "report.environment"): frozenset({"jinja2", "markupsafe"}),
