@@ -183,7 +183,7 @@ def test_what_is_no_longer_refused_or_said_is_told(
 )
 def test_a_refusal_must_name_the_variable(fmu_path: Path, tmp_path: Path, invariant: str) -> None:
     """A value that is refused without the name of its variable helps nobody, whatever its name."""
-    nameless = fault("face.py", "raise BlockError(objection)", 'raise BlockError("bad input")')
+    nameless = fault("instance.py", "raise ModelError(objection)", 'raise ModelError("bad input")')
     file = FmuFile(plant(fmu_path, nameless, tmp_path))
     (complaint,) = asked(invariant, file)
     assert "was refused without its name" in complaint
@@ -193,16 +193,16 @@ def test_a_refusal_must_name_the_variable(fmu_path: Path, tmp_path: Path, invari
 def test_a_reset_that_does_not_recover_is_told(fmu_path: Path, tmp_path: Path) -> None:
     """An output that is not a fresh instance's after a reset is complained of by its name."""
     kept = fault(
-        "face.py",
-        "self._block = Block(self._settings, self._time)\n        self._settled = True",
-        "self._block = KEPT.setdefault(self.instance_name, "
-        "Block(self._settings, self._time))\n        self._settled = True",
+        "instance.py",
+        "self._model = self._spec.model(self._values, self._time)",
+        "self._model = KEPT.setdefault(self.instance_name, "
+        "self._spec.model(self._values, self._time))",
     )
     kept = replace(
         kept,
         substitutions=(
             *kept.substitutions,
-            Substitution("face.py", "_Method = TypeVar", "KEPT = {}\n\n_Method = TypeVar"),
+            Substitution("instance.py", "_Method = TypeVar", "KEPT = {}\n\n_Method = TypeVar"),
         ),
     )
     file = FmuFile(plant(fmu_path, kept, tmp_path))

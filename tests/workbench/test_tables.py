@@ -11,7 +11,7 @@ from stickslip.cycle_table import cycle_table
 from stickslip.engines import experiment, simulate_reference
 from stickslip.random_test_table import random_test_table
 from stickslip.verdict_table import verdict_table
-from stickslip_fmu.variables import start_values
+from stickslip_fmu.interface import TABLE
 from stickslip_verification import CheckResult, RandomTestResult, Verdict
 from stickslip_verification.model.verdict import Kind
 
@@ -67,7 +67,7 @@ def test_a_verdict_keeps_its_names_and_numbers(width: int) -> None:
 @pytest.mark.parametrize("width", [60, 80, 120, 200])
 def test_a_cycle_keeps_its_numbers(width: int) -> None:
     """Measured, exact and simplified stand in one line; explanations and deviations give way."""
-    run, _ = simulate_reference(experiment(start_values(), 0.0, 2.0))
+    run, _ = simulate_reference(experiment(TABLE.start_values(), 0.0, 2.0))
     p = stickslip_ref.Parameters(**run.parameters)
     shown = lines(cycle_table(run, p), width)
     assert_fits(shown, width)
@@ -92,6 +92,6 @@ def test_a_proof_keeps_its_words_and_numbers(width: int) -> None:
 
 def test_without_a_motion_nothing_simplified_is_explained() -> None:
     """For v = 0 the simplified column is empty but for the break-away force: no footnote."""
-    run, _ = simulate_reference(experiment({**start_values(), "v": 0.0}, 0.0, 1.0))
+    run, _ = simulate_reference(experiment({**TABLE.start_values(), "v": 0.0}, 0.0, 1.0))
     p = stickslip_ref.Parameters(**run.parameters)
     assert not any("simplified:" in line for line in lines(cycle_table(run, p), 120))

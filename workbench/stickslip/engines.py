@@ -14,10 +14,11 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 import stickslip_ref
+from fmukit.table import Variable
 from stickslip.errors import CommandError
 from stickslip.progress import deferred_interrupt
 from stickslip.run import Run, drawable_interval, fitting_interval, sample_times
-from stickslip_fmu.variables import VARIABLES, Variable
+from stickslip_fmu.interface import TABLE
 from stickslip_verification import Event, Transition, drive, events_between
 
 Progress = Callable[[float, float], None]
@@ -105,7 +106,7 @@ def _outputs() -> list[Variable]:
     return [
         variable
         for kind in _COLUMN_TYPES
-        for variable in VARIABLES
+        for variable in TABLE.rows
         if variable.causality == "output" and variable.kind == kind
     ]
 

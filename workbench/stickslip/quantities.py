@@ -9,7 +9,7 @@ from typing import Final
 
 from stickslip import units
 from stickslip.errors import CommandError
-from stickslip_fmu.variables import VARIABLES_BY_NAME, start_values
+from stickslip_fmu.interface import TABLE
 
 LARGEST_SAMPLE_COUNT: Final = 10_000_000
 
@@ -21,7 +21,7 @@ def option_name(name: str) -> str:
 
 def help_text(name: str) -> str:
     """Describe the option of the variable `name`: meaning, unit, range and default."""
-    variable = VARIABLES_BY_NAME[name]
+    variable = TABLE.by_name[name]
     unit = "" if variable.unit == "1" else f" [{variable.unit}]"
     limits = "" if variable.minimum is None else f", {variable.range}"
     return f"{variable.description}{unit}{limits}; default {variable.start:g}."
@@ -45,11 +45,11 @@ def read_values(typed: Mapping[str, str | None]) -> dict[str, float]:
     CommandError
         If a text is no quantity of the variable's dimension or out of its range.
     """
-    values = start_values()
+    values = TABLE.start_values()
     for name, text in typed.items():
         if text is None:
             continue
-        variable = VARIABLES_BY_NAME[name]
+        variable = TABLE.by_name[name]
         value = units.parse(text, variable.unit, option_name(name), f"({variable.range})")
         objection = variable.objection(value)
         if objection is not None:

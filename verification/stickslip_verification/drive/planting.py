@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import ast
 import hashlib
-import os
 import re
-import tempfile
 import zipfile
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from stickslip_verification.model.whole_file import replacing
 from stickslip_verification.suite.faults import MASTER, Mutant, MutantError, bindings
 
 DESCRIPTION = "modelDescription.xml"
@@ -105,36 +104,51 @@ def _apply(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
                 mutant.file, f"additions[{n}].file", f"{addition.file} is packed already"
             )
         entries[name] = addition.text.encode()
+    changed = {folder + addition.file for addition in mutant.additions}
     for n, change in enumerate(mutant.substitutions):
-        name = change.file if change.file == DESCRIPTION else folder + change.file
         here = f"substitutions[{n}]"
-        if name not in entries:
-            raise MutantError(mutant.file, f"{here}.file", f"no {change.file} in the FMU")
+        name = change.file
+        if name != DESCRIPTION:
+            name = _file_of(mutant, f"{here}.file", entries, folder, name, name)
+            changed.add(name)
         found = entries[name].count(change.find.encode())
         if found != 1:
             reason = f"matches {found} times in {change.file}, not once"
             raise MutantError(mutant.file, f"{here}.find", reason)
         entries[name] = entries[name].replace(change.find.encode(), change.replace.encode())
-    added = {addition.file for addition in mutant.additions}
-    changed = {change.file for change in mutant.substitutions} - {DESCRIPTION}
-    for module in sorted(added | changed):
+    for module in sorted(changed):
         try:
-            ast.parse(entries[folder + module])
+            ast.parse(entries[module])
         except SyntaxError as error:
             reason = f"line {error.lineno} is not Python any more: {error.msg}"
-            raise MutantError(mutant.file, module, reason) from None
+            raise MutantError(mutant.file, module.removeprefix(folder), reason) from None
     _replace(mutant, entries, folder)
+
+
+def _file_of(
+    mutant: Mutant, field: str, entries: Mapping[str, bytes], folder: str, end: str, named: str
+) -> str:
+    """Return the one entry of the packed source whose path ends so; errors tell what was named."""
+    found = [name for name in entries if name.startswith(folder) and f"/{name}".endswith(f"/{end}")]
+    if not found:
+        raise MutantError(mutant.file, field, f"no {named} in the FMU")
+    if len(found) > 1:
+        paths = ", ".join(sorted(name.removeprefix(folder) for name in found))
+        raise MutantError(mutant.file, field, f"{named} may be in {paths}")
+    return found[0]
 
 
 def _replace(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
     """Append the overrides to their modules."""
-    source = _Source(entries, folder)
+    source = _Source(entries)
     planted: dict[str, str] = {}
     for n, override in enumerate(mutant.overrides):
         if override.module == MASTER:
             continue
         here = f"overrides[{n}]"
-        found = source.find(override.module, override.path.split("."))
+        end = override.module.replace(".", "/") + ".py"
+        file = _file_of(mutant, f"{here}.target", entries, folder, end, override.target)
+        found = source.find(file, override.path.split("."))
         if found is None:
             raise MutantError(mutant.file, f"{here}.target", f"no {override.target} in the FMU")
         copied = _lines(override.function("planted")) & found
@@ -143,34 +157,31 @@ def _replace(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
             raise MutantError(mutant.file, f"{here}.code", reason)
         name = f"_planted_{n}"
         text = f"\n\n{override.function(name)}\n\n{override.path} = {name}({override.path})\n"
-        planted[override.module] = planted.get(override.module, "") + text
-    for module, text in planted.items():
-        entries[f"{folder}{module}.py"] += text.encode()
+        planted[file] = planted.get(file, "") + text
+    for file, text in planted.items():
+        entries[file] += text.encode()
 
 
 class _Source:
     """The packed modules, read as syntax trees when they are asked for."""
 
-    def __init__(self, entries: Mapping[str, bytes], folder: str) -> None:
-        self._texts = {
-            name.removeprefix(folder).removesuffix(".py"): content.decode()
-            for name, content in entries.items()
-            if name.startswith(folder) and name.endswith(".py")
-        }
+    def __init__(self, entries: Mapping[str, bytes]) -> None:
+        self._entries = entries
 
-    def find(self, module: str, names: Sequence[str]) -> Counter[str] | None:
+    def find(self, file: str, names: Sequence[str]) -> Counter[str] | None:
         """Give the lines that define a name of a module, or of a class there; None if nothing does.
 
         Names are followed through imports from packed modules and through base classes.
         """
-        if module not in self._texts:
+        if file not in self._entries:
             return None
-        text = self._texts[module]
+        text = self._entries[file].decode()
         first, *inner = names
         found = bindings(ast.parse(text).body).get(first)
         if isinstance(found, ast.ImportFrom) and found.level:
             name = next(each.name for each in found.names if first in (each.asname, each.name))
-            return self.find(found.module or "", [name, *inner])
+            module = "/".join(file.split("/")[: -found.level]) + f"/{found.module or ''}"
+            return self.find(f"{module.replace('.', '/')}.py", [name, *inner])
         if not inner:
             return None if found is None else _lines(text, found)
         if not isinstance(found, ast.ClassDef):
@@ -179,7 +190,7 @@ class _Source:
         if own is not None:
             return _lines(text, own)
         bases = (base.id for base in found.bases if isinstance(base, ast.Name))
-        inherited = (self.find(module, [base, *inner]) for base in bases)
+        inherited = (self.find(file, [base, *inner]) for base in bases)
         return next((each for each in inherited if each is not None), None)
 
 
@@ -219,23 +230,15 @@ def _renamed(entries: Mapping[str, bytes], old: str, new: str) -> dict[str, byte
 
 def _write(entries: Mapping[str, bytes], target: Path) -> None:
     """Write an archive whose bytes depend on its entries alone, or nothing at all."""
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=".", suffix=".part")
-    part = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
-            for entry in _in_order(entries):
-                info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
-                info.compress_type = zipfile.ZIP_DEFLATED
-                info.external_attr = 0o644 << 16
-                # Unix, as the permissions above are meant.
-                info.create_system = 3
-                # A mutant is made, run and thrown away, so speed counts and size does not.
-                archive.writestr(info, entries[entry], compresslevel=1)
-        part.chmod(0o644)
-        part.replace(target)
-    except BaseException:
-        part.unlink()
-        raise
+    with replacing(target) as stream, zipfile.ZipFile(stream, "w") as archive:
+        for entry in _in_order(entries):
+            info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.external_attr = 0o644 << 16
+            # Unix, as the permissions above are meant.
+            info.create_system = 3
+            # A mutant is made, run and thrown away, so speed counts and size does not.
+            archive.writestr(info, entries[entry], compresslevel=1)
 
 
 def _in_order(names: Iterable[str]) -> list[str]:

@@ -53,7 +53,7 @@ class Override:
     ----------
     target
         ``module.name`` or ``module.Class.name`` in the packed source, or ``master.`` and one of
-        `HOOKS`.
+        `HOOKS`. A module is named by the end of its dotted name, as much of it as is unique.
     code
         Python that defines the last name of the target anew, or "".
     value
@@ -68,12 +68,13 @@ class Override:
     @property
     def module(self) -> str:
         """The module of the target, or `MASTER`."""
-        return self.target.partition(".")[0]
+        return self.target.removesuffix(self.path)[:-1]
 
     @property
     def path(self) -> str:
         """The target as its module spells it: ``name`` or ``Class.name``."""
-        return self.target.partition(".")[2]
+        *_, owner, name = self.target.split(".")
+        return f"{owner}.{name}" if owner.lstrip("_")[:1].isupper() else name
 
     def function(self, name: str) -> str:
         """Give the text of a function of this name from ``original`` to what replaces it."""
@@ -86,7 +87,7 @@ class Override:
 class Substitution:
     """One change of text: ``find`` stands exactly once in ``file`` and gives way to ``replace``.
 
-    ``file`` is a module of the packed source or ``modelDescription.xml``.
+    ``file`` is the end of a path in the packed source, or ``modelDescription.xml``.
     """
 
     file: str
@@ -96,7 +97,7 @@ class Substitution:
 
 @dataclass(frozen=True)
 class Addition:
-    """A module ``file`` with this ``text`` that joins the packed source."""
+    """A module with the path ``file`` and this ``text`` that joins the packed source."""
 
     file: str
     text: str

@@ -303,7 +303,8 @@ INVARIANTS: Schema = _file(
     ),
 )
 
-_MODULE = r"[a-z_][a-z0-9_]*\.py"
+_PART = "[a-z_][a-z0-9_]*"
+_MODULE = rf"{_PART}(/{_PART})*\.py"
 
 FAULT: Schema = _file(
     "A fault to plant in the stick-slip FMU",
@@ -325,9 +326,10 @@ FAULT: Schema = _file(
                 _table(
                     {
                         "target": _text(
-                            "module.name or module.Class.name of the packed source; master.get, "
-                            ".set, .step, .reset.",
-                            pattern=r"^[a-z_][a-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*){1,2}$",
+                            "module.name or module.Class.name of the packed source, the module by "
+                            "the end of its dotted name; master.get, .set, .step, .reset.",
+                            pattern=rf"^{_PART}(\.{_PART})*(\._?[A-Z][A-Za-z0-9_]*)?"
+                            r"(\.[A-Za-z_][A-Za-z0-9_]*)$",
                         )
                     },
                     {
@@ -348,7 +350,8 @@ FAULT: Schema = _file(
                 _table(
                     {
                         "file": _text(
-                            "A module of the packed source, or the model description.",
+                            "A module of the packed source, by the end of its path, or the model "
+                            "description.",
                             pattern=rf"^({_MODULE}|modelDescription\.xml)$",
                         ),
                         "find": _TEXT,
@@ -367,7 +370,7 @@ FAULT: Schema = _file(
                         "source": _text(
                             "A file beside the descriptions that holds the text, where several "
                             "faults share it.",
-                            pattern=rf"^{_MODULE}\.txt$",
+                            pattern=rf"^{_PART}\.py\.txt$",
                         ),
                     },
                     oneOf=[{"required": ["text"]}, {"required": ["source"]}],

@@ -1,4 +1,4 @@
-"""`stickslip score`: anybody's curve against the exact cycle."""
+"""`stickslip score`: a curve from any tool against the exact cycle."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -46,7 +46,7 @@ def score(
     force: Annotated[str | None, _column("--force", "the spring force")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON for machines.")] = False,
 ) -> None:
-    """Say how a curve from any tool compares with the exact cycle, and why it differs."""
+    """Compare a curve from any tool with the exact cycle, and say why it differs."""
     from stickslip_score import CurveError, as_json, read_curve
     from stickslip_score import score as judge
 

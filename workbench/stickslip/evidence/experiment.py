@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element, SubElement
 from stickslip.csv_file import csv_bytes
 from stickslip.engines import DEFAULT_STEP, experiment, simulate_fmu
 from stickslip.evidence.xml_file import xml_file
-from stickslip_fmu.variables import VARIABLES, start_values
+from stickslip_fmu.interface import TABLE
 
 STOP_TIME: Final = 10.0
 TOLERANCE: Final = 1e-9
@@ -25,9 +25,9 @@ def result_file(fmu: Path) -> bytes:
     CommandError
         If the FMU cannot be simulated.
     """
-    what = experiment(start_values(), 0.0, STOP_TIME, DEFAULT_STEP)
+    what = experiment(TABLE.start_values(), 0.0, STOP_TIME, DEFAULT_STEP)
     run, _ = simulate_fmu(what, fmu, lambda done, total: None)
-    names = [row.name for row in VARIABLES if row.causality == "output" and row.unit != _LEFT_OUT]
+    names = [row.name for row in TABLE.rows if row.causality == "output" and row.unit != _LEFT_OUT]
     return csv_bytes(run.samples[["time", *names]])
 
 
