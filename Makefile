@@ -4,14 +4,14 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify convict test test-bare soak coverage lint prove bench docs docs-check clean
+.PHONY: verify faults test test-bare soak coverage lint prove bench docs docs-check clean
 
 verify: $(VENV)/ready
 	$(BIN)/stickslip build --bare
 	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --pack
 
 # The suite on trial as well: every planted fault must fail a check named in advance.
-convict: $(VENV)/ready
+faults: $(VENV)/ready
 	$(BIN)/stickslip build --bare
 	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --fault '*'
 
@@ -45,6 +45,7 @@ lint: $(VENV)/ready-to-test
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo --no-cache
 	$(BIN)/stickslip lint
 
 # The random sets of the specification in full; SEED and FRACTION may be set.

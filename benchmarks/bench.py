@@ -21,10 +21,10 @@ from benchmarks.empty_slave import build_empty_slave
 from benchmarks.page import NoBrowserError, measure_moves
 from benchmarks.plain_cycle import plain_steady_cycle
 from stickslip.page import page
-from stickslip_fmu.block import Block
+from stickslip_fmu.interface import TABLE
+from stickslip_fmu.model import Block
 from stickslip_fmu.packer import build
 from stickslip_fmu.settings import Settings
-from stickslip_fmu.variables import VARIABLES, start_values
 from stickslip_ref import Parameters, simulate, steady_cycle
 
 ROUNDS = 15
@@ -116,7 +116,7 @@ def measure_calls(ours: Path, empty: Path) -> list[Measurement]:
 
 def measure_import(ours: Path, empty: Path) -> Measurement:
     """Time a 10 s run at 1 ms through fmpy, all outputs recorded."""
-    outputs = [each.name for each in VARIABLES if each.causality == "output"]
+    outputs = [each.name for each in TABLE.rows if each.causality == "output"]
 
     def run(fmu: Path) -> Callable[[], object]:
         return lambda: fmpy.simulate_fmu(
@@ -131,7 +131,7 @@ def measure_import(ours: Path, empty: Path) -> Measurement:
 
 def measure_block() -> list[Measurement]:
     """Time the block alone: event to event, and a step within an arc."""
-    block = Block(Settings(start_values()))
+    block = Block(Settings.at_start())
     before = block.meter.n_slips
     begin = time.perf_counter()
     block.advance(0.0, 10_000.0)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
 
-from stickslip_fmu.variables import VARIABLES
+from stickslip_fmu.interface import TABLE
 
 _SOURCE = """\
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real
@@ -35,7 +35,7 @@ def build_empty_slave(folder: Path) -> Path:
     """Build the empty slave's FMU in `folder` and return its path."""
     variables = [
         (each.name, each.kind, each.causality, each.variability, each.start or 0)
-        for each in VARIABLES
+        for each in TABLE.rows
     ]
     script = folder / "empty_slave_script.py"
     script.write_text(_SOURCE.format(variables=variables), encoding="utf-8")

@@ -5,32 +5,37 @@ With ``--check`` it writes nothing, names those that are out of date, and exits 
 
 import contextlib
 import io
+import json
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
+from fmukit.table import Variable
+from stickslip_design.claims import pages
+from stickslip_fmu.interface import TABLE
 from stickslip_fmu.packer import build
-from stickslip_fmu.variables import VARIABLES, Variable
 from stickslip_verification import (
     CheckResult,
     Meaning,
     load_cases,
-    load_laws,
+    load_invariants,
     load_mutants,
     meanings,
     verify,
 )
-from stickslip_verification.claims import pages
-from stickslip_verification.svg import differences
+from stickslip_verification.model.verdict import Kind
+from stickslip_verification.report.svg import differences
+from stickslip_verification.suite.schemas import FILES
 
 HERE = Path(__file__).parent
 
 KINDS = {
-    "closed_form": "the exact motion in high precision, and closed forms of the cycle",
-    "invariant": "stick, slip, events, energy, mirror, scaling, split steps, rollback, interface",
-    "convergence": "the observed order of the reference, in its asymptotic range",
-    "cross_code": "the FMU against the reference; both may be wrong alike: it alone gives no pass",
+    Kind.CLOSED_FORM: "the exact motion in high precision, and closed forms of the cycle",
+    Kind.INVARIANT: "stick, slip, events, energy, mirror, scaling, splitting, rollback, interface",
+    Kind.CONVERGENCE: "the observed order of the reference, in its asymptotic range",
+    Kind.CROSS_CODE: "the FMU against the reference; both may be wrong alike, so it gives no pass",
 }
 
 
@@ -42,6 +47,7 @@ def main() -> None:
             "interface.md": document(interface()),
             "verdict.md": document(verdict(build(Path(folder)))),
             "checks.md": document(checks()),
+            **{f"schemas/{name}": text_of(schema) for name, schema in FILES.items()},
             **pages(),
         }
     if sys.argv[1:] == ["--check"]:
@@ -68,6 +74,11 @@ def outdated(folder: Path, texts: Mapping[str, str]) -> list[str]:
     return old
 
 
+def text_of(schema: Mapping[str, Any]) -> str:
+    """Return a JSON schema as text."""
+    return json.dumps(schema, indent=2) + "\n"
+
+
 def document(lines: Iterator[str]) -> str:
     """Give the text of one document."""
     return "<!-- Made by `make docs`; do not edit. -->\n" + "\n".join(lines) + "\n"
@@ -91,7 +102,7 @@ name, unit, range, and when each may be set. It is made from the variable table 
 | variable | type | unit | causality | variability | start | range | what it is |
 |---|---|---|---|---|---|---|---|
 """.splitlines()
-    for row in VARIABLES:
+    for row in TABLE.rows:
         start = "" if row.start is None else f"{row.start:g}"
         cells = (
             f"`{row.name}`",
@@ -161,11 +172,11 @@ The table counts, for each case, the checks that passed on the FMU and on the re
 
 def checks() -> Iterator[str]:
     """Give the lines of the catalogue: each check, its meaning and the likeliest bug."""
-    cases, laws, faults = load_cases(), load_laws(), load_mutants()
-    known = meanings(cases, laws)
+    cases, invariants, faults = load_cases(), load_invariants(), load_mutants()
+    known = meanings(cases, invariants)
     detected: dict[str, int] = {}
     for fault in faults:
-        for check in fault.convicted_by:
+        for check in fault.detected_by:
             detected[check] = detected.get(check, 0) + 1
     yield from """\
 # The checks
@@ -185,15 +196,15 @@ means for a user of the FMU, and which bug is the likeliest.
 | check | statement | kind, class | (eq.) | a failure means | likeliest bug | faults |
 |---|---|---|---|---|---|---|
 """.splitlines()
-    for law in laws:
+    for invariant in invariants:
         cells = (
-            f"`{law.id}`",
-            law.title,
-            f"{law.kind}, {law.klass}",
-            f"({law.source})",
-            law.means,
-            law.look,
-            str(detected.get(law.id, "")),
+            f"`{invariant.id}`",
+            invariant.title,
+            f"{invariant.kind}, {invariant.klass}",
+            f"({invariant.source})",
+            invariant.means,
+            invariant.look,
+            str(detected.get(invariant.id, "")),
         )
         yield "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
     yield from """\

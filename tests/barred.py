@@ -7,7 +7,14 @@ import sys
 from importlib.abc import MetaPathFinder
 from typing import Any
 
-_BARRED = ("examples", "stickslip", "stickslip_fmu", "stickslip_ref", "stickslip_verification")
+_BARRED = (
+    "examples",
+    "fmukit",
+    "stickslip",
+    "stickslip_fmu",
+    "stickslip_ref",
+    "stickslip_verification",
+)
 
 
 class Bar(MetaPathFinder):

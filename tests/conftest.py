@@ -30,7 +30,7 @@ def pytest_configure(config: pytest.Config) -> None:
     # Tests run on all cores already; threads of NumPy's would wait for each other, at twice the
     # cost. NumPy reads this when it is imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from stickslip_verification.trial.kept import FOLDER
+    from stickslip_verification.drive.kept import FOLDER
 
     if not os.environ.get(FOLDER):
         folder = tempfile.TemporaryDirectory(prefix="stickslip-kept-")

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from examples.feed_axis import document
-from stickslip_verification.claims import draw, findings, pages
-from stickslip_verification.svg import SAME, differences
+from stickslip_design.claims import draw, findings, pages
+from stickslip_verification.report.svg import SAME, differences
 
 DOCS = Path(__file__).parents[1] / "docs"
 PICTURES = {file.relative_to(DOCS).as_posix(): file for file in sorted(DOCS.rglob("*.svg"))}

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from stickslip_verification import load_mutants
-from stickslip_verification.mutants import plant
+from stickslip_verification.drive.planting import plant
 
 TOOL = Path(__file__).parents[1] / "tools" / "same.py"
 
@@ -43,7 +43,7 @@ REPORT: dict[str, Any] = {
                 "failing": {"T-exact": 3},
             }
         ],
-        "idle": {},
+        "kills_nothing": {},
     },
     "provenance": {"created": "today"},
 }

@@ -12,7 +12,15 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("stickslip", "stickslip_fmu", "stickslip_ref", "stickslip_verification")
+PACKAGES = (
+    "fmukit",
+    "stickslip",
+    "stickslip_design",
+    "stickslip_fmu",
+    "stickslip_ref",
+    "stickslip_score",
+    "stickslip_verification",
+)
 
 # What may lead a Python to the source tree or to the environment of the tests.
 LEADS = ("PYTHON", "VIRTUAL_ENV", "COVERAGE_")
@@ -169,11 +177,11 @@ def test_the_installed_command_writes_the_page(installed: Environment) -> None:
 
 
 def test_the_installed_suite_is_in_order(installed: Environment) -> None:
-    """Cases, laws and faults are found where they are installed, and are well-formed."""
+    """Cases, invariants and faults are found where they are installed, and are well-formed."""
     installed.stickslip("lint")
 
 
-def test_the_four_packages_are_typed(names: set[str]) -> None:
+def test_every_package_is_typed(names: set[str]) -> None:
     """Each package is in the wheel with its marker for type checkers."""
     assert {f"{package}/py.typed" for package in PACKAGES} <= names
 
@@ -185,14 +193,21 @@ def test_the_page_travels(names: set[str]) -> None:
     sources = [path for path in folder.rglob("*") if path.suffix in kinds]
     assert {path.suffix for path in sources} == set(kinds)
     assert {path.relative_to(folder.parent.parent).as_posix() for path in sources} <= names
+    assert not {name for name in names if name.endswith("tsconfig.json")}
 
 
 def test_the_data_travels(names: set[str]) -> None:
-    """Cases, laws, faults, claims, schemas, templates and accepted values are in the wheel."""
-    folder = ROOT / "verification" / "stickslip_verification"
+    """Cases, invariants, faults, claims, schemas, templates and second values are in the wheel."""
     kinds = (".toml", ".json", ".j2", ".css", ".js", ".txt")
-    data = [path for path in folder.rglob("*") if path.suffix in kinds]
-    folders = {path.parent.relative_to(folder).as_posix() for path in data}
-    assert {"cases", "laws", "mutants/faults", "claims", "report/templates"} <= folders
-    assert folder / "judging" / "accepted.json" in data
-    assert {path.relative_to(folder.parent).as_posix() for path in data} <= names
+    data = {
+        path.relative_to(floor).as_posix()
+        for floor in (ROOT / "verification", ROOT / "workbench")
+        for path in floor.rglob("*")
+        if path.suffix in kinds
+    }
+    suite = "stickslip_verification/suite"
+    folders = {path.rpartition("/")[0] for path in data}
+    assert {f"{suite}/cases", f"{suite}/invariants", f"{suite}/faults"} <= folders
+    assert {"stickslip_verification/report/templates", "stickslip_design/claims"} <= folders
+    assert f"{suite}/second_values.json" in data
+    assert data <= names

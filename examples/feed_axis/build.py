@@ -1,26 +1,13 @@
-"""Packs ServoDrive.fmu: what stands in `servo_drive`, named by its content."""
+"""Packs ServoDrive.fmu: the modules of `servo_drive` and fmukit, named by their content."""
 
 from pathlib import Path
 from typing import Final
 
-import stickslip_fmu.lifetime
-from stickslip_fmu.packer import pack, write_archive
+from fmukit.packer import build_fmu
 
-HERE: Final = Path(__file__).parent
-
-_SLAVE: Final = """\
-from {package}.slave import ServoDrive
-from {package}.lifetime import hold
-
-hold(globals())
-"""
+_MAIN: Final = "from examples.feed_axis.servo_drive.model import SPEC"
 
 
 def build_drive(folder: Path) -> Path:
     """Build ServoDrive.fmu in a folder and return its path."""
-    target = folder / "ServoDrive.fmu"
-    sources = {file.name: file.read_bytes() for file in (HERE / "servo_drive").glob("*.py")}
-    # What the wrapper releases without owning it, the block's FMU has solved.
-    sources["lifetime.py"] = Path(stickslip_fmu.lifetime.__file__).read_bytes()
-    write_archive(pack("servo_drive_", sources, _SLAVE), target)
-    return target
+    return build_fmu(_MAIN, folder / "ServoDrive.fmu", "servo_drive_")

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from stickslip_verification.svg import SAME, as_svg, differences
+from stickslip_verification.report.svg import SAME, as_svg, differences
 
 from . import plots, study
 from .axis import Axis

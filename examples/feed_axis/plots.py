@@ -38,7 +38,7 @@ _STYLE: Final[Any] = {
     "font.size": 9.0,
     "legend.frameon": False,
     "lines.linewidth": 1.5,
-    # A simplified path draws a creeping stick; `stickslip_verification.svg` thins lines.
+    # A simplified path draws a creeping stick; `stickslip_verification.report.svg` thins lines.
     "path.simplify": False,
     "svg.fonttype": "path",
     "text.color": INK,

@@ -15,10 +15,10 @@ from typing import Annotated, Final
 import numpy as np
 import typer
 
+from stickslip.commands.units import parse
 from stickslip.errors import CommandError
-from stickslip.units import parse
 from stickslip_fmu.packer import build as build_block
-from stickslip_verification.svg import as_svg
+from stickslip_verification.report.svg import as_svg
 
 from . import masters, ssp
 from .axis import Axis

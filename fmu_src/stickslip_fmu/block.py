@@ -1,64 +1,108 @@
 """The stick-slip block: inputs and parameters in, exact motion out, from event to event.
 
-The state is an arc (`arcs`) and how far along it the block stands. A communication step only
+The block walks along arcs, which its friction law makes (`laws.law`). A communication step only
 moves along the arc. A new arc starts at an event, or at the first step after an input or
 parameter took another value; nothing else re-bases the motion.
 """
 
 import math
-from operator import attrgetter
-from typing import Any, Dict, List, Optional, Tuple, Union
+from typing import Any, Dict, Optional
 
-from .arcs import SlipArc, StickArc
-from .compensated import CompensatedSum, add
-from .friction import direction_from_rest, friction_forces, kinetic_coefficient
+from fmukit.model import ModelError
+from fmukit.plain import values
+
+from .laws.law import Arc, Friction, Law, Motion, Start
 from .meter import CycleMeter
-from .oscillator import Oscillator
-from .settings import BlockError, Settings
+from .numerics.compensated import ZERO, Sum, add
+from .numerics.finite import NOT_FINITE, finite
+from .record import Record, plain
+from .saved import check_saved
+from .settings import Settings
 
 # What one step may hold: above it the caller would wait for minutes, so the step is refused.
 MOST_TRANSITIONS = 2**24
 # After every so many transitions the rest of a step is estimated from the part that is done.
 _TRANSITIONS_TO_ESTIMATE = 4096
 
-# All that the motion and the meter go on from; what a block shows follows from it.
-_STATE = (
-    "wanted",
-    "_settings",
-    "mu_k_used",
-    "F_s",
-    "_kinetic",
-    "_gap",
-    "_oscillator",
-    "_origin",
-    "_arc",
-    "mode",
-    "_duration",
-    "_elapsed",
-    "_elapsed_low",
-    "_x",
-    "_W_pull",
-    "_W_k",
-    "_Q_friction",
-    "meter",
-    "_started",
-    "_changed",
-    "_plain",
-)
-_freeze = attrgetter(*_STATE)
 
-_NOT_FINITE = "the motion or its forces leave the range of double-precision numbers"
+class State(Record):
+    """All that the motion and the meter go on from; the outputs of a block follow from it.
+
+    Attributes
+    ----------
+    wanted, settings
+        The settings as last set, which act from the next step on, and those that hold.
+    friction
+        The friction law under the settings that hold.
+    arc
+        The arc that the block moves along.
+    elapsed, elapsed_low
+        Time since the start of the arc, a compensated sum [s].
+    x, W_pull, W_k, Q_friction
+        Position of the mass [m] and energies [J] at the start of the arc, compensated sums.
+    meter
+        The cycle meter.
+    started
+        Whether a step was made.
+    changed
+        Whether `wanted` is to be taken up.
+    """
+
+    __slots__ = (
+        "Q_friction",
+        "W_k",
+        "W_pull",
+        "arc",
+        "changed",
+        "elapsed",
+        "elapsed_low",
+        "friction",
+        "meter",
+        "settings",
+        "started",
+        "wanted",
+        "x",
+    )
+
+    wanted: Settings
+    settings: Settings
+    friction: Friction
+    arc: Arc
+    elapsed: float
+    elapsed_low: float
+    x: Sum
+    W_pull: Sum
+    W_k: Sum
+    Q_friction: Sum
+    meter: CycleMeter
+    started: bool
+    changed: bool
+
+    def twin(self) -> "State":
+        """Return a copy with a meter of its own."""
+        twin: State = self.copy()
+        twin.meter = self.meter.copy()
+        return twin
+
+    def save(self) -> Dict[str, Any]:
+        """Return the fields by name as plain data, but for the friction, which follows."""
+        fields = {name: getattr(self, name) for name in self.__slots__}
+        del fields["friction"]
+        for name in ("wanted", "settings"):
+            fields[name] = fields[name].as_dict()
+        fields["arc"] = self.arc.start
+        return {name: plain(value) for name, value in fields.items()}
 
 
 class Block:
-    """One stick-slip block.
+    """One stick-slip block under the friction law of its class.
 
     Parameters
     ----------
     settings
         Parameters, inputs and start values.
     start_time
-        What `meter.t_event` shows until the first transition [s].
+        What `t_event` of the meter shows until the first transition [s].
 
     Attributes
     ----------
@@ -68,52 +112,57 @@ class Block:
         Spring force, friction on the mass with its viscous part, break-away force [N].
     mode
         -1 slips backward, 0 sticks, +1 slips forward.
-    mu_k_used
-        Kinetic coefficient after the clamp.
+    own
+        State of the friction law itself, where it `varies`.
     meter
         The cycle meter.
-    wanted
-        The settings as last set, which act from the next step on.
+    state
+        What the motion and the meter go on from.
     stale
-        Whether the block moved since `refresh` computed the first two lines.
+        Whether the block moved since `refresh` computed the first four lines.
 
     Raises
     ------
-    BlockError
+    ModelError
         If the settings are beyond their range together.
     """
 
-    # Set by `_place`, wherever an arc starts.
-    _arc: Union[StickArc, SlipArc]
-    _origin: List[Optional[float]]
+    law: Law
+
+    # Length of the arc, and up to where a step only moves along it: none does before the first
+    # step and where settings changed [s].
     _duration: float
-    _elapsed: float
-    _elapsed_low: float
+    _horizon: float
+    # Whether the law has outputs that move along an arc.
+    _varies: bool
 
     def __init__(self, settings: Settings, start_time: float = 0.0) -> None:
-        self.wanted = settings
-        self._x = CompensatedSum(settings.x_start)
-        self._W_pull = CompensatedSum()
-        self._W_k = CompensatedSum()
-        self._Q_friction = CompensatedSum()
-        self.meter = CycleMeter(start_time)
-        self._started = False
-        self._adopt_settings()
-        if settings.x_dot_start != 0.0:
-            mode = 1 if settings.x_dot_start > 0.0 else -1
-            self._slip_on(mode, settings.z_start, settings.x_dot_start)
-        else:
-            self._start_from_rest(settings.z_start)
-        self._changed = False
-        self._plain = False
+        self.state = state = State()
+        state.wanted = settings
+        state.x = (settings.x_start, 0.0)
+        state.W_pull = state.W_k = state.Q_friction = ZERO
+        state.meter = self.meter = CycleMeter(start_time)
+        state.started = False
+        self._adopt_settings(None)
+        x_dot = settings.x_dot_start
+        mode = 0 if x_dot == 0.0 else 1 if x_dot > 0.0 else -1
+        self._place(state.friction.begin(mode, settings.z_start, x_dot))
+        state.changed = False
+        self._horizon = -math.inf
         self.refresh()
+
+    @property
+    def wanted(self) -> Settings:
+        """The settings as last set, which act from the next step on."""
+        return self.state.wanted
 
     def set(self, name: str, value: float) -> None:
         """Set an input or tunable parameter; it acts from the start of the next step."""
-        if getattr(self.wanted, name) != value:
-            self.wanted = self.wanted.changed(name, value)
-            self._changed = True
-            self._plain = False
+        state = self.state
+        if getattr(state.wanted, name) != value:
+            state.wanted = state.wanted.changed(name, value)
+            state.changed = True
+            self._horizon = -math.inf
 
     def advance(self, time: float, step: float) -> None:
         """Move on by one communication step.
@@ -121,55 +170,62 @@ class Block:
         Parameters
         ----------
         time
-            Time at the start of the step [s]; it dates `meter.t_event` and nothing else.
+            Time at the start of the step [s]; it dates `t_event` of the meter and nothing else.
         step
             Length of the step [s], above zero and finite.
 
         Raises
         ------
-        BlockError
+        ModelError
             If the step is no such number or holds too many transitions, or if the values set
             since the last step are beyond their range together.
         """
-        if self._plain and step > 0.0 and time - time == 0.0:
-            elapsed = self._elapsed
-            total = elapsed + step
-            if total < self._duration:
-                # The sum of `compensated.add`, written out: nearly every step ends here.
-                shadow = total - elapsed
-                low = self._elapsed_low + ((elapsed - (total - shadow)) + (step - shadow))
-                self._elapsed = elapsed = total + low
-                self._elapsed_low = low - (elapsed - total)
-                self.stale = True
-                return
+        state = self.state
+        elapsed = state.elapsed
+        total = elapsed + step
+        if total < self._horizon and step > 0.0 and time - time == 0.0:
+            # The sum of `compensated.add`, written out: nearly every step ends here.
+            shadow = total - elapsed
+            low = state.elapsed_low + ((elapsed - (total - shadow)) + (step - shadow))
+            state.elapsed = elapsed = total + low
+            state.elapsed_low = low - (elapsed - total)
+            self.stale = True
+            return
         self._advance_through(time, step)
 
+    def check(self) -> None:
+        """Raise ModelError if the load that is set would lift the mass."""
+        self.state.wanted.normal_force()
+
+    def warning(self) -> Optional[str]:
+        """Return what the friction law finds unusual about what is set, or None."""
+        return self.law.warning(self.state.wanted)
+
     def date_start(self, time: float) -> None:
-        """Let `meter.t_event` show that the simulation starts at `time` [s], if it has not yet."""
-        if not self._started:
-            self._part()
+        """Let the meter's `t_event` show a start at `time` [s], if there was no step yet."""
+        if not self.state.started:
             self.meter.t_event = time
 
     def refresh(self) -> None:
-        """Compute the motion where the block stands; raises BlockError where it is not finite."""
-        arc = self._arc
-        growth, x_dot, displacement = arc.state(self._elapsed)
-        settings = self._settings
+        """Compute the motion where the block stands; raises ModelError where it is not finite."""
+        state = self.state
+        settings = state.settings
+        arc = state.arc
+        growth, self.x_dot, displacement, friction = arc.state(state.elapsed)
         self.z = z = arc.z_start + growth
-        self.x_dot = x_dot
-        start = self._x
-        self.x = x = start.high + (start.low + displacement)
+        high, low = state.x
+        self.x = x = high + (low + displacement)
         self.x_pull = x_pull = x + z
         self.F = F = settings.k * z
-        self.mode = mode = arc.mode
-        if mode == 0:
-            self.F_friction = 0.0 - (F + settings.F_ext)
-        else:
-            self.F_friction = -(mode * self._kinetic + settings.c * x_dot)
+        self.F_friction = 0.0 - (F + settings.F_ext) if friction is None else friction
+        self.mode = arc.mode
+        if self._varies:
+            self.F_s = state.friction.hold(self._age())
+            self.own = arc.own(state.elapsed)
         self._displacement = displacement
         self.stale = False
         if not abs(x_pull + F) < math.inf:
-            raise BlockError(_NOT_FINITE)
+            raise ModelError(NOT_FINITE)
 
     @property
     def sticking(self) -> bool:
@@ -179,86 +235,73 @@ class Block:
     @property
     def W_pull(self) -> float:  # noqa: N802 - the symbol of the theory
         """Work done by the pulling end [J]: docs/theory.md (15)."""
-        return _finite(self._W_pull.plus(self._arc.pull_work(self._elapsed)))
+        state = self.state
+        high, low = state.W_pull
+        return finite(high + (low + state.arc.pull_work(state.elapsed)))
 
     @property
     def W_k(self) -> float:  # noqa: N802 - the symbol of the theory
         """Energy put in by changing k [J]: docs/theory.md (15)."""
-        return _finite(self._W_k.high)
+        return finite(self.state.W_k[0])
 
     @property
     def Q_friction(self) -> float:  # noqa: N802 - the symbol of the theory
         """Heat made by friction and damping [J], after `refresh`: docs/theory.md (15)."""
-        heat = self._arc.heat(self._elapsed, self._displacement)
-        return _finite(self._Q_friction.plus(heat))
+        state = self.state
+        high, low = state.Q_friction
+        return finite(high + (low + state.arc.heat(state.elapsed, self._displacement)))
 
-    def freeze(self) -> Tuple[Any, ...]:
-        """Return the whole state for `thaw`, of this block or another, quickly.
+    def freeze(self) -> State:
+        """Return the whole state for `thaw`, of this block or another; it is not written to."""
+        return self.state.twin()
 
-        It is not written to again: the block parts with what it has handed out before it
-        changes it.
-        """
-        self._x.frozen = True
-        frozen: Tuple[Any, ...] = _freeze(self)
-        return frozen
-
-    def thaw(self, frozen: Tuple[Any, ...]) -> None:
+    def thaw(self, frozen: State) -> None:
         """Take up a state that `freeze` returned, bit for bit."""
-        for name, value in zip(_STATE, frozen):
-            setattr(self, name, value)
+        self.state = state = frozen.twin()
+        self.meter = state.meter
+        self._show_law()
+        self.mode = state.arc.mode
+        self._duration = state.arc.duration
+        self._horizon = self._duration if state.started and not state.changed else -math.inf
         self.stale = True
 
     def save(self) -> Dict[str, Any]:
         """Return the whole state as plain numbers, lists and dictionaries, for `restore`."""
-        return {
-            "wanted": self.wanted.as_dict(),
-            "settings": self._settings.as_dict(),
-            "arc": list(self._origin),
-            "elapsed": [self._elapsed, self._elapsed_low],
-            "x": self._x.save(),
-            "W_pull": self._W_pull.save(),
-            "W_k": self._W_k.save(),
-            "Q_friction": self._Q_friction.save(),
-            "meter": self.meter.save(),
-            "started": self._started,
-            "changed": self._changed,
-        }
+        return self.state.save()
 
     def restore(self, saved: Dict[str, Any]) -> None:
-        """Take up a state that `save` returned, bit for bit."""
-        self.wanted = Settings(saved["settings"])
-        self._adopt_settings()
-        self.wanted = Settings(saved["wanted"])
-        self._part()
-        self._place(*saved["arc"])
-        self._elapsed, self._elapsed_low = saved["elapsed"]
-        self._x.restore(saved["x"])
-        self._W_pull.restore(saved["W_pull"])
-        self._W_k.restore(saved["W_k"])
-        self._Q_friction.restore(saved["Q_friction"])
-        self.meter.restore(saved["meter"])
-        self._started = saved["started"]
-        self._changed = saved["changed"]
-        self._plain = self._started and not self._changed
+        """Take up a state that `save` returned, bit for bit; raises ModelError for another."""
+        check_saved(saved, self.save())
+        kind = type(self.state.wanted)
+        state = State()
+        state.restore(saved)
+        state.wanted = values(kind, saved["wanted"])
+        state.settings = values(kind, saved["settings"])
+        state.friction = self.law.under(state.settings)
+        *start, own = saved["arc"]
+        state.arc = state.friction.arc(Start._make([*start, tuple(own)]))
+        state.meter = CycleMeter(0.0)
+        state.meter.restore(saved["meter"])
+        self.thaw(state)
         self.refresh()
 
     def _advance_through(self, time: float, step: float) -> None:
         """Move on by one step that may begin with other settings or hold transitions."""
         if not 0.0 < step < math.inf:
-            raise BlockError(f"step size h = {step!r} s is out of range: above 0 and finite")
+            raise ModelError(f"step size h = {step!r} s is out of range: above 0 and finite")
         if not math.isfinite(time):
-            raise BlockError(f"communication point t = {time!r} s is out of range: a finite number")
-        self._part()
-        if self._changed:
+            raise ModelError(f"communication point t = {time!r} s is out of range: a finite number")
+        state = self.state
+        if state.changed:
             self._change_settings(time)
-        if not self._started:
-            self._started = True
-            if self.mode != 0 and self._arc.x_dot_start == 0.0:
+        if not state.started:
+            state.started = True
+            if self.mode != 0 and state.arc.x_dot_start == 0.0:
                 self.meter.break_away(time)
-        high, low = add(self._elapsed, self._elapsed_low, step)
+        high, low = add((state.elapsed, state.elapsed_low), step)
         transitions = 0
         while high >= self._duration:
-            left, left_low = add(high, low, -self._duration)
+            left, left_low = add((high, low), -self._duration)
             # A stick ends when time passes its end, a slip when time reaches it: (1).
             if left < 0.0 or (left == 0.0 and self.mode == 0):
                 break
@@ -267,140 +310,95 @@ class Block:
             transitions += 1
             if transitions % _TRANSITIONS_TO_ESTIMATE == 0:
                 _check_pace(transitions, step, step - left)
-        self._elapsed = high
-        self._elapsed_low = low
-        self._plain = True
+        state.elapsed = high
+        state.elapsed_low = low
+        self._horizon = self._duration
         self.stale = True
-
-    def _part(self) -> None:
-        """Make sums and meter the block's own, where a frozen state holds them too.
-
-        They are frozen together, so one tells of all.
-        """
-        if self._x.frozen:
-            self._x = self._x.copy()
-            self._W_pull = self._W_pull.copy()
-            self._W_k = self._W_k.copy()
-            self._Q_friction = self._Q_friction.copy()
-            self.meter = self.meter.copy()
 
     def _pass_event(self, time: float) -> None:
         """Go through the end of the arc, at `time` [s], into the next one."""
-        arc = self._arc
-        if isinstance(arc, StickArc):
-            self._bank(arc.duration, (arc.z_end - arc.z_start, 0.0, 0.0))
-            self.z = z = arc.z_end
-            self.meter.break_away(time)
-            mode = 1 if arc.v > 0.0 else -1
-            self._place(mode, z, 0.0, mode * self._gap)
-            return
+        state = self.state
+        arc = state.arc
         self._bank(arc.duration, arc.end())
-        self.meter.end_slip(time)
-        z = self.z
-        spring, external = self._settings.k * z, self._settings.F_ext
-        if direction_from_rest(spring, external, self.F_s) == -arc.mode:
-            self._slip_on(-arc.mode, z, 0.0)
-        elif arc.mode * arc.v > 0.0:
-            self._place(0, z, 0.0, arc.way_to_break_away(self._gap))
-        else:
-            self._place(0, z, 0.0, None)
+        following = state.friction.after(arc, self.z)
+        if following.mode != arc.mode:
+            if arc.mode == 0:
+                self.meter.break_away(time)
+            else:
+                self.meter.end_slip(time)
+        self._place(following)
 
     def _change_settings(self, time: float) -> None:
         """Start a new arc under the wanted settings, at `time` [s], where the block stands."""
-        tau = self._elapsed
-        arc = self._arc
+        state = self.state
+        tau = state.elapsed
+        arc = state.arc
         mode = arc.mode
-        state = arc.state(tau)
+        motion = arc.state(tau)
+        x_dot = motion[1]
         # A slip of no length has not begun, so the rest test decides anew whether it does.
-        at_rest = mode == 0 or (tau == 0.0 and state[1] == 0.0)
-        before = self._slip_terms()
-        self._adopt_settings()
-        self._changed = False
-        if not at_rest and self._slip_terms() == before:
+        at_rest = mode == 0 or (tau == 0.0 and x_dot == 0.0)
+        before, k = state.friction, state.settings.k
+        self._adopt_settings(before)
+        state.changed = False
+        if not at_rest and state.friction.slip_terms() == before.slip_terms():
             # What changed is not in the equation of slip, so the arc stays whole.
             return
-        self._bank(tau, state)
-        z, x_dot = self.z, state[1]
-        dk = self._settings.k - before[0]
-        self._W_k.add(0.5 * (dk * z) * z)
-        if not at_rest:
-            self._slip_on(mode, z, x_dot)
-            return
-        self._start_from_rest(z)
-        if self._started and mode == 0 and self.mode != 0:
+        self._bank(tau, motion)
+        z = self.z
+        dk = state.settings.k - k
+        state.W_k = add(state.W_k, 0.5 * (dk * z) * z)
+        still = 0 if at_rest else mode
+        self._place(state.friction.begin(still, z, x_dot, self._age(), arc.own(tau)))
+        if state.started and mode == 0 and self.mode != 0:
             self.meter.break_away(time)
 
-    def _slip_terms(self) -> Tuple[float, ...]:
-        """Return what the equation of slip is made of, beside mass and direction: (3)."""
-        settings = self._settings
-        return settings.k, settings.c, settings.v, settings.F_ext, self._kinetic
+    def _age(self) -> float:
+        """Return the time that the mass has been at rest [s]."""
+        state = self.state
+        return state.arc.age + state.elapsed if state.arc.mode == 0 else 0.0
 
-    def _bank(self, tau: float, state: Tuple[float, float, float]) -> None:
-        """Add what the arc gave up to `tau`, where its state is given, to the block's sums."""
-        arc = self._arc
-        growth, _, displacement = state
-        self._x.add(displacement)
-        self._W_pull.add(arc.pull_work(tau))
-        if isinstance(arc, StickArc):
+    def _bank(self, tau: float, motion: Motion) -> None:
+        """Add the arc up to `tau`, where its motion is given, to the sums and the meter."""
+        state = self.state
+        arc = state.arc
+        growth, _, displacement, _ = motion
+        state.x = add(state.x, displacement)
+        state.W_pull = add(state.W_pull, arc.pull_work(tau))
+        state.Q_friction = add(state.Q_friction, arc.heat(tau, displacement))
+        if arc.mode == 0:
             self.meter.pass_stick(tau)
         else:
-            self._Q_friction.add(arc.heat(tau, displacement))
             self.meter.pass_slip(tau, displacement, -growth, arc.extreme_velocity(tau))
         self.z = arc.z_start + growth
 
-    def _adopt_settings(self) -> None:
-        """Let the wanted settings act, and derive what depends on them alone."""
-        settings = self.wanted
-        normal = settings.normal_force()
-        self.mu_k_used = kinetic_coefficient(settings.mu_s, settings.mu_k)
-        self.F_s, self._kinetic, self._gap = friction_forces(settings.mu_s, self.mu_k_used, normal)
-        _finite(self.F_s)
-        self._oscillator = Oscillator(settings.k, settings.m, settings.c)
-        self._settings = settings
+    def _adopt_settings(self, before: Optional[Friction]) -> None:
+        """Let the wanted settings act; `before` is the friction until now."""
+        state = self.state
+        state.friction = self.law.under(state.wanted, before)
+        state.settings = state.wanted
+        self._show_law()
 
-    def _start_from_rest(self, z: float) -> None:
-        """Start a stick at spring extension `z`, or the slip that it cannot hold."""
-        settings = self._settings
-        mode = direction_from_rest(settings.k * z, settings.F_ext, self.F_s)
-        if mode == 0:
-            self._place(0, z, 0.0, None)
-        else:
-            self._slip_on(mode, z, 0.0)
+    def _show_law(self) -> None:
+        """Take from the friction law what stays along an arc."""
+        friction = self.state.friction
+        self.F_s = friction.F_s
+        self._varies = friction.varies
 
-    def _slip_on(self, mode: int, z: float, x_dot: float) -> None:
-        """Start a slip arc from any state."""
-        settings = self._settings
-        force = settings.k * z + settings.F_ext
-        self._place(mode, z, x_dot, force - mode * self._kinetic)
-
-    def _place(self, mode: int, z: float, x_dot: float, force: Optional[float]) -> None:
-        """Stand at the start of the arc that these four and the settings determine.
-
-        `force` is the net force of a slip, or of a stick the way to break-away where it is known.
-        """
-        settings = self._settings
-        self._origin = [mode, z, x_dot, force]
-        if mode == 0 or force is None:
-            self._arc = StickArc(settings.k, settings.v, z, self.F_s, settings.F_ext, force)
-        else:
-            self._arc = SlipArc(self._oscillator, settings.v, z, x_dot, mode, force, self._kinetic)
-        self.mode = mode
-        self._duration = self._arc.duration
-        self._elapsed = 0.0
-        self._elapsed_low = 0.0
-
-
-def _finite(value: float) -> float:
-    """Return `value`; raises BlockError where it is none."""
-    if not math.isfinite(value):
-        raise BlockError(_NOT_FINITE)
-    return value
+    def _place(self, arc: Arc) -> None:
+        """Stand at the start of an arc."""
+        state = self.state
+        state.arc = arc
+        state.elapsed = 0.0
+        state.elapsed_low = 0.0
+        self.mode = arc.mode
+        self._duration = arc.duration
 
 
 def _check_pace(transitions: int, step: float, done: float) -> None:
     """Refuse a step of which `done` [s] already held so many transitions that it never ends."""
     if transitions > MOST_TRANSITIONS * (done / step):
-        raise BlockError(
+        raise ModelError(
             f"step size h = {step!r} s is out of range: it holds more than "
             f"{MOST_TRANSITIONS} transitions between stick and slip; make it shorter"
         )

@@ -1,14 +1,13 @@
-"""The cycle meter: what the block says of its last stick, slip and cycle. docs/theory.md (16)."""
+"""The cycle meter: quantities of the last stick, slip and cycle. docs/theory.md (16)."""
 
-from typing import Any, Dict
-
-from .compensated import CompensatedSum
+from .numerics.compensated import ZERO, Sum, add
+from .record import Record
 
 # What an FMI Integer holds; the count of slips stays there.
 MOST_SLIPS = 2**31 - 1
 
 
-class CycleMeter:
+class CycleMeter(Record):
     """Quantities of the last completed stick, slip and cycle.
 
     Break-away means stick to slip. Durations are added up arc by arc and never taken as
@@ -45,6 +44,11 @@ class CycleMeter:
         "x_dot_peak",
     )
 
+    _phase: Sum
+    _cycle: Sum
+    _displacement: Sum
+    _relief: Sum
+
     def __init__(self, start_time: float) -> None:
         self.delta_x = 0.0
         self.spring_drop = 0.0
@@ -54,12 +58,12 @@ class CycleMeter:
         self.x_dot_peak = 0.0
         self.n_slips = 0
         self.t_event = start_time
-        self._phase = CompensatedSum()
-        self._cycle = CompensatedSum()
+        self._phase = ZERO
+        self._cycle = ZERO
         self._seen_break_away = False
         self._peak = 0.0
-        self._displacement = CompensatedSum()
-        self._relief = CompensatedSum()
+        self._displacement = ZERO
+        self._relief = ZERO
 
     @property
     def f(self) -> float:
@@ -68,8 +72,8 @@ class CycleMeter:
 
     def pass_stick(self, duration: float) -> None:
         """Count `duration` [s] of rest."""
-        self._phase.add(duration)
-        self._cycle.add(duration)
+        self._phase = add(self._phase, duration)
+        self._cycle = add(self._cycle, duration)
 
     def pass_slip(
         self, duration: float, displacement: float, relief: float, extreme_velocity: float
@@ -78,60 +82,35 @@ class CycleMeter:
 
         Displacement of the mass and relief of the spring [m], extreme velocity [m/s].
         """
-        self._phase.add(duration)
-        self._cycle.add(duration)
-        self._displacement.add(displacement)
-        self._relief.add(relief)
+        self._phase = add(self._phase, duration)
+        self._cycle = add(self._cycle, duration)
+        self._displacement = add(self._displacement, displacement)
+        self._relief = add(self._relief, relief)
         if abs(extreme_velocity) > abs(self._peak):
             self._peak = extreme_velocity
 
     def break_away(self, time: float) -> None:
         """Close the stick and open a slip at `time` [s]."""
-        self.t_stick = self._phase.high
+        self.t_stick = self._phase[0]
         if self._seen_break_away:
-            self.T = self._cycle.high
+            self.T = self._cycle[0]
         self._seen_break_away = True
-        self._cycle.clear()
+        self._cycle = ZERO
         self.t_event = time
         self._open_slip()
 
     def end_slip(self, time: float) -> None:
         """Close the slip at `time` [s]; the next phase follows."""
-        self.t_slip = self._phase.high
-        self.delta_x = self._displacement.high
-        self.spring_drop = self._relief.high
+        self.t_slip = self._phase[0]
+        self.delta_x = self._displacement[0]
+        self.spring_drop = self._relief[0]
         self.x_dot_peak = self._peak
         self.n_slips = min(self.n_slips + 1, MOST_SLIPS)
         self.t_event = time
         self._open_slip()
 
     def _open_slip(self) -> None:
-        self._phase.clear()
-        self._displacement.clear()
-        self._relief.clear()
+        self._phase = ZERO
+        self._displacement = ZERO
+        self._relief = ZERO
         self._peak = 0.0
-
-    def copy(self) -> "CycleMeter":
-        """Return a meter that shows the same and counts on by itself."""
-        twin = CycleMeter(self.t_event)
-        for name in self.__slots__:
-            value = getattr(self, name)
-            setattr(twin, name, value.copy() if isinstance(value, CompensatedSum) else value)
-        return twin
-
-    def save(self) -> Dict[str, Any]:
-        """Return the whole meter as plain numbers and lists, for `restore`."""
-        return {
-            name: value.save() if isinstance(value, CompensatedSum) else value
-            for name in self.__slots__
-            for value in [getattr(self, name)]
-        }
-
-    def restore(self, saved: Dict[str, Any]) -> None:
-        """Take up a meter that `save` returned."""
-        for name in self.__slots__:
-            value = getattr(self, name)
-            if isinstance(value, CompensatedSum):
-                value.restore(saved[name])
-            else:
-                setattr(self, name, saved[name])

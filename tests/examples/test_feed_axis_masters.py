@@ -116,7 +116,7 @@ def test_a_refused_value_is_told(
 ) -> None:
     """What the drive refuses is said with name and range, also where the master goes on."""
     file = ssp.write_ssp(tmp_path / "refused.ssp", Refused(), fmus)
-    reason = "K_v = -1.0 1/s is out of range: it must be finite, at least 0"
+    reason = "K_v = -1.0 1/s is out of range: it must be finite and at least 0"
     if master == "ecos":
         found = run_apart(master, file, 4 * STEP, STEP)
         assert not found["x_motor"].any()

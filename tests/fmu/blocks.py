@@ -5,16 +5,16 @@ import random
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
-from stickslip_fmu.block import Block
+from stickslip_fmu.interface import TABLE
+from stickslip_fmu.model import Block
 from stickslip_fmu.settings import Settings
-from stickslip_fmu.variables import VARIABLES, start_values
 
-OUTPUTS = [each for each in VARIABLES if each.causality == "output"]
+OUTPUTS = [each for each in TABLE.rows if each.causality == "output"]
 
 
 def make_block(**values: float) -> Block:
     """Return a block with these values and the table's start values for the others."""
-    return Block(Settings({**start_values(), **values}))
+    return Block(Settings({**TABLE.start_values(), **values}))
 
 
 def outputs(block: Block) -> dict[str, float]:

@@ -4,6 +4,7 @@ import math
 import random
 import re
 import shutil
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,10 +12,9 @@ import fmpy
 import pytest
 
 from stickslip_fmu import packer
-from stickslip_fmu.block import Block
-from stickslip_fmu.quantities import QUANTITIES, UNITS
+from stickslip_fmu.interface import TABLE
+from stickslip_fmu.model import Block
 from stickslip_fmu.settings import Settings
-from stickslip_fmu.variables import VARIABLES, start_values
 from tests.needs import needs
 
 from .blocks import make_block, outputs
@@ -56,8 +56,8 @@ def test_checkers_find_a_spoilt_description(
 def test_description_is_the_table(fmu_path: Path) -> None:
     """Every row of the table stands in the model description, and nothing else."""
     description = fmpy.read_model_description(str(fmu_path))
-    assert [each.name for each in description.modelVariables] == [each.name for each in VARIABLES]
-    for found, row in zip(description.modelVariables, VARIABLES, strict=True):
+    assert [each.name for each in description.modelVariables] == [each.name for each in TABLE.rows]
+    for found, row in zip(description.modelVariables, TABLE.rows, strict=True):
         assert (found.type, found.causality, found.variability) == (
             row.kind,
             row.causality,
@@ -80,7 +80,7 @@ def test_description_is_the_table(fmu_path: Path) -> None:
 def test_every_variable_has_a_type_that_it_does_not_contradict(fmu_path: Path) -> None:
     """What a variable repeats of its declared type is what the type says."""
     description = fmpy.read_model_description(str(fmu_path))
-    assert [each.name for each in description.typeDefinitions] == list(QUANTITIES)
+    assert [each.name for each in description.typeDefinitions] == list(TABLE.quantities)
     for found in description.modelVariables:
         declared = found.declaredType
         assert declared is not None
@@ -124,7 +124,7 @@ def test_outputs_keep_to_their_bounds() -> None:
             block.set("v", generator.uniform(-0.1, 0.1))
             block.advance(0.0, generator.choice([1e-9, 1e-3, 0.1]))
             found = outputs(block)
-            for row in VARIABLES:
+            for row in TABLE.rows:
                 if row.causality == "output":
                     low = -math.inf if row.minimum is None else row.minimum
                     high = math.inf if row.maximum is None else row.maximum
@@ -191,8 +191,8 @@ def test_units_are_those_of_physics(fmu_path: Path) -> None:
 
 def test_no_unit_or_type_is_idle() -> None:
     """Every unit belongs to a type and every type to a variable."""
-    assert {each.unit for each in QUANTITIES.values() if each.unit} == set(UNITS)
-    assert {each.quantity for each in VARIABLES} == set(QUANTITIES)
+    assert {each.unit for each in TABLE.quantities.values() if each.unit} == set(TABLE.units)
+    assert {each.type.name for each in TABLE.rows} == set(TABLE.quantities)
 
 
 def test_initial_values_depend_on_what_the_description_says(fmu_path: Path) -> None:
@@ -214,7 +214,7 @@ def test_initial_values_depend_on_what_the_description_says(fmu_path: Path) -> N
     seen: dict[str, set[str]] = {name: set() for name in named}
     shifts = {"load": 5.0, "x_start": 0.01, "x_dot_start": 0.1, "z_start": 0.01, "F_ext": 5.0}
     for _ in range(600):
-        base = start_values()
+        base = TABLE.start_values()
         base |= {
             "z_start": generator.uniform(-0.01, 0.01),
             "x_dot_start": generator.choice([0.0, 0.0, 0.1, -0.1]),
@@ -242,11 +242,13 @@ def test_the_guid_tells_the_content(
     """It has the usual form, and is another one where one byte of the packed code is another."""
     guid = fmpy.read_model_description(str(fmu_path)).guid
     assert re.fullmatch(r"\{[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}\}", guid)
-    changed = tmp_path / "changed"
-    shutil.copytree(Path(packer.__file__).parent, changed)
-    with (changed / "arcs.py").open("a") as source:
+    shutil.copytree(Path(packer.__file__).parent, tmp_path / "stickslip_fmu")
+    with (tmp_path / "stickslip_fmu" / "meter.py").open("a") as source:
         source.write("\n")
-    monkeypatch.setattr(packer, "_HERE", changed)
+    # The packer looks for what travels where Python does.
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in [name for name in sys.modules if name.partition(".")[0] == "stickslip_fmu"]:
+        monkeypatch.delitem(sys.modules, name)
     other = fmpy.read_model_description(str(packer.build(tmp_path))).guid
     assert re.fullmatch(r"\{[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}\}", other)
     assert other != guid
@@ -261,5 +263,5 @@ def test_numbers_are_written_with_all_their_digits(fmu_path: Path) -> None:
             flags=re.DOTALL,
         )
     )
-    for name, value in start_values().items():
+    for name, value in TABLE.start_values().items():
         assert float(starts[name]) == value

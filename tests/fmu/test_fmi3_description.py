@@ -8,8 +8,7 @@ import fmpy
 import pytest
 
 from stickslip_fmu import packer
-from stickslip_fmu.quantities import QUANTITIES
-from stickslip_fmu.variables import VARIABLES
+from stickslip_fmu.interface import TABLE
 from tests.needs import needs
 
 from .conformity import CHECKERS, by_fmpy, by_schema, by_toolbox, spoilt
@@ -57,13 +56,13 @@ def test_description_is_the_table_and_the_time(fmi3_path: Path) -> None:
     *rows, time = description.modelVariables
     assert (time.name, time.causality, time.unit) == ("time", "independent", "s")
     kinds = {"Real": {"Float64"}, "Integer": {"Int32", "Enumeration"}, "Boolean": {"Boolean"}}
-    for found, row in zip(rows, VARIABLES, strict=True):
+    for found, row in zip(rows, TABLE.rows, strict=True):
         assert found.name == row.name
         assert found.type in kinds[row.kind]
         assert (found.causality, found.variability) == (row.causality, row.variability)
         assert (found.unit or "") == row.unit
         assert found.description == row.description
-        assert found.declaredType.name == row.quantity
+        assert found.declaredType.name == row.type.name
         for text, value in (
             (found.start, row.start),
             (found.min, row.minimum),
@@ -73,7 +72,7 @@ def test_description_is_the_table_and_the_time(fmi3_path: Path) -> None:
             assert value is None or text == repr(value)
         if row.kind == "Real":
             assert float(found.nominal) == row.type.nominal
-    assert [each.name for each in description.typeDefinitions] == list(QUANTITIES)
+    assert [each.name for each in description.typeDefinitions] == list(TABLE.quantities)
 
 
 def test_both_versions_tell_the_same(fmi3_path: Path, fmu_path: Path) -> None:

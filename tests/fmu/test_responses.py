@@ -5,8 +5,8 @@ import random
 import mpmath
 import pytest
 
-from stickslip_fmu.oscillator import Oscillator
-from stickslip_fmu.settings import BlockError
+from fmukit.model import ModelError
+from stickslip_fmu.laws.coulomb.oscillator import Oscillator
 
 CONTEXT = mpmath.mp.clone()
 CONTEXT.dps = 60
@@ -62,5 +62,5 @@ def test_responses_are_right_for_long() -> None:
 )
 def test_rates_out_of_range_are_refused(k: float, m: float, c: float) -> None:
     """Values whose rates are no double-precision numbers are refused by name."""
-    with pytest.raises(BlockError, match=r"k = .* m = .* c = .* out of range together"):
+    with pytest.raises(ModelError, match=r"k = .* m = .* c = .* out of range together"):
         Oscillator(k, m, c)

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.errors import CommandError
-from stickslip.host import ask, find_library, prepare
-from stickslip_fmu.variables import VARIABLES
+from stickslip.host.launch import ask, find_library, prepare
+from stickslip_fmu.interface import TABLE
 
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "examples" / "importing" / "host.c"
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
-OUTPUTS = tuple(each for each in VARIABLES if each.causality == "output")
+OUTPUTS = tuple(each for each in TABLE.rows if each.causality == "output")
 _LIMIT = 120.0
 """Seconds after which a process counts as hung; the longest takes two."""
 

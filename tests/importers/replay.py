@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from stickslip_fmu.variables import VARIABLES
+from stickslip_fmu.interface import TABLE
 from tests.importers.host_c import Host, line
 from tests.importers.record import Call
 from tests.importers.running import ask
@@ -56,7 +56,7 @@ def _script(calls: Sequence[Call]) -> Iterator[str]:
             yield line(_LINES[call.what], *(each for each in call.arguments if each is not None))
         elif call.what.startswith(("get_", "set_")):
             references = call.arguments[0]
-            columns = [[VARIABLES[each].name for each in references], *call.arguments[1:]]
+            columns = [[TABLE.rows[each].name for each in references], *call.arguments[1:]]
             words = [word for row in zip(*columns, strict=True) for word in row]
             if words:
                 yield line(call.what[:3], *words)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_fmu.variables import VALUE_REFERENCES
+from stickslip_fmu.interface import TABLE
 from tests.interrupting import HEARING
 from tests.needs import needs
 
@@ -106,7 +106,7 @@ def test_fmpy_shows_the_same_bits_for_the_same_calls(
 ) -> None:
     """What the host in C calls, called through FMPy, reads the same numbers."""
     case = CASES["inputs"]
-    reals = [VALUE_REFERENCES[each.name] for each in OUTPUTS if each.kind == "Real"]
+    reals = [TABLE.by_name[each.name].number for each in OUTPUTS if each.kind == "Real"]
     calls = [Call("block", "make", ()), Call("block", "setup_experiment", (0.0, None, None))]
     calls += [_set(case.start)]
     calls += [Call("block", f"{each}_initialization_mode", ()) for each in ("enter", "exit")]
@@ -120,7 +120,7 @@ def test_fmpy_shows_the_same_bits_for_the_same_calls(
 
 def _set(values: object) -> Call:
     assert isinstance(values, dict)
-    references = [VALUE_REFERENCES[name] for name in values]
+    references = [TABLE.by_name[name].number for name in values]
     return Call("block", "set_real", (references, list(values.values())))
 
 

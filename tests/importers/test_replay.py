@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_fmu.variables import VALUE_REFERENCES
+from stickslip_fmu.interface import TABLE
 from tests.needs import each, needs
 
 from . import record, replay
@@ -89,7 +89,7 @@ def test_an_importer_shows_what_the_fmu_answered(
         # Some importers show the start, some begin with the end of the first step.
         points = record.points(run_.calls, instance)[-len(rows.times) :]
         for name, samples in rows.outputs.items():
-            reference = VALUE_REFERENCES[name]
+            reference = TABLE.by_name[name].number
             assert replay.bits(samples) == replay.bits([point[reference] for point in points])
 
 

@@ -1,1 +1,1 @@
-"""Facts about the verification: its truth, its cases, its checks, its proofs."""
+"""Facts about the verification: its truth, its cases, its checks, its random tests."""

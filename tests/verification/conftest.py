@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from pythonfmu.builder import FmuBuilder
 
-from stickslip_verification.fmu import NameMap, load_names
+from stickslip_verification.drive.fmu.names import NameMap, load_names
 from tests.verification.foreign import building
 
 FOREIGN = """\

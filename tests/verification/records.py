@@ -1,4 +1,4 @@
-"""Records with a planted fault, and the laws that see it."""
+"""Records with a planted fault, and the invariants that see it."""
 
 from __future__ import annotations
 
@@ -8,15 +8,17 @@ from functools import cache
 
 import numpy as np
 
-from stickslip_verification.cases import CASES_FOLDER, Case, load_case
-from stickslip_verification.exact import Exact, exact_motion
-from stickslip_verification.judging.checks import OURS, Trial
-from stickslip_verification.judging.law_checks import applies, judge_residual
-from stickslip_verification.laws import ResidualLaw, load_laws
-from stickslip_verification.record import Record, Series
-from stickslip_verification.verdict import CheckResult
+from stickslip_verification.drive.exact import Exact, exact_motion
+from stickslip_verification.judge.checks import EXACT_CONTRACT, Contract
+from stickslip_verification.judge.invariant_checks import applies, judge_residual
+from stickslip_verification.model.run import Run, Series
+from stickslip_verification.model.verdict import CheckResult
+from stickslip_verification.suite.cases import CASES_FOLDER, Case, load_case
+from stickslip_verification.suite.invariants import ResidualInvariant, load_invariants
 
-LAWS: Mapping[str, ResidualLaw] = {law.id: law for law in load_laws().residuals}
+INVARIANTS: Mapping[str, ResidualInvariant] = {
+    invariant.id: invariant for invariant in load_invariants().residuals
+}
 
 
 @dataclass
@@ -52,38 +54,47 @@ def exact_of(name: str) -> Exact:
 
 
 @cache
-def believed(name: str, *values: tuple[str, float]) -> Record:
+def believed(name: str, *values: tuple[str, float]) -> Run:
     """Give the exact motion of a case in a world with other parameters."""
     case = named(name)
     return exact_motion(replace(case, parameters={**case.parameters, **dict(values)})).record
 
 
 @cache
-def laws_of(name: str) -> tuple[ResidualLaw, ...]:
-    """Give the laws on samples that the exact motion of a case has a place for."""
-    return tuple(law for law in LAWS.values() if applies(law, named(name), exact_of(name)))
+def invariants_of(name: str) -> tuple[ResidualInvariant, ...]:
+    """Give the invariants on samples that the exact motion of a case has a place for."""
+    return tuple(
+        invariant
+        for invariant in INVARIANTS.values()
+        if applies(invariant, named(name), exact_of(name))
+    )
 
 
-def planted(record: Record, fault: Fault) -> Record:
+def planted(record: Run, fault: Fault) -> Run:
     """Give a copy of a record with a fault in it."""
     draft = Draft(
         {name: np.array(samples) for name, samples in record.outputs.items()},
         dict(record.initial),
     )
     fault(draft)
-    return Record(record.times, draft.outputs, draft.initial, record.messages)
+    return Run(record.times, draft.outputs, draft.initial, record.messages)
 
 
-def judged(name: str, record: Record, trial: Trial = OURS) -> dict[str, CheckResult]:
-    """Give the results of the laws that the exact motion has a place for, by law."""
+def judged(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> dict[str, CheckResult]:
+    """Give the results of the invariants that the exact motion has a place for, by invariant."""
     case, exact = named(name), exact_of(name)
-    return {law.id: judge_residual(law, case, trial, exact, record) for law in laws_of(name)}
+    return {
+        invariant.id: judge_residual(invariant, case, contract, exact, record)
+        for invariant in invariants_of(name)
+    }
 
 
-def seen(name: str, record: Record, trial: Trial = OURS) -> set[str]:
-    """Give the laws that a record breaks."""
-    results = judged(name, record, trial)
-    return {law for law, r in results.items() if not r.passed and r.not_applicable is None}
+def seen(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> set[str]:
+    """Give the invariants that a record breaks."""
+    results = judged(name, record, contract)
+    return {
+        invariant for invariant, r in results.items() if not r.passed and r.not_applicable is None
+    }
 
 
 def value(name: str, number: float, at: int) -> Fault:

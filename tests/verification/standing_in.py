@@ -8,12 +8,12 @@ from functools import cache
 
 import numpy as np
 
-from stickslip_verification.cases import Case, load_cases
-from stickslip_verification.exact import Exact, exact_motion
-from stickslip_verification.judging.checks import OURS, REFERENCE, judge
-from stickslip_verification.record import Record, Series
-from stickslip_verification.trial.sides import Side
-from stickslip_verification.verdict import CheckResult
+from stickslip_verification.drive.exact import Exact, exact_motion
+from stickslip_verification.drive.sides import Side
+from stickslip_verification.judge.checks import EXACT_CONTRACT, REFERENCE_CONTRACT, judge
+from stickslip_verification.model.run import Run, Series
+from stickslip_verification.model.verdict import CheckResult
+from stickslip_verification.suite.cases import Case, load_cases
 
 Columns = dict[str, Series]
 Fault = Callable[[Columns], None]
@@ -39,14 +39,14 @@ class StandIn:
         self._fault = fault
         self._believed = believed or {}
 
-    def run(self, case: Case) -> Record:
+    def run(self, case: Case) -> Run:
         """Give the exact motion with the fault in it."""
         parameters = {**case.parameters, **self._believed}
         other = replace(case, parameters=parameters)
         record = exact_motion(other).record if self._believed else exact_of(case.id).record
         columns = {name: np.array(samples) for name, samples in record.outputs.items()}
         self._fault(columns)
-        return Record(record.times, columns, record.initial)
+        return Run(record.times, columns, record.initial)
 
 
 def named(case: str) -> Case:
@@ -64,9 +64,11 @@ def judge_case(case: Case, sides: Sequence[Side]) -> list[CheckResult]:
     """Return the result of every check of a case on every side."""
     results = []
     for side in sides:
-        trial = OURS if side.name == "fmu" else REFERENCE
+        contract = EXACT_CONTRACT if side.name == "fmu" else REFERENCE_CONTRACT
         record = side.run(case)
-        results += [judge(case, check, trial, exact_of(case.id), record) for check in case.checks]
+        results += [
+            judge(case, check, contract, exact_of(case.id), record) for check in case.checks
+        ]
     return results
 
 

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from stickslip_verification import CaseError, load_cases
-from stickslip_verification.cases import At, Case, Truth
-from stickslip_verification.exact import exact_motion
-from stickslip_verification.formulas import FORMULAS
-from stickslip_verification.judging.checks import extract, places
-from stickslip_verification.quantities import GROUPS
+from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.judge.checks import extract, places
+from stickslip_verification.model.formulas import FORMULAS
+from stickslip_verification.model.quantities import GROUPS
+from stickslip_verification.model.verdict import Kind
+from stickslip_verification.suite.cases import At, Case, Truth
 
 from .standing_in import exact_of
 
@@ -159,7 +160,7 @@ def test_a_check_that_is_written_out_takes_what_it_leaves_open_from_the_rules(
     assert mixed.because == {"fmu": "rounding", "reference": by_rule.because["reference"]}
     assert (by_rule.unit, by_rule.truth, by_rule.measure) == (
         "s",
-        Truth("closed_form", 8, "t_slip"),
+        Truth(Kind.CLOSED_FORM, 8, "t_slip"),
         "relative",
     )
 

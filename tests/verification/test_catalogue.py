@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from stickslip_verification.cases import load_cases
-from stickslip_verification.catalogue import Meaning, meanings, of_quantities
-from stickslip_verification.laws import Laws, load_laws
-from stickslip_verification.linter import SHORTEST, VAGUE
-from stickslip_verification.quantities import QUANTITIES
+from stickslip_verification.model.quantities import QUANTITIES
+from stickslip_verification.run.lint import SHORTEST, VAGUE
+from stickslip_verification.suite.cases import load_cases
+from stickslip_verification.suite.catalogue import Meaning, meanings, of_quantities
+from stickslip_verification.suite.invariants import Invariants, load_invariants
 
-CASES, LAWS = load_cases(), load_laws()
-FOUND = meanings(CASES, LAWS)
+CASES, INVARIANTS = load_cases(), load_invariants()
+FOUND = meanings(CASES, INVARIANTS)
 
 
 def test_every_quantity_has_a_meaning_and_no_other_has() -> None:
@@ -18,9 +18,11 @@ def test_every_quantity_has_a_meaning_and_no_other_has() -> None:
 
 
 def test_every_check_of_a_verdict_has_a_meaning() -> None:
-    """Whatever id a result can bear, of a case, a law or an order's range, is explained."""
-    wanted = {check.id for case in CASES for check in case.checks} | {law.id for law in LAWS}
-    wanted |= {f"{law.id}-asymptotic" for law in LAWS.orders}
+    """Whatever id a result can bear, of a case, an invariant or an order's range, is explained."""
+    wanted = {check.id for case in CASES for check in case.checks} | {
+        invariant.id for invariant in INVARIANTS
+    }
+    wanted |= {f"{invariant.id}-asymptotic" for invariant in INVARIANTS.orders}
     assert set(FOUND) == wanted
 
 
@@ -41,10 +43,10 @@ def test_one_id_is_about_one_quantity() -> None:
     assert {name: found for name, found in about.items() if len(found) > 1} == {}
 
 
-def test_a_law_means_what_it_says() -> None:
-    """The meaning of a law stands in its file."""
-    for law in LAWS:
-        assert FOUND[law.id] == Meaning(law.means, law.look)
+def test_an_invariant_means_what_it_says() -> None:
+    """The meaning of an invariant stands in its file."""
+    for invariant in INVARIANTS:
+        assert FOUND[invariant.id] == Meaning(invariant.means, invariant.look)
 
 
 def test_a_meaning_says_something() -> None:
@@ -57,5 +59,5 @@ def test_a_meaning_says_something() -> None:
 
 
 def test_nothing_needs_no_explanation() -> None:
-    """No cases and no laws give no meanings."""
-    assert meanings([], Laws()) == {}
+    """No cases and no invariants give no meanings."""
+    assert meanings([], Invariants()) == {}

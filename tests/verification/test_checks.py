@@ -5,9 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import Case
-from stickslip_verification.judging.checks import FOREIGN, OURS, STRICT, judge
-from stickslip_verification.record import Record
+from stickslip_verification.judge.checks import (
+    EXACT_CONTRACT,
+    PHYSICS_CONTRACT,
+    STRICT_CONTRACT,
+    judge,
+)
+from stickslip_verification.model.run import Run
+from stickslip_verification.suite.cases import Case
 
 from .standing_in import Columns, Fault, StandIn, exact_of, failures, named
 
@@ -157,21 +162,21 @@ def test_a_foreign_fmu_is_held_to_a_numerical_solution() -> None:
     record = StandIn(scaled("F", 1.0 + 1e-10)).run(DEFAULT)
     check = next(check for check in DEFAULT.checks if check.id == "F-course")
     passed = {
-        trial: judge(DEFAULT, check, trial, exact_of("default"), record).passed
-        for trial in (OURS, STRICT, FOREIGN)
+        contract: judge(DEFAULT, check, contract, exact_of("default"), record).passed
+        for contract in (EXACT_CONTRACT, STRICT_CONTRACT, PHYSICS_CONTRACT)
     }
-    assert passed == {OURS: False, STRICT: False, FOREIGN: True}
+    assert passed == {EXACT_CONTRACT: False, STRICT_CONTRACT: False, PHYSICS_CONTRACT: True}
 
 
 def test_an_output_that_a_foreign_fmu_lacks_is_no_failure_and_no_pass() -> None:
     """Without the output the check is not applicable to a foreign FMU, and a failure of ours."""
     record = StandIn(dropped).run(DEFAULT)
     check = next(check for check in DEFAULT.checks if check.id == "f-exact")
-    foreign = judge(DEFAULT, check, FOREIGN, exact_of("default"), record)
+    foreign = judge(DEFAULT, check, PHYSICS_CONTRACT, exact_of("default"), record)
     assert foreign.verdict == "not applicable"
     assert foreign.not_applicable == "it has no output f"
     assert not foreign.passed
-    assert judge(DEFAULT, check, OURS, exact_of("default"), record).verdict == "fail"
+    assert judge(DEFAULT, check, EXACT_CONTRACT, exact_of("default"), record).verdict == "fail"
 
 
 def test_a_convention_does_not_decide_for_a_foreign_fmu() -> None:
@@ -180,18 +185,22 @@ def test_a_convention_does_not_decide_for_a_foreign_fmu() -> None:
     record = StandIn(scaled("mu_k_used", 0.9)).run(case)
     check = next(check for check in case.checks if check.id == "mu_k_used-course")
 
-    def verdict(trial: object) -> str:
-        assert trial in (OURS, STRICT, FOREIGN)
-        return judge(case, check, trial, exact_of("clamp"), record).verdict
+    def verdict(contract: object) -> str:
+        assert contract in (EXACT_CONTRACT, STRICT_CONTRACT, PHYSICS_CONTRACT)
+        return judge(case, check, contract, exact_of("clamp"), record).verdict
 
-    assert [verdict(trial) for trial in (OURS, STRICT, FOREIGN)] == ["fail", "fail", "noted"]
+    assert [
+        verdict(contract) for contract in (EXACT_CONTRACT, STRICT_CONTRACT, PHYSICS_CONTRACT)
+    ] == ["fail", "fail", "noted"]
 
 
 def test_too_few_samples_fail_where_they_end() -> None:
     """A record that stops early fails every check that looks beyond its end."""
     whole = StandIn().run(DEFAULT)
-    early = Record(whole.times[:10], {n: s[:10] for n, s in whole.outputs.items()}, whole.initial)
-    results = [judge(DEFAULT, c, OURS, exact_of("default"), early) for c in DEFAULT.checks]
+    early = Run(whole.times[:10], {n: s[:10] for n, s in whole.outputs.items()}, whole.initial)
+    results = [
+        judge(DEFAULT, c, EXACT_CONTRACT, exact_of("default"), early) for c in DEFAULT.checks
+    ]
     assert not any(result.passed for result in results)
 
 

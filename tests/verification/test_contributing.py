@@ -36,8 +36,8 @@ class Suite:
         self.root = root
         self.folder = root / package.name
         shutil.copytree(package, self.folder, ignore=shutil.ignore_patterns("__pycache__"))
-        self.cases = self.folder / "cases"
-        self.faults = self.folder / "mutants" / "faults"
+        self.cases = self.folder / "suite" / "cases"
+        self.faults = self.folder / "suite" / "faults"
 
     def run(self, line: str) -> tuple[int, list[str]]:
         """Run a line of the shell that calls the command; give its exit code and what it says."""
@@ -90,7 +90,7 @@ def test_a_case_is_added_as_contributing_says(suite: Suite, fmu_path: Path) -> N
             other.unlink()
     code, said = suite.run(f"stickslip verify --accept --fmu {fmu_path} -o r.json")
     assert code == 0, said
-    accepted = suite.folder / "judging" / "accepted.json"
+    accepted = suite.folder / "suite" / "second_values.json"
     assert "x-course" in json.loads(accepted.read_text(encoding="utf-8"))[name]
 
     file.unlink()

@@ -8,16 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stickslip_verification.judging.checks import REFERENCE
-from stickslip_verification.judging.law_checks import judge_order
-from stickslip_verification.laws import Order, load_laws
-from stickslip_verification.trial.answer import Answer
-from stickslip_verification.trial.convergence import halves, observe, slope
-from stickslip_verification.verdict import CheckResult, ObservedOrder
+from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.convergence import halves, observe, slope
+from stickslip_verification.judge.checks import REFERENCE_CONTRACT
+from stickslip_verification.judge.invariant_checks import judge_order
+from stickslip_verification.model.verdict import CheckResult, ObservedOrder
+from stickslip_verification.suite.invariants import Order, load_invariants
 
 from .records import named
 
-LAW: Order = load_laws().orders[0]
+INVARIANT: Order = load_invariants().orders[0]
 
 LEVELS = np.geomspace(1e-9, 1e-13, 17)
 
@@ -28,8 +28,8 @@ def observed(errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> ObservedOr
 
 
 def judged(seen: Answer[ObservedOrder]) -> dict[str, CheckResult]:
-    """Give both results of the law by their ids."""
-    return {r.check: r for r in judge_order(LAW, "default", REFERENCE, seen)}
+    """Give both results of the invariant by their ids."""
+    return {r.check: r for r in judge_order(INVARIANT, "default", REFERENCE_CONTRACT, seen)}
 
 
 @pytest.mark.parametrize("order", [0.5, 1.0, 4.0 / 3.0, 8.0])
@@ -54,7 +54,7 @@ def test_a_flat_half_is_seen() -> None:
     assert halves(observed(floor)) == pytest.approx(1.0, rel=1e-12)
     assert halves(observed(ceiling)) == pytest.approx(-1.0, rel=1e-12)
     for errors in (floor, ceiling):
-        assert not judged(Answer(observed(errors)))[f"{LAW.id}-asymptotic"].passed
+        assert not judged(Answer(observed(errors)))[f"{INVARIANT.id}-asymptotic"].passed
 
 
 @pytest.mark.parametrize("bad", [0.0, math.nan, math.inf, -1e-12])
@@ -68,10 +68,10 @@ def test_errors_without_a_logarithm_have_no_order(bad: float) -> None:
         assert result.failure == "an error is zero or no finite number"
 
 
-def test_an_order_is_judged_by_its_law() -> None:
+def test_an_order_is_judged_by_its_invariant() -> None:
     """The promised order passes; one that is half of it, or twice, does not."""
     for order, passed in ((1.0, True), (0.9, True), (0.5, False), (2.0, False)):
-        result = judged(Answer(observed(LEVELS**order)))[LAW.id]
+        result = judged(Answer(observed(LEVELS**order)))[INVARIANT.id]
         assert result.got == pytest.approx(order, rel=1e-12)
         assert (result.passed, result.truth) == (passed, "convergence")
 
@@ -82,8 +82,8 @@ def test_an_order_that_could_not_be_observed_fails() -> None:
         assert (result.passed, result.failure) == (False, "the process crashed (SIGSEGV)")
 
 
-def test_the_scatter_that_the_law_allows_for_passes() -> None:
-    """Errors that scatter by a factor of two about the power law keep the law at every seed."""
+def test_the_scatter_that_the_invariant_allows_for_passes() -> None:
+    """Errors that scatter by a factor of two about the power law keep the invariant."""
     for seed in range(20):
         scatter = np.exp(np.log(2.0) * np.random.default_rng(seed).standard_normal(17) / 2.0)
         assert all(r.passed for r in judged(Answer(observed(LEVELS * scatter))).values())
@@ -91,8 +91,8 @@ def test_the_scatter_that_the_law_allows_for_passes() -> None:
 
 def test_the_reference_converges() -> None:
     """A case of a few steps shows the reference's order, at fewer levels than the suite's."""
-    law = replace(LAW, levels=5, coarsest=1e-9, finest=1e-11, quantity="z")
-    seen = observe(named("grazing"), law)
+    invariant = replace(INVARIANT, levels=5, coarsest=1e-9, finest=1e-11, quantity="z")
+    seen = observe(named("grazing"), invariant)
     assert (seen.case, seen.quantity, len(seen.errors)) == ("grazing", "z", 5)
     assert list(seen.tolerances) == pytest.approx(np.geomspace(1e-9, 1e-11, 5).tolist())
     pairs = zip(seen.errors, seen.errors[1:], seen.orders, strict=False)

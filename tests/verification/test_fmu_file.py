@@ -9,17 +9,11 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from stickslip_verification.fmu import (
-    FmuError,
-    FmuFile,
-    NameMap,
-    available,
-    missing,
-    new_folder,
-    require,
-)
-from stickslip_verification.fmu.names import Target
-from stickslip_verification.quantities import OUTPUT_NAMES
+from stickslip_verification.drive.fmu.archive import FmuFile, available, missing, require
+from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.names import NameMap, Target
+from stickslip_verification.drive.fmu.unpacking import new_folder
+from stickslip_verification.model.quantities import OUTPUT_NAMES
 from tests.verification.foreign.building import altered, build
 
 FMI_1 = """<?xml version="1.0" encoding="UTF-8"?>
@@ -281,6 +275,6 @@ def test_it_is_unpacked_where_the_wrapper_can_read_the_name(
 def test_no_plain_folder_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where there is none, the reason names the folder and what to set."""
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "ü"))
-    monkeypatch.setattr("stickslip_verification.fmu.unpacking._ELSEWHERE", ())
+    monkeypatch.setattr("stickslip_verification.drive.fmu.unpacking._ELSEWHERE", ())
     with pytest.raises(FmuError, match=r"ü: FMUs made with pythonfmu .* set TMPDIR"):
         new_folder()

@@ -14,9 +14,12 @@ import numpy as np
 import pytest
 
 from stickslip_verification import truth
-from stickslip_verification.fmu import FmuError, FmuFile, FmuInstance, NameMap, available
-from stickslip_verification.quantities import OUTPUT_NAMES
-from stickslip_verification.record import Series
+from stickslip_verification.drive.fmu.archive import FmuFile, available
+from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.instance import FmuInstance
+from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.model.run import Series
 from tests.needs import needs
 from tests.verification.foreign import native
 from tests.verification.foreign.building import HERE, altered
@@ -353,7 +356,8 @@ def test_a_step_that_is_not_done_is_an_error(
 DRIVE = """
 import sys
 from pathlib import Path
-from stickslip_verification.fmu import FmuFile, load_names
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.fmu.names import load_names
 
 for path, names in zip(sys.argv[1::2], sys.argv[2::2]):
     fmu = FmuFile(Path(path), load_names(Path(names)) if names else None)

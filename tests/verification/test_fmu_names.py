@@ -7,9 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.fmu import FmuError, FmuFile, NamesError, load_names
-from stickslip_verification.fmu.names import INPUT_UNITS, NOT_THERE, UNITS, NameMap, Target
-from stickslip_verification.quantities import OUTPUT_NAMES
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.names import (
+    INPUT_UNITS,
+    NOT_THERE,
+    UNITS,
+    NameMap,
+    NamesError,
+    Target,
+    load_names,
+)
+from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.truth.parameters import START_VALUES
 
 

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import Case
-from stickslip_verification.exact import exact_motion
-from stickslip_verification.record import Record
-from stickslip_verification.trial import kept as module
-from stickslip_verification.trial.kept import FOLDER, kept
-from stickslip_verification.trial.sides import ReferenceSide
+from stickslip_verification.drive import kept as module
+from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.drive.kept import FOLDER, kept
+from stickslip_verification.drive.sides import ReferenceSide
+from stickslip_verification.model.run import Run
+from stickslip_verification.suite.cases import Case
 
 from .standing_in import named
 
@@ -90,7 +90,7 @@ def test_what_is_kept_is_what_was_computed_to_the_bit(
     """Exact motion and reference come back from the folder with every bit."""
     case = named("damped-fades")
 
-    def bits(record: Record) -> dict[str, bytes]:
+    def bits(record: Run) -> dict[str, bytes]:
         return {name: np.asarray(each).tobytes() for name, each in record.outputs.items()}
 
     computed = [bits(exact_motion(case).record), bits(ReferenceSide().run(case))]

@@ -1,4 +1,4 @@
-"""The laws on samples: the exact motion keeps them all, and a fault breaks those it is about."""
+"""Invariants on samples: the exact motion keeps them all, a fault breaks those it is about."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import CASES_FOLDER, Case
-from stickslip_verification.exact import exact_motion
-from stickslip_verification.experiment import CommunicationStep
-from stickslip_verification.judging.checks import FOREIGN, OURS
-from stickslip_verification.judging.law_checks import judge_residual
-from stickslip_verification.metrics import METRICS, Course
-from stickslip_verification.quantities import OUTPUT_NAMES
-from stickslip_verification.record import Record
+from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT
+from stickslip_verification.judge.invariant_checks import judge_residual
+from stickslip_verification.judge.metrics import METRICS, Course
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.model.run import Run
+from stickslip_verification.suite.cases import CASES_FOLDER, Case
+from stickslip_verification.suite.experiment import CommunicationStep
 
 from .records import (
-    LAWS,
+    INVARIANTS,
     Draft,
     Fault,
     at_start,
@@ -27,9 +27,9 @@ from .records import (
     constant,
     copied,
     exact_of,
+    invariants_of,
     judged,
     lagging,
-    laws_of,
     named,
     planted,
     scaled,
@@ -47,18 +47,22 @@ ROUNDED_ONCE = 2e-15
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_the_exact_motion_keeps_every_law(name: str) -> None:
+def test_the_exact_motion_keeps_every_invariant(name: str) -> None:
     """Rounded to double once, the exact motion leaves nothing over but that rounding."""
     results = judged(name, exact_of(name).record)
-    assert {law: r for law, r in results.items() if not r.passed} == {}
-    left = {law: r.error for law, r in results.items() if not (r.error or 0.0) <= ROUNDED_ONCE}
+    assert {invariant: r for invariant, r in results.items() if not r.passed} == {}
+    left = {
+        invariant: r.error
+        for invariant, r in results.items()
+        if not (r.error or 0.0) <= ROUNDED_ONCE
+    }
     assert left == {}
 
 
-def test_every_law_is_tried_somewhere() -> None:
-    """There is no law on samples that finds no place in any case."""
-    tried = {law.id for name in CASES for law in laws_of(name)}
-    assert tried == set(LAWS)
+def test_every_invariant_is_tried_somewhere() -> None:
+    """There is no invariant on samples that finds no place in any case."""
+    tried = {invariant.id for name in CASES for invariant in invariants_of(name)}
+    assert tried == set(INVARIANTS)
 
 
 def creep(draft: Draft) -> None:
@@ -160,17 +164,19 @@ FAULTS: list[tuple[str, Fault, str]] = [
 
 
 @pytest.mark.parametrize(
-    ("name", "fault", "laws"), FAULTS, ids=[f"{n}-{laws}" for n, _, laws in FAULTS]
+    ("name", "fault", "invariants"),
+    FAULTS,
+    ids=[f"{n}-{invariants}" for n, _, invariants in FAULTS],
 )
-def test_a_fault_breaks_the_laws_it_is_about_and_no_other(
-    name: str, fault: Fault, laws: str
+def test_a_fault_breaks_the_invariants_it_is_about_and_no_other(
+    name: str, fault: Fault, invariants: str
 ) -> None:
-    """What is wrong with the samples is told by the laws that fail, and by those that hold."""
-    assert seen(name, planted(exact_of(name).record, fault)) == set(laws.split())
+    """The invariants that fail, and those that hold, tell what is wrong with the samples."""
+    assert seen(name, planted(exact_of(name).record, fault)) == set(invariants.split())
 
 
 def test_what_is_no_number_at_the_start_is_seen() -> None:
-    """NaN after initialization, in whatever output, breaks the law on start values."""
+    """NaN after initialization, in whatever output, breaks the invariant on start values."""
     exact = exact_of("crumbs").record
     blind = [
         name
@@ -182,13 +188,13 @@ def test_what_is_no_number_at_the_start_is_seen() -> None:
 
 @pytest.mark.parametrize("name", ["T", "z", "mode", "t_event"])
 def test_a_lost_sample_is_a_failure_and_no_crash(name: str) -> None:
-    """A column that is one sample short fails the laws that need it, with a reason."""
+    """A column that is one sample short fails the invariants that need it, with a reason."""
 
     def fault(draft: Draft) -> None:
         draft.outputs[name] = draft.outputs[name][:-1]
 
     results = judged("default", planted(exact_of("default").record, fault))
-    assert {"columns", "finite"} <= {law for law, r in results.items() if not r.passed}
+    assert {"columns", "finite"} <= {invariant for invariant, r in results.items() if not r.passed}
     assert all(r.passed or r.failure or r.error for r in results.values())
 
 
@@ -256,10 +262,10 @@ WORLDS: list[tuple[str, tuple[str, float], str, str]] = [
 @pytest.mark.parametrize(
     ("name", "other", "broken", "kept"), WORLDS, ids=[f"{n}={x}" for _, (n, x), _, _ in WORLDS]
 )
-def test_the_motion_of_another_world_breaks_the_laws_that_tell_it(
+def test_the_motion_of_another_world_breaks_the_invariants_that_tell_it(
     name: str, other: tuple[str, float], broken: str, kept: str
 ) -> None:
-    """A motion that is right but for a constant breaks the laws with it in, and no others."""
+    """A motion that is right but for a constant breaks the invariants with it in, and no others."""
     found = seen(name, believed(name, other))
     assert set(broken.split()) <= found
     assert not set(kept.split()) & found
@@ -286,7 +292,7 @@ def test_a_direction_without_its_sign_is_seen() -> None:
 
 
 def test_letting_go_below_break_away_is_seen() -> None:
-    """A mass that a change lets go although friction could hold it breaks one law on onsets."""
+    """A mass that a change lets go although friction could hold breaks one invariant of events."""
     case = named("load-pulses")
     steps = tuple(
         replace(step, changes={**step.changes, "load": 0.5 * step.changes["load"] - 4.0})
@@ -300,7 +306,7 @@ def test_letting_go_below_break_away_is_seen() -> None:
     assert not {"force-is-k-z", "pull-moves-at-v", "mode-and-sticking-agree"} & found
 
 
-def sinusoid(turns: float, depth: float, phase: float) -> tuple[Case, Record]:
+def sinusoid(turns: float, depth: float, phase: float) -> tuple[Case, Run]:
     """Give an undamped slip in two steps of so many turns whose speed goes `depth` below zero.
 
     depth in parts of v. The friction keeps its direction, as it would if nobody looked.
@@ -322,7 +328,7 @@ def sinusoid(turns: float, depth: float, phase: float) -> tuple[Case, Record]:
     rows = [begin, *map(moved, case.times)]
     meter = {"t_event": 0.0, "n_slips": 0.0}
     columns = {name: np.array([{**row, **meter}[name] for row in rows]) for name in begin | meter}
-    record = Record(
+    record = Run(
         np.array(case.times),
         {name: samples[1:] for name, samples in columns.items()},
         {name: float(samples[0]) for name, samples in columns.items()},
@@ -331,7 +337,7 @@ def sinusoid(turns: float, depth: float, phase: float) -> tuple[Case, Record]:
 
 
 def passed_unseen(turns: float, depth: float, phase: float = 0.4) -> float:
-    """Give how far below zero the law sees the velocity go, in parts of how far it goes."""
+    """Give how far below zero the invariant sees the velocity go, in parts of how far it goes."""
     case, record = sinusoid(turns, depth, phase)
     residual = METRICS["slip.never_past_rest"](Course(case, record, record, np.array([])))
     return float(np.max(residual.values) / (0.02 * depth))
@@ -353,7 +359,7 @@ def test_a_stop_is_found_in_a_step_of_many_turns(turns: float) -> None:
 
 
 def test_a_dip_that_does_not_reach_zero_is_no_stop() -> None:
-    """The law takes nothing for a stop but a velocity below zero."""
+    """The invariant takes nothing for a stop but a velocity below zero."""
     assert passed_unseen(1.0, -1e-9) == 0.0
 
 
@@ -371,36 +377,39 @@ def test_what_is_not_reported_is_taken_from_the_exact_motion(name: str, lacking:
     fewer = own.eventless != told.eventless
     assert not np.any(fewer & told.eventless)
     assert set(own.begins[fewer]) <= set(events)
-    assert seen(name, poor, FOREIGN) <= {"columns"}
+    assert seen(name, poor, PHYSICS_CONTRACT) <= {"columns"}
 
 
 def test_a_side_is_judged_by_its_own_reports() -> None:
-    """A mass that breaks away at another time still keeps the laws of stick and slip."""
+    """A mass that breaks away at another time still keeps the invariants of stick and slip."""
     exact, other = exact_of("default"), believed("default", ("mu_s", 0.55))
     events = np.array(exact.event_times)
     ours, theirs = (
         Course(named("default"), r, exact.record, events) for r in (exact.record, other)
     )
     assert not np.array_equal(ours.stick, theirs.stick)
-    laws = {"stick-holds-x", "stick-has-no-speed", "slip-propagates", "slip-follows-mode"}
-    assert not laws & seen("default", other)
+    invariants = {"stick-holds-x", "stick-has-no-speed", "slip-propagates", "slip-follows-mode"}
+    assert not invariants & seen("default", other)
 
 
 @pytest.mark.parametrize("name", ["reversals", "damped-cycle"])
 def test_without_mode_its_direction_is_that_of_the_velocity(name: str) -> None:
-    """A side that tells only whether it sticks is held to the same laws of slip."""
+    """A side that tells only whether it sticks is held to the same invariants of slip."""
     poor = planted(exact_of(name).record, without("mode"))
-    results = judged(name, poor, FOREIGN)
-    lacking = {law for law, r in results.items() if r.not_applicable}
+    results = judged(name, poor, PHYSICS_CONTRACT)
+    lacking = {invariant for invariant, r in results.items() if r.not_applicable}
     assert lacking == {"mode-and-sticking-agree"}
     assert results["slip-propagates"].passed
     assert results["slip-friction"].passed
 
 
-def test_what_a_foreign_side_lacks_makes_a_law_not_applicable() -> None:
-    """A missing output fails ours, and takes a foreign side out of the laws that need it."""
+def test_what_a_foreign_side_lacks_makes_an_invariant_not_applicable() -> None:
+    """A missing output fails ours, and takes a foreign side out of the invariants that need it."""
     poor = planted(exact_of("default").record, without("n_slips"))
-    ours, foreign = (judged("default", poor, trial)["restick-at-rest"] for trial in (OURS, FOREIGN))
+    ours, foreign = (
+        judged("default", poor, contract)["restick-at-rest"]
+        for contract in (EXACT_CONTRACT, PHYSICS_CONTRACT)
+    )
     assert (ours.verdict, ours.failure) == ("fail", "no output n_slips")
     assert (foreign.verdict, foreign.not_applicable) == (
         "not applicable",
@@ -408,8 +417,8 @@ def test_what_a_foreign_side_lacks_makes_a_law_not_applicable() -> None:
     )
 
 
-def test_a_run_without_the_place_of_a_law_fails_it() -> None:
-    """Who never slips cannot keep the laws of slip by that, where the exact motion slips."""
+def test_a_run_without_the_place_of_an_invariant_fails_it() -> None:
+    """Who never slips cannot keep the invariants of slip by that, where the exact motion slips."""
 
     def stuck(draft: Draft) -> None:
         draft.outputs["mode"] *= 0.0
@@ -420,7 +429,7 @@ def test_a_run_without_the_place_of_a_law_fails_it() -> None:
 
 
 def test_a_result_shows_the_worst_place_in_its_unit() -> None:
-    """Got is what the law leaves over where it leaves most; the error is that over its scale."""
+    """Got is the largest residual of the invariant; the error is that over its scale."""
     fault = value("x_pull", 0.25, 700)
     result = judged("default", planted(exact_of("default").record, fault))["pull-moves-at-v"]
     case, exact = named("default"), exact_of("default")
@@ -430,6 +439,8 @@ def test_a_result_shows_the_worst_place_in_its_unit() -> None:
     # Both neighbours are off by as much, but for rounding of the largest length.
     assert abs(result.got or 0.0) == pytest.approx(abs(left), abs=1e-15)
     assert result.error == pytest.approx(abs(left) / 0.2, rel=1e-13)
-    assert result.tolerance == LAWS["pull-moves-at-v"].tolerance["fmu"]
-    again = judge_residual(LAWS["pull-moves-at-v"], case, FOREIGN, exact, exact.record)
-    assert again.tolerance == LAWS["pull-moves-at-v"].tolerance["reference"]
+    assert result.tolerance == INVARIANTS["pull-moves-at-v"].tolerance["fmu"]
+    again = judge_residual(
+        INVARIANTS["pull-moves-at-v"], case, PHYSICS_CONTRACT, exact, exact.record
+    )
+    assert again.tolerance == INVARIANTS["pull-moves-at-v"].tolerance["reference"]

@@ -10,26 +10,27 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import Case
-from stickslip_verification.exact import exact_motion
-from stickslip_verification.experiment import CommunicationStep
-from stickslip_verification.fmu import FmuFile, NameMap
-from stickslip_verification.fmu.names import NOT_THERE, Target
-from stickslip_verification.judging.checks import FOREIGN, OURS
-from stickslip_verification.judging.run_checks import judge_run
-from stickslip_verification.laws import RunLaw, load_laws
-from stickslip_verification.mutants import load_mutants, plant
-from stickslip_verification.quantities import OUTPUT_NAMES
-from stickslip_verification.record import Record
-from stickslip_verification.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
-from stickslip_verification.trial.answer import Answer
-from stickslip_verification.trial.drive import NotApplicableError, Plan, run_case, run_plan
-from stickslip_verification.trial.runs import RUNS
+from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.fmu.names import NOT_THERE, NameMap, Target
+from stickslip_verification.drive.other_runs import RUNS
+from stickslip_verification.drive.planting import plant
+from stickslip_verification.drive.stepping import NotApplicableError, Setting, run, run_case
+from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT
+from stickslip_verification.judge.run_checks import judge_run
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.model.run import Run
+from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
+from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.experiment import CommunicationStep
+from stickslip_verification.suite.faults import load_mutants
+from stickslip_verification.suite.invariants import RunInvariant, load_invariants
 from stickslip_verification.truth.parameters import complete
 
 from .records import Draft, exact_of, named, planted
 
-LAWS = {law.id: law for law in load_laws().runs}
+INVARIANTS = {invariant.id: invariant for invariant in load_invariants().runs}
 
 CASES = (
     "clamp-tuned",
@@ -59,12 +60,12 @@ def ours(fmu_path: Path) -> Iterator[FmuFile]:
 
 
 @pytest.fixture(scope="module")
-def plain(ours: FmuFile) -> Callable[[str], Record]:
+def plain(ours: FmuFile) -> Callable[[str], Run]:
     """Return what gives our FMU's plain run of a case."""
     return cache(lambda name: run_case(ours, named(name)))
 
 
-def differing(one: Record, other: Record) -> set[str]:
+def differing(one: Run, other: Run) -> set[str]:
     """Give the outputs in which two records differ in a bit, at the start or later."""
     return {
         name
@@ -77,7 +78,7 @@ def differing(one: Record, other: Record) -> set[str]:
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("run", [run for run in RUNS if run != "splitting"])
 def test_our_block_repeats_every_bit(
-    ours: FmuFile, plain: Callable[[str], Record], run: str, name: str
+    ours: FmuFile, plain: Callable[[str], Run], run: str, name: str
 ) -> None:
     """Mirrored, scaled, set back, moved, reset or not alone: no digit of our block changes."""
     assert differing(plain(name), RUNS[run](ours, named(name))) == set()
@@ -85,13 +86,18 @@ def test_our_block_repeats_every_bit(
 
 @pytest.mark.parametrize("name", CASES)
 def test_our_block_does_not_care_how_steps_are_cut(
-    ours: FmuFile, plain: Callable[[str], Record], name: str
+    ours: FmuFile, plain: Callable[[str], Run], name: str
 ) -> None:
     """Cut in three, the steps end at the same motion within the rounding of their lengths."""
     cut = RUNS["splitting"](ours, named(name))
     assert [len(samples) for samples in cut.outputs.values()] == [len(named(name).steps)] * 22
     result = judge_run(
-        LAWS["splitting"], named(name), OURS, exact_of(name), plain(name), Answer(cut)
+        INVARIANTS["splitting"],
+        named(name),
+        EXACT_CONTRACT,
+        exact_of(name),
+        plain(name),
+        Answer(cut),
     )
     assert result.passed, result
 
@@ -110,7 +116,7 @@ def test_a_symmetry_is_one_of_the_exact_motion(symmetry: Symmetry, name: str) ->
     back = symmetry.outputs
     outputs = {n: samples / back.get(n, 1.0) for n, samples in scaled.outputs.items()}
     initial = {n: value / back.get(n, 1.0) for n, value in scaled.initial.items()}
-    assert differing(exact_of(name).record, Record(scaled.times, outputs, initial)) == set()
+    assert differing(exact_of(name).record, Run(scaled.times, outputs, initial)) == set()
 
 
 MUTANTS = {
@@ -129,12 +135,12 @@ def test_a_run_shows_the_fault_it_is_there_for(fmu_path: Path, tmp_path: Path, m
     """A block that forgets, rounds, shares or prefers is not the same in the run that tries it."""
     (fault,) = load_mutants(mutant)
     file = FmuFile(plant(fmu_path, fault, tmp_path), hooks=fault.hooks)
-    run, law = MUTANTS[mutant]
+    run, invariant = MUTANTS[mutant]
     results = [
         judge_run(
-            LAWS[law],
+            INVARIANTS[invariant],
             named(name),
-            OURS,
+            EXACT_CONTRACT,
             exact_of(name),
             run_case(file, named(name)),
             answer(file, run, name),
@@ -146,7 +152,7 @@ def test_a_run_shows_the_fault_it_is_there_for(fmu_path: Path, tmp_path: Path, m
     assert all(result.failure is None for result in results)
 
 
-def answer(file: FmuFile, run: str, name: str) -> Answer[Record]:
+def answer(file: FmuFile, run: str, name: str) -> Answer[Run]:
     """Give what a run of a case comes to."""
     return Answer(RUNS[run](file, named(name)))
 
@@ -195,10 +201,12 @@ def test_an_honest_slider_is_the_same_in_every_run(
     """A foreign solution keeps its motion as a numerical one must, with the variables it has."""
     file = FmuFile(slider_si, slider_si_names)
     case = shortened("default", 150)
-    law = next(law for law in LAWS.values() if law.run == run)
-    law = replace(law, tolerance={"fmu": 0.0, "numerical": 1e-9})
+    invariant = next(invariant for invariant in INVARIANTS.values() if invariant.run == run)
+    invariant = replace(invariant, tolerance={"fmu": 0.0, "numerical": 1e-9})
     other = Answer(RUNS[run](file, case))
-    result = judge_run(law, case, FOREIGN, exact_motion(case), run_case(file, case), other)
+    result = judge_run(
+        invariant, case, PHYSICS_CONTRACT, exact_motion(case), run_case(file, case), other
+    )
     assert result.passed, result
 
 
@@ -207,22 +215,22 @@ def test_a_scaled_run_sets_only_what_is_there(ours: FmuFile) -> None:
     poor = FmuFile(ours.path, NameMap({"g": Target(NOT_THERE)}))
     case = shortened("default", 40)
     whole = run_case(poor, case)
-    for run in ("mirror", "forces"):
-        assert differing(whole, RUNS[run](poor, case)) == set()
+    for other in ("mirror", "forces"):
+        assert differing(whole, RUNS[other](poor, case)) == set()
     with pytest.raises(NotApplicableError, match=r"^it has no variable g$"):
         RUNS["time"](poor, case)
 
 
-TO_THE_BIT = LAWS["reset-to-the-bit"]
-NEARLY = LAWS["mirror"]
+TO_THE_BIT = INVARIANTS["reset-to-the-bit"]
+NEARLY = INVARIANTS["mirror"]
 
 
-def small() -> tuple[Case, Record]:
+def small() -> tuple[Case, Run]:
     """Give a case and its exact motion."""
     return named("grazing"), exact_of("grazing").record
 
 
-def changed(record: Record, name: str, by: float, at: int = -1) -> Answer[Record]:
+def changed(record: Run, name: str, by: float, at: int = -1) -> Answer[Run]:
     """Give a record with one value moved."""
 
     def fault(draft: Draft) -> None:
@@ -232,13 +240,15 @@ def changed(record: Record, name: str, by: float, at: int = -1) -> Answer[Record
 
 
 def test_one_bit_is_seen_and_named() -> None:
-    """A law to the bit counts the values that differ and names the first output that does."""
+    """An invariant to the bit counts the values that differ and names the first output."""
     case, record = small()
     bit = float(np.spacing(record.outputs["z"][-1]))
-    result = judge_run(TO_THE_BIT, case, OURS, exact_of(case.id), record, changed(record, "z", bit))
+    result = judge_run(
+        TO_THE_BIT, case, EXACT_CONTRACT, exact_of(case.id), record, changed(record, "z", bit)
+    )
     assert (result.passed, result.got, result.error) == (False, 1.0, 1.0)
     assert result.quantity == "values that differ, z first"
-    same = judge_run(TO_THE_BIT, case, OURS, exact_of(case.id), record, Answer(record))
+    same = judge_run(TO_THE_BIT, case, EXACT_CONTRACT, exact_of(case.id), record, Answer(record))
     assert (same.passed, same.got, same.quantity) == (True, 0.0, "values that differ")
 
 
@@ -246,28 +256,35 @@ def test_a_start_that_differs_is_seen() -> None:
     """What is shown after initialization belongs to the motion that a run must repeat."""
     case, record = small()
     other = replace(record, initial={**record.initial, "F_s": 1.0})
-    assert not judge_run(TO_THE_BIT, case, OURS, exact_of(case.id), record, Answer(other)).passed
+    assert not judge_run(
+        TO_THE_BIT, case, EXACT_CONTRACT, exact_of(case.id), record, Answer(other)
+    ).passed
 
 
 def test_a_motion_that_differs_is_seen_where_it_differs_most() -> None:
-    """A law with a tolerance shows the worst output of all, in its unit and over its scale."""
+    """An invariant with a tolerance shows the worst output, in its unit and over its scale."""
     case, record = small()
     result = judge_run(
-        NEARLY, case, OURS, exact_of(case.id), record, changed(record, "t_slip", 1e-9)
+        NEARLY, case, EXACT_CONTRACT, exact_of(case.id), record, changed(record, "t_slip", 1e-9)
     )
     assert (result.passed, result.quantity, result.unit) == (False, "t_slip", "s")
     assert result.error == pytest.approx(1e-9 / case.stop_time, rel=1e-6)
     assert judge_run(
-        NEARLY, case, FOREIGN, exact_of(case.id), record, changed(record, "t_slip", 1e-11)
+        NEARLY, case, PHYSICS_CONTRACT, exact_of(case.id), record, changed(record, "t_slip", 1e-11)
     ).passed
 
 
-@pytest.mark.parametrize("law", [TO_THE_BIT, NEARLY], ids=lambda law: law.id)
-def test_a_count_is_right_or_wrong(law: RunLaw) -> None:
+@pytest.mark.parametrize("invariant", [TO_THE_BIT, NEARLY], ids=lambda invariant: invariant.id)
+def test_a_count_is_right_or_wrong(invariant: RunInvariant) -> None:
     """One slip more is a failure whatever the number of slips."""
     case, record = small()
     result = judge_run(
-        law, case, FOREIGN, exact_of(case.id), record, changed(record, "n_slips", 1.0)
+        invariant,
+        case,
+        PHYSICS_CONTRACT,
+        exact_of(case.id),
+        record,
+        changed(record, "n_slips", 1.0),
     )
     assert (result.passed, result.error) == (False, 1.0)
 
@@ -282,35 +299,40 @@ def test_what_is_lost_in_the_other_run_is_a_failure() -> None:
     def short(draft: Draft) -> None:
         draft.outputs["T"] = draft.outputs["T"][:-1]
 
-    for law in (TO_THE_BIT, NEARLY):
+    for invariant in (TO_THE_BIT, NEARLY):
         for other in (
             Answer(planted(record, gone)),
             Answer(planted(record, short)),
             changed(record, "T", np.nan),
         ):
-            result = judge_run(law, case, OURS, exact_of(case.id), record, other)
+            result = judge_run(invariant, case, EXACT_CONTRACT, exact_of(case.id), record, other)
             assert not result.passed
             assert result.failure or result.error
 
 
 def test_why_there_is_no_other_run_is_kept() -> None:
-    """A run that failed fails the law with its reason; one that is lacking does not count."""
+    """A run that failed fails the invariant with its reason; one that is lacking does not count."""
     case, record = small()
     failed = judge_run(
-        TO_THE_BIT, case, OURS, exact_of(case.id), record, Answer(failure="it broke")
+        TO_THE_BIT, case, EXACT_CONTRACT, exact_of(case.id), record, Answer(failure="it broke")
     )
     lacking = judge_run(
-        TO_THE_BIT, case, OURS, exact_of(case.id), record, Answer(not_applicable="it cannot")
+        TO_THE_BIT,
+        case,
+        EXACT_CONTRACT,
+        exact_of(case.id),
+        record,
+        Answer(not_applicable="it cannot"),
     )
     assert (failed.verdict, failed.failure) == ("fail", "it broke")
     assert (lacking.verdict, lacking.not_applicable) == ("not applicable", "it cannot")
 
 
-def test_a_plan_begins_its_steps_where_the_last_ended(ours: FmuFile) -> None:
+def test_a_setting_begins_its_steps_where_the_last_ended(ours: FmuFile) -> None:
     """Communication points are the correctly rounded sums of the steps, and begin at 0."""
-    plan = Plan({}, [CommunicationStep(0.1, {})] * 10)
-    assert plan.points[0] == 0.0
-    assert plan.points[-1] == 0.9
+    setting = Setting({}, [CommunicationStep(0.1, {})] * 10)
+    assert setting.points[0] == 0.0
+    assert (setting.points[9], setting.points[-1]) == (0.9, 1.0)
     case = shortened("default", 10)
-    record = run_plan(ours, case, Plan(case.parameters, case.steps))
+    record = run(ours, Setting(case.parameters, case.steps))
     assert differing(record, run_case(ours, case)) == set()

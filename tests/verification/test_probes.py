@@ -9,18 +9,19 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.fmu import FmuFile, NameMap
-from stickslip_verification.laws import Probe, load_laws
-from stickslip_verification.mutants import Mutant, load_mutants, plant
-from stickslip_verification.mutants.planted import Substitution
-from stickslip_verification.quantities import OUTPUT_NAMES
-from stickslip_verification.trial.drive import NotApplicableError
-from stickslip_verification.trial.probes import INTERFACE, PROBES
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.drive.planting import plant
+from stickslip_verification.drive.probes import INTERFACE, PROBES
+from stickslip_verification.drive.stepping import NotApplicableError
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.suite.faults import Mutant, Substitution, load_mutants
+from stickslip_verification.suite.invariants import Probe, load_invariants
 from stickslip_verification.truth.parameters import START_VALUES
 
 from .foreign import building
 
-LAWS = {law.id: law for law in load_laws().probes}
+INVARIANTS = {invariant.id: invariant for invariant in load_invariants().probes}
 
 
 @pytest.fixture(scope="module")
@@ -31,16 +32,16 @@ def ours(fmu_path: Path) -> Iterator[FmuFile]:
     file.close()
 
 
-def asked(law: str, file: FmuFile) -> list[str]:
+def asked(invariant: str, file: FmuFile) -> list[str]:
     """Give the complaints of a probe about an FMU."""
-    probe: Probe = LAWS[law]
+    probe: Probe = INVARIANTS[invariant]
     return PROBES[probe.probe](file, **probe.arguments)
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_there_is_nothing_to_say_of_ours(ours: FmuFile, law: str) -> None:
+@pytest.mark.parametrize("invariant", INVARIANTS)
+def test_there_is_nothing_to_say_of_ours(ours: FmuFile, invariant: str) -> None:
     """Our FMU gives no probe a reason to complain."""
-    assert asked(law, ours) == []
+    assert asked(invariant, ours) == []
 
 
 def test_the_interface_is_that_of_the_specification() -> None:
@@ -115,17 +116,21 @@ DOCTORED = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("law", "description", "told"), DOCTORED)
+@pytest.mark.parametrize(("invariant", "description", "told"), DOCTORED)
 def test_a_doctored_description_is_told_by_the_variable(
-    fmu_path: Path, tmp_path: Path, law: str, description: Callable[[str], str], told: list[str]
+    fmu_path: Path,
+    tmp_path: Path,
+    invariant: str,
+    description: Callable[[str], str],
+    told: list[str],
 ) -> None:
     """What was changed in the model description is complained of, by name, and nothing else."""
     file = FmuFile(building.altered(fmu_path, tmp_path / "Doctored.fmu", description))
-    assert sorted(asked(law, file)) == sorted(told)
+    assert sorted(asked(invariant, file)) == sorted(told)
     assert all(
         asked(other, file) == []
         for other in ("declared-starts", "declared-units", "declared-types")
-        if other != law
+        if other != invariant
     )
     file.close()
 
@@ -161,24 +166,26 @@ def test_what_is_no_longer_refused_or_said_is_told(
     """An FMU that takes what it must refuse, or keeps silent, is complained of with the value."""
     (described,) = load_mutants(mutant)
     file = FmuFile(plant(fmu_path, described, tmp_path), hooks=described.hooks)
-    law, told = PLANTED[mutant]
-    assert told in asked(law, file)
+    invariant, told = PLANTED[mutant]
+    assert told in asked(invariant, file)
     file.close()
 
 
 @pytest.mark.parametrize(
-    "law",
+    "invariant",
     [
-        law
-        for law in LAWS
-        if law.startswith("refuses") and LAWS[law].probe == "refuses" and "lifts" not in law
+        invariant
+        for invariant in INVARIANTS
+        if invariant.startswith("refuses")
+        and INVARIANTS[invariant].probe == "refuses"
+        and "lifts" not in invariant
     ],
 )
-def test_a_refusal_must_name_the_variable(fmu_path: Path, tmp_path: Path, law: str) -> None:
+def test_a_refusal_must_name_the_variable(fmu_path: Path, tmp_path: Path, invariant: str) -> None:
     """A value that is refused without the name of its variable helps nobody, whatever its name."""
-    nameless = fault("face.py", "raise BlockError(objection)", 'raise BlockError("bad input")')
+    nameless = fault("instance.py", "raise ModelError(objection)", 'raise ModelError("bad input")')
     file = FmuFile(plant(fmu_path, nameless, tmp_path))
-    (complaint,) = asked(law, file)
+    (complaint,) = asked(invariant, file)
     assert "was refused without its name" in complaint
     file.close()
 
@@ -186,16 +193,16 @@ def test_a_refusal_must_name_the_variable(fmu_path: Path, tmp_path: Path, law: s
 def test_a_reset_that_does_not_recover_is_told(fmu_path: Path, tmp_path: Path) -> None:
     """An output that is not a fresh instance's after a reset is complained of by its name."""
     kept = fault(
-        "face.py",
-        "self._block = Block(self._settings, self._time)\n        self._settled = True",
-        "self._block = KEPT.setdefault(self.instance_name, "
-        "Block(self._settings, self._time))\n        self._settled = True",
+        "instance.py",
+        "self._model = self._spec.model(self._values, self._time)",
+        "self._model = KEPT.setdefault(self.instance_name, "
+        "self._spec.model(self._values, self._time))",
     )
     kept = replace(
         kept,
         substitutions=(
             *kept.substitutions,
-            Substitution("face.py", "_Method = TypeVar", "KEPT = {}\n\n_Method = TypeVar"),
+            Substitution("instance.py", "_Method = TypeVar", "KEPT = {}\n\n_Method = TypeVar"),
         ),
     )
     file = FmuFile(plant(fmu_path, kept, tmp_path))
@@ -213,13 +220,13 @@ def test_what_a_foreign_fmu_lacks_is_not_asked_for(
 ) -> None:
     """A probe that needs a variable that is not there does not apply, and names it."""
     file = FmuFile(slider_mm, slider_mm_names)
-    for law, lacking in (
+    for invariant, lacking in (
         ("refuses-c-negative", "c"),
         ("refuses-load-that-lifts", "load"),
         ("starts-at-start-time", "t_event"),
     ):
         with pytest.raises(NotApplicableError, match=rf"^it has no variable {lacking}$"):
-            asked(law, file)
+            asked(invariant, file)
 
 
 def test_a_foreign_fmu_that_takes_everything_is_told(

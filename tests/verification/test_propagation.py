@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from stickslip_verification import truth
-from stickslip_verification.cases import Case
-from stickslip_verification.exact import exact_motion
-from stickslip_verification.experiment import CommunicationStep
-from stickslip_verification.metrics import Course
-from stickslip_verification.metrics.propagation import Slips, State, Wide, slips, state
+from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.judge.metrics import Course
+from stickslip_verification.judge.metrics.propagation import Slips, State, Wide, slips, state
+from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.experiment import CommunicationStep
 
 ZETAS = (0.0, 0.3, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 50.0)
 TURNS = (1e-9, 1e-3, 0.1, 1.0, 7.0, 40.0)

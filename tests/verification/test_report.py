@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
-from stickslip_verification import CheckResult, Verdict, provenance, write_json
-from stickslip_verification.fmu import FmuFile
-from stickslip_verification.verdict import Conviction, KillMatrix, ObservedOrder, Second
+from stickslip_verification import CheckResult, Verdict, write_json
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.model.verdict import Detection, KillMatrix, ObservedOrder, Second
+from stickslip_verification.report import provenance
 
 LAYOUT = [
     "case",
@@ -100,8 +101,10 @@ def test_what_stands_behind_a_verdict_is_in_the_file(tmp_path: Path) -> None:
     file = tmp_path / "report.json"
     drifted = result(second=Second(0.1, 0.2, drift=1.0, tolerance=1e-9))
     order = ObservedOrder("default", "x", (1e-3, 1e-6), (1e-3, math.inf), (1.0,), 1.0)
-    caught = Conviction("late", "an event comes late", ("T-exact",), {"T-exact": 3}, caught=True)
-    kills = KillMatrix(("T-exact", "idle"), (caught,), {"idle": "it guards the interface"})
+    caught = Detection("late", "an event comes late", ("T-exact",), {"T-exact": 3}, caught=True)
+    kills = KillMatrix(
+        ("T-exact", "kills_nothing"), (caught,), {"kills_nothing": "it guards the interface"}
+    )
     write_json(Verdict([drifted], orders=[order], kills=kills), file)
     report = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)
     row = report["checks"][0]

@@ -10,18 +10,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stickslip_verification.baseline import compare, read_baseline
-from stickslip_verification.catalogue import Meaning
-from stickslip_verification.record import Record
-from stickslip_verification.report import ClaimSection, render, write_json, write_report
-from stickslip_verification.verdict import (
-    Conviction,
+from stickslip_verification.model.run import Run
+from stickslip_verification.model.verdict import (
+    Detection,
     KillMatrix,
     Motion,
     ObservedOrder,
     Second,
     Verdict,
 )
+from stickslip_verification.report.earlier import compare, read_earlier_report
+from stickslip_verification.report.html import render, write_report
+from stickslip_verification.report.json_file import write_json
+from stickslip_verification.report.words import ClaimSection
+from stickslip_verification.suite.catalogue import Meaning
 from tests.verification.test_report import result
 
 VOID = {"meta", "input", "br", "hr", "link", "img"}
@@ -77,7 +79,7 @@ def motion(case: str) -> Motion:
     zero = np.zeros(10)
     outputs = {"x": zero, "x_dot": zero, "x_pull": t, "z": t, "F": t, "F_s": zero + 2.0,
                "mode": zero}  # fmt: skip
-    record = Record(t, outputs, dict.fromkeys(outputs, 0.0) | {"F_s": 2.0})
+    record = Run(t, outputs, dict.fromkeys(outputs, 0.0) | {"F_s": 2.0})
     return Motion(case, f"The title of {case}", "What it is about.", record, (), {"fmu": record})
 
 
@@ -95,9 +97,9 @@ def full_verdict(**provenance: Any) -> Verdict:
         result(case="heat", check="Q-course", second=Second(1.0, 2.0, drift=1.0, tolerance=1e-9)),
     ]  # fmt: skip
     rows = (
-        Conviction("late", "an event comes late", ("t_slip-exact",), {"t_slip-exact": 3}, True),
-        Conviction("creep", "the mass creeps", ("x-course",), {"energy": 2}, caught=False),
-        Conviction("deaf", "it does not start", ("units",), {}, False, broken="ImportError"),
+        Detection("late", "an event comes late", ("t_slip-exact",), {"t_slip-exact": 3}, True),
+        Detection("creep", "the mass creeps", ("x-course",), {"energy": 2}, caught=False),
+        Detection("deaf", "it does not start", ("units",), {}, False, broken="ImportError"),
     )
     return Verdict(
         checks,
@@ -254,7 +256,7 @@ def test_moved_margins_are_shown(tmp_path: Path) -> None:
     earlier = tmp_path / "earlier.json"
     write_json(Verdict([result(error=1e-14)], PROVENANCE), earlier)
     now = Verdict([result(error=9e-13)], PROVENANCE)
-    html = render(now, margins=compare(read_baseline(earlier), now))
+    html = render(now, margins=compare(read_earlier_report(earlier), now))
     assert "Margins that grew by more than a factor 2: 1;" in Page(html).text
     before, _, after = html.partition("<!-- dated: begin -->")
     assert "earlier.json" not in before

@@ -2,8 +2,8 @@
 
 import xml.etree.ElementTree as ET
 
-from stickslip_verification.report import as_junit
-from stickslip_verification.verdict import Second, Verdict
+from stickslip_verification.model.verdict import Second, Verdict
+from stickslip_verification.report.junit import as_junit
 from tests.verification.test_report import result
 
 RESULTS = [

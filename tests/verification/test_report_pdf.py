@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from stickslip_verification.report import PdfUnavailableError, write_pdf
+from stickslip_verification.report.pdf import PdfUnavailableError, write_pdf
 from tests.needs import needs
 
 

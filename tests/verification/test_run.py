@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification import CheckResult, FmuError, NameMap, Verdict, load_laws, verify
-from stickslip_verification.trial.sides import FmuSide, ReferenceSide
-from stickslip_verification.verdict import KINDS
+from stickslip_verification import CheckResult, FmuError, NameMap, Verdict, load_invariants, verify
+from stickslip_verification.drive.sides import FmuSide, ReferenceSide
+from stickslip_verification.model.verdict import Kind
 
 from .standing_in import named
 
@@ -36,7 +36,7 @@ def test_fmu_and_reference_hold_in_every_kind_of_truth(ours: Verdict) -> None:
     assert wrong(ours) == []
     assert ours.passed
     assert ours.summary["not_applicable"] == ours.summary["noted"] == 0
-    assert set(ours.by_kind) == set(KINDS)
+    assert set(ours.by_kind) == set(Kind)
 
 
 def test_every_check_of_a_case_is_made_on_both_sides(ours: Verdict) -> None:
@@ -49,11 +49,11 @@ def test_every_check_of_a_case_is_made_on_both_sides(ours: Verdict) -> None:
             assert (case.id, check.id, "reference") in counted
 
 
-def test_every_law_is_tried(ours: Verdict) -> None:
-    """No law of the suite is silently left out, but orders, which name their own cases."""
+def test_every_invariant_is_tried(ours: Verdict) -> None:
+    """No invariant of the suite is silently left out, but orders, which name their own cases."""
     made = {result.check for result in ours.checks}
-    laws = load_laws()
-    tried = {law.id for law in laws} - {order.id for order in laws.orders}
+    invariants = load_invariants()
+    tried = {invariant.id for invariant in invariants} - {order.id for order in invariants.orders}
     # A break-away beyond the threshold needs a change that lets the mass go.
     assert tried - made <= {"onset-beyond-break-away"}
 

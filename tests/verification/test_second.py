@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.judging.checks import OURS, judge
-from stickslip_verification.judging.second import Accepted, AcceptError, accept, load_accepted
-from stickslip_verification.record import Record
-from stickslip_verification.verdict import CheckResult, Measured, Second, Verdict
+from stickslip_verification.judge.checks import EXACT_CONTRACT, judge
+from stickslip_verification.judge.second_values import Accepted, AcceptError, accept, load_accepted
+from stickslip_verification.model.run import Run
+from stickslip_verification.model.verdict import CheckResult, Kind, Measured, Second, Verdict
 
 from .records import Draft, exact_of, named, planted
 
@@ -24,7 +24,7 @@ def result(check: str = "t_slip-exact", mean: float = 0.125, side: str = "fmu") 
         check=check,
         quantity="t_slip",
         unit="s",
-        truth="closed_form",
+        truth=Kind.CLOSED_FORM,
         side=side,
         expected=0.125,
         got=mean,
@@ -44,7 +44,7 @@ KEY = ("default", "t_slip-exact", "fmu")
     [(0.0, "pass"), (0.9e-14, "pass"), (-0.9e-14, "pass"), (1.2e-14, "drift"), (-1e-9, "drift")],
 )
 def test_what_moves_by_more_than_rounding_has_drifted(moved: float, verdict: str) -> None:
-    """A mean that is off its accepted value by more than the grain of its scale is a drift."""
+    """A mean that is off its accepted value by more than the resolution of its scale is a drift."""
     (seen,) = Accepted({KEY: 0.125 - 0.25 * moved}).attach([result()])
     assert seen.verdict == verdict
     assert seen.second is not None
@@ -188,7 +188,7 @@ def test_there_may_be_no_accepted_values_yet(tmp_path: Path) -> None:
     assert load_accepted(tmp_path / "none.json").values == {}
 
 
-def moved(by: float) -> Record:
+def moved(by: float) -> Run:
     """Give the exact motion of a case with its slip times moved by a part of them."""
 
     def fault(draft: Draft) -> None:
@@ -202,7 +202,7 @@ def test_a_drift_shows_far_below_the_tolerance() -> None:
     case = named("default")
     (check,) = (check for check in case.checks if check.id == "t_slip-exact")
     exact = exact_of("default")
-    before, after = (judge(case, check, OURS, exact, moved(by)) for by in (0.0, 1e-13))
+    before, after = (judge(case, check, EXACT_CONTRACT, exact, moved(by)) for by in (0.0, 1e-13))
     assert before.measured is not None
     key = (case.id, check.id, "fmu")
     (seen,) = Accepted({key: before.measured.mean}).attach([after])

@@ -9,9 +9,9 @@ from collections.abc import Mapping
 import pytest
 
 from stickslip_verification import load_cases
-from stickslip_verification.formulas import FORMULAS
-from stickslip_verification.quantities import GROUPS, OUTPUT_NAMES
-from stickslip_verification.tolerances import Facts, Rules, rounded_up
+from stickslip_verification.model.formulas import FORMULAS
+from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES
+from stickslip_verification.suite.tolerances import Facts, Rules, rounded_up
 from stickslip_verification.truth.parameters import complete
 
 from .standing_in import exact_of

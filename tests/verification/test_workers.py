@@ -15,17 +15,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip_verification.cases import Case
-from stickslip_verification.fmu import NameMap, load_names
-from stickslip_verification.laws import load_laws
-from stickslip_verification.record import Record
-from stickslip_verification.trial import workers
-from stickslip_verification.trial.answer import Answer
+from stickslip_verification.drive import workers
+from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.fmu.names import NameMap, load_names
+from stickslip_verification.model.run import Run
+from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.invariants import load_invariants
 
 from .foreign import building
 from .records import exact_of, named
 
-LAWS = {law.id: law for law in load_laws()}
+INVARIANTS = {invariant.id: invariant for invariant in load_invariants()}
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def short(steps: int) -> Case:
     return replace(named("default"), steps=named("default").steps[:steps])
 
 
-def plain(pool: workers.Pool, *cases: Case) -> list[Answer[Record]]:
+def plain(pool: workers.Pool, *cases: Case) -> list[Answer[Run]]:
     """Give the answers to plain runs of cases."""
     return list(pool.each(workers.plain_run, [(case,) for case in cases]))
 
@@ -98,7 +98,9 @@ def test_answers_come_in_the_order_of_the_questions(fmu_path: Path) -> None:
         answers = plain(pool, *map(named, names))
         runs = list(pool.each(workers.other_run, [(named(n), "splitting") for n in names]))
         probes = list(
-            pool.each(workers.probe, [(LAWS["declared-units"],), (LAWS["refuses-k-zero"],)])
+            pool.each(
+                workers.probe, [(INVARIANTS["declared-units"],), (INVARIANTS["refuses-k-zero"],)]
+            )
         )
     for name, answer, other in zip(names, answers, runs, strict=True):
         for given in (answer.value, other.value):
@@ -178,13 +180,13 @@ def test_leaving_a_pool_ends_what_still_runs(
 TALKING = """\
 import sys
 from pathlib import Path
-from stickslip_verification.trial import workers
-from stickslip_verification.laws import load_laws
+from stickslip_verification.drive import workers
+from stickslip_verification.suite.invariants import load_invariants
 
 if __name__ == "__main__":
-    law = next(law for law in load_laws().probes if law.id == "warns-of-clamp")
+    invariant = next(each for each in load_invariants().probes if each.id == "warns-of-clamp")
     with workers.Pool(1, fmu=Path(sys.argv[1])) as pool:
-        (answer,) = pool.each(workers.probe, [(law,)])
+        (answer,) = pool.each(workers.probe, [(invariant,)])
     print(answer.value)
 """
 

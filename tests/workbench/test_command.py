@@ -15,8 +15,8 @@ from fmpy.util import read_csv
 
 from stickslip import cli
 from stickslip.commands import simulate
+from stickslip_fmu.interface import TABLE
 from stickslip_fmu.release import VERSION
-from stickslip_fmu.variables import VARIABLES
 from tests.interrupting import HEARING, wait_for_work
 
 from .running import PROGRAM, Command
@@ -80,7 +80,7 @@ def test_wrong_use_of_other_commands_is_one_line_too(
 def test_every_parameter_and_input_of_the_fmu_is_an_option(command: Command) -> None:
     """Whatever the FMU lets a simulator set, the command lets a person set, and says its unit."""
     said = " ".join(command("simulate", "--help").out.split())
-    for variable in VARIABLES:
+    for variable in TABLE.rows:
         option = "--" + variable.name.replace("_", "-")
         if variable.settable:
             unit = "" if variable.unit == "1" else f"[{variable.unit}]"
@@ -115,7 +115,7 @@ def test_fmpy_reads_the_csv_back(command: Command, tmp_path: Path, engine: str) 
     answer = command.simulate(engine, "--stop-time", "2", "--output-file", "run.csv")
     assert answer.code == 0, answer.err
     table = read_csv(tmp_path / "run.csv")
-    outputs = [variable.name for variable in VARIABLES if variable.causality == "output"]
+    outputs = [variable.name for variable in TABLE.rows if variable.causality == "output"]
     assert sorted(table.dtype.names) == sorted(["time", *outputs])
     assert len(table) == 201
     first_stick = table["x"][table["n_slips"] == 0][:20]
@@ -194,11 +194,11 @@ def test_the_clamp_of_mu_k_is_told_once(command: Command, engine: str) -> None:
 
 def test_what_the_fmu_says_reaches_the_person(command: Command, fmu_path: Path) -> None:
     """A failing call of the FMU ends in its own message."""
-    from stickslip.engines import experiment, simulate_fmu
     from stickslip.errors import CommandError
-    from stickslip_fmu.variables import start_values
+    from stickslip.simulate.engines import experiment, simulate_fmu
+    from stickslip_fmu.interface import TABLE
 
-    values = {**start_values(), "k": -1.0}
+    values = {**TABLE.start_values(), "k": -1.0}
     with pytest.raises(CommandError, match=r"k = -1\.0 N/m is out of range"):
         simulate_fmu(experiment(values, 0.0, 1.0), fmu_path, lambda done, total: None)
 

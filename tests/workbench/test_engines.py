@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.engines import Experiment, experiment, simulate_fmu, simulate_reference
-from stickslip_fmu.variables import start_values
+from stickslip.simulate.engines import Experiment, experiment, simulate_fmu, simulate_reference
+from stickslip_fmu.interface import TABLE
 
 RUNS = {
     "default": {},
@@ -25,7 +25,7 @@ RUNS = {
 @pytest.mark.parametrize("name", RUNS)
 def test_the_engines_agree(fmu_path: Path, name: str, interval: float) -> None:
     """Events found between the FMU's samples are those of the reference, reversals included."""
-    what = Experiment({**start_values(), **RUNS[name]}, 0.5, 2.5, interval)
+    what = Experiment({**TABLE.start_values(), **RUNS[name]}, 0.5, 2.5, interval)
     fmu, _ = simulate_fmu(what, fmu_path, lambda done, total: None)
     reference, _ = simulate_reference(what)
     assert fmu.samples.dtype == reference.samples.dtype
@@ -44,7 +44,7 @@ def test_the_engines_agree(fmu_path: Path, name: str, interval: float) -> None:
 def test_progress_ends_at_the_whole_duration(fmu_path: Path) -> None:
     """The progress of a run goes from the first step to the last."""
     seen: list[tuple[float, float]] = []
-    what = experiment(start_values(), 1.0, 3.0)
+    what = experiment(TABLE.start_values(), 1.0, 3.0)
     simulate_fmu(what, fmu_path, lambda done, total: seen.append((done, total)))
     assert seen[0] == pytest.approx((0.01, 2.0))
     assert seen[-1] == pytest.approx((2.0, 2.0))
@@ -52,7 +52,7 @@ def test_progress_ends_at_the_whole_duration(fmu_path: Path) -> None:
 
 def test_a_run_to_be_drawn_is_sampled_finely_enough() -> None:
     """A stiff drive has slips of a millisecond: ten samples of 0.01 s would draw nothing."""
-    stiff = {**start_values(), "k": 1e7}
+    stiff = {**TABLE.start_values(), "k": 1e7}
     assert experiment(stiff, 0.0, 1.0).output_interval == 0.01
     # w = 3162 rad/s: half a radian is 0.16 ms.
     assert experiment(stiff, 0.0, 1.0, drawn=True).output_interval == 0.01 / 64

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from fmpy.util import read_csv
 
-from stickslip_fmu.variables import VARIABLES
+from stickslip_fmu.interface import TABLE
 from stickslip_ref import Parameters, simulate
-from stickslip_verification.fmu.digest import content_digest
+from stickslip_verification.drive.fmu.digest import content_digest
 
 from .running import Command
 
@@ -113,7 +113,7 @@ def test_the_experiment_gives_the_result(built: Path, tmp_path: Path) -> None:
     packed = read_csv(result)
     names = [name for name in packed.dtype.names if name != "time"]
     assert set(names) == {
-        row.name for row in VARIABLES if row.causality == "output" and row.unit != "J"
+        row.name for row in TABLE.rows if row.causality == "output" and row.unit != "J"
     }
     run = fmpy.simulate_fmu(str(built), stop_time=stop_time, output_interval=step, output=names)
     for name in packed.dtype.names:

@@ -13,7 +13,7 @@ from PIL import Image
 from stickslip.handbook import parts
 from stickslip.handbook.icon import icon
 from stickslip.page import page
-from stickslip_fmu.variables import VARIABLES
+from stickslip_fmu.interface import TABLE
 
 # Elements that end where they begin.
 VOID = {"meta", "br", "link", "img", "input", "hr"}
@@ -91,10 +91,10 @@ def test_the_interface_is_the_variable_table() -> None:
     """Each variable stands in the documentation once, with its unit and what it is."""
     text = parts()["documentation/index.html"].decode()
     rows = re.findall(r'<tr><th scope="row"><code>(\w+)</code></th><td class="n">([^<]*)', text)
-    assert sorted(name for name, _ in rows) == sorted(row.name for row in VARIABLES)
+    assert sorted(name for name, _ in rows) == sorted(row.name for row in TABLE.rows)
     units = dict(rows)
     plain = Reader(text).text
-    for row in VARIABLES:
+    for row in TABLE.rows:
         assert units[row.name] == ("" if row.unit == "1" else row.unit or row.kind)
         assert row.description in plain
 
@@ -126,5 +126,5 @@ def test_the_icon_is_a_small_square_picture() -> None:
         assert (drawn.format, drawn.size) == ("PNG", (256, 256))
         colours = drawn.convert("RGB").getcolors(100_000)
     assert colours is not None
-    # Mass, spring, ground and paper, beside the mixed colours of edges.
+    # Mass, spring, baseline and paper, beside the mixed colours of edges.
     assert sum(count > 200 for count, _ in colours) >= 4

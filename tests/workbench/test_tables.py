@@ -7,16 +7,17 @@ import pytest
 from rich.console import Console, RenderableType
 
 import stickslip_ref
-from stickslip.cycle_table import cycle_table
-from stickslip.engines import experiment, simulate_reference
-from stickslip.proof_table import proof_table
-from stickslip.verdict_table import verdict_table
-from stickslip_fmu.variables import start_values
-from stickslip_verification import CheckResult, ProofResult, Verdict
+from stickslip.show.cycle_table import cycle_table
+from stickslip.show.random_test_table import random_test_table
+from stickslip.show.verdict_table import verdict_table
+from stickslip.simulate.engines import experiment, simulate_reference
+from stickslip_fmu.interface import TABLE
+from stickslip_verification import CheckResult, RandomTestResult, Verdict
+from stickslip_verification.model.verdict import Kind
 
 CHECK = CheckResult(
     case="slip-against-the-x", check="slip-half-period-at-first-order", quantity="spring_drop",
-    unit="N.s/m", truth="closed_form", side="fmu", expected=-1.23456e-08, got=-1.23456e-08,
+    unit="N.s/m", truth=Kind.CLOSED_FORM, side="fmu", expected=-1.23456e-08, got=-1.23456e-08,
     error=2.5e-13, tolerance=1e-12, because="rounding", passed=True,
 )  # fmt: skip
 CHECKS = (
@@ -27,7 +28,7 @@ CHECKS = (
         CHECK, check="n_slips-course", error=1.0, tolerance=0.0, passed=False, side="reference"
     ),
 )
-PROOF = ProofResult(
+PROOF = RandomTestResult(
     name="k, g, load, F_ext times 4, v, c, x_dot_start times 2, time halved", side="reference",
     bound="existence for |d| > 1e-9; 1e-12 times 1 for T and delta_x, 1 + 1/sqrt(d) for t_slip",
     seed=1, drawn=20000, judged=19990, left_out=10, refuted=0, worst=2.1e-05, where="",
@@ -66,7 +67,7 @@ def test_a_verdict_keeps_its_names_and_numbers(width: int) -> None:
 @pytest.mark.parametrize("width", [60, 80, 120, 200])
 def test_a_cycle_keeps_its_numbers(width: int) -> None:
     """Measured, exact and simplified stand in one line; explanations and deviations give way."""
-    run, _ = simulate_reference(experiment(start_values(), 0.0, 2.0))
+    run, _ = simulate_reference(experiment(TABLE.start_values(), 0.0, 2.0))
     p = stickslip_ref.Parameters(**run.parameters)
     shown = lines(cycle_table(run, p), width)
     assert_fits(shown, width)
@@ -80,7 +81,7 @@ def test_a_cycle_keeps_its_numbers(width: int) -> None:
 @pytest.mark.parametrize("width", [60, 80, 120, 200])
 def test_a_proof_keeps_its_words_and_numbers(width: int) -> None:
     """Statement, bound and numbers are all there, the bound below the statement."""
-    shown = lines(proof_table([PROOF]), width)
+    shown = lines(random_test_table([PROOF]), width)
     assert_fits(shown, width)
     words = " ".join(shown).split()
     for part in (*PROOF.name.split(), *PROOF.bound.split(), "20000", "10", "2.1e-05", "holds"):
@@ -91,6 +92,6 @@ def test_a_proof_keeps_its_words_and_numbers(width: int) -> None:
 
 def test_without_a_motion_nothing_simplified_is_explained() -> None:
     """For v = 0 the simplified column is empty but for the break-away force: no footnote."""
-    run, _ = simulate_reference(experiment({**start_values(), "v": 0.0}, 0.0, 1.0))
+    run, _ = simulate_reference(experiment({**TABLE.start_values(), "v": 0.0}, 0.0, 1.0))
     p = stickslip_ref.Parameters(**run.parameters)
     assert not any("simplified:" in line for line in lines(cycle_table(run, p), 120))

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stickslip.commands.units import kind_of, parse
 from stickslip.errors import CommandError
-from stickslip.units import kind_of, parse
 
 UNITS = ("kg", "m", "s", "m/s", "m/s2", "N", "N/m", "N.s/m", "1")
 
@@ -35,6 +35,9 @@ UNITS = ("kg", "m", "s", "m/s", "m/s2", "N", "N/m", "N.s/m", "1")
         ("9.81 m/s2", "m/s2", 9.81),
         ("9.81 m/s^2", "m/s2", 9.81),
         ("9.81m/s²", "m/s2", 9.81),
+        ("9.81 m/s/s", "m/s2", 9.81),
+        ("2 N.s / m", "N.s/m", 2.0),
+        ("3 kg.m/m.s", "N.s/m", 3.0),
         ("50 %", "1", 0.5),
         (" 7 ", "1", 7.0),
     ],
@@ -68,6 +71,9 @@ def test_a_prefix_is_a_power_of_ten_written_out(number: int, prefix: tuple[str, 
         ("5 kmin", "s", "has the unknown unit 'kmin'"),
         ("3 N/", "N", "has the unknown unit 'N/'"),
         ("1 2", "1", "has the unknown unit '2'"),
+        ("1-2", "1", "has the unknown unit '-2'"),
+        ("5 m m", "m", "has the unknown unit 'm m'"),
+        ("5 m10000000", "m", "has the unknown unit 'm10000000'"),
         ("1,5", "1", "has a comma where the decimal point is expected"),
         ("abc", "1", "is not a finite number"),
         ("", "kg", "is not a finite number"),

@@ -20,9 +20,9 @@ from stickslip.commands.shared import pack_evidence
 from stickslip.errors import CommandError
 from stickslip_verification import load_cases
 from stickslip_verification import verify as judge
-from stickslip_verification.cases import CASES_FOLDER
-from stickslip_verification.fmu import content_digest
-from stickslip_verification.mutants.planted import FAULTS_FOLDER
+from stickslip_verification.drive.fmu.digest import content_digest
+from stickslip_verification.suite.cases import CASES_FOLDER
+from stickslip_verification.suite.faults import FAULTS_FOLDER
 from tests.interrupting import HEARING, wait_for_work
 from tests.verification.foreign import building
 
@@ -150,7 +150,7 @@ def test_own_faults_can_be_tried(
     """A fault of one's own; foretold wrongly it survives, and what sees it is told."""
     text = (FAULTS_FOLDER / "constant-g.toml").read_text(encoding="utf-8")
     text = text.replace('"constant-g"', '"mine"', 1)
-    text = re.sub(r"convicted_by = \[.*?\]", f'convicted_by = ["{foretold}"]', text, flags=re.S)
+    text = re.sub(r"detected_by = \[.*?\]", f'detected_by = ["{foretold}"]', text, flags=re.S)
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
     answer = command.verify(
         "--fmu", fmu_path, "--cases", "default", "--fault", "mine.toml", "-o", "mine.json"

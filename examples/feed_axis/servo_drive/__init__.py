@@ -1,4 +1,4 @@
-"""The servo drive: set point, digital controller, drive inertia, and their FMI 2.0 face.
+"""The servo drive: set point, digital controller, drive inertia, and its table of variables.
 
-What stands here travels in ServoDrive.fmu: Python 3.8 and its standard library, and pythonfmu.
+These modules travel in ServoDrive.fmu: Python 3.8, its standard library, and fmukit.
 """

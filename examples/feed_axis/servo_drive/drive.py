@@ -62,6 +62,13 @@ def objection(m_d: float, d: float, k: float, T_s: float) -> str | None:
     )
 
 
+# The numbers that the motion goes on from, beside those of the controller.
+_MEMORY = (
+    *("x", "v", "F_motor", "output", "_time", "_samples"),
+    *("_x_pull", "_seen", "_seen_at", "_speed", "_last_step"),
+)
+
+
 class Drive:
     """The drive; SI units, positions and forces at the slide.
 
@@ -102,6 +109,18 @@ class Drive:
         self._last_step = 0.0
         # The shortest time [s] over which a difference of positions says a speed.
         self._shortest = 1e-3 * T_s
+
+    @property
+    def memory(self) -> tuple[float, ...]:
+        """Everything that the next step depends on, the controller's memory included."""
+        return (*(getattr(self, name) for name in _MEMORY), *self._controller.memory)
+
+    @memory.setter
+    def memory(self, memory: tuple[float, ...]) -> None:
+        *motion, integral, error, last_motor = memory
+        for position, name in enumerate(_MEMORY):
+            setattr(self, name, motion[position])
+        self._controller.memory = integral, error, last_motor
 
     def advance(self, h: float, F: float, table: float) -> None:
         """Go one communication step.

@@ -11,9 +11,10 @@ import struct
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip_fmu.block import Block
-from stickslip_fmu.settings import BlockError, Settings
-from stickslip_fmu.variables import VARIABLES, start_values
+from fmukit.model import ModelError
+from stickslip_fmu.interface import TABLE
+from stickslip_fmu.model import Block
+from stickslip_fmu.settings import Settings
 from tests.fmu.fuzz.sequences import MODERATE, NAMES, Call
 from tests.fmu.inside import SKIPPED
 
@@ -45,7 +46,7 @@ class Instance:
     phase: str = "instantiated"
     fault: str | None = None
     start_time: float = 0.0
-    settings: dict[str, float] = field(default_factory=start_values)
+    settings: dict[str, float] = field(default_factory=TABLE.start_values)
     block: Block | None = None
     moderate: bool = True
     warned: tuple[float, float] | None = None
@@ -317,16 +318,16 @@ class Model:
 
     @staticmethod
     def _must_be_kind(reference: int, kind: str) -> None:
-        if reference >= len(VARIABLES):
+        if reference >= len(TABLE.rows):
             raise MustRefuseError("no such variable")
-        if VARIABLES[reference].kind != kind:
+        if TABLE.rows[reference].kind != kind:
             raise MustRefuseError("a variable of another type")
 
     def _set_one(self, instance: Instance, name: str, value: Any) -> None:
         if instance.phase == "terminated":
             raise MustRefuseError("terminated")
         if name not in MODERATE:
-            start = VARIABLES[NAMES.index(name)].start
+            start = TABLE.rows[NAMES.index(name)].start
             if instance.phase == "stepping" or start is None or value != start:
                 raise MustRefuseError("an output")
             return
@@ -362,7 +363,7 @@ class Model:
         """Call the block, which may refuse what is not moderate, and only by its own error."""
         try:
             return call()
-        except BlockError as error:
+        except ModelError as error:
             if moderate and instance.moderate:
                 raise BlockFaultError(f"refused without a reason: {error}") from None
             raise MustRefuseError(str(error)) from None
@@ -372,7 +373,7 @@ class Model:
     @staticmethod
     def _read(block: Block, reference: int) -> Any:
         value: Any = block
-        for part in VARIABLES[reference].attribute.split("."):
+        for part in TABLE.rows[reference].attribute.split("."):
             value = getattr(value, part)
         return value
 

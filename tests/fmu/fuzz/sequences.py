@@ -9,7 +9,7 @@ import random
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from stickslip_fmu.variables import VARIABLES
+from stickslip_fmu.interface import TABLE
 
 Call = list[Any]
 
@@ -30,10 +30,10 @@ MODERATE = {
 }
 
 REFERENCES = {
-    kind: [reference for reference, each in enumerate(VARIABLES) if each.kind == kind]
+    kind: [reference for reference, each in enumerate(TABLE.rows) if each.kind == kind]
     for kind in ("Real", "Integer", "Boolean", "String")
 }
-NAMES = [each.name for each in VARIABLES]
+NAMES = [each.name for each in TABLE.rows]
 _SETTABLE = [reference for reference, name in enumerate(NAMES) if name in MODERATE]
 _RUNNING = [NAMES.index(name) for name in ("k", "c", "mu_s", "mu_k", "v", "load", "F_ext")]
 
@@ -182,9 +182,9 @@ class _Master:
 
     def _set_start_values(self, i: int) -> Call:
         references = [
-            reference for reference in REFERENCES["Real"] if VARIABLES[reference].start is not None
+            reference for reference in REFERENCES["Real"] if TABLE.rows[reference].start is not None
         ]
-        return ["set", i, "Real", references, [VARIABLES[each].start for each in references]]
+        return ["set", i, "Real", references, [TABLE.rows[each].start for each in references]]
 
     def _get_state(self, i: int) -> Call:
         slot = self.generator.randrange(3)
@@ -282,7 +282,7 @@ class _Master:
             return references
         self.broken.add(i)
         wrong = self.generator.choice(
-            [len(VARIABLES), 2**31, 2**32 - 1, self.generator.randrange(len(VARIABLES))]
+            [len(TABLE.rows), 2**31, 2**32 - 1, self.generator.randrange(len(TABLE.rows))]
         )
         where = self.generator.randint(0, len(references))
         return [*references[:where], wrong, *references[where:]]

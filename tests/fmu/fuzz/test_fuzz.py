@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.mutants import Mutant, plant
-from stickslip_verification.mutants.planted import Substitution
+from stickslip_verification.drive.planting import plant
+from stickslip_verification.suite.faults import Mutant, Substitution
 from tests.fmu.fuzz.sequences import sequence
 from tests.fmu.fuzz.trial import Trial, table
 
@@ -49,10 +49,11 @@ def test_no_sequence_of_calls_crashes_hangs_or_misleads(
 RARE = {("set Boolean", 0)}
 
 STEP = "        if not 0.0 < step < math.inf:\n"
+TWIN = "        twin.meter = self.meter.copy()\n"
 
 FAULTS = {
     "takes NaN": (
-        ("variables.py", "if math.isfinite(value) and value >= low:", "if not value < low:"),
+        ("table.py", "math.isfinite(value) and low <= value <= high:", "not value < low:"),
         "set: status 0, expected 4",
     ),
     "lets the load lift the mass": (
@@ -84,7 +85,7 @@ FAULTS = {
         "internal error: ZeroDivisionError",
     ),
     "forgets the sum of its heat": (
-        ("block.py", '    "_Q_friction",\n', ""),
+        ("block.py", TWIN, f"{TWIN}        twin.Q_friction = ZERO\n"),
         "get: gives",
     ),
 }

@@ -9,16 +9,17 @@ from tests.fmu.importer import Importer
 
 # Numbers that no state can have, each of the right type.
 _IMPOSSIBLE: tuple[tuple[tuple[Any, ...], float], ...] = (
-    (("block", "elapsed", 0), -1.0),
-    (("block", "elapsed", 1), -5.0),
-    (("block", "x", 1), 1.0),
-    (("block", "meter", "_phase", 1), 0.5),
-    (("block", "meter", "t_slip"), -1.0),
-    (("block", "meter", "t_stick"), -1.0),
-    (("block", "meter", "T"), -1.0),
-    (("block", "meter", "n_slips"), -1),
-    (("block", "Q_friction", 0), -1.0),
-    (("block", "arc", 0), 2),
+    (("model", "elapsed"), -1.0),
+    (("model", "elapsed_low"), -5.0),
+    (("model", "x", 1), 1.0),
+    (("model", "meter", "_phase", 1), 0.5),
+    (("model", "meter", "t_slip"), -1.0),
+    (("model", "meter", "t_stick"), -1.0),
+    (("model", "meter", "T"), -1.0),
+    (("model", "meter", "n_slips"), -1),
+    (("model", "Q_friction", 0), -1.0),
+    (("model", "arc", 0), 2),
+    (("model", "arc", 4), -1.0),
 )
 
 

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from stickslip_verification.svg import tidy
+from stickslip_verification.report.svg import tidy
 
 INK: Final = "#2b2f36"
 GREY: Final = "#9aa1ab"

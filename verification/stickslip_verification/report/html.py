@@ -11,17 +11,17 @@ from typing import Any
 
 from markupsafe import Markup
 
-from stickslip_verification import baseline, svg
-from stickslip_verification.catalogue import Meaning
-from stickslip_verification.margins import error_text
-from stickslip_verification.report import kill_view, order_plot, plots, view
+from stickslip_verification.drive import convergence
+from stickslip_verification.model.margins import error_text
+from stickslip_verification.model.verdict import ObservedOrder, Outcome, Verdict
+from stickslip_verification.model.whole_file import write_whole
+from stickslip_verification.report import earlier as baseline
+from stickslip_verification.report import kill_view, order_plot, plots, svg, view
 from stickslip_verification.report.environment import environment, text_of
 from stickslip_verification.report.json_file import json_text
 from stickslip_verification.report.junit import as_junit
 from stickslip_verification.report.words import KINDS, SIDES, WORTH, ClaimSection
-from stickslip_verification.trial import convergence
-from stickslip_verification.verdict import NOT_APPLICABLE, NOTED, ObservedOrder, Verdict
-from stickslip_verification.whole_file import write_whole
+from stickslip_verification.suite.catalogue import Meaning
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
 
@@ -79,7 +79,7 @@ def render(
         nearest to its tolerance, up to a number. The page says so.
     """
     failures = view.failed_checks(verdict, meanings)
-    noted = view.failed_checks(verdict, meanings, (NOTED,))
+    noted = view.failed_checks(verdict, meanings, (Outcome.NOTED,))
     nearest = view.nearest(verdict)
     linked = frozenset(
         [number for _, numbers in (*failures, *noted) for number in numbers]
@@ -238,7 +238,7 @@ def _moves(moves: baseline.Moves) -> dict[str, Any]:
 
 
 def _margin(entry: baseline.Entry) -> str:
-    return "–" if entry.verdict == NOT_APPLICABLE else error_text(entry.margin)
+    return "–" if entry.verdict == Outcome.NOT_APPLICABLE else error_text(entry.margin)
 
 
 def _dated(verdict: Verdict, moves: baseline.Moves | None) -> dict[str, Any]:

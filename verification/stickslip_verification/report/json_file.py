@@ -9,8 +9,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from stickslip_verification.verdict import CheckResult, KillMatrix, Verdict
-from stickslip_verification.whole_file import write_whole
+from stickslip_verification.model.verdict import CheckResult, KillMatrix, Verdict
+from stickslip_verification.model.whole_file import write_whole
 
 KEYS = {
     "case": "case",

@@ -6,8 +6,8 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
+from stickslip_verification.model.verdict import CheckResult, Outcome, Verdict
 from stickslip_verification.report.words import KINDS, SIDES, what_happened
-from stickslip_verification.verdict import NOTED, CheckResult, Verdict
 
 ABOUT_THE_FMU = "the FMU"
 """Class name of the checks that belong to no case."""
@@ -45,8 +45,10 @@ def _add_verdict(root: ET.Element, verdict: Verdict) -> None:
         for fault in verdict.kills.rows:
             wanted = f"none of {', '.join(fault.wanted)} failed"
             rows.append((f"planted fault {fault.mutant}", "" if fault.caught else wanted))
-        for check, reason in verdict.kills.idle.items():
-            rows.append((f"idle check {check}", "" if reason else "nothing says why it stays"))
+        for check, reason in verdict.kills.kills_nothing.items():
+            rows.append(
+                (f"kills_nothing check {check}", "" if reason else "nothing says why it stays")
+            )
     wrong = sum(bool(reason) for _, reason in rows)
     counts = {"tests": str(len(rows)), "failures": str(wrong), "errors": "0", "skipped": "0"}
     suite = ET.SubElement(root, "testsuite", {"name": THE_VERDICT} | counts)
@@ -77,7 +79,7 @@ def _add(suite: ET.Element, case: str, result: CheckResult) -> None:
             test, "failure", type=result.truth, message=_clean(what_happened(result))
         )
         failure.text = _clean(_story(result))
-    elif result.verdict == NOTED:
+    elif result.verdict == Outcome.NOTED:
         output = ET.SubElement(test, "system-out")
         output.text = _clean(f"noted, does not decide: {what_happened(result)}\n{_story(result)}")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from stickslip_verification.verdict import Conviction, KillMatrix
+from stickslip_verification.model.verdict import Detection, KillMatrix
 
 CAUGHT, SURVIVED, NOT_JUDGED = "detected", "survived", "not judged"
 
@@ -38,7 +38,7 @@ class KillView:
     checks: Sequence[str]
     rows: Sequence[FaultRow]
     totals: Sequence[int]
-    idle: Sequence[tuple[str, str]]
+    kills_nothing: Sequence[tuple[str, str]]
     whole: bool
 
     @property
@@ -64,12 +64,12 @@ def of(kills: KillMatrix) -> KillView:
         checks=kills.checks,
         rows=[_row(row, kills.checks, most) for row in kills.rows],
         totals=[sum(row.failing.get(check, 0) > 0 for row in kills.rows) for check in kills.checks],
-        idle=list(kills.idle.items()),
+        kills_nothing=list(kills.kills_nothing.items()),
         whole=kills.whole,
     )
 
 
-def _row(row: Conviction, checks: Sequence[str], most: int) -> FaultRow:
+def _row(row: Detection, checks: Sequence[str], most: int) -> FaultRow:
     return FaultRow(
         mutant=row.mutant,
         about=row.about,

@@ -6,8 +6,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.report.house_style import BLUE, INK, STYLE, as_svg, label_decades
-from stickslip_verification.verdict import ObservedOrder
 
 
 def draw_order(order: ObservedOrder, number: int) -> str:

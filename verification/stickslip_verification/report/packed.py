@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from stickslip_verification.margins import error_text, margin_of
+from stickslip_verification.model.margins import error_text, margin_of
+from stickslip_verification.model.verdict import CheckResult, Outcome, Verdict, count
 from stickslip_verification.report import view
 from stickslip_verification.report.environment import environment, text_of
 from stickslip_verification.report.words import KINDS, WORTH
-from stickslip_verification.verdict import PASS, CheckResult, Verdict, count
 
 SHOWN = "default"
 """The case that the page shows comparison by comparison: it is the one that runs as it comes."""
@@ -48,7 +48,9 @@ def _case(verdict: Verdict, case: str) -> dict[str, object]:
     """Give one row: how many comparisons of a case hold, on each side, and which is nearest."""
     results = [result for result in verdict.checks if result.case == case]
     title = next((motion.title for motion in verdict.motions if motion.case == case), "")
-    of_fmu = [result for result in results if result.side == "fmu" and result.verdict == PASS]
+    of_fmu = [
+        result for result in results if result.side == "fmu" and result.verdict == Outcome.PASS
+    ]
     nearest = max(of_fmu, key=lambda result: margin_of(result) or 0.0, default=None)
     return {
         "id": view.case_name(case),

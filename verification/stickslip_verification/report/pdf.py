@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from stickslip_verification.whole_file import write_whole
+from stickslip_verification.model.whole_file import write_whole
 
 
 class PdfUnavailableError(RuntimeError):

@@ -6,19 +6,10 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from stickslip_verification.catalogue import Meaning
-from stickslip_verification.margins import error_text, margin_of, value_text
+from stickslip_verification.model.margins import error_text, margin_of, value_text
+from stickslip_verification.model.verdict import CheckResult, Kind, Motion, Outcome, Verdict, count
 from stickslip_verification.report.words import KINDS, MEASURES, SIDES, what_happened
-from stickslip_verification.verdict import (
-    DRIFT,
-    FAIL,
-    NOTED,
-    PASS,
-    CheckResult,
-    Motion,
-    Verdict,
-    count,
-)
+from stickslip_verification.suite.catalogue import Meaning
 
 NEAREST = 10
 """How many margins page one names."""
@@ -130,7 +121,9 @@ def case_views(
 
 
 def failed_checks(
-    verdict: Verdict, meanings: Mapping[str, Meaning], words: Sequence[str] = (FAIL, DRIFT)
+    verdict: Verdict,
+    meanings: Mapping[str, Meaning],
+    words: Sequence[str] = (Outcome.FAIL, Outcome.DRIFT),
 ) -> list[tuple[FailedCheck, list[int]]]:
     """Give each check with a verdict among `words`, the most frequent first.
 
@@ -150,7 +143,7 @@ def failed_checks(
             meaning=meanings.get(check),
             places=[_place(number, result, what_happened(result)) for number, result in worst],
             total=len(found),
-            noted=first.verdict == NOTED,
+            noted=first.verdict == Outcome.NOTED,
         )
         views.append((view, [number for number, _ in worst]))
     return sorted(views, key=lambda each: -each[0].total)
@@ -158,7 +151,7 @@ def failed_checks(
 
 def nearest(verdict: Verdict) -> list[tuple[Place, int]]:
     """Give the passed results that use most of their tolerance, and their numbers."""
-    passed = [(n, r) for n, r in enumerate(verdict.checks) if r.verdict == PASS]
+    passed = [(n, r) for n, r in enumerate(verdict.checks) if r.verdict == Outcome.PASS]
     worst = sorted(passed, key=lambda each: -(margin_of(each[1]) or 0.0))[:NEAREST]
     return [
         (_place(n, r, error_text(margin_of(r))), n) for n, r in worst if (margin_of(r) or 0.0) > 0.0
@@ -192,7 +185,7 @@ def _case_view(
 ) -> CaseView:
     notes: dict[str, int] = {}
     groups: dict[str, list[Row]] = {}
-    totals = Counter(result.truth for _, result in results)
+    totals: Counter[str] = Counter(result.truth for _, result in results)
     for number, result in sorted(results, key=lambda each: _rank(each[1].truth)):
         if number not in chosen:
             continue
@@ -219,7 +212,7 @@ def _chosen(results: Sequence[tuple[int, CheckResult]], linked: frozenset[int]) 
     nearest: dict[str, tuple[float, int]] = {}
     chosen = set()
     for number, result in results:
-        if result.verdict in (FAIL, DRIFT, NOTED) or number in linked:
+        if result.verdict in (Outcome.FAIL, Outcome.DRIFT, Outcome.NOTED) or number in linked:
             chosen.add(number)
         used = margin_of(result)
         if used is not None:
@@ -236,7 +229,7 @@ def _rank(kind: str) -> int:
 
 
 def _group_name(kind: str) -> str:
-    return KINDS.get(kind, kind) + (" (the weaker class)" if kind == "cross_code" else "")
+    return KINDS.get(kind, kind) + (" (the weaker class)" if kind == Kind.CROSS_CODE else "")
 
 
 def _worst(results: Sequence[CheckResult]) -> str:
@@ -251,7 +244,7 @@ def _worst(results: Sequence[CheckResult]) -> str:
 
 
 def _row(result: CheckResult, note: int, anchor: str) -> Row:
-    plain = result.verdict == PASS
+    plain = result.verdict == Outcome.PASS
     unit = "" if result.unit in ("", "1") else result.unit
     return Row(
         anchor=anchor,

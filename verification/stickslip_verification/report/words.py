@@ -5,31 +5,36 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from stickslip_verification.margins import error_text
-from stickslip_verification.verdict import DRIFT, CheckResult
+from stickslip_verification.model.margins import error_text
+from stickslip_verification.model.verdict import CheckResult, Kind, Measure, Outcome
 
-KINDS: Final = {
-    "closed_form": "closed form",
-    "invariant": "invariant",
-    "convergence": "convergence",
-    "cross_code": "cross-code",
+KINDS: Final[dict[str, str]] = {
+    Kind.CLOSED_FORM: "closed form",
+    Kind.INVARIANT: "invariant",
+    Kind.CONVERGENCE: "convergence",
+    Kind.CROSS_CODE: "cross-code",
 }
 
-WORTH: Final = {
-    "closed_form": "Code verification against the exact solution of the equations, by a formula or "
-    "in high precision. Its code is independent of FMU and reference. The strongest kind.",
-    "invariant": "Code verification against what every exact motion satisfies, such as the energy "
-    "balance or the mirror. It needs no solution, so it also judges motions without a formula.",
-    "convergence": "Solution verification: the numerical error must fall with the tolerance or the "
-    "step at the order that the method promises.",
-    "cross_code": "Two programs compared with each other. The weaker kind: both may be wrong "
+WORTH: Final[dict[str, str]] = {
+    Kind.CLOSED_FORM: "Code verification against the exact solution of the equations, by a formula "
+    "or in high precision. Its code is independent of FMU and reference. The strongest kind.",
+    Kind.INVARIANT: "Code verification against what every exact motion satisfies, such as the "
+    "energy balance or the mirror. It needs no solution, so it also judges motions without a "
+    "formula.",
+    Kind.CONVERGENCE: "Solution verification: the numerical error must fall with the tolerance or "
+    "the step at the order that the method promises.",
+    Kind.CROSS_CODE: "Two programs compared with each other. The weaker kind: both may be wrong "
     "alike, so it alone gives no pass.",
 }
 """What each kind of truth is worth; in the terms of ASME V&V 10."""
 
 SIDES: Final = {"fmu": "FMU", "reference": "reference", "both": "both"}
 
-MEASURES: Final = {"relative": "of value", "of_scale": "of scale", "absolute": ""}
+MEASURES: Final[dict[str, str]] = {
+    Measure.RELATIVE: "of value",
+    Measure.OF_SCALE: "of scale",
+    Measure.ABSOLUTE: "",
+}
 """What an error is a part of; an absolute one has the unit of its quantity."""
 
 
@@ -53,7 +58,7 @@ def what_happened(result: CheckResult) -> str:
         return result.not_applicable
     if result.failure is not None:
         return result.failure
-    if result.verdict == DRIFT and result.second is not None:
+    if result.verdict == Outcome.DRIFT and result.second is not None:
         return (
             f"within its tolerance, but drifted by {error_text(result.second.drift)} of scale from "
             f"{result.second.accepted!r} {result.unit} accepted earlier; allowed "

@@ -1,1 +1,1 @@
-"""The suite as a whole: its ground, the run of an FMU, planted faults, the verdict."""
+"""The suite as data: cases, invariants, planted faults, tolerances, meanings of failures."""

@@ -22,7 +22,7 @@ def prove(
     ] = 1.0,
 ) -> None:
     """Check FMU and reference on random settings; exit 0 if all statements hold, else 1."""
-    from stickslip.proof_table import proof_table
+    from stickslip.show.random_test_table import random_test_table
     from stickslip_verification import FmuError
     from stickslip_verification import prove as prove_all
 
@@ -35,6 +35,6 @@ def prove(
             results = prove_all(fmu, seed, fraction, progress)
         except FmuError as error:
             raise CommandError(str(error)) from error
-    console().print(proof_table(results))
+    console().print(random_test_table(results))
     if not all(each.passed for each in results):
         raise typer.Exit(1)

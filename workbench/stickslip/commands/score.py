@@ -5,9 +5,9 @@ from typing import Annotated, Any
 
 import typer
 
+from stickslip.commands.quantities import help_text, option_name, read_values
 from stickslip.commands.shared import console
 from stickslip.errors import CommandError
-from stickslip.quantities import help_text, option_name, read_values
 
 
 def _parameter(name: str, *spellings: str) -> Any:
@@ -47,8 +47,8 @@ def score(
     json: Annotated[bool, typer.Option("--json", help="Print JSON for machines.")] = False,
 ) -> None:
     """Compare a curve from any tool with the exact cycle, and say why it differs."""
-    from stickslip_verification.score import CurveError, as_json, read_curve
-    from stickslip_verification.score import score as judge
+    from stickslip_score import CurveError, as_json, read_curve
+    from stickslip_score import score as judge
 
     given = {"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k}
     parameters = read_values({**given, "v": v, "load": load, "F_ext": F_ext})
@@ -63,6 +63,6 @@ def score(
 
         print(dumps(as_json(result), indent=2, ensure_ascii=False, allow_nan=False))
         return
-    from stickslip.score_table import score_table
+    from stickslip.show.score_table import score_table
 
     console().print(score_table(result))

@@ -64,7 +64,7 @@ def current_fmu() -> Path:
     """
     import tempfile
 
-    from stickslip_verification.fmu import content_digest
+    from stickslip_verification.drive.fmu.digest import content_digest
 
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
         built = build_fmu(Path(folder), "--fmu")
@@ -84,9 +84,9 @@ def tell_of(fmu: Path) -> None:
 
 def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
     """Put the evidence into the FMU that was judged, which `option` named."""
-    from stickslip.evidence import evidence
-    from stickslip_fmu.packer import add
-    from stickslip_verification.fmu import content_digest
+    from fmukit.packer import add
+    from stickslip.handbook.evidence import evidence
+    from stickslip_verification.drive.fmu.digest import content_digest
 
     if content_digest(fmu) != verdict.provenance["fmu"]["content"]:
         raise CommandError(f"{option} {fmu}: it changed while it was judged: nothing is packed")

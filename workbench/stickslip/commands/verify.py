@@ -20,7 +20,7 @@ from stickslip.commands.shared import (
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
-    from stickslip_verification import Baseline, Case, Meaning, Mutant, NameMap, Verdict
+    from stickslip_verification import Case, EarlierReport, Meaning, Mutant, NameMap, Verdict
 
 DEFAULT_REPORT = Path("report")
 
@@ -90,7 +90,7 @@ def verify(
     ] = DEFAULT_REPORT,
 ) -> None:
     """Check an FMU and the reference against the truth; exit 0 if all checks pass, else 1."""
-    from stickslip import verdict_table as tables
+    from stickslip.show import verdict_table as tables
 
     chosen = _cases(cases)
     if list_:
@@ -109,14 +109,14 @@ def verify(
     if all_:
         screen.print(tables.verdict_table(verdict, screen.width))
     else:
-        from stickslip.verdict_summary import verdict_summary
+        from stickslip.show.verdict_summary import verdict_summary
 
         screen.print(verdict_summary(verdict, _meanings(chosen)))
     if earlier is not None:
-        from stickslip.baseline_table import baseline_table
+        from stickslip.show.earlier_table import earlier_table
         from stickslip_verification import compare
 
-        screen.print(baseline_table(compare(earlier, verdict)))
+        screen.print(earlier_table(compare(earlier, verdict)))
     for file in written:
         print(file)
     if pack:
@@ -143,16 +143,16 @@ def _cases(wanted: str | None) -> "list[Case]":
 
 
 def _meanings(cases: "Sequence[Case]") -> "Mapping[str, Meaning]":
-    from stickslip_verification import load_laws, meanings
+    from stickslip_verification import load_invariants, meanings
 
-    return meanings(cases, load_laws())
+    return meanings(cases, load_invariants())
 
 
 def _check_accept(
     accept: bool, names: Path | None, wanted: str | None, cases: "Sequence[Case]"
 ) -> None:
     """Refuse to accept results of another FMU or of cases outside the suite."""
-    from stickslip_verification.cases import CASES_FOLDER
+    from stickslip_verification.suite.cases import CASES_FOLDER
 
     if accept and names is not None:
         raise CommandError("--accept does not go with --names: only the exact block is accepted")
@@ -172,8 +172,9 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
         raise CommandError("--pack does not go with --cases: the report in the FMU is on all cases")
     if fmu is None:
         return
-    from stickslip_verification.fmu import FmuError, FmuFile
-    from stickslip_verification.trial.drive import is_ours
+    from stickslip_verification.drive.fmu.archive import FmuFile
+    from stickslip_verification.drive.fmu.errors import FmuError
+    from stickslip_verification.drive.stepping import is_ours
 
     try:
         file = FmuFile(fmu)
@@ -207,14 +208,14 @@ def _names(file: Path | None) -> "NameMap | None":
         raise CommandError(f"--names {error}") from error
 
 
-def _baseline(file: Path | None) -> "Baseline | None":
-    from stickslip_verification import BaselineError, read_baseline
+def _baseline(file: Path | None) -> "EarlierReport | None":
+    from stickslip_verification import EarlierReportError, read_earlier_report
 
     if file is None:
         return None
     try:
-        return read_baseline(file)
-    except BaselineError as error:
+        return read_earlier_report(file)
+    except EarlierReportError as error:
         raise CommandError(f"--baseline {error}") from error
 
 
@@ -292,13 +293,13 @@ def _verdict(
 def _write(
     verdict: "Verdict",
     cases: "Sequence[Case]",
-    earlier: "Baseline | None",
+    earlier: "EarlierReport | None",
     output: Path,
     pdf: Path | None,
 ) -> list[Path]:
     """Write the report, and give the files that a person may want to open."""
-    from stickslip import verdict_report
     from stickslip.progress import Meter
+    from stickslip.show import verdict_report
 
     with Meter("Writing the report"):
         return verdict_report.write(verdict, cases, earlier, output, pdf)

@@ -3,8 +3,9 @@
 from importlib.resources import files
 from typing import Any, Final
 
+from fmukit.table import Variable
+from stickslip_fmu.interface import TABLE
 from stickslip_fmu.release import DATE, VERSION
-from stickslip_fmu.variables import VARIABLES, Variable
 
 _SOURCES: Final = files("stickslip.handbook")
 _TITLES: Final = {
@@ -52,7 +53,7 @@ def _text(name: str) -> str:
 def _groups() -> list[tuple[str, list[dict[str, str]]]]:
     """Give the rows of the interface tables, by what they are to a user."""
     groups: dict[str, list[dict[str, str]]] = {}
-    for row in VARIABLES:
+    for row in TABLE.rows:
         metered = row.attribute.startswith("meter.")
         name = _TITLES[row.causality, metered]
         groups.setdefault(name, []).append(_row(row))

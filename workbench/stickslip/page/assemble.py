@@ -9,8 +9,8 @@ from importlib.resources import files
 from typing import Any, Final
 
 from stickslip.page.script import joined
+from stickslip_fmu.interface import TABLE
 from stickslip_fmu.release import VERSION
-from stickslip_fmu.variables import VARIABLES_BY_NAME
 
 _ENTRY: Final = "view/main.js"
 # End tags that HTML lets one leave out wherever the next element or the parent's end follows.
@@ -66,7 +66,7 @@ def page_range(name: str) -> tuple[float, float, str]:
     if control is None:
         raise KeyError(name)
     shown = 10.0 ** control["decimals"]
-    unit = VARIABLES_BY_NAME[name].unit
+    unit = TABLE.by_name[name].unit
     return control["least"] / shown, control["most"] / shown, "" if unit == "1" else unit
 
 
@@ -74,7 +74,7 @@ def page_range(name: str) -> tuple[float, float, str]:
 def _controls() -> list[dict[str, Any]]:
     """Give the controls, each with the start value (SI) of its FMU variable."""
     return [
-        {**control, "start": VARIABLES_BY_NAME[control["name"]].start}
+        {**control, "start": TABLE.by_name[control["name"]].start}
         for control in _table("controls.toml")["control"]
     ]
 

@@ -1,0 +1,110 @@
+"""The servo drive as a model of fmukit."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from fmukit.model import Experiment, ModelError, Spec
+from fmukit.plain import check, values
+
+from .controller import Controller, Gains
+from .drive import Drive, inertia_at_slide, objection
+from .setpoint import SetPoint
+from .table import TABLE, Settings
+
+
+class ServoDrive:
+    """The drive, at rest at the start.
+
+    Parameters
+    ----------
+    settings
+        Parameters and inputs.
+    start_time
+        Without effect: the set point begins with the simulation.
+
+    Raises
+    ------
+    ModelError
+        If the sample time is too long for the motion.
+    """
+
+    stale = False
+
+    def __init__(self, settings: Settings, start_time: float = 0.0) -> None:
+        self._begin(settings)
+
+    def _begin(self, settings: Settings) -> None:
+        self.wanted = settings
+        self._set_point = SetPoint(settings.feed, settings.acceleration, settings.distance)
+        gains = Gains(**{name: getattr(settings, name) for name in Gains._fields})
+        self.controller = Controller(gains, self._set_point)
+        m_d = inertia_at_slide(settings.J, settings.pitch)
+        refused = objection(m_d, settings.d, settings.k, settings.T_s)
+        if refused is not None:
+            raise ModelError(refused)
+        self.drive = Drive(m_d, settings.d, settings.k, settings.T_s, self.controller)
+        self._time = 0.0
+
+    @property
+    def x_command(self) -> float:
+        """Commanded position [m]."""
+        return self._set_point.at(self._time)[0]
+
+    def set(self, name: str, value: float) -> None:
+        """Set an input for the next step."""
+        self.wanted = self.wanted.changed(name, value)
+
+    def advance(self, time: float, step: float) -> None:
+        """Move on by `step` [s]; raises ModelError unless it is above 0 and finite."""
+        if not 0.0 < step < math.inf:
+            raise ModelError(f"step = {step!r} s is out of range: it must be above 0")
+        self.drive.advance(step, self.wanted.F, self.wanted.x)
+        self._time += step
+
+    def refresh(self) -> None:
+        """Do nothing: every output is up to date."""
+
+    def check(self) -> None:
+        """Accept all inputs."""
+
+    def warning(self) -> None:
+        """Warn of nothing."""
+
+    def date_start(self, time: float) -> None:
+        """Do nothing: no output shows the start time."""
+
+    def freeze(self) -> tuple[Settings, float, tuple[float, ...]]:
+        """Return the whole state for `thaw`."""
+        return self.wanted, self._time, self.drive.memory
+
+    def thaw(self, frozen: tuple[Settings, float, tuple[float, ...]]) -> None:
+        """Take up a state that `freeze` returned, bit for bit."""
+        settings, time, memory = frozen
+        self._begin(settings)
+        self._time, self.drive.memory = time, memory
+
+    def save(self) -> dict[str, Any]:
+        """Return the whole state as plain data for `restore`."""
+        settings, time, memory = self.freeze()
+        return {"settings": settings.as_dict(), "time": time, "memory": list(memory)}
+
+    def restore(self, saved: Any) -> None:
+        """Take up a state that `save` returned; raises ModelError for anything else."""
+        check(saved, self.save())
+        settings = values(Settings, saved["settings"])
+        self.thaw((settings, saved["time"], tuple(saved["memory"])))
+
+
+SPEC = Spec(
+    name="ServoDrive",
+    description="A servo drive: inertia, digital position and velocity control",
+    author="The stickslip engineers",
+    version="0.1.0",
+    date="2026-11-21T00:00:00Z",
+    licence="MIT",
+    values=Settings,
+    model=ServoDrive,
+    experiment=Experiment(step_size=TABLE.by_name["T_s"].start),
+)

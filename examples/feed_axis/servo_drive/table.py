@@ -1,0 +1,147 @@
+"""The variable table of the drive's FMU: units, quantities and variables."""
+
+from __future__ import annotations
+
+from fmukit.table import ABOVE_ZERO, Quantity, Table, Unit, Values, Variable
+
+from .drive import inertia_at_slide
+
+_UNITS: dict[str, Unit] = {
+    "kg.m2": Unit({"kg": 1, "m": 2}, (("kg.cm2", 1e4),)),
+    "m": Unit({"m": 1}, (("mm", 1e3),)),
+    "s": Unit({"s": 1}, (("ms", 1e3),)),
+    "m/s": Unit({"m": 1, "s": -1}, (("mm/s", 1e3),)),
+    "m/s2": Unit({"m": 1, "s": -2}, (("mm/s2", 1e3),)),
+    "1/s": Unit({"s": -1}, (("1/min", 60.0),)),
+    "N": Unit({"kg": 1, "m": 1, "s": -2}, (("kN", 1e-3),)),
+    "N/m": Unit({"kg": 1, "s": -2}, (("N/um", 1e-6),)),
+    "N.s/m": Unit({"kg": 1, "s": -1}, (("kN.s/m", 1e-3),)),
+    "1": Unit({}, (("%", 100.0),)),
+}
+
+_INERTIA = Quantity("Inertia", "Real", "MomentOfInertia", "kg.m2")
+_LENGTH = Quantity("Length", "Real", "Length", "m")
+_TIME = Quantity("Time", "Real", "Time", "s")
+_VELOCITY = Quantity("Velocity", "Real", "Velocity", "m/s")
+_ACCELERATION = Quantity("Acceleration", "Real", "Acceleration", "m/s2")
+_GAIN = Quantity("Gain", "Real", "", "1/s")
+_FORCE = Quantity("Force", "Real", "Force", "N")
+_STIFFNESS = Quantity("Stiffness", "Real", "TranslationalSpringConstant", "N/m")
+_DAMPING = Quantity("Damping", "Real", "TranslationalDampingConstant", "N.s/m")
+_PART = Quantity("Part", "Real", "", "1")
+_CHOICE = Quantity("Choice", "Integer")
+
+_QUANTITIES = (
+    *(_INERTIA, _LENGTH, _TIME, _VELOCITY, _ACCELERATION, _GAIN),
+    *(_FORCE, _STIFFNESS, _DAMPING, _PART, _CHOICE),
+)
+
+
+def _parameter(
+    number: int,
+    name: str,
+    quantity: Quantity,
+    start: float,
+    description: str,
+    minimum: float | None = 0.0,
+    maximum: float | None = None,
+) -> Variable:
+    return Variable(
+        number,
+        name,
+        quantity,
+        "parameter",
+        "fixed",
+        start,
+        description,
+        minimum=minimum,
+        maximum=maximum,
+    )
+
+
+def _input(number: int, name: str, quantity: Quantity, description: str) -> Variable:
+    return Variable(number, name, quantity, "input", "continuous", 0.0, description)
+
+
+def _output(
+    number: int,
+    name: str,
+    quantity: Quantity,
+    description: str,
+    held_at: str,
+    variability: str = "continuous",
+) -> Variable:
+    return Variable(number, name, quantity, "output", variability, 0.0, description, held_at)
+
+
+# The start values are those of the example's axis, whose drive has this inertia [kg.m2], this way
+# a turn [m] and this bandwidth of the velocity loop [rad/s]; a test compares them.
+_J, _PITCH, _OMEGA_V = 6e-3, 0.01, 300.0
+_K_P = inertia_at_slide(_J, _PITCH) * _OMEGA_V
+
+_ROWS = (
+    _parameter(0, "J", _INERTIA, _J, "Inertia of motor, coupling and screw", ABOVE_ZERO),
+    _parameter(1, "pitch", _LENGTH, _PITCH, "Way of the slide per turn of the screw", ABOVE_ZERO),
+    _parameter(2, "d", _DAMPING, 1000.0, "Viscous friction of the drive, seen at the slide"),
+    _parameter(
+        3,
+        "k",
+        _STIFFNESS,
+        4e7,
+        "Stiffness of the spring that is driven, to follow its force within a step; 0: held",
+    ),
+    _parameter(4, "T_s", _TIME, 250e-6, "Sample time of the controller", ABOVE_ZERO),
+    _parameter(5, "K_v", _GAIN, 25.0, "Gain of the position controller"),
+    _parameter(6, "K_p", _DAMPING, _K_P, "Gain of the velocity controller, seen at the slide"),
+    _parameter(
+        7, "T_n", _TIME, 4.0 / _OMEGA_V, "Integral time of the velocity controller; 0: no integral"
+    ),
+    _parameter(
+        8, "on_table", _CHOICE, 1, "Position is measured on the table (1) or on the motor (0)", 0, 1
+    ),
+    _parameter(9, "dead_band", _LENGTH, 0.0, "Position error that is taken as none"),
+    _parameter(10, "velocity_feedforward", _PART, 1.0, "Part of the commanded speed that is added"),
+    _parameter(11, "friction_feedforward", _FORCE, 0.0, "Force added in the commanded direction"),
+    _parameter(12, "F_max", _FORCE, 12e3, "Limit of the motor force", ABOVE_ZERO),
+    _parameter(13, "resolution_motor", _LENGTH, 1e-8, "Count of the motor's encoder; 0: exact"),
+    _parameter(14, "resolution_table", _LENGTH, 1e-7, "Count of the table's scale; 0: exact"),
+    _parameter(15, "feed", _VELOCITY, 5e-4, "Commanded speed", None),
+    _parameter(16, "acceleration", _ACCELERATION, 0.1, "Commanded acceleration", ABOVE_ZERO),
+    _parameter(
+        17, "distance", _LENGTH, 0.0, "Length of the move, after which it holds; 0: goes on"
+    ),
+    _input(18, "F", _FORCE, "Spring force that pulls the drive back"),
+    _input(19, "x", _LENGTH, "Position of the table"),
+    _output(
+        20,
+        "v",
+        _VELOCITY,
+        "Speed of the pulled end: the mean over the step to come",
+        "drive.output",
+    ),
+    _output(21, "x_motor", _LENGTH, "Position of the motor, at the slide", "drive.x"),
+    _output(22, "x_command", _LENGTH, "Commanded position", "x_command"),
+    _output(
+        23,
+        "following_error",
+        _LENGTH,
+        "Commanded less measured position, at the last sample",
+        "controller.error",
+        "discrete",
+    ),
+    _output(24, "F_motor", _FORCE, "Force of the motor, at the slide", "drive.F_motor", "discrete"),
+    _output(
+        25,
+        "F_integral",
+        _FORCE,
+        "Integral part of the motor force",
+        "controller.integral",
+        "discrete",
+    ),
+)
+
+TABLE = Table(_UNITS, _QUANTITIES, _ROWS)
+
+
+class Settings(Values, table=TABLE):
+    """Parameters and inputs of the drive, SI."""

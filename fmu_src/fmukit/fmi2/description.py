@@ -1,0 +1,73 @@
+"""The FMI 2.0 model description, made from the variable table."""
+
+from xml.etree.ElementTree import Element, SubElement
+
+from ..description import (
+    LOG_CATEGORIES,
+    add_experiment,
+    add_log_categories,
+    add_units,
+    drop_empty_lists,
+    initial_unknowns,
+    outputs,
+    root_element,
+    type_attributes,
+    value_attributes,
+    variable_attributes,
+)
+from ..model import Spec
+from ..table import Table, Variable
+
+_CAPABILITIES = {
+    "needsExecutionTool": "false",
+    "canHandleVariableCommunicationStepSize": "true",
+    "canInterpolateInputs": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+}
+
+
+def model_description(spec: Spec, identity: str, generator: str) -> Element:
+    """Return the root of modelDescription.xml.
+
+    Parameters
+    ----------
+    spec
+        The model.
+    identity
+        The GUID.
+    generator
+        Name and version of what wraps the slave.
+    """
+    root = root_element(spec, "2.0", ("guid", identity), generator)
+    SubElement(root, "CoSimulation", {"modelIdentifier": spec.name, **_CAPABILITIES})
+    add_units(root, spec.table)
+    types = SubElement(root, "TypeDefinitions")
+    for name, quantity in spec.table.quantities.items():
+        simple = SubElement(types, "SimpleType", {"name": name})
+        SubElement(simple, quantity.kind, type_attributes(quantity))
+    add_log_categories(root, LOG_CATEGORIES)
+    add_experiment(root, spec.experiment)
+    variables = SubElement(root, "ModelVariables")
+    for variable in spec.table.rows:
+        scalar = SubElement(variables, "ScalarVariable", variable_attributes(variable))
+        SubElement(scalar, variable.kind, value_attributes(variable))
+    _add_structure(SubElement(root, "ModelStructure"), spec.table)
+    drop_empty_lists(root)
+    return root
+
+
+def _add_structure(parent: Element, table: Table) -> None:
+    known = SubElement(parent, "Outputs")
+    for variable in outputs(table):
+        SubElement(known, "Unknown", {"index": _index(variable), "dependencies": ""})
+    unknowns = SubElement(parent, "InitialUnknowns")
+    for variable, dependencies in initial_unknowns(table, offset=1):
+        SubElement(unknowns, "Unknown", {"index": _index(variable), **dependencies})
+
+
+def _index(variable: Variable) -> str:
+    """Return the position in the list of variables, which is counted from 1."""
+    return str(variable.number + 1)

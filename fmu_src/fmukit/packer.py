@@ -1,0 +1,364 @@
+"""Packs a model as an FMU: its modules, the kit and the wrapper's binaries in one file.
+
+The modules that travel are found by their imports, from the text of a module that defines SPEC:
+every module outside the standard library and the wrappers. They stand in one package, named by its
+content, each under its own name; imports between them are made relative, so that two FMUs in one
+process never share a module.
+
+The wrapper's builder makes the archive, pythonfmu's for FMI 2.0 and pythonfmu3's for FMI 3.0; a
+second pass makes it the same, byte for byte, at every build: names sorted, dates fixed, deflated.
+"""
+
+import ast
+import hashlib
+import os
+import sys
+import tempfile
+import zipfile
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, Literal, Mapping, NamedTuple, Optional
+
+import pythonfmu
+import pythonfmu3
+
+
+class _Face(NamedTuple):
+    """One FMI version: its wrapper and the slave's own file."""
+
+    wrapper: str
+    builder: Any
+    slave: str
+
+
+_FACES: Dict[int, _Face] = {
+    2: _Face(
+        f"pythonfmu {pythonfmu.__version__}",
+        pythonfmu.FmuBuilder,
+        """\
+from {package}.fmukit.lifetime import hold
+from {package}.slave import Packed
+
+hold(globals())
+""",
+    ),
+    # pythonfmu3 looks for the class in the text of the file that it is told.
+    3: _Face(
+        f"pythonfmu3 {pythonfmu3.__version__}",
+        pythonfmu3.FmuBuilder,
+        """\
+from pythonfmu3 import Fmi3Slave
+
+from {package} import slave
+
+
+class Packed(slave.Packed, Fmi3Slave):
+    pass
+""",
+    ),
+}
+
+# The module `slave` of the packed package: the text that defines SPEC, then this.
+_SLAVE_CLASS = """
+from fmukit.fmi{face}.face import Slave
+
+
+class Packed(Slave, spec=SPEC):
+    \"""The model as a slave.\"""
+"""
+
+_PACKAGE_TEXT = b'"""The model and the kit that makes it an FMU."""\n'
+
+# Modules that a host of the FMU has, or that the wrapper packs.
+_AT_HAND = {*sys.stdlib_module_names, "pythonfmu", "pythonfmu3"}
+
+# The oldest Python that loads the FMU.
+_PYTHON = (3, 8)
+
+# The earliest date that an archive can bear.
+_ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
+
+
+class PackError(ValueError):
+    """A module that cannot travel; the text names it, its line and the reason."""
+
+
+def build_fmu(
+    main: str,
+    target: Path,
+    prefix: str,
+    parts: Optional[Mapping[str, bytes]] = None,
+    face: Literal[2, 3] = 2,
+) -> Path:
+    """Build an FMU and return `target`.
+
+    Parameters
+    ----------
+    main
+        Text of a module that defines SPEC, a `model.Spec`: ``from pendulum import SPEC``. What it
+        imports, directly or not, must be importable in this process.
+    target
+        The file to write, ending in .fmu. Folders are made. What was there stays until the new file
+        is whole.
+    prefix
+        What the name of the packed package begins with; the rest is a digest of the content.
+    parts
+        Files that travel beside the model, such as documentation/index.html, by their path in the
+        FMU.
+    face
+        The major version of FMI.
+
+    Raises
+    ------
+    PackError
+        If a module cannot be found or is not Python 3.8.
+    OSError
+        If the file cannot be written.
+    ValueError
+        If SOURCE_DATE_EPOCH is set to something else than whole seconds, or the table of the model
+        is wrong.
+    """
+    target.parent.mkdir(parents=True, exist_ok=True)
+    write_archive({**pack(main, prefix, face), **(parts or {})}, target)
+    return target
+
+
+def pack(main: str, prefix: str, face: Literal[2, 3] = 2) -> Dict[str, bytes]:
+    """Return the files of an FMU by their path in it, for `write_archive`; see `build_fmu`."""
+    chosen = _FACES[face]
+    sources = travelling(main, face)
+    # Two FMUs in one process share their modules by name, so the name tells the content.
+    package = prefix + _digest(chosen.wrapper, chosen.slave, sources)
+    with tempfile.TemporaryDirectory(prefix="fmukit-") as folder:
+        workshop = Path(folder)
+        for name, content in sources.items():
+            file = workshop / package / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(content)
+        slave = workshop / f"{package}_slave.py"
+        slave.write_text(chosen.slave.format(package=package), encoding="utf-8")
+        with _imports_apart(prefix):
+            raw = chosen.builder.build_FMU(
+                slave, workshop / "raw", project_files=[workshop / package]
+            )
+        return _entries(raw)
+
+
+def travelling(main: str, face: Literal[2, 3] = 2) -> Dict[str, bytes]:
+    """Return the files of the packed package by their path in it; raises PackError.
+
+    Parameters
+    ----------
+    main
+        Text of a module that defines SPEC.
+    face
+        The major version of FMI.
+    """
+    text = main.rstrip("\n") + "\n" + _SLAVE_CLASS.format(face=face)
+    first = _Module("slave", Path("slave.py"), text.encode("utf-8"))
+    files = {"__init__.py": _PACKAGE_TEXT, "slave.py": first.packed()}
+    waiting = first.imported()
+    # The wrapper's file imports this one itself.
+    waiting.append("fmukit.lifetime")
+    seen = set()
+    while waiting:
+        name = waiting.pop()
+        if name in seen:
+            continue
+        seen.add(name)
+        module = _find(name)
+        files[module.path] = module.packed()
+        waiting += module.imported()
+    return files
+
+
+class _Module:
+    """One module that travels.
+
+    Parameters
+    ----------
+    name
+        Dotted name.
+    file
+        Where it stands.
+    source
+        Its text.
+    """
+
+    def __init__(self, name: str, file: Path, source: bytes) -> None:
+        self.name = name
+        self.source = source
+        self._is_package = file.name == "__init__.py"
+        try:
+            self._tree = ast.parse(source, str(file), feature_version=_PYTHON)
+        except SyntaxError as error:
+            reason = f"line {error.lineno} is not Python 3.8: {error.msg}"
+            raise PackError(f"{name} cannot be packed: {reason}") from None
+
+    @property
+    def path(self) -> str:
+        """Path in the packed package."""
+        stem = self.name.replace(".", "/")
+        return f"{stem}/__init__.py" if self._is_package else f"{stem}.py"
+
+    def imported(self) -> List[str]:
+        """Return the modules that have to travel with this one, and their packages."""
+        found = []
+        for node in ast.walk(self._tree):
+            if isinstance(node, ast.Import):
+                for alias in node.names:
+                    if not _at_hand(alias.name):
+                        raise PackError(
+                            f"{self.name} cannot be packed: line {node.lineno} imports "
+                            f"{alias.name}; write from ... import ..., which can be made relative"
+                        )
+            elif isinstance(node, ast.ImportFrom):
+                base = self._base(node)
+                if base is None:
+                    continue
+                inner = (f"{base}.{alias.name}" for alias in node.names)
+                for name in (base, *(each for each in inner if _file_of(each) is not None)):
+                    parts = name.split(".")
+                    found += [".".join(parts[:n]) for n in range(1, len(parts) + 1)]
+        return found
+
+    def packed(self) -> bytes:
+        """Return the source with absolute imports of travelling modules made relative."""
+        lines = self.source.splitlines(keepends=True)
+        level = self.name.count(".") + (2 if self._is_package else 1)
+        nodes = [
+            node
+            for node in ast.walk(self._tree)
+            if isinstance(node, ast.ImportFrom) and not node.level and self._base(node) is not None
+        ]
+        for node in sorted(nodes, key=lambda node: (node.lineno, node.col_offset), reverse=True):
+            line = lines[node.lineno - 1]
+            written = f"from {node.module} ".encode()
+            rest = line[node.col_offset :]
+            if not rest.startswith(written):
+                raise PackError(
+                    f"{self.name} cannot be packed: line {node.lineno} is not written "
+                    f"{written.decode()}import ..."
+                )
+            relative = f"from {'.' * level}{node.module} ".encode()
+            lines[node.lineno - 1] = line[: node.col_offset] + relative + rest[len(written) :]
+        return b"".join(lines)
+
+    def _base(self, node: ast.ImportFrom) -> Optional[str]:
+        """Return the module that names are imported from; None if it does not travel."""
+        if not node.level:
+            return None if _at_hand(node.module or "") else node.module
+        package = self.name.split(".") + ([""] if self._is_package else [])
+        kept = package[: len(package) - node.level]
+        return ".".join([*kept, *([node.module] if node.module else [])])
+
+
+def _at_hand(name: str) -> bool:
+    return name.partition(".")[0] in _AT_HAND
+
+
+def _find(name: str) -> _Module:
+    """Return the module of a dotted name; raises PackError where there is no source."""
+    file = _file_of(name)
+    if file is None:
+        raise PackError(f"{name} cannot be packed: no Python source of this name is on the path")
+    return _Module(name, file, file.read_bytes())
+
+
+def _file_of(name: str) -> Optional[Path]:
+    """Return the source of a module without importing it, or None."""
+    top, *inner = name.split(".")
+    spec = find_spec(top)
+    if spec is None:
+        return None
+    if not inner:
+        file = Path(spec.origin or "")
+        return file if file.suffix == ".py" else None
+    for folder in spec.submodule_search_locations or ():
+        stem = Path(folder, *inner)
+        for file in (stem / "__init__.py", stem.with_name(f"{stem.name}.py")):
+            if file.is_file():
+                return file
+    return None
+
+
+def add(fmu: Path, parts: Mapping[str, bytes]) -> None:
+    """Put files into an FMU built here, by their path in it; those already there are replaced.
+
+    Raises OSError if it cannot be written; what was there stays then.
+    """
+    write_archive({**_entries(fmu), **parts}, fmu)
+
+
+def write_archive(entries: Mapping[str, bytes], target: Path) -> None:
+    """Write an archive whose bytes depend on its entries alone, or nothing at all.
+
+    Raises OSError if it cannot be written; what was there stays then.
+    """
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=".", suffix=".part")
+    part = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
+            for entry in _in_order(entries):
+                info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
+                info.compress_type = zipfile.ZIP_DEFLATED
+                info.external_attr = 0o644 << 16
+                info.create_system = 3
+                archive.writestr(info, entries[entry], compresslevel=9)
+        part.chmod(0o666 & ~_umask())
+        part.replace(target)
+    except BaseException:
+        part.unlink()
+        raise
+
+
+def _umask() -> int:
+    # A temporary file is private; what was asked for is not.
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _digest(wrapper: str, slave: str, sources: Mapping[str, bytes]) -> str:
+    """Return a name for this content: 16 hexadecimal digits."""
+    digest = hashlib.sha256(f"{wrapper}\0{slave}".encode())
+    for name in sorted(sources):
+        digest.update(f"\0{name}\0{len(sources[name])}\0".encode() + sources[name])
+    return digest.hexdigest()[:16]
+
+
+@contextmanager
+def _imports_apart(prefix: str) -> Iterator[None]:
+    """Let pythonfmu's builder import what it packs, apart from what this process has loaded.
+
+    It imports the slave by name and leaves it, and its folder, in the import system; and where
+    the same FMU runs in this process, that name is taken by files that may be gone.
+    """
+    path = list(sys.path)
+    loaded = {name: module for name, module in sys.modules.items() if name.startswith(prefix)}
+    _unload(prefix)
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        _unload(prefix)
+        sys.modules.update(loaded)
+
+
+def _unload(prefix: str) -> None:
+    for name in [name for name in sys.modules if name.startswith(prefix)]:
+        del sys.modules[name]
+
+
+def _entries(archive: Path) -> Dict[str, bytes]:
+    """Return the files of an archive by name, but for sources that nobody could build."""
+    with zipfile.ZipFile(archive) as source:
+        return {
+            name: source.read(name) for name in source.namelist() if not name.startswith("sources/")
+        }
+
+
+def _in_order(entries: Mapping[str, bytes]) -> Iterator[str]:
+    """Give the model description first, where readers look for it, then the rest by name."""
+    return iter(sorted(entries, key=lambda name: (name != "modelDescription.xml", name)))

@@ -1,0 +1,74 @@
+"""Value references: the variable behind each, and functions that read lists of them.
+
+An importer reads the same few lists of references at every step. Each list gets a function of its
+own, compiled from one expression per variable.
+"""
+
+from typing import Any, Callable, Dict, Iterable, List, Sequence, Tuple
+
+from .model import Model, ModelError
+from .table import Table, Variable
+
+Reader = Callable[[Model], List[Any]]
+
+# Lists of one type for which a function is kept: an importer may ask for any number of lists.
+_MOST_READERS = 256
+
+
+class References:
+    """The variables of a table under the types of one FMI version.
+
+    Parameters
+    ----------
+    table
+        The table.
+    types
+        All types that calls may name.
+    type_of
+        Returns the type of a variable.
+
+    Attributes
+    ----------
+    readers
+        By type, the functions made so far, by list of references.
+    """
+
+    def __init__(
+        self, table: Table, types: Iterable[str], type_of: Callable[[Variable], str]
+    ) -> None:
+        self._rows = table.rows
+        self._types = [type_of(row) for row in table.rows]
+        self.readers: Dict[str, Dict[Tuple[int, ...], Reader]] = {each: {} for each in types}
+
+    def variable(self, kind: str, reference: int) -> Variable:
+        """Return the variable behind a value reference; raises ModelError where there is none."""
+        if not 0 <= reference < len(self._rows):
+            raise ModelError(f"there is no variable with value reference {reference}")
+        variable = self._rows[reference]
+        if self._types[reference] != kind:
+            raise ModelError(f"{variable.name} is of type {self._types[reference]}, not {kind}")
+        return variable
+
+    def reader(self, kind: str, references: Tuple[int, ...]) -> Reader:
+        """Return a function from a model to the values of these variables, refreshed if stale."""
+        readers = self.readers[kind]
+        read = readers.get(references)
+        if read is None:
+            attributes = [self.variable(kind, reference).attribute for reference in references]
+            if len(readers) >= _MOST_READERS:
+                readers.clear()
+            read = readers[references] = _compiled(attributes)
+        return read
+
+
+def _compiled(attributes: Sequence[str]) -> Reader:
+    """Return a function that reads these attributes of a model."""
+    source = (
+        "def read(model):\n"
+        "    if model.stale:\n"
+        "        model.refresh()\n"
+        f"    return [{', '.join(f'model.{each}' for each in attributes)}]\n"
+    )
+    scope: Dict[str, Reader] = {}
+    exec(compile(source, "<reader of values>", "exec"), scope)
+    return scope["read"]

@@ -1,0 +1,151 @@
+"""States of an instance, and the handles by which a simulator holds them.
+
+The wrapper gives the simulator the address of a Python object for a state, releases one reference
+when the state is freed, and leaves the address with the simulator. So that a second use of the
+address finds the handle and no other object, a handle that was freed is kept for a while, without
+its state and with references that may be released again.
+"""
+
+import atexit
+import json
+import sys
+from collections import deque
+from typing import Any, Callable, Deque, Optional, Tuple, Type
+
+from .lifetime import give_reference
+from .model import Model, ModelError, Spec
+from .plain import check, values
+from .table import Values
+
+PHASES = ("instantiated", "initialization", "stepping", "terminated")
+
+# Freed handles that are kept, and references to each.
+_MOST_KEPT = 512
+_REFERENCES = 8
+
+
+class State:
+    """Everything that a later call depends on; never changed once made.
+
+    Attributes
+    ----------
+    kind
+        Class of the model.
+    model
+        What `Model.freeze` returned.
+    values
+        The values as last set.
+    time
+        The start time, or the time reached where the FMI version tells it [s].
+    phase
+        One of PHASES.
+    settled
+        Whether the model shows what is set.
+    """
+
+    __slots__ = ("_bytes", "kind", "model", "phase", "settled", "time", "values")
+
+    def __init__(
+        self,
+        kind: Type[Model],
+        model: Any,
+        wanted: Values,
+        time: float,
+        phase: str,
+        settled: bool,
+    ) -> None:
+        self.kind = kind
+        self.model = model
+        self.values = wanted
+        self.time = time
+        self.phase = phase
+        self.settled = settled
+        self._bytes: Optional[bytes] = None
+
+    def to_bytes(self) -> bytes:
+        """Return the state as JSON, whose numbers keep all their digits."""
+        if self._bytes is None:
+            model = self.kind(type(self.values).at_start())
+            model.thaw(self.model)
+            self._bytes = json.dumps(
+                {
+                    "model": model.save(),
+                    "values": self.values.as_dict(),
+                    "time": self.time,
+                    "phase": self.phase,
+                    "settled": self.settled,
+                }
+            ).encode("utf-8")
+        return self._bytes
+
+
+def from_bytes(spec: Spec, content: bytes) -> State:
+    """Return the state that `State.to_bytes` wrote for this model; raises ValueError for others."""
+    state = json.loads(content.decode("utf-8"))
+    if not isinstance(state, dict) or state.get("phase") not in PHASES:
+        raise ModelError("the bytes hold no state")
+    model = spec.start()
+    # The two members without a pattern here are checked as they are read.
+    saved, given = state.pop("model", None), state.pop("values", None)
+    check(state, {"time": 0.0, "phase": "", "settled": True})
+    model.restore(saved)
+    return State(spec.model, model.freeze(), values(spec.values, given), **state)
+
+
+def _count(kept: Tuple[Any, ...]) -> int:
+    """Return the reference count of the object in a tuple, those of this call included."""
+    return sys.getrefcount(kept[0])
+
+
+# The count while no reference was released.
+_WHOLE = _count((object(),) * _REFERENCES)
+
+
+def _make_whole(kept: Tuple[Any, ...]) -> None:
+    """Give back the references that were released, so that the tuple can be let go."""
+    for _ in range(_WHOLE - _count(kept)):
+        give_reference(kept[0])
+
+
+_freed: Deque[Tuple["Handle", ...]] = deque()
+
+
+@atexit.register
+def _make_all_whole() -> None:
+    """Give back all references before the end of the process lets all tuples go."""
+    while _freed:
+        _make_whole(_freed.popleft())
+
+
+class Handle:
+    """State handle of a simulator.
+
+    Attributes
+    ----------
+    state
+        The state; None once the handle was freed, or where the bytes held none.
+    """
+
+    __slots__ = ("state",)
+
+    def __init__(self, state: Optional[State]) -> None:
+        self.state = state
+
+    # The defaults hold what the method needs: at the end of the process the module goes first.
+    def __del__(
+        self,
+        freed: Deque[Tuple["Handle", ...]] = _freed,
+        most: int = _MOST_KEPT,
+        references: int = _REFERENCES,
+        make_whole: Callable[[Tuple["Handle", ...]], None] = _make_whole,
+    ) -> None:
+        """Drop the state and keep the handle; Python calls this at the first release only."""
+        self.state = None
+        freed.append((self,) * references)
+        if len(freed) > most:
+            make_whole(freed.popleft())
+
+
+def held(handle: Any) -> Optional[State]:
+    """Return the state of a handle, or None where it was freed, had none or is no handle."""
+    return handle.state if type(handle) is Handle else None

@@ -1,0 +1,343 @@
+"""The table of a model's variables: units, quantities, rows, and the record of settable values.
+
+The model descriptions, the value references and the record of values are made from the table.
+"""
+
+import keyword
+import math
+import sys
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    ClassVar,
+    Dict,
+    Iterable,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Tuple,
+    Type,
+    TypeVar,
+)
+
+ABOVE_ZERO = sys.float_info.min
+"""Minimum of a value that must be above 0: the smallest number with all its digits."""
+
+_KINDS = ("Real", "Integer", "Boolean")
+
+_Record = TypeVar("_Record", bound="Values")
+
+
+class Unit(NamedTuple):
+    """A unit.
+
+    Attributes
+    ----------
+    base
+        Exponents of the SI base units.
+    displays
+        Units for display, each with its factor: a value in the display unit is factor times the
+        value in this unit.
+    """
+
+    base: Dict[str, int]
+    displays: Tuple[Tuple[str, float], ...] = ()
+
+
+class Item(NamedTuple):
+    """One value of an enumeration."""
+
+    name: str
+    value: int
+    description: str
+
+
+class Quantity(NamedTuple):
+    """A type of variables.
+
+    Attributes
+    ----------
+    name
+        Name of the type in the model description.
+    kind
+        Real, Integer or Boolean.
+    quantity
+        Physical quantity, named as in the types of the Modelica standard library; "" for none.
+    unit
+        Unit of a Real, else "".
+    nominal
+        Order of magnitude of a Real at the start values, else 0.
+    shown_in
+        Display unit of a Real, "" where it is the unit.
+    items
+        The named values of an Integer, in FMI 3.0 an enumeration.
+    """
+
+    name: str
+    kind: str
+    quantity: str = ""
+    unit: str = ""
+    nominal: float = 0.0
+    shown_in: str = ""
+    items: Tuple[Item, ...] = ()
+
+
+class Variable(NamedTuple):
+    """One variable.
+
+    Attributes
+    ----------
+    number
+        Value reference, and position in the table.
+    name
+        A Python identifier.
+    type
+        Quantity.
+    causality
+        parameter, input or output.
+    variability
+        As FMI 2.0 defines it.
+    start
+        Start value in the unit of the type; None for an output that is calculated.
+    description
+        What the variable is.
+    held_at
+        Attribute of the model that holds the value, such as ``meter.T``; "" for the attribute of
+        the variable's own name, which of a settable variable is in ``wanted``.
+    minimum, maximum
+        Closed bounds in the unit of the type, or None.
+    depends
+        Names of the parameters and inputs that determine the initial value of a calculated output.
+    in_proportion
+        Whether that initial value is a linear combination of them with fixed factors.
+    """
+
+    number: int
+    name: str
+    type: Quantity
+    causality: str
+    variability: str
+    start: Optional[float]
+    description: str
+    held_at: str = ""
+    minimum: Optional[float] = None
+    maximum: Optional[float] = None
+    depends: Tuple[str, ...] = ()
+    in_proportion: bool = False
+
+    @property
+    def kind(self) -> str:
+        """Real, Integer or Boolean."""
+        return self.type.kind
+
+    @property
+    def unit(self) -> str:
+        """Unit of a Real, else ""."""
+        return self.type.unit
+
+    @property
+    def settable(self) -> bool:
+        """Whether a simulator may set the variable."""
+        return self.causality != "output"
+
+    @property
+    def attribute(self) -> str:
+        """Attribute of the model that holds the value."""
+        return self.held_at or (f"wanted.{self.name}" if self.settable else self.name)
+
+    @property
+    def range(self) -> str:
+        """The range in words."""
+        words = []
+        if self.minimum is not None:
+            above_zero = self.minimum == ABOVE_ZERO
+            words.append("above 0" if above_zero else f"at least {self.minimum:g}")
+        if self.maximum is not None:
+            words.append(f"at most {self.maximum:g}")
+        return " and ".join(["finite", *words]) if words else "a finite number"
+
+    def objection(self, value: float) -> Optional[str]:
+        """Return why `value` cannot be taken, with name, value and range; None if it can."""
+        low = -math.inf if self.minimum is None else self.minimum
+        high = math.inf if self.maximum is None else self.maximum
+        if math.isfinite(value) and low <= value <= high:
+            return None
+        unit = "" if self.unit in ("", "1") else f" {self.unit}"
+        text = f"{self.name} = {value!r}{unit} is out of range: it must be {self.range}"
+        # Subnormal numbers have lost digits.
+        return f"{text}, at least {low:.3g}" if 0.0 < value < low == ABOVE_ZERO else text
+
+
+class Table:
+    """All variables of a model with their quantities and units.
+
+    Parameters
+    ----------
+    units
+        Units by name.
+    quantities
+        Types, in the order of the model description.
+    rows
+        Variables in any order.
+
+    Attributes
+    ----------
+    units
+        Units by name.
+    quantities
+        Types by name.
+    rows
+        Variables in the order of their numbers.
+    by_name
+        Variables by name.
+
+    Raises
+    ------
+    ValueError
+        If a name or number is given twice, the numbers are not 0 to n - 1, a name is no
+        identifier, a type, unit or dependency is not in the table, or a start value is missing or
+        out of its range.
+    """
+
+    def __init__(
+        self, units: Mapping[str, Unit], quantities: Iterable[Quantity], rows: Iterable[Variable]
+    ) -> None:
+        quantities = tuple(quantities)
+        self.units = dict(units)
+        self.quantities = {each.name: each for each in quantities}
+        self.rows = tuple(sorted(rows, key=lambda row: row.number))
+        self.by_name = {row.name: row for row in self.rows}
+        if len(self.quantities) < len(quantities):
+            raise ValueError("two quantities have one name")
+        for quantity in quantities:
+            if quantity.kind not in _KINDS:
+                raise ValueError(f"{quantity.name}: {quantity.kind} is none of {', '.join(_KINDS)}")
+            if quantity.unit and quantity.unit not in self.units:
+                raise ValueError(f"{quantity.name}: the unit {quantity.unit} is not in the table")
+        for position, row in enumerate(self.rows):
+            objection = self._objection(row, position)
+            if objection is not None:
+                raise ValueError(f"{row.name}: {objection}")
+
+    def start_values(self) -> Dict[str, float]:
+        """Return the start value of every parameter and input, by name."""
+        return {row.name: row.start for row in self.rows if row.settable and row.start is not None}
+
+    def _objection(self, row: Variable, position: int) -> Optional[str]:
+        """Return what is wrong with the row at `position`; None if nothing is."""
+        if row.number != position:
+            return f"number {row.number} where {position} is due; numbers are 0 to n - 1, each once"
+        if self.by_name[row.name] is not row:
+            return "the name is given twice"
+        if not row.name.isidentifier() or keyword.iskeyword(row.name):
+            return "the name is no Python identifier"
+        if row.name == "time":
+            return "the name is that of the independent variable"
+        if self.quantities.get(row.type.name) != row.type:
+            return f"the quantity {row.type.name} is not in the table"
+        unknown = [name for name in row.depends if name not in self.by_name]
+        if unknown:
+            return f"depends on {unknown[0]}, which is not in the table"
+        if row.start is None:
+            return "a parameter or input needs a start value" if row.settable else None
+        return row.objection(row.start)
+
+
+class _RecordType(type):
+    """Makes the classes of `Values`: the slots and `changed` from the rows of a table."""
+
+    def __new__(
+        mcs: Type["_RecordType"],
+        name: str,
+        bases: Tuple[type, ...],
+        namespace: Dict[str, Any],
+        table: Optional[Table] = None,
+    ) -> "_RecordType":
+        slots: Tuple[str, ...] = ()
+        if table is not None:
+            slots = tuple(row.name for row in table.rows if row.settable)
+            taken = {each for base in bases for each in dir(base)}
+            inherited = {each for base in bases for each in getattr(base, "names", ())}
+            clashing = [each for each in slots if each in taken - inherited]
+            if clashing:
+                raise ValueError(f"{clashing[0]}: {name} has another attribute of this name")
+            namespace = {**namespace, "table": table, "names": slots}
+            slots = tuple(each for each in slots if each not in inherited)
+        return super().__new__(mcs, name, bases, {**namespace, "__slots__": slots})
+
+    def __init__(
+        cls,
+        name: str,
+        bases: Tuple[type, ...],
+        namespace: Dict[str, Any],
+        table: Optional[Table] = None,
+    ) -> None:
+        super().__init__(name, bases, namespace)
+        # Every class copies into its own kind.
+        cls.changed = _copier(cls, getattr(cls, "names", ()))
+
+
+def _copier(kind: type, names: Iterable[str]) -> Any:
+    """Return the method `changed` of a record, one statement a value.
+
+    A simulator may set an input before every step: a loop over the names takes three times as long.
+    """
+    source = "".join(
+        [
+            "def changed(self, name, value):\n",
+            "    twin = new(kind)\n",
+            *(f"    twin.{name} = self.{name}\n" for name in names),
+            "    set_value(twin, name, value)\n",
+            "    return twin\n",
+        ]
+    )
+    scope: Dict[str, Any] = {"new": object.__new__, "kind": kind, "set_value": setattr}
+    exec(compile(source, f"<changed of {kind.__name__}>", "exec"), scope)
+    return scope["changed"]
+
+
+class Values(metaclass=_RecordType):
+    """The values of all parameters and inputs, each an attribute of the variable's name.
+
+    Values never change once made, so models and states may share them: see `changed`. The record
+    of a model is a subclass that names the table, ``class Settings(Values, table=TABLE)``, and may
+    add methods.
+
+    Parameters
+    ----------
+    values
+        The value of every name of `names`, in the unit of its row.
+
+    Attributes
+    ----------
+    table
+        The table.
+    names
+        Names of the settable variables.
+    """
+
+    table: ClassVar[Table]
+    names: ClassVar[Tuple[str, ...]]
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> float:
+            """Return the value of a variable."""
+            raise NotImplementedError
+
+        def changed(self: _Record, name: str, value: float) -> _Record:
+            """Return these values, but for one."""
+            raise NotImplementedError
+
+    def __init__(self, values: Mapping[str, float]) -> None:
+        for name in self.names:
+            setattr(self, name, values[name])
+
+    @classmethod
+    def at_start(cls: Type[_Record]) -> _Record:
+        """Return the start values of the table."""
+        return cls(cls.table.start_values())
+
+    def as_dict(self) -> Dict[str, float]:
+        """Return the values by name."""
+        return {name: getattr(self, name) for name in self.names}

@@ -1,0 +1,1 @@
+"""Tests of fmukit: a model as an FMU."""

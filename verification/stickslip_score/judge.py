@@ -1,0 +1,125 @@
+"""The score of a curve: what it shows, beside the exact cycle, and the most likely cause."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from stickslip_score.cause import decide
+from stickslip_score.curve import Curve, CurveError
+from stickslip_score.evidence import Evidence
+from stickslip_score.findings import findings
+from stickslip_score.fit import ON_THE_LAW, Fit
+from stickslip_score.held import hold_against
+from stickslip_score.law import Law
+from stickslip_score.measure import QUANTITIES, Measured, from_fit, from_sticks
+from stickslip_score.motion import Motion, motion_of
+from stickslip_score.phases import Phases, find_phases
+from stickslip_score.result import Compared, Score
+from stickslip_score.slide import Slide, fit_slide
+from stickslip_verification.truth import steady_cycle
+from stickslip_verification.truth.parameters import complete, used_mu_k
+
+_SAMPLES_OF_A_CYCLE = 6
+"""Below so many per cycle the phases of a curve that obeys no known law cannot be told."""
+
+
+def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
+    """Judge a curve against the exact steady cycle, docs/theory.md (7) to (10), (13).
+
+    The figures are means over all complete cycles, which begin and end with a break-away, so that
+    the first load-up is none. Where all samples lie on the law of the block with some gap, they
+    are read off that law; else each event is known between two samples.
+
+    Parameters
+    ----------
+    curve
+        The samples.
+    parameters
+        m g k c mu_s mu_k v load F_ext, SI; what is missing takes its start value.
+
+    Raises
+    ------
+    ValueError
+        A parameter is unknown or out of range; the message names it.
+    CurveError
+        v is 0: nothing is pulled.
+    """
+    try:
+        with np.errstate(over="raise"):
+            return _score(curve, complete(parameters))
+    except (OverflowError, ZeroDivisionError, FloatingPointError):
+        raise CurveError(
+            "the figures of the curve or of the block leave the range of numbers"
+        ) from None
+
+
+def _score(curve: Curve, p: Mapping[str, float]) -> Score:
+    if p["v"] == 0.0:
+        raise CurveError("v = 0: nothing is pulled, so there is no cycle to compare with")
+    exact = _exact(p)
+    law = _law(p)
+    top_speed = law.v * (1.0 + math.hypot(1.0, law.w * law.D / law.v))
+    motion = motion_of(curve, p, top_speed)
+    phases = find_phases(motion, law)
+    fits = hold_against(motion, phases, law)
+    slide = fit_slide(motion, law) if exact is None else None
+    measured = _measured(motion, phases, fits, slide)
+    evidence = Evidence(p, exact, law, motion, phases, measured, fits, slide)
+    cause, explanation = decide(evidence)
+    sign = math.copysign(1.0, p["v"])
+    compared = {
+        name: _compare(measured, exact, name, sign if name == "delta_x" else 1.0)
+        for name in QUANTITIES
+    }
+    return Score(
+        **compared,
+        cause=cause,
+        explanation=explanation,
+        findings=tuple(findings(evidence)),
+        cycles=measured.cycles,
+    )
+
+
+def _exact(p: Mapping[str, float]) -> dict[str, float] | None:
+    """Return the exact cycle of a forward pull; None where there is none."""
+    cycle = steady_cycle({**p, "v": abs(p["v"])}, digits=30)
+    if cycle is None:
+        return None
+    names = {"period": "T", "t_stick": "t_stick", "t_slip": "t_slip", "delta_x": "delta_x"}
+    return {name: float(cycle[symbol]) for name, symbol in names.items()}
+
+
+def _law(p: Mapping[str, float]) -> Law:
+    N = max(p["m"] * p["g"] + p["load"], 0.0)
+    gap = (p["mu_s"] - used_mu_k(p["mu_s"], p["mu_k"])) * N / p["k"]
+    w, v = math.sqrt(p["k"] / p["m"]), abs(p["v"])
+    return Law(w, p["c"] / (2.0 * p["m"] * w), v, gap - p["c"] * v / p["k"])
+
+
+def _measured(
+    motion: Motion, phases: Phases, fits: Mapping[str, Fit], slide: Slide | None
+) -> Measured:
+    if slide is not None and slide.excess <= ON_THE_LAW:
+        return Measured({}, 0)
+    gap = fits.get("gap", fits.get("exact"))
+    if gap is not None and gap.excess <= ON_THE_LAW:
+        return from_fit(gap, float(motion.t[-1]))
+    if phases.high_times.size > 1:
+        between = (motion.t >= phases.high_times[0]) & (motion.t <= phases.high_times[-1])
+        if np.count_nonzero(between) < _SAMPLES_OF_A_CYCLE * (phases.high_times.size - 1):
+            return Measured({}, 0)
+    return from_sticks(phases.sticks, motion.allowed)
+
+
+def _compare(
+    measured: Measured, exact: Mapping[str, float] | None, name: str, sign: float
+) -> Compared:
+    true = None if exact is None else sign * exact[name]
+    if name not in measured.values:
+        return Compared(None, true, None, None)
+    got, resolution = measured.values[name]
+    got *= sign
+    return Compared(got, true, None if true is None else got - true, resolution)

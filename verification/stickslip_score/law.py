@@ -1,0 +1,158 @@
+"""The law of the block with a gap of its own: what a curve is held against.
+
+Between two break-aways the motion is a closed form of five numbers: w and zeta of the free
+oscillation, v, and the distance D of the spring at break-away from its rest in sliding. A curve
+that lies on it for some D has its cycle, to the digits that the samples carry, however far apart
+they are. docs/theory.md (3) to (8), (13).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stickslip_score.curve import Floats
+
+_SCAN = 400
+"""Points of a half turn on which a damped velocity is searched for its first zero."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """Stick-slip with Coulomb friction, pulled forward.
+
+    Attributes
+    ----------
+    w
+        Natural frequency [rad/s], > 0.
+    zeta
+        Damping ratio [-], >= 0.
+    v
+        Speed of the pulled end [m/s], > 0.
+    D
+        Spring extension at break-away beyond that of steady sliding [m]; without damping Delta.
+    continued
+        Whether other cycles went before the break-away from which time counts; else rest did.
+    """
+
+    w: float
+    zeta: float
+    v: float
+    D: float
+    continued: bool = False
+
+    @property
+    def t_slip(self) -> float:
+        """Length of a slip [s]; infinity where it ends in steady sliding."""
+        if self.zeta == 0.0:
+            return 2.0 / self.w * (math.pi - math.atan2(self.w * max(self.D, 0.0), self.v))
+        return self._damped_t_slip()
+
+    @property
+    def relief(self) -> float:
+        """Fall of the spring over a slip [m]; NaN where a slip has no end."""
+        if self.zeta == 0.0:
+            return 2.0 * max(self.D, 0.0)
+        t_slip = self.t_slip
+        if math.isinf(t_slip):
+            return math.nan
+        return float(self._slip(np.array([t_slip]))[0]) - self.v * t_slip
+
+    def quantities(self) -> dict[str, float]:
+        """Return period, t_stick, t_slip [s] and delta_x [m] of the cycle; NaN where none is."""
+        t_slip = self.t_slip
+        if math.isinf(t_slip):
+            return dict.fromkeys(("period", "t_stick", "t_slip", "delta_x"), math.nan)
+        t_stick = self.relief / self.v
+        period = t_stick + t_slip
+        return {
+            "period": period,
+            "t_stick": t_stick,
+            "t_slip": t_slip,
+            "delta_x": self.v * period,
+        }
+
+    def position(self, after: Floats) -> Floats:
+        """Return the position [m] at times after a break-away at 0, from where it was then."""
+        t_slip = self.t_slip
+        if math.isinf(t_slip):
+            return self._slip(np.maximum(after, 0.0))
+        late = after if self.continued else np.maximum(after, 0.0)
+        period = self.relief / self.v + t_slip
+        count = np.floor(late / period)
+        within = np.minimum(late - count * period, t_slip)
+        return count * (self.v * period) + self._slip(within)
+
+    def with_gap(self, D: float) -> Law:
+        """Return the law with another gap."""
+        return replace(self, D=D)
+
+    def time_to_move(self, way: float) -> float:
+        """Return how long a slip from rest takes to move so far [s]; `way` [m] is positive."""
+        high = 1.0 / self.w
+        while float(self._slip(np.array([high]))[0]) < way:
+            high *= 2.0
+        low = 0.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            if float(self._slip(np.array([middle]))[0]) < way:
+                low = middle
+            else:
+                high = middle
+        return high
+
+    def response(self, tau: Floats) -> tuple[Floats, Floats]:
+        """Return the free oscillation from extension 1 at rate 0, and from 0 at rate 1 [-, s]."""
+        unit = replace(self, D=1.0, v=0.0)._extension(tau)[0]
+        return unit, replace(self, D=0.0, v=1.0)._extension(tau)[0]
+
+    def _slip(self, tau: Floats) -> Floats:
+        """Return the way of the mass [m] at times tau of one slip."""
+        return self.v * tau + self.D - self._extension(tau)[0]
+
+    def _extension(self, tau: Floats) -> tuple[Floats, Floats]:
+        """Return extension beyond steady sliding [m] and its rate [m/s], docs/theory.md (3)."""
+        w, zeta, v, D = self.w, self.zeta, self.v, self.D
+        if zeta >= 1.0:
+            return self._overdamped(tau)
+        decay = zeta * w
+        envelope = np.exp(-decay * tau)
+        turn = w * math.sqrt((1.0 - zeta) * (1.0 + zeta))
+        cosine, sine = np.cos(turn * tau), np.sin(turn * tau) / turn
+        across = v + decay * D
+        z = envelope * (D * cosine + across * sine)
+        z_dot = envelope * (across * cosine - D * turn * turn * sine) - decay * z
+        return z, z_dot
+
+    def _overdamped(self, tau: Floats) -> tuple[Floats, Floats]:
+        """Return the same for zeta >= 1, written so that close or distant rates cancel nowhere."""
+        wide = self.zeta + math.sqrt((self.zeta - 1.0) * (self.zeta + 1.0))
+        slow, apart = self.w / wide, self.w * (wide - 1.0 / wide)
+        across = self.v + slow * self.D
+        envelope = np.exp(-slow * tau)
+        since = -np.expm1(-apart * tau) / apart if apart else tau
+        z = envelope * (self.D + across * since)
+        z_dot = envelope * across * np.exp(-apart * tau) - slow * z
+        return z, z_dot
+
+    def _damped_t_slip(self) -> float:
+        if self.zeta >= 1.0:
+            return math.inf
+        turn = self.w * math.sqrt((1.0 - self.zeta) * (1.0 + self.zeta))
+        # A damped slip that does not stop in its first turn never does; it starts with speed 0.
+        tau = np.linspace(0.0, 2.0 * math.pi / turn, 2 * _SCAN + 1)[1:]
+        speed = self.v - self._extension(tau)[1]
+        stopped = np.flatnonzero(speed <= 0.0)
+        if not stopped.size or self.D <= 0.0:
+            return math.inf
+        high = float(tau[stopped[0]])
+        low = float(tau[stopped[0] - 1]) if stopped[0] else 0.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            if self.v - float(self._extension(np.array([middle]))[1][0]) > 0.0:
+                low = middle
+            else:
+                high = middle
+        return 0.5 * (low + high)

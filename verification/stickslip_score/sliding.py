@@ -1,0 +1,134 @@
+"""The most likely cause of a curve at parameters without a cycle: one break-away, then sliding."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from stickslip_score.departure import Rest, rests_of
+from stickslip_score.evidence import Evidence
+from stickslip_score.fit import ON_THE_LAW, Fit
+from stickslip_score.phases import LOST, NO_GAP
+from stickslip_score.result import Cause, Judgement
+from stickslip_score.words import force, length, percent, speed, time
+
+_LATE_STEPS = 2.0
+"""Sample steps of motion by which fixed steps can set a slide off: the break-away is late by up to
+one, and a method of first order is ahead or behind by up to another."""
+
+
+def judge_sliding(e: Evidence) -> Judgement | None:
+    """Return cause and sentence for a curve off the exact law; None where neither rest nor slide.
+
+    The exact mass rests, breaks away once and slides for ever, and may do so slower than half the
+    pulled end's speed for as long as damping takes: slowness alone is no creep. Creep is motion
+    before the break-away of the law that comes nearest.
+    """
+    if e.slide is not None and e.slide.excess <= ON_THE_LAW:
+        return _on_the_exact_slide(e)
+    rest = rests_of(e.motion)[0]
+    if e.lies_on("one coefficient"):
+        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+    if not e.fits:
+        return _without_departure(e, rest)
+    nearest = min(e.fits.values(), key=lambda fit: fit.excess)
+    if _creeps(e, rest, nearest):
+        return _creep(e, nearest)
+    if e.lies_on("gap"):
+        return _another_gap(e)
+    return _fixed_step(e, rest, nearest)
+
+
+def _on_the_exact_slide(e: Evidence) -> Judgement:
+    assert e.slide is not None
+    due = e.break_away - e.law.D
+    digits = 2.0 * e.slide.spread + e.motion.z_allowed
+    if e.motion.absolute and abs(e.slide.z_steady - due) > digits:
+        seen = e.p["k"] * e.slide.z_steady
+        return Cause.OTHER, (
+            f"the motion is exact sliding, but the spring force tends to {seen:.6g} N instead of "
+            f"{e.p['k'] * due:.6g} N: another force acts, or mu_k is another"
+        )
+    return Cause.EXACT, (
+        "no steady cycle exists at these parameters, and the curve slides as the exact solution "
+        f"does, to {length(e.slide.worst)}"
+    )
+
+
+def _without_departure(e: Evidence, rest: Rest) -> Judgement | None:
+    """Judge a mass that rests to the last sample, by the force that the spring then has."""
+    if rest.last + 1 < e.motion.t.size:
+        return None
+    # A slip that has just begun stays within the digits, while the spring is pulled on.
+    hidden = e.law.v * e.law.time_to_move(4.0 * e.motion.allowed)
+    reached = float(np.max(e.motion.z))
+    if e.motion.absolute and reached > e.break_away + hidden + 4.0 * e.motion.allowed:
+        return Cause.OTHER, (
+            f"the mass rests although the spring force reaches {force(e.p['k'] * reached)}, above "
+            f"the break-away force {force(e.p['k'] * e.break_away)}"
+        )
+    return Cause.EXACT, "the mass rests as far as the curve goes: it shows no break-away to judge"
+
+
+def _one_coefficient(e: Evidence) -> str:
+    gap = _gap(e, e.law.D)
+    return (
+        "one friction coefficient: the mass leaves its rest as where break-away and kinetic "
+        f"friction are alike, instead of {length(gap)} of the spring apart"
+    )
+
+
+def _gap(e: Evidence, D: float) -> float:
+    """Return the gap of the friction in extension of the spring [m] that belongs to a D."""
+    return D + 2.0 * e.law.zeta * e.law.v / e.law.w
+
+
+def _creeps(e: Evidence, rest: Rest, nearest: Fit) -> bool:
+    t = e.motion.t
+    before = nearest.t_break - float(t[rest.first])
+    lost = before - float(t[rest.last] - t[rest.first])
+    hidden = nearest.law.time_to_move(4.0 * e.motion.allowed)
+    return lost > LOST * before + 2.0 * max(hidden, float(np.max(np.diff(t))))
+
+
+def _creep(e: Evidence, nearest: Fit) -> Judgement:
+    """Say how fast the mass creeps, over the middle half of the time before its break-away."""
+    t, y, begin = e.motion.t, e.motion.y, float(e.motion.t[0])
+    quarter = 0.25 * (nearest.t_break - begin)
+    early, late = np.interp([begin + quarter, begin + 3.0 * quarter], t, y)
+    creep = float(late - early) / (2.0 * quarter)
+    return Cause.REGULARISED, (
+        f"regularised friction: the stick phase creeps at {speed(abs(creep))}; at these parameters "
+        "the exact mass slides on after its break-away"
+    )
+
+
+def _another_gap(e: Evidence) -> Judgement:
+    D = e.fits["gap"].law.D
+    due, seen = _gap(e, e.law.D), _gap(e, D)
+    if seen < NO_GAP * due:
+        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+    late = (D - e.law.D) / e.law.v
+    if 0.0 < late <= float(np.max(np.diff(e.motion.t))):
+        return (
+            Cause.FIXED_STEP,
+            f"fixed steps: a break-away late by {time(late)} explains the motion",
+        )
+    ratio = percent(seen / due if due else math.inf)
+    return Cause.OTHER, (
+        "the curve breaks away and slides as the block does with another gap: "
+        f"(mu_s - mu_k) N {ratio}"
+    )
+
+
+def _fixed_step(e: Evidence, rest: Rest, nearest: Fit) -> Judgement | None:
+    top_speed = e.law.v * (1.0 + math.hypot(1.0, e.law.w * max(e.law.D, 0.0) / e.law.v))
+    in_steps = _LATE_STEPS * float(np.max(np.diff(e.motion.t))) * top_speed
+    if rest.last == rest.first or nearest.worst > in_steps:
+        return None
+    return Cause.FIXED_STEP, (
+        f"the mass rests and breaks away, and leaves the exact slide by {length(nearest.worst)}, "
+        "no more than fixed steps as long as those of the samples explain; so would a mass or "
+        "damping that is a little off"
+    )

@@ -1,0 +1,54 @@
+"""The exact motion of a case: the truth, followed in high precision and rounded once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.model.run import Run
+from stickslip_verification.suite.cases import Case, follow
+from stickslip_verification.suite.tolerances import Facts, facts_of
+from stickslip_verification.truth.parameters import complete
+
+
+@dataclass(frozen=True)
+class Exact:
+    """The exact motion of a case.
+
+    Attributes
+    ----------
+    record
+        Its samples, rounded to double once.
+    start
+        Every value at the start, the defaults included (SI).
+    event_times
+        Times of its transitions [s].
+    facts
+        What the tolerances take from it.
+    """
+
+    record: Run
+    start: Mapping[str, float]
+    event_times: Sequence[float]
+    facts: Facts
+
+
+def exact_motion(case: Case) -> Exact:
+    """Compute the exact motion of a case in high precision, rounded to double once."""
+    run = follow(case.parameters, case.steps)
+    outputs = {
+        name: np.array([float(sample[name]) for sample in run.samples]) for name in OUTPUT_NAMES
+    }
+    return Exact(
+        record=Run(
+            times=np.array(case.times),
+            outputs=outputs,
+            initial={name: float(run.initial[name]) for name in OUTPUT_NAMES},
+        ),
+        start=complete(case.parameters),
+        event_times=[float(event.time) for event in run.events],
+        facts=facts_of(run),
+    )

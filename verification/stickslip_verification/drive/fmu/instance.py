@@ -1,0 +1,244 @@
+"""One instance of an FMU, whatever its FMI version: our names and SI on this side of it."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import itertools
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, ClassVar, Protocol, Self
+
+import fmpy.fmi1
+
+from stickslip_verification.drive.fmu import libraries
+from stickslip_verification.drive.fmu.errors import FmuError, one_line
+from stickslip_verification.drive.fmu.variables import Variable
+
+WARNING = 1
+"""The highest status of a call that still did what it was asked (FMI 2.0, section 2.1.3)."""
+
+FATAL = 4
+"""The status after which nothing may be called any more (FMI 2.0, section 2.1.3)."""
+
+_MEANING = {2: "discarded", 3: "error", 4: "fatal", 5: "pending, and no step may be"}
+
+FLOATING = frozenset({"Real", "Float64", "Float32"})
+
+State = ctypes.c_void_p
+"""A state that the FMU keeps; to be freed by the instance that gave it."""
+
+_COUNTER = itertools.count(1)
+
+
+class Unpacked(Protocol):
+    """What an instance needs to know of its FMU."""
+
+    path: Path
+    folder: Path
+    token: str
+    model_identifier: str
+    variables: Mapping[str, Variable]
+    can_get_and_set_state: bool
+    can_serialize_state: bool
+
+
+class FmuInstance(ABC):
+    """One instance of an FMU. Variables by our names, values in SI.
+
+    After an `FmuError` only `reset` and `free` are of use.
+    """
+
+    C_TYPES: ClassVar[Mapping[str, tuple[str, Any]]]
+    """Kind of a variable to the name in the FMI functions and the type in C."""
+
+    PREFIX: ClassVar[str]
+    """What the names of the FMI functions begin with."""
+
+    def __init__(self, fmu: Unpacked) -> None:
+        self.file = fmu
+        self.messages: list[str] = []
+        self._name = f"{fmu.model_identifier}-{next(_COUNTER)}"
+        self._untouched = frozenset(
+            name
+            for name, variable in fmu.variables.items()
+            if variable.kind in FLOATING and variable.conversion.leaves_alone
+        )
+        self._freed = False
+        self._lost = False
+        try:
+            # FMPy stays in the folder of the library if it cannot be loaded.
+            with contextlib.chdir(Path.cwd()):
+                self._slave = self._load()
+        except Exception as error:
+            raise FmuError(f"{fmu.path.name}: {one_line(error)}") from None
+        libraries.note(self._slave.dll._name)
+        self._instantiate()
+
+    @abstractmethod
+    def _load(self) -> Any:
+        """Load the library."""
+
+    @abstractmethod
+    def _instantiate(self) -> None:
+        """Make the instance in the library; `FmuError` if it refuses."""
+
+    @abstractmethod
+    def _initialize(self, start_time: float) -> None:
+        """Go through initialization mode."""
+
+    @abstractmethod
+    def step(self, time: float, h: float) -> None:
+        """Step from the communication point `time` [s] by `h` [s]."""
+
+    @abstractmethod
+    def _sizes(self, count: int) -> tuple[int, ...]:
+        """Give what a get or set function takes after the values."""
+
+    def _failure(self, call: str, error: Exception) -> FmuError:
+        said = " ".join(self.messages[-1].split()) if self.messages else "without a message"
+        status = getattr(error, "status", None)
+        self._lost = self._lost or status == FATAL
+        reason = f"status {_MEANING[status]}" if status in _MEANING else one_line(error)
+        return FmuError(f"{self.file.path.name}: {call} failed: {said} ({reason})")
+
+    def _do(self, call: str, function: Callable[..., Any], *arguments: object) -> Any:
+        try:
+            return function(*arguments)
+        except fmpy.fmi1.FMICallException as error:
+            raise self._failure(call, error) from None
+
+    def start(self, values: Mapping[str, float], start_time: float = 0.0) -> None:
+        """Set `values`, begin at `start_time` [s] and go through initialization mode."""
+        self.set(values)
+        self._initialize(start_time)
+
+    def set(self, values: Mapping[str, float]) -> None:
+        """Set variables by name; `FmuError` for one that the FMU does not have."""
+        self._check(values)
+        groups: dict[tuple[str, Any], list[str]] = {}
+        references, numbers = {}, {}
+        for name, value in values.items():
+            variable = self.file.variables[name]
+            groups.setdefault(self.C_TYPES[variable.kind], []).append(name)
+            references[name] = variable.reference
+            numbers[name] = value if name in self._untouched else self._theirs(variable, value)
+        for (kind, c_type), members in groups.items():
+            count = len(members)
+            which = (ctypes.c_uint * count)(*map(references.__getitem__, members))
+            buffer = (c_type * count)(*map(numbers.__getitem__, members))
+            call = getattr(self._slave, f"{self.PREFIX}Set{kind}")
+            try:
+                call(self._slave.component, which, count, buffer, *self._sizes(count))
+            except fmpy.fmi1.FMICallException as error:
+                what = ", ".join(f"{name} = {values[name]!r}" for name in members)
+                raise self._failure(f"{self.PREFIX}Set{kind}({what})", error) from None
+
+    def _theirs(self, variable: Variable, value: float) -> float:
+        change = variable.conversion
+        number = value if change.leaves_alone else change.from_si(value)
+        if variable.kind in FLOATING:
+            return number
+        c_type = self.C_TYPES[variable.kind][1]
+        # A C integer that is too small for the number would silently hold another one.
+        if not float(number).is_integer() or c_type(int(number)).value != number:
+            label = self.file.path.name
+            raise FmuError(
+                f"{label}: {variable.name} = {value!r} is no value of type {variable.kind}"
+            )
+        return int(number)
+
+    def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
+        """Give a function that reads these variables at once, in this order, in SI.
+
+        `FmuError` for a name that the FMU does not have.
+        """
+        self._check(names)
+        variables = [self.file.variables[name] for name in names]
+        kinds = [self.C_TYPES[variable.kind] for variable in variables]
+        groups = []
+        for kind, c_type in dict.fromkeys(kinds):
+            places = [i for i, found in enumerate(kinds) if found[0] == kind]
+            count = len(places)
+            references = (ctypes.c_uint * count)(*(variables[i].reference for i in places))
+            buffer = (c_type * count)()
+            get = getattr(self._slave, f"{self.PREFIX}Get{kind}")
+            arguments = (self._slave.component, references, count, buffer, *self._sizes(count))
+            groups.append((kind, get, arguments, places, buffer))
+        converted = [
+            (place, variable.conversion.to_si)
+            for place, variable in enumerate(variables)
+            if not variable.conversion.leaves_alone
+        ]
+
+        def read() -> list[float]:
+            values = [0.0] * len(names)
+            for kind, get, arguments, places, buffer in groups:
+                try:
+                    get(*arguments)
+                except fmpy.fmi1.FMICallException as error:
+                    raise self._failure(f"{self.PREFIX}Get{kind}", error) from None
+                for place, value in zip(places, buffer, strict=True):
+                    values[place] = float(value)
+            for place, to_si in converted:
+                values[place] = to_si(values[place])
+            return values
+
+        return read
+
+    def _check(self, names: Mapping[str, float] | Sequence[str]) -> None:
+        missing = [name for name in names if name not in self.file.variables]
+        if missing:
+            raise FmuError(f"{self.file.path.name}: has no variable {', '.join(missing)}")
+
+    def get_state(self) -> State:
+        """Have the FMU keep its state; `FmuError` if it cannot."""
+        self._can(self.file.can_get_and_set_state, "get and set")
+        state: State = self._do("get FMU state", self._slave.getFMUState)
+        return state
+
+    def set_state(self, state: State) -> None:
+        """Go back to a state, which stays valid."""
+        self._do("set FMU state", self._slave.setFMUState, state)
+
+    def free_state(self, state: State) -> None:
+        """Let the FMU forget a state."""
+        self._do("free FMU state", self._slave.freeFMUState, state)
+
+    def serialize(self, state: State) -> bytes:
+        """Write a state as bytes; `FmuError` if the FMU cannot."""
+        self._can(self.file.can_serialize_state, "serialize")
+        written: bytes = self._do("serialize FMU state", self._slave.serializeFMUState, state)
+        return written
+
+    def deserialize(self, written: bytes) -> State:
+        """Make a state of the bytes of `serialize`, from this instance or another of this FMU."""
+        self._can(self.file.can_serialize_state, "serialize")
+        state: State = self._do("deserialize FMU state", self._slave.deserializeFMUState, written)
+        return state
+
+    def _can(self, able: bool, what: str) -> None:
+        if not able:
+            raise FmuError(f"{self.file.path.name}: cannot {what} its state, by its description")
+
+    def reset(self) -> None:
+        """Back to the state after instantiation."""
+        self._do(f"{self.PREFIX}Reset", self._slave.reset)
+        self._lost = False
+
+    def free(self) -> None:
+        """Free the instance; a second call does nothing.
+
+        After a fatal status it is left as it is: the standard forbids the call, and the wrapper of
+        pythonfmu has already freed what it would free.
+        """
+        if not self._freed and not self._lost:
+            self._slave.freeInstance()
+        self._freed = True
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.free()

@@ -1,0 +1,226 @@
+"""Pure functions that judge one check of a case: where it looks, what it compares, by what measure.
+
+How a side is judged, `Contract`, is here too: which tolerances are its own, and what decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stickslip_verification.drive.exact import Exact
+from stickslip_verification.model.formulas import FORMULAS
+from stickslip_verification.model.quantities import QUANTITIES
+from stickslip_verification.model.run import Run, Series
+from stickslip_verification.model.verdict import CheckResult, Klass, Measure, Measured
+from stickslip_verification.suite.cases import At, Case, Check
+from stickslip_verification.suite.tolerances import INTEGRATION, ROUNDING
+
+RESOLUTION = {"fmu": 1e-14, "reference": 1e-12}
+"""What rounding between processors and mathematical libraries moves, as a part of the scale. Two
+libraries differ by a unit in the last place or two of a function (2e-16), of which the closed forms
+of a run add up some dozens; the reference also chooses its steps by them."""
+
+KEPT = {"fmu": ROUNDING, "reference": INTEGRATION}
+"""The tolerances of the suite before conditioning; what a check allows beyond is its conditioning,
+and the resolution grows with it."""
+
+
+@dataclass(frozen=True)
+class Contract:
+    """How a side is judged.
+
+    Attributes
+    ----------
+    side
+        fmu or reference.
+    ours
+        Whether it promises the interface, so that a missing output is a failure and not a feature
+        that it lacks.
+    exact
+        Whether it is held to the tolerances of the exact block, or to those of a numerical
+        solution.
+    contract
+        Whether contract checks decide.
+    """
+
+    side: str
+    ours: bool = True
+    exact: bool = True
+    contract: bool = True
+
+    @property
+    def column(self) -> str:
+        """Whose tolerance it is held to: fmu or reference."""
+        return "fmu" if self.exact else "reference"
+
+    def decides(self, klass: str) -> bool:
+        """Whether a failure in a check of this class fails the verdict."""
+        return klass == Klass.PHYSICS or self.contract
+
+
+EXACT_CONTRACT = Contract("fmu")
+REFERENCE_CONTRACT = Contract("reference", exact=False)
+PHYSICS_CONTRACT = Contract("fmu", ours=False, exact=False, contract=False)
+STRICT_CONTRACT = Contract("fmu", ours=False)
+
+
+class CheckError(ValueError):
+    """A check cannot be evaluated; the message says what is not there."""
+
+
+class LackingError(CheckError):
+    """A side does not have an output that a check needs."""
+
+
+def places(at: At, exact: Exact) -> list[int]:
+    """Find the communication points that a check looks at, as indices, on the exact motion.
+
+    Raises
+    ------
+    CheckError
+        The exact motion has no communication point in the wanted stick or after the wanted event.
+    """
+    record = exact.record
+    count = len(record.times)
+    if at.kind == "end":
+        return [count - 1]
+    if at.kind == "every_point":
+        return list(range(count))
+    if at.kind == "cycle":
+        in_stick = (record.outputs["n_slips"] == at.number) & (record.outputs["mode"] == 0)
+        found = np.flatnonzero(in_stick)
+        if not len(found):
+            raise CheckError(f"no communication point in the stick after slip {at.number}")
+        return [int(found[0])]
+    events = exact.event_times
+    if at.number > len(events):
+        raise CheckError(f"the motion has {len(events)} events, not {at.number}")
+    after = int(np.searchsorted(record.times, events[at.number - 1], side="left"))
+    if after >= count or (at.number < len(events) and events[at.number] <= record.times[after]):
+        raise CheckError(f"no communication point between events {at.number} and {at.number + 1}")
+    return [after]
+
+
+def extract(quantity: str, record: Run, start: Mapping[str, float]) -> Series:
+    """Give the samples of a quantity at all communication points, in its unit.
+
+    Raises
+    ------
+    LackingError
+        The record lacks an output that the quantity needs.
+    CheckError
+        It has the wrong number of samples.
+    """
+    needs = QUANTITIES[quantity].needs
+    missing = [name for name in needs if name not in record.outputs]
+    if missing:
+        raise LackingError(f"no output {', '.join(missing)}")
+    for name in needs:
+        count = record.outputs[name].size
+        if count != record.times.size:
+            raise CheckError(f"{count} samples of {name} at {record.times.size} points")
+    return QUANTITIES[quantity].compute(record.outputs, start)
+
+
+def errors(measure: str, got: Series, expected: Series, scale: float) -> Series:
+    """Error at each place by the measure; NaN where a value is NaN, infinity for x/0 with x != 0.
+
+    Parameters
+    ----------
+    measure
+        relative (divides by ``|expected|``), of_scale (divides by `scale`) or absolute.
+    scale
+        Largest magnitude of the quantity in the exact motion, in its unit.
+    """
+    difference = np.abs(got - expected)
+    if measure == Measure.ABSOLUTE:
+        return difference
+    size = np.abs(expected) if measure == Measure.RELATIVE else np.full_like(difference, scale)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(difference == 0.0, 0.0, difference / size)
+
+
+def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Run) -> CheckResult:
+    """Compare one side's record with the truth of one check.
+
+    Never raises for what a side did: a missing output, a NaN or an infinity is a failed check
+    with its reason. An output that a foreign FMU does not have makes the check not applicable.
+    """
+    empty = blank(case, check, contract)
+    try:
+        chosen = places(check.at, exact)
+        truth_samples = extract(check.quantity, exact.record, exact.start)
+        expected = _expected(check, exact, truth_samples, chosen)
+        scale = float(np.max(np.abs(truth_samples)))
+    except Exception as error:
+        return replace(empty, failure=f"the truth cannot be computed: {error}")
+    if not np.all(np.isfinite(expected)):
+        return replace(empty, failure="the truth is not a finite number here")
+    try:
+        got = extract(check.quantity, record, exact.start)[chosen]
+    except (CheckError, IndexError) as error:
+        return without_value(empty, contract, error, float(expected[-1]))
+    found = errors(check.measure, got, expected, scale)
+    broken = np.flatnonzero(~np.isfinite(got) | ~np.isfinite(found))
+    if len(broken):
+        first = int(broken[0])
+        time = float(exact.record.times[chosen[first]])
+        reason = f"{check.quantity} is {got[first]} at t = {time:.6g} s"
+        return replace(empty, failure=reason, expected=float(expected[first]))
+    worst = last_worst(found)
+    size = scale if check.measure == Measure.OF_SCALE else float(np.max(np.abs(expected))) or 1.0
+    conditioning = max(empty.tolerance / KEPT[contract.column], 1.0)
+    resolution = min(RESOLUTION[contract.column] * conditioning, empty.tolerance)
+    return replace(
+        empty,
+        expected=float(expected[worst]),
+        got=float(got[worst]),
+        error=float(found[worst]),
+        passed=bool(found[worst] <= empty.tolerance),
+        measured=Measured(float(np.mean(got)), size, resolution),
+    )
+
+
+def last_worst(found: Series) -> int:
+    """Give the place of the largest error; of equal ones, most of all none, the last tells most."""
+    return len(found) - 1 - int(np.argmax(found[::-1]))
+
+
+def blank(case: Case, check: Check, contract: Contract) -> CheckResult:
+    """Give the result of a check of a case before anything was compared."""
+    return CheckResult(
+        case=case.id,
+        check=check.id,
+        quantity=check.quantity,
+        unit=check.unit,
+        truth=check.truth.kind,
+        side=contract.side,
+        expected=None,
+        got=None,
+        error=None,
+        tolerance=check.tolerance[contract.column],
+        because=check.because[contract.column],
+        passed=False,
+        klass=case.klass,
+        measure=check.measure,
+        decides=contract.decides(case.klass),
+    )
+
+
+def without_value(
+    empty: CheckResult, contract: Contract, error: Exception, expected: float | None = None
+) -> CheckResult:
+    """Give the result where the side has no value to compare: not applicable, or a failure."""
+    if isinstance(error, LackingError) and not contract.ours:
+        return replace(empty, not_applicable=f"it has {error}", expected=expected)
+    return replace(empty, failure=str(error), expected=expected)
+
+
+def _expected(check: Check, exact: Exact, truth_samples: Series, chosen: Sequence[int]) -> Series:
+    if check.truth.formula is None:
+        return truth_samples[list(chosen)]
+    value = FORMULAS[check.truth.formula].evaluate(exact.start)
+    return np.full(len(chosen), float(value))

@@ -1,0 +1,238 @@
+"""One side's run of a case, step by step, beside what was set: what the residuals are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip_verification.model import symmetries
+from stickslip_verification.model.run import Run, Series
+from stickslip_verification.suite.cases import Case
+from stickslip_verification.truth.parameters import complete, used_mu_k
+
+Mask = NDArray[np.bool_]
+
+SLACK = 8.0 * 2.0**-52
+"""What the rest test forgives, as a part of the forces it compares: docs/theory.md (4)."""
+
+
+class MissingOutputError(LookupError):
+    """The side does not give an output that an invariant is about; the text is its name."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """The run of one side.
+
+    Every array has one entry per communication step, shape ``(n,)``. An output is taken at the
+    end of the step by `after` and at its beginning by `before`.
+
+    Attributes
+    ----------
+    case
+        The case that was run.
+    record
+        What the side gave.
+    exact
+        What the exact motion gives at the same points.
+    event_times
+        Exact times of the transitions [s].
+    """
+
+    case: Case
+    record: Run
+    exact: Run
+    event_times: Series
+
+    def after(self, name: str) -> Series:
+        """Give an output at the end of each step; `MissingOutputError` if the side lacks it."""
+        if name not in self.record.outputs:
+            raise MissingOutputError(name)
+        return self.record.outputs[name]
+
+    def before(self, name: str) -> Series:
+        """Give an output at the beginning of each step, or raise as `after` does."""
+        samples = self.after(name)
+        if name not in self.record.initial:
+            raise MissingOutputError(name)
+        return np.concatenate(([self.record.initial[name]], samples[:-1]))
+
+    def change(self, name: str) -> Series:
+        """Give what each step adds to an output, or raise as `after` does."""
+        return self.after(name) - self.before(name)
+
+    @cached_property
+    def h(self) -> Series:
+        """Lengths of the steps [s]."""
+        return np.array([step.h for step in self.case.steps])
+
+    @cached_property
+    def begins(self) -> Series:
+        """Times at the beginning of the steps [s]."""
+        return np.concatenate(([0.0], self.record.times[:-1]))
+
+    @cached_property
+    def settings(self) -> Mapping[str, Series]:
+        """What acts during each step, by name: the twelve values, mu_k clamped as (1) says."""
+        values = complete(self.case.parameters)
+        rows = []
+        for step in self.case.steps:
+            values = {**values, **step.changes}
+            rows.append(values)
+        columns = {name: np.array([row[name] for row in rows]) for name in values}
+        columns["mu_k"] = np.array([used_mu_k(row["mu_s"], row["mu_k"]) for row in rows])
+        return columns
+
+    @cached_property
+    def reset_at_begin(self) -> Mask:
+        """Steps at whose beginning something may let the mass go: the first, and after changes."""
+        differs = np.zeros(self.h.size, dtype=np.bool_)
+        differs[0] = True
+        for values in self.settings.values():
+            differs[1:] |= values[1:] != values[:-1]
+        return differs
+
+    @cached_property
+    def normal_force(self) -> Series:
+        """N = m g + load [N] during each step; never below zero by rounding."""
+        s = self.settings
+        return np.maximum(s["m"] * s["g"] + s["load"], 0.0)
+
+    @cached_property
+    def mode(self) -> tuple[Series, Series]:
+        """Direction of slip before and after each step, from mode or, without it, sticking."""
+        if "mode" in self.record.outputs:
+            return self.before("mode"), self.after("mode")
+        stuck_before, stuck_after = self.before("sticking") != 0, self.after("sticking") != 0
+        return (
+            np.where(stuck_before, 0.0, np.sign(self.before("x_dot"))),
+            np.where(stuck_after, 0.0, np.sign(self.after("x_dot"))),
+        )
+
+    @cached_property
+    def eventless(self) -> Mask:
+        """Steps in which the side reports no transition, nor changes its mode.
+
+        Of a side that reports neither the time of the last transition nor the number of slips,
+        those in which the exact motion has none.
+        """
+        same = self.mode[0] == self.mode[1]
+        reports = [name for name in ("t_event", "n_slips") if name in self.record.outputs]
+        if not reports:
+            ends = np.searchsorted(self.event_times, self.record.times, side="right")
+            starts = np.searchsorted(self.event_times, self.begins, side="left")
+            return np.asarray(same & (ends == starts))
+        for name in reports:
+            same = same & (self.change(name) == 0.0)
+        return np.asarray(same)
+
+    @cached_property
+    def in_phase(self) -> Mask:
+        """Points at which the side is in the same phase of the same slip as the exact motion."""
+        same = self.mode[1] == self.exact.outputs["mode"]
+        if "n_slips" in self.record.outputs:
+            same = same & (self.after("n_slips") == self.exact.outputs["n_slips"])
+        return np.asarray(same)
+
+    @cached_property
+    def stick(self) -> Mask:
+        """Steps that lie in a stick as a whole."""
+        return np.asarray(self.eventless & (self.mode[1] == 0.0))
+
+    @cached_property
+    def slip(self) -> Mask:
+        """Steps that lie in a slip as a whole."""
+        return np.asarray(self.eventless & (self.mode[1] != 0.0))
+
+    @cached_property
+    def since_begin(self) -> Series:
+        """From the beginning of each step to the transition that it reports [s]."""
+        return np.clip(self.after("t_event") - self.begins, 0.0, self.h)
+
+    @cached_property
+    def break_away(self) -> Mask:
+        """Steps that begin in stick, end in slip, and hold one break-away and nothing else."""
+        one = self.change("n_slips") == 0.0
+        moved = self.mode[1] != 0.0
+        return np.asarray(one & (self.mode[0] == 0.0) & moved & self._dated)
+
+    @cached_property
+    def re_stick(self) -> Mask:
+        """Steps that begin in slip, end in stick, and hold one re-stick and nothing else."""
+        one = self.change("n_slips") == 1.0
+        rests = self.mode[1] == 0.0
+        return np.asarray(one & (self.mode[0] != 0.0) & rests & self._dated)
+
+    @cached_property
+    def _dated(self) -> Mask:
+        """Steps whose last transition the side dates into the step, to the rounding of time."""
+        dated = self.after("t_event")
+        slack = 4.0 * np.spacing(np.abs(self.record.times))
+        return np.asarray((dated >= self.begins - slack) & (dated <= self.record.times + slack))
+
+    @cached_property
+    def dating(self) -> Series:
+        """What the rounding of absolute times leaves open of a transition in each step [s]."""
+        return np.asarray(8.0 * np.spacing(np.abs(self.record.times)))
+
+    @cached_property
+    def force_scale(self) -> float:
+        """Largest of the forces in play [N]: what their differences are rounded to."""
+        s = self.settings
+        spring = np.max(np.abs(s["k"] * self.exact.outputs["z"]))
+        return float(max(spring, np.max(np.abs(s["F_ext"])), np.max(s["mu_s"] * self.normal_force)))
+
+    @cached_property
+    def speed_scale(self) -> float:
+        """Largest speed in play [m/s]."""
+        speeds = (self.exact.outputs["x_dot"], self.settings["v"])
+        return float(max(np.max(np.abs(each)) for each in speeds))
+
+    @cached_property
+    def energy_scale(self) -> float:
+        """Largest energy in play [J]."""
+        exact, s = self.exact.outputs, self.settings
+        stored = 0.5 * s["k"] * exact["z"] ** 2 + 0.5 * s["m"] * exact["x_dot"] ** 2
+        pushed = np.max(np.abs(s["F_ext"])) * np.max(np.abs(exact["x"]))
+        sums = (np.max(np.abs(exact[name])) for name in symmetries.ENERGIES)
+        return float(max(np.max(stored), pushed, *sums))
+
+    def scale_of(self, output: str) -> float:
+        """Give what an output is measured against where it may be zero, in its unit.
+
+        That is the largest of its kind in play: of lengths, speeds, forces, energies, or the
+        length of the run.
+        """
+        kinds = (
+            (symmetries.LENGTHS, self.swing_length),
+            (symmetries.SPEEDS, self.swing_speed),
+            (symmetries.FORCES, self.force_scale),
+            (symmetries.ENERGIES, self.energy_scale),
+            (symmetries.TIMES, self.case.stop_time),
+        )
+        for names, scale in kinds:
+            if output in names:
+                return scale
+        return float(np.max(np.abs(self.exact.outputs[output]))) or 1.0
+
+    @cached_property
+    def swing_length(self) -> float:
+        """Largest length in play in a slip [m]: what a speed amounts to in a radian too."""
+        slowest = float(np.sqrt(np.min(self.settings["k"] / self.settings["m"])))
+        return max(self.length_scale, self.speed_scale / slowest)
+
+    @cached_property
+    def swing_speed(self) -> float:
+        """Largest speed in play in a slip [m/s]: what an extension amounts to in a radian too."""
+        fastest = float(np.sqrt(np.max(self.settings["k"] / self.settings["m"])))
+        return max(self.speed_scale, fastest * float(np.max(np.abs(self.exact.outputs["z"]))))
+
+    @cached_property
+    def length_scale(self) -> float:
+        """Largest length in play [m]."""
+        lengths = (self.exact.outputs[name] for name in ("x", "x_pull", "z"))
+        return float(max(np.max(np.abs(each)) for each in lengths))

@@ -1,0 +1,126 @@
+"""Outputs that say the same thing twice must agree: docs/theory.md (1), (2), (6), (10), (16)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from stickslip_verification.judge.metrics.course import Course
+from stickslip_verification.judge.metrics.residual import Residual, everywhere
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.model.run import Series
+
+_STEADY = 1e-12
+"""Where the exact motion itself keeps delta_x = v T to this part, the cycle is steady."""
+
+
+def spring_force(course: Course) -> Residual:
+    """F less k z."""
+    left = course.after("F") - course.settings["k"] * course.after("z")
+    return Residual(left, everywhere(course), course.force_scale, "N")
+
+
+def extension(course: Course) -> Residual:
+    """Z less x_pull - x."""
+    left = course.after("z") - (course.after("x_pull") - course.after("x"))
+    return Residual(left, everywhere(course), course.length_scale, "m")
+
+
+def pulled_end(course: Course) -> Residual:
+    """Way of the pulled end over a step, less v h."""
+    left = course.change("x_pull") - course.settings["v"] * course.h
+    return Residual(left, everywhere(course), course.length_scale, "m")
+
+
+def period(course: Course) -> Residual:
+    """T less t_stick + t_slip, from a break-away to the end of its slip.
+
+    Where a cycle held a reversal, or T is not written yet, the meter's rules do not say so.
+    """
+    exact = course.exact.outputs
+    parts = exact["t_stick"] + exact["t_slip"]
+    applies = (exact["T"] > 0.0) & (np.abs(exact["T"] - parts) <= _STEADY * exact["T"])
+    applies &= course.in_phase & (course.mode[1] != 0.0)
+    left = course.after("T") - (course.after("t_stick") + course.after("t_slip"))
+    return Residual(left, np.asarray(applies), exact["T"], "s")
+
+
+def jump(course: Course) -> Residual:
+    """delta_x less v T, where the exact cycle is steady."""
+    exact = course.exact.outputs
+    v = course.settings["v"]
+    way = v * exact["T"]
+    applies = (exact["T"] > 0.0) & (np.abs(exact["delta_x"] - way) <= _STEADY * np.abs(way))
+    applies &= course.in_phase
+    left = course.after("delta_x") - v * course.after("T")
+    return Residual(left, np.asarray(applies), np.abs(way), "m")
+
+
+def frequency(course: Course) -> Residual:
+    """F times T, less 1 where there is a period and less 0 where there is none."""
+    T = course.after("T")
+    left = course.after("f") * T - (T > 0.0)
+    return Residual(left, everywhere(course), 1.0, "1")
+
+
+def mode_and_sticking(course: Course) -> Residual:
+    """1 where mode and sticking contradict each other."""
+    contradiction = (course.after("mode") == 0.0) != (course.after("sticking") != 0.0)
+    return Residual(contradiction.astype(np.float64), everywhere(course), 1.0, "1")
+
+
+def break_away_force(course: Course) -> Residual:
+    """F_s less mu_s N."""
+    left = course.after("F_s") - course.settings["mu_s"] * course.normal_force
+    return Residual(left, everywhere(course), course.force_scale, "N")
+
+
+def clamped_coefficient(course: Course) -> Residual:
+    """mu_k_used less mu_k after the clamp."""
+    left = course.after("mu_k_used") - course.settings["mu_k"]
+    return Residual(left, everywhere(course), float(np.max(course.settings["mu_s"])) or 1.0, "1")
+
+
+def finished(course: Course) -> Residual:
+    """How many communication points were not reached."""
+    lacking = abs(course.h.size - course.record.times.size)
+    return Residual(np.full(course.h.size, float(lacking)), everywhere(course), 1.0, "1")
+
+
+def columns(course: Course) -> Residual:
+    """How many outputs are missing, or have not one sample per communication point."""
+    outputs, n = course.record.outputs, course.h.size
+    wrong = sum(name not in outputs or outputs[name].size != n for name in OUTPUT_NAMES)
+    return Residual(np.full(n, float(wrong)), everywhere(course), 1.0, "1")
+
+
+def finite(course: Course) -> Residual:
+    """How many outputs are no finite number, or are missing at the point."""
+    count = np.zeros(course.h.size)
+    for name in course.record.outputs:
+        count += ~np.isfinite(_padded(course.record.outputs[name], count.size))
+    return Residual(count, everywhere(course), 1.0, "1")
+
+
+def start(course: Course) -> Residual:
+    """Largest deviation of an output after initialization, over the output's own scale."""
+    deviations = [
+        _deviation(given, course.exact.initial[name], course.exact.outputs[name])
+        for name, given in course.record.initial.items()
+    ]
+    worst = float(np.max(deviations))
+    first = np.arange(course.h.size) == 0
+    return Residual(np.full(course.h.size, worst), first, 1.0, "1")
+
+
+def _deviation(given: float, expected: float, samples: Series) -> float:
+    if given == expected:
+        return 0.0
+    scale = max(float(np.max(np.abs(samples))), abs(expected))
+    return abs(given - expected) / scale if scale > 0.0 else math.inf
+
+
+def _padded(samples: Series, count: int) -> Series:
+    """Give so many samples, NaN where there are none."""
+    return np.concatenate((samples, np.full(max(count - samples.size, 0), np.nan)))[:count]

@@ -1,0 +1,93 @@
+"""The invariant of slip, (1) and (3): exact from sample to sample, friction against the motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stickslip_verification.judge.metrics import propagation
+from stickslip_verification.judge.metrics.course import Course
+from stickslip_verification.judge.metrics.residual import Residual
+from stickslip_verification.model.run import Series
+
+_POLISHES = 4
+_PROBES = (*(0.5**n for n in range(30, 4, -1)), *(n / 16.0 for n in range(1, 17)))
+"""Where the lowest velocity is looked for first, as parts of a step or of its first turn: evenly,
+and near the beginning too, where a heavily damped motion has its only extreme."""
+
+
+def extension_follows(course: Course) -> Residual:
+    """Extension of the spring at the end of a step in slip, against the equation of slip."""
+    expected = _propagated(course).z
+    got = course.after("z")
+    return Residual(
+        _spread(course, got[course.slip] - expected), course.slip, course.swing_length, "m"
+    )
+
+
+def velocity_follows(course: Course) -> Residual:
+    """Velocity at the end of a step in slip, against the equation of slip."""
+    expected = _propagated(course).x_dot
+    got = course.after("x_dot")
+    left = _spread(course, got[course.slip] - expected)
+    return Residual(left, course.slip, course.swing_speed, "m/s")
+
+
+def friction_as_stated(course: Course) -> Residual:
+    """Friction in slip, against ``-(s mu_k N + c x_dot)``."""
+    s = course.settings
+    stated = course.mode[1] * s["mu_k"] * course.normal_force + s["c"] * course.after("x_dot")
+    left = course.after("F_friction") + stated
+    drag = float(np.max(np.abs(s["c"])) * course.speed_scale)
+    return Residual(left, course.mode[1] != 0.0, max(course.force_scale, drag), "N")
+
+
+def friction_against_motion(course: Course) -> Residual:
+    """Friction that pushes a slipping mass along its way instead of holding it."""
+    along = np.maximum(course.after("F_friction") * np.sign(course.after("x_dot")), 0.0)
+    return Residual(along, course.mode[1] != 0.0, course.force_scale, "N")
+
+
+def direction_is_mode(course: Course) -> Residual:
+    """Velocity against the direction of slip that mode shows."""
+    against = np.maximum(-course.mode[1] * course.after("x_dot"), 0.0)
+    return Residual(against, course.mode[1] != 0.0, course.speed_scale, "m/s")
+
+
+def never_past_rest(course: Course) -> Residual:
+    """How far the velocity passes zero inside a step that reports no transition."""
+    chosen = course.slip
+    direction = course.mode[1][chosen]
+    equations = propagation.slips(course, chosen, course.mode[1])
+    begin = propagation.state(course, chosen)
+    h = np.asarray(course.h[chosen], np.longdouble)
+    # Minima rise towards the pull's speed or stay as they are, so the first is the lowest.
+    with np.errstate(divide="ignore"):
+        span = np.minimum(h, 2.0 * np.pi / equations.turning_rate)
+    lowest, at = np.full(h.shape, np.inf, np.longdouble), np.zeros_like(h)
+    for part in _PROBES:
+        speed = direction * equations.move(begin, span * part).x_dot
+        at = np.where(speed < lowest, span * part, at)
+        lowest = np.minimum(speed, lowest)
+    for _ in range(_POLISHES):
+        here = equations.move(begin, at)
+        jerk = equations.jerk(here)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            stride = np.where(jerk == 0.0, 0.0, equations.acceleration(here) / jerk)
+        at = np.clip(at - np.clip(stride, -at / 2.0, at / 2.0), 0.0, span)
+        lowest = np.minimum(direction * equations.move(begin, at).x_dot, lowest)
+    passed = np.maximum(-lowest, 0.0) if h.size else lowest
+    return Residual(_spread(course, passed), chosen, course.swing_speed, "m/s")
+
+
+def _propagated(course: Course) -> propagation.State:
+    chosen = course.slip
+    equations = propagation.slips(course, chosen, course.mode[1])
+    h = np.asarray(course.h[chosen], np.longdouble)
+    return equations.move(propagation.state(course, chosen), h)
+
+
+def _spread(course: Course, left: propagation.Wide) -> Series:
+    """Put the residuals of the steps in slip at their places among all steps."""
+    values = np.zeros(course.h.size)
+    values[course.slip] = left
+    return values

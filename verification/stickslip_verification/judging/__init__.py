@@ -1,1 +1,0 @@
-"""What came of it, judged: pure functions from records to results."""

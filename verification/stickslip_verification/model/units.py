@@ -1,0 +1,169 @@
+"""Units in SI: from their spelling, or from the definitions in an FMU.
+
+All factors are kept as the decimals that were written, so that 1 mm is a thousandth of a metre and
+not 0.001 as a double: a value then suffers one rounding on its way to SI and one on its way back.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+Dimension = tuple[int, int, int, int, int, int, int, int]
+"""Exponents of kg, m, s, A, K, mol, cd, rad, in the order of an FMU's BaseUnit."""
+
+_NONE: Dimension = (0, 0, 0, 0, 0, 0, 0, 0)
+_MASS: Dimension = (1, 0, 0, 0, 0, 0, 0, 0)
+_LENGTH: Dimension = (0, 1, 0, 0, 0, 0, 0, 0)
+_TIME: Dimension = (0, 0, 1, 0, 0, 0, 0, 0)
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: a number in it is ``factor * number + offset`` in SI, of this dimension."""
+
+    factor: Fraction
+    offset: Fraction
+    dimension: Dimension
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """From a number of the FMU to ours in SI: ``number * numerator / denominator + offset``.
+
+    The sign of a variable that points the other way is in numerator and offset.
+    """
+
+    numerator: float = 1.0
+    denominator: float = 1.0
+    offset: float = 0.0
+
+    @property
+    def leaves_alone(self) -> bool:
+        """Whether numbers pass through untouched."""
+        return self.numerator == self.denominator and self.offset == 0.0
+
+    def to_si(self, number: float) -> float:
+        """Convert a number of the FMU to ours."""
+        scaled = number * self.numerator / self.denominator
+        return scaled + self.offset if self.offset else scaled
+
+    def from_si(self, number: float) -> float:
+        """Convert a number of ours to the FMU's."""
+        moved = number - self.offset if self.offset else number
+        return moved * self.denominator / self.numerator
+
+
+_COHERENT: Mapping[str, tuple[Fraction, Dimension]] = {
+    "m": (Fraction(1), _LENGTH),
+    "g": (Fraction(1, 1000), _MASS),
+    "s": (Fraction(1), _TIME),
+    "N": (Fraction(1), (1, 1, -2, 0, 0, 0, 0, 0)),
+    "J": (Fraction(1), (1, 2, -2, 0, 0, 0, 0, 0)),
+    "W": (Fraction(1), (1, 2, -3, 0, 0, 0, 0, 0)),
+    "Hz": (Fraction(1), (0, 0, -1, 0, 0, 0, 0, 0)),
+}
+
+_ALONE: Mapping[str, tuple[Fraction, Dimension]] = {
+    "1": (Fraction(1), _NONE),
+    "%": (Fraction(1, 100), _NONE),
+    "min": (Fraction(60), _TIME),
+    "h": (Fraction(3600), _TIME),
+    "t": (Fraction(1000), _MASS),
+}
+"""Units that take no prefix."""
+
+_PREFIXES: Mapping[str, Fraction] = {
+    "p": Fraction(1, 10**12),
+    "n": Fraction(1, 10**9),
+    "u": Fraction(1, 10**6),
+    "\u00b5": Fraction(1, 10**6),
+    "\u03bc": Fraction(1, 10**6),
+    "m": Fraction(1, 1000),
+    "c": Fraction(1, 100),
+    "d": Fraction(1, 10),
+    "k": Fraction(1000),
+    "M": Fraction(10**6),
+    "G": Fraction(10**9),
+}
+
+_FACTOR = re.compile(
+    r"(?P<symbol>1|%|[^\W\d_²³]+)(?:(?:\^|\*\*)?(?P<power>[+-]?\d{1,2})|(?P<raised>[²³]))?"
+)
+_RAISED: Mapping[str, int] = {"²": 2, "³": 3}
+_BLANKS = re.compile(r"\s*([./*·])\s*")
+_PRODUCT = re.compile(r"[.·]|(?<!\*)\*(?!\*)")
+
+
+def spelled(text: str, *, all_below: bool = False) -> Unit | None:
+    """Read a unit from its spelling, such as mm, N.s/m or m/s2; None if it is not understood.
+
+    Factors are joined by ``.``, ``·``, ``*`` or ``/``, and a prefix stands before m, g, s, N, J, W
+    or Hz. An empty text and ``-`` are pure numbers.
+
+    Parameters
+    ----------
+    text
+        The spelling.
+    all_below
+        Whether several factors may follow the first ``/``, all of them below it: N/m.s is N/(m.s).
+        Else such a text is not understood, for people read it differently.
+    """
+    if text.strip() == "-":
+        return Unit(Fraction(1), Fraction(0), _NONE)
+    above, slash, below = _BLANKS.sub(r"\1", text.strip()).partition("/")
+    factor, dimension = Fraction(1), _NONE
+    parts = [(part, 1) for part in _PRODUCT.split(above)] if above else []
+    if slash:
+        lower = _PRODUCT.split(below.replace("/", ".")) if all_below else [below]
+        parts += [(part, -1) for part in lower]
+        if not above:
+            return None
+    for part, side in parts:
+        found = _factor(part)
+        if found is None:
+            return None
+        size, exponents, power = found
+        factor *= size ** (side * power)
+        dimension = _added(dimension, exponents, side * power)
+    return Unit(factor, Fraction(0), dimension)
+
+
+def _factor(text: str) -> tuple[Fraction, Dimension, int] | None:
+    match = _FACTOR.fullmatch(text)
+    if match is None:
+        return None
+    symbol, power = match["symbol"], int(match["power"] or _RAISED.get(match["raised"], 1))
+    if symbol in _ALONE:
+        return *_ALONE[symbol], power
+    if symbol in _COHERENT:
+        return *_COHERENT[symbol], power
+    if symbol[0] in _PREFIXES and symbol[1:] in _COHERENT:
+        size, dimension = _COHERENT[symbol[1:]]
+        return _PREFIXES[symbol[0]] * size, dimension, power
+    return None
+
+
+def _added(one: Dimension, other: Dimension, times: int) -> Dimension:
+    a, b, c, d, e, f, g, h = (p + times * q for p, q in zip(one, other, strict=True))
+    return a, b, c, d, e, f, g, h
+
+
+def defined(factor: float, offset: float, dimension: Dimension) -> Unit | None:
+    """Make a unit from the definition in an FMU; None if its factor makes no sense."""
+    try:
+        unit = Unit(Fraction(repr(factor)), Fraction(repr(offset)), dimension)
+    except ValueError:
+        return None
+    return unit if unit.factor else None
+
+
+def conversion(unit: Unit, sign: int) -> Conversion:
+    """Give the conversion of numbers in `unit`, that count along (+1) or against (-1) ours."""
+    top, bottom = unit.factor.numerator, unit.factor.denominator
+    # Beyond this an integer is no double, and two roundings are not better than one.
+    if max(abs(top), bottom) > 2**53:
+        return Conversion(sign * float(unit.factor), 1.0, sign * float(unit.offset))
+    return Conversion(float(sign * top), float(bottom), sign * float(unit.offset))

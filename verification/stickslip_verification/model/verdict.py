@@ -1,0 +1,279 @@
+"""What came out: one result per check and side, their counts, and what stands behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+from stickslip_verification.model.run import Run
+
+
+class Kind(StrEnum):
+    """The four kinds of truth, never mixed; strongest first."""
+
+    CLOSED_FORM = "closed_form"
+    INVARIANT = "invariant"
+    CONVERGENCE = "convergence"
+    CROSS_CODE = "cross_code"
+
+
+class Klass(StrEnum):
+    """What a check is about: physics, or a convention of the interface."""
+
+    PHYSICS = "physics"
+    CONTRACT = "contract"
+
+
+class Measure(StrEnum):
+    """The measure of an error: part of the value, part of the scale, or in the unit."""
+
+    RELATIVE = "relative"
+    OF_SCALE = "of_scale"
+    ABSOLUTE = "absolute"
+
+
+class Outcome(StrEnum):
+    """The outcome of a check; ``noted`` is a failure that does not decide."""
+
+    PASS = "pass"
+    FAIL = "fail"
+    DRIFT = "drift"
+    NOTED = "noted"
+    NOT_APPLICABLE = "not applicable"
+
+
+@dataclass(frozen=True)
+class Second:
+    """A check's second value: what the tool accepted earlier, and how far it is now from that.
+
+    ``accepted`` and ``got`` are means over the places a check looks at, in its unit; ``drift`` and
+    ``tolerance`` are parts of the scale of the quantity.
+    """
+
+    accepted: float
+    got: float
+    drift: float
+    tolerance: float
+
+    @property
+    def drifted(self) -> bool:
+        """Whether the value moved by more than rounding between machines."""
+        return not self.drift <= self.tolerance
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a second value is made of.
+
+    ``mean`` is that of the places a check looks at, in its unit; ``scale`` what a drift of it is
+    measured against; ``resolution`` the part of the scale by which rounding may move it between
+    machines.
+    """
+
+    mean: float
+    scale: float
+    resolution: float
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """One check on one side.
+
+    Attributes
+    ----------
+    case, check
+        Ids; a case is "" where a check is about the FMU and not about a motion.
+    quantity, unit
+        What was compared; ``expected`` and ``got`` are in ``unit``, at the worst place where a
+        check looks at many.
+    truth
+        Kind of truth.
+    side
+        fmu, reference, or both where one is held against the other.
+    error, tolerance
+        In the measure of the check. ``got`` and ``error`` are None where the side gave nothing
+        that can be compared; ``failure`` then says why, else it is None.
+    because
+        Where the tolerance comes from.
+    passed
+        Whether the error is within the tolerance; False where the check does not apply.
+    klass
+        physics or contract.
+    measure
+        relative, of_scale or absolute.
+    decides
+        Whether a failure fails the verdict.
+    not_applicable
+        Why the check cannot be made on this side, or None: it is neither passed nor failed.
+    measured, second
+        What a second value is made of, and the second value itself where one was accepted.
+    """
+
+    case: str
+    check: str
+    quantity: str
+    unit: str
+    truth: Kind
+    side: str
+    expected: float | None
+    got: float | None
+    error: float | None
+    tolerance: float
+    because: str
+    passed: bool
+    failure: str | None = None
+    klass: Klass = Klass.PHYSICS
+    measure: Measure = Measure.ABSOLUTE
+    decides: bool = True
+    not_applicable: str | None = None
+    measured: Measured | None = None
+    second: Second | None = None
+
+    @property
+    def verdict(self) -> Outcome:
+        """One word: pass, fail, drift, noted (failed, and does not decide) or not applicable."""
+        if self.not_applicable is not None:
+            return Outcome.NOT_APPLICABLE
+        if not self.passed:
+            return Outcome.FAIL if self.decides else Outcome.NOTED
+        if self.second is not None and self.second.drifted:
+            return Outcome.DRIFT
+        return Outcome.PASS
+
+    @property
+    def failed(self) -> bool:
+        """Whether this result alone fails the verdict."""
+        return self.verdict in (Outcome.FAIL, Outcome.DRIFT)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the sides did in a case, beside the exact motion: for its plot.
+
+    ``records`` holds the sides that ran, by name; ``event_times`` [s] are exact.
+    """
+
+    case: str
+    title: str
+    about: str
+    exact: Run
+    event_times: Sequence[float]
+    records: Mapping[str, Run]
+
+
+@dataclass(frozen=True)
+class ObservedOrder:
+    """How an error of the reference falls with its tolerance.
+
+    ``orders[i]`` is the slope of log error over log tolerance between the levels ``i`` and
+    ``i + 1``; ``expected`` is the order that the method promises.
+    """
+
+    case: str
+    quantity: str
+    tolerances: Sequence[float]
+    errors: Sequence[float]
+    orders: Sequence[float]
+    expected: float
+
+
+@dataclass(frozen=True)
+class Detection:
+    """What became of one planted fault.
+
+    ``wanted`` are the checks that its description names in advance; ``failing`` gives, per check
+    that failed, in how many cases. ``caught`` tells whether a wanted one is among them. ``broken``
+    says why the mutant could not be judged, or is None.
+    """
+
+    mutant: str
+    about: str
+    wanted: Sequence[str]
+    failing: Mapping[str, int]
+    caught: bool
+    broken: str | None = None
+
+
+@dataclass(frozen=True)
+class KillMatrix:
+    """Every planted fault against every check.
+
+    ``checks`` are the columns, in the order of the suite. ``kills_nothing`` gives, for each check
+    that kills no mutant, why it stays ("" where nothing says why, which fails the suite). Where it
+    is not ``whole``, each fault was tried on the foretold checks, up to the first that failed.
+    """
+
+    checks: Sequence[str]
+    rows: Sequence[Detection]
+    kills_nothing: Mapping[str, str]
+    whole: bool = True
+
+    @property
+    def passed(self) -> bool:
+        """Whether every fault was caught as foretold and each check without a kill has a reason."""
+        return all(row.caught for row in self.rows) and all(self.kills_nothing.values())
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All results of a run, what stands behind them, and where they come from.
+
+    `run.verify` makes it. ``ours`` tells whether the FMU is judged as our own, ``kills`` is None
+    where no faults were planted.
+    """
+
+    checks: Sequence[CheckResult]
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    motions: Sequence[Motion] = ()
+    orders: Sequence[ObservedOrder] = ()
+    kills: KillMatrix | None = None
+    ours: bool = True
+
+    @property
+    def summary(self) -> dict[str, int]:
+        """Counts: passed, failed (drift included), noted, not_applicable."""
+        return count(self.checks)
+
+    @property
+    def by_kind(self) -> dict[str, dict[str, int]]:
+        """The same counts for each kind of truth that occurs, in the order of `Kind`."""
+        sorted_out = {kind: [r for r in self.checks if r.truth == kind] for kind in Kind}
+        return {kind: count(results) for kind, results in sorted_out.items() if results}
+
+    @property
+    def proven(self) -> bool:
+        """Whether the FMU met a truth at all.
+
+        That FMU and reference agree, or that the reference is right, makes no FMU green.
+        """
+        return any(
+            r.verdict == Outcome.PASS
+            and r.decides
+            and r.side == "fmu"
+            and r.truth in (Kind.CLOSED_FORM, Kind.INVARIANT)
+            for r in self.checks
+        )
+
+    @property
+    def contract_decides(self) -> bool:
+        """Whether contract checks decide for the FMU."""
+        return any(r.klass == Klass.CONTRACT and r.decides and r.side == "fmu" for r in self.checks)
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing that decides failed, the FMU met a truth, and every fault was caught."""
+        detected = self.kills is None or self.kills.passed
+        return self.proven and detected and not any(result.failed for result in self.checks)
+
+
+def count(results: Sequence[CheckResult]) -> dict[str, int]:
+    """Count results by verdict: passed, failed (drift included), noted, not_applicable."""
+    verdicts = [result.verdict for result in results]
+    return {
+        "passed": verdicts.count(Outcome.PASS),
+        "failed": verdicts.count(Outcome.FAIL) + verdicts.count(Outcome.DRIFT),
+        "noted": verdicts.count(Outcome.NOTED),
+        "not_applicable": verdicts.count(Outcome.NOT_APPLICABLE),
+    }

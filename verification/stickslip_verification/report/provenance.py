@@ -1,0 +1,73 @@
+"""Where a verdict comes from: the FMU's bytes, versions, platform, revision of the source."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import shutil
+import subprocess
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.fmu.digest import content_digest
+
+PACKAGES = ("stickslip", "numpy", "scipy", "mpmath", "fmpy", "pythonfmu", "pythonfmu3")
+
+
+def collect(fmu: FmuFile, command: str | None = None) -> dict[str, Any]:
+    """Gather the provenance of a run on `fmu`, as JSON values.
+
+    ``command`` is what to type to get the same again. ``git`` is ``{"revision", "dirty"}`` of the
+    working copy this package stands in, or None where there is none; a version is None where the
+    package is not installed.
+    """
+    names = fmu.names.file
+    return {
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "fmu": {
+            "file": fmu.path.name,
+            "content": content_digest(fmu.path),
+            "sha256": hashlib.sha256(fmu.path.read_bytes()).hexdigest(),
+            "fmi_version": fmu.fmi_version,
+            "names": None if names is None else names.name,
+            "problems": list(fmu.problems),
+        },
+        "command": command,
+        "versions": {"python": platform.python_version()} | {p: _version(p) for p in PACKAGES},
+        "platform": platform.platform(),
+        "git": _git(Path(__file__).resolve().parents[1]),
+    }
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _git(package: Path) -> dict[str, Any] | None:
+    if shutil.which("git") is None:
+        return None
+    root = _ask(package, "rev-parse", "--show-toplevel")
+    # An installed copy may lie inside the working copy of some other project.
+    if root is None or Path(root.strip()).resolve() / "verification" / package.name != package:
+        return None
+    revision = _ask(package, "rev-parse", "HEAD")
+    status = _ask(package, "status", "--porcelain")
+    if revision is None or status is None:
+        return None
+    return {"revision": revision.strip(), "dirty": bool(status.strip())}
+
+
+def _ask(folder: Path, *words: str) -> str | None:
+    try:
+        answer = subprocess.run(
+            ["git", "-C", str(folder), *words], capture_output=True, text=True, timeout=10
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return answer.stdout if answer.returncode == 0 else None

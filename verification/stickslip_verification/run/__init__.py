@@ -1,0 +1,1 @@
+"""A verification from beginning to end: suite, drive, judge and report put together."""

@@ -1,0 +1,79 @@
+"""The baseline that FMUs are judged on: exact motions, the reference's runs, its observed orders.
+
+It is computed once, in several processes, and serves every FMU of a run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from stickslip_verification.drive import workers
+from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.exact import Exact
+from stickslip_verification.judge.invariant_checks import applies
+from stickslip_verification.model.run import Run
+from stickslip_verification.model.verdict import ObservedOrder
+from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.invariants import Invariants, Order, ResidualInvariant
+
+TIME_LIMIT = 180.0
+"""Seconds that the truth or the reference may take for one case; the longest takes a few."""
+
+Progress = Callable[[str, int, int], None]
+"""Called with what is being done, how much of it is done, and out of how much."""
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """What one case is judged on.
+
+    ``invariants`` are the invariants on samples that the exact motion has a place for.
+    """
+
+    case: Case
+    exact: Answer[Exact]
+    reference: Answer[Run]
+    invariants: Sequence[ResidualInvariant]
+    orders: Sequence[tuple[Order, Answer[ObservedOrder]]]
+
+
+def compute(
+    cases: Sequence[Case], invariants: Invariants, jobs: int, progress: Progress | None = None
+) -> list[Baseline]:
+    """Compute the baseline of each case; `progress` counts the cases."""
+    asked = [
+        (case, invariant)
+        for case in cases
+        for invariant in invariants.orders
+        if case.id in invariant.cases
+    ]
+    with workers.Pool(jobs, TIME_LIMIT) as pool:
+        # Long runs first, so that no process is left alone with one at the end.
+        by_length = sorted(cases, key=lambda case: case.stop_time, reverse=True)
+        exacts = pool.each(workers.exact, [(case,) for case in by_length])
+        references = pool.each(workers.reference, [(case,) for case in by_length])
+        orders = pool.each(workers.observed_order, asked)
+        found: dict[str, tuple[Answer[Exact], Answer[Run]]] = {}
+        for done, case in enumerate(by_length):
+            if progress is not None:
+                progress(f"exact and reference: {case.id}", done, len(cases))
+            found[case.id] = (next(exacts), next(references))
+        observed = list(zip(asked, orders, strict=True))
+    return [
+        Baseline(
+            case,
+            *found[case.id],
+            invariants=_about(case, found[case.id][0], invariants),
+            orders=[(invariant, seen) for (of, invariant), seen in observed if of.id == case.id],
+        )
+        for case in cases
+    ]
+
+
+def _about(case: Case, exact: Answer[Exact], invariants: Invariants) -> list[ResidualInvariant]:
+    if exact.value is None:
+        return list(invariants.residuals)
+    return [
+        invariant for invariant in invariants.residuals if applies(invariant, case, exact.value)
+    ]

@@ -1,0 +1,248 @@
+"""The suite linted: what its data files must say beyond their schemas, and what nothing uses."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from stickslip_verification.drive.exact import Exact, exact_motion
+from stickslip_verification.drive.kept import kept
+from stickslip_verification.drive.other_runs import RUNS
+from stickslip_verification.drive.probes import PROBES
+from stickslip_verification.judge.invariant_checks import agreeing, applies
+from stickslip_verification.judge.metrics import METRICS
+from stickslip_verification.judge.second_values import Accepted, Key, load_accepted
+from stickslip_verification.model.formulas import FORMULAS
+from stickslip_verification.model.quantities import QUANTITIES
+from stickslip_verification.model.verdict import Measure
+from stickslip_verification.suite.cases import CASES_FOLDER, Case, Check, load_case
+from stickslip_verification.suite.experiment import CaseError
+from stickslip_verification.suite.faults import (
+    FAULTS_FOLDER,
+    Mutant,
+    MutantError,
+    load_mutants,
+    reasons_to_stay,
+)
+from stickslip_verification.suite.invariants import InvariantError, Invariants, load_invariants
+from stickslip_verification.suite.tolerances import ZERO, Facts
+
+THEORY = Path(__file__).parents[3] / "docs" / "theory.md"
+"""Where the equations stand, in a working copy; an installed suite does not carry it."""
+
+VAGUE = ("somehow", "good enough", "seems", "for now", "should work", "empirical", "tuned", "magic")
+"""Words that are no reason."""
+
+SHORTEST = 20
+"""Characters below which a reason says nothing."""
+
+MOST_SUBSTITUTED = 30
+"""Planted faults that may substitute text, which the next change of that text leaves behind."""
+
+
+def lint(folder: Path = CASES_FOLDER) -> list[str]:
+    """Give the findings, one line each; none if the suite is sound.
+
+    Parameters
+    ----------
+    folder
+        Where the cases are. Invariants, planted faults and accepted values are those of the suite.
+    """
+    findings: list[str] = []
+    cases = []
+    for file in sorted(folder.glob("*.toml")):
+        try:
+            cases.append(load_case(file))
+        except CaseError as error:
+            findings.append(str(error))
+    try:
+        invariants, mutants = load_invariants(), load_mutants()
+    except (InvariantError, MutantError) as error:
+        return [*findings, str(error)]
+    motions = {case.file: kept(exact_motion, case) for case in cases}
+    findings += _ids(cases, invariants)
+    findings += _motions(cases, motions)
+    findings += _reasons(cases, invariants)
+    findings += _sources(cases, invariants)
+    findings += _unused(cases, invariants)
+    findings += _mutants(cases, invariants, mutants)
+    if folder == CASES_FOLDER:
+        findings += _accepted(cases, invariants, load_accepted(), motions)
+    return findings
+
+
+def _ids(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
+    counted = Counter(case.id for case in cases)
+    yield from (f"{name}: {n} cases have this id" for name, n in counted.items() if n > 1)
+    names = {invariant.id for invariant in invariants}
+    for case in cases:
+        if case.file.stem != case.id:
+            yield f"{case.file.name}: its id is {case.id!r}, not the name of the file"
+        for check in case.checks:
+            if check.id in names:
+                yield f"{case.id} / {check.id}: an invariant has this id"
+    for name, n in Counter(case.title for case in cases).items():
+        if n > 1:
+            yield f"{n} cases have the title {name!r}"
+
+
+def _motions(cases: Sequence[Case], motions: Mapping[Path, Exact]) -> Iterator[str]:
+    """Hold what a case states of its exact motion against it."""
+    for case in cases:
+        exact = motions[case.file]
+        happens = exact.facts
+        if case.facts is None:
+            zero = [check.quantity for check in case.checks if check.because["fmu"] == ZERO]
+            yield (
+                f"{case.id}: motion is missing, so the exact motion is followed at each loading; "
+                f"write {_as_toml(replace(happens, zero=frozenset(zero)))}"
+            )
+            continue
+        looked_at = {check.quantity for check in case.checks if check.measure == Measure.OF_SCALE}
+        under_way = int(exact.record.outputs["mode"][-1] != 0)
+        if not 0 <= case.facts.slips - happens.slips <= under_way:
+            or_more = f" or {happens.slips + 1}" if under_way else ""
+            yield f"{case.id}: motion.slips = {case.facts.slips}; it is {happens.slips}{or_more}"
+        if case.facts.reversals != happens.reversals:
+            stated = case.facts.reversals
+            yield f"{case.id}: motion.reversals = {stated}; it is {happens.reversals}"
+        for name in sorted(case.facts.zero - happens.zero):
+            yield f"{case.id}: motion.zero: {name} is not zero throughout"
+        for name in sorted(happens.zero & looked_at):
+            yield f"{case.id}: motion.zero: {name} is zero throughout and not named"
+
+
+def _as_toml(facts: Facts) -> str:
+    parts = [f"slips = {facts.slips}"]
+    if facts.reversals:
+        parts.append(f"reversals = {facts.reversals}")
+    if facts.zero:
+        parts.append(f"zero = [{', '.join(json.dumps(name) for name in sorted(facts.zero))}]")
+    return f"motion = {{ {', '.join(parts)} }}"
+
+
+def _reasons(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
+    for case, check in _checks(cases):
+        for side, text in check.because.items():
+            yield from _reason(f"{case.id} / {check.id}: because.{side}", text)
+    for invariant in invariants:
+        yield from _reason(f"{invariant.id}: means", invariant.means)
+        yield from _reason(f"{invariant.id}: look", invariant.look)
+        because = getattr(invariant, "because", {})
+        texts = {"": because} if isinstance(because, str) else because
+        for side, text in texts.items():
+            yield from _reason(f"{invariant.id}: because {side}".rstrip(), text)
+
+
+def _reason(where: str, text: str) -> Iterator[str]:
+    if len(text) < SHORTEST:
+        yield f"{where}: {text!r} says too little"
+    for word in VAGUE:
+        if re.search(rf"\b{word}\b", text, re.IGNORECASE):
+            yield f"{where}: {word!r} is no reason"
+
+
+def _sources(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
+    if not THEORY.is_file():
+        return
+    numbers = {int(n) for n in re.findall(r"\\tag\{(\d+)\}", THEORY.read_text(encoding="utf-8"))}
+    for case, check in _checks(cases):
+        if check.truth.source not in numbers:
+            yield f"{case.id} / {check.id}: docs/theory.md has no equation ({check.truth.source})"
+    for invariant in invariants:
+        if invariant.source not in numbers:
+            yield f"{invariant.id}: docs/theory.md has no equation ({invariant.source})"
+
+
+def _unused(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
+    checks = [check for _, check in _checks(cases)]
+    quantities = {check.quantity for check in checks}
+    quantities |= {invariant.quantity for invariant in invariants.agreements}
+    quantities |= {invariant.quantity for invariant in invariants.orders}
+    formulas = {check.truth.formula for check in checks if check.truth.formula is not None}
+    # What the designers' slip time is held against is the difference, not the formula itself.
+    formulas.add("half_period")
+    families: tuple[tuple[str, Collection[str], set[str]], ...] = (
+        ("quantity", QUANTITIES, quantities),
+        ("formula", FORMULAS, formulas),
+        ("metric", METRICS, {invariant.metric for invariant in invariants.residuals}),
+        ("run", RUNS, {invariant.run for invariant in invariants.runs}),
+        ("probe", PROBES, {invariant.probe for invariant in invariants.probes}),
+    )
+    for what, known, used in families:
+        for name in sorted(set(known) - used):
+            yield f"{what} {name}: nothing uses it"
+        for name in sorted(used - set(known)):
+            yield f"{what} {name}: there is no such {what}"
+    known_cases = {case.id for case in cases}
+    for order in invariants.orders:
+        for name in order.cases:
+            if name not in known_cases:
+                yield f"{order.id}: there is no case {name}"
+
+
+def _mutants(
+    cases: Sequence[Case], invariants: Invariants, mutants: Sequence[Mutant]
+) -> Iterator[str]:
+    checks = {check.id for _, check in _checks(cases)} | {invariant.id for invariant in invariants}
+    for mutant in mutants:
+        for name in mutant.detected_by:
+            if name not in checks:
+                yield f"planted fault {mutant.id}: there is no check {name}"
+    substituted = sum(bool(mutant.substitutions) for mutant in mutants)
+    if substituted > MOST_SUBSTITUTED:
+        yield (
+            f"{FAULTS_FOLDER.name}: substitutions: {substituted} faults substitute text, "
+            f"{MOST_SUBSTITUTED} at most; let them override names"
+        )
+    for name, reason in reasons_to_stay().items():
+        if name not in checks:
+            yield f"kills_nothing check {name}: there is no such check"
+        yield from _reason(f"kills_nothing check {name}", reason)
+
+
+def _accepted(
+    cases: Sequence[Case], invariants: Invariants, accepted: Accepted, motions: Mapping[Path, Exact]
+) -> Iterator[str]:
+    """Hold the accepted values against what a verdict on these cases yields."""
+    held, wanted = set(accepted.values), set(_yielded(cases, invariants, motions))
+    then = "run stickslip verify --accept"
+    for case, check, side in sorted(wanted - held):
+        yield f"{case} / {check} ({side}): no accepted value; {then}"
+    for case, check, side in sorted(held - wanted):
+        yield f"{case} / {check} ({side}): an accepted value of no check; {then}"
+
+
+def _yielded(
+    cases: Sequence[Case], invariants: Invariants, motions: Mapping[Path, Exact]
+) -> Iterator[Key]:
+    sides = ("fmu", "reference")
+    for case in cases:
+        exact = motions[case.file]
+        on_both = [check.id for check in case.checks]
+        on_both += [
+            invariant.id for invariant in invariants.residuals if applies(invariant, case, exact)
+        ]
+        yield from ((case.id, check, side) for check in on_both for side in sides)
+        yield from ((case.id, invariant.id, "fmu") for invariant in invariants.runs)
+        yield from (
+            (case.id, invariant.id, "both")
+            for invariant in invariants.agreements
+            if agreeing(invariant, case)
+        )
+        for invariant in invariants.orders:
+            if case.id in invariant.cases:
+                yield from (
+                    (case.id, invariant.id + end, "reference") for end in ("", "-asymptotic")
+                )
+    yield from (("", invariant.id, "fmu") for invariant in invariants.probes)
+
+
+def _checks(cases: Iterable[Case]) -> Iterator[tuple[Case, Check]]:
+    for case in cases:
+        for check in case.checks:
+            yield case, check

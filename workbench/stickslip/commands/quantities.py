@@ -1,0 +1,91 @@
+"""Values typed for the FMU's parameters and inputs, and for the times of an experiment.
+
+Names, units, ranges and defaults are those of the FMU's variable table.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+from stickslip.commands import units
+from stickslip.errors import CommandError
+from stickslip_fmu.interface import TABLE
+
+LARGEST_SAMPLE_COUNT: Final = 10_000_000
+
+
+def option_name(name: str) -> str:
+    """Give the option of the command that sets the variable `name`: ``--mu-s`` for ``mu_s``."""
+    return "--" + name.replace("_", "-")
+
+
+def help_text(name: str) -> str:
+    """Describe the option of the variable `name`: meaning, unit, range and default."""
+    variable = TABLE.by_name[name]
+    unit = "" if variable.unit == "1" else f" [{variable.unit}]"
+    limits = "" if variable.minimum is None else f", {variable.range}"
+    return f"{variable.description}{unit}{limits}; default {variable.start:g}."
+
+
+def read_values(typed: Mapping[str, str | None]) -> dict[str, float]:
+    """Read what was typed for parameters and inputs; the rest takes its start value.
+
+    Parameters
+    ----------
+    typed
+        Name of a variable to the text given, None where none was.
+
+    Returns
+    -------
+    dict
+        Every parameter and input by name, SI.
+
+    Raises
+    ------
+    CommandError
+        If a text is no quantity of the variable's dimension or out of its range.
+    """
+    values = TABLE.start_values()
+    for name, text in typed.items():
+        if text is None:
+            continue
+        variable = TABLE.by_name[name]
+        value = units.parse(text, variable.unit, option_name(name), f"({variable.range})")
+        objection = variable.objection(value)
+        if objection is not None:
+            raise CommandError(f"{option_name(name)} {text!r}: {objection}")
+        values[name] = value
+    return values
+
+
+def read_experiment(
+    start_time: str, stop_time: str, output_interval: str | None
+) -> tuple[float, float, float | None]:
+    """Read the times of an experiment [s].
+
+    Raises
+    ------
+    CommandError
+        If a text is no time, the stop is not after the start, or the interval is not positive or
+        makes more than ten million samples.
+    """
+    start = units.parse(start_time, "s", "--start-time")
+    stop = units.parse(stop_time, "s", "--stop-time", "after the start")
+    if not stop > start:
+        raise CommandError(
+            f"--stop-time {stop_time!r} is out of range: it must be after the start, > {start:g} s"
+        )
+    if output_interval is None:
+        return start, stop, None
+    interval = units.parse(output_interval, "s", "--output-interval", "above 0")
+    smallest = max((stop - start) / LARGEST_SAMPLE_COUNT, math.ulp(max(abs(start), abs(stop))))
+    if not interval > 0.0:
+        raise CommandError(
+            f"--output-interval {output_interval!r} is out of range: it must be above 0 s"
+        )
+    if interval < smallest:
+        raise CommandError(
+            f"--output-interval {output_interval!r} is out of range: it must be at least "
+            f"{smallest:.3g} s for a run of {stop - start:g} s"
+        )
+    return start, stop, interval

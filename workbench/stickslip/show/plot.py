@@ -1,0 +1,248 @@
+"""A run as a picture: the mass beside the pulled end, the spring force with its break-away line."""
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from stickslip.errors import CommandError
+from stickslip.files import writing
+from stickslip.show.curve import Curve, curve, points, stick_phases
+from stickslip.show.scales import FORCES, LENGTHS, STIFFNESSES, TIMES, VELOCITIES, Scale, scale_for
+from stickslip.simulate.run import Run
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FORMATS: Final = ("png", "svg", "pdf")
+
+_BLUE: Final = "#1b6ca8"
+_GREY: Final = "#8d939c"
+_ORANGE: Final = "#e2761b"
+_SHADE: Final = "#edf0f4"
+_INK: Final = "#2b2f36"
+_ALARM: Final = "#b3261e"
+_STYLE: Final[Any] = {
+    "font.size": 10,
+    "axes.edgecolor": _GREY,
+    "axes.labelcolor": _INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "text.color": _INK,
+    "xtick.color": _INK,
+    "ytick.color": _INK,
+    "legend.frameon": False,
+    # A simplified path draws a creeping stick; this path is drawn as it is.
+    "path.simplify": False,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "stickslip",
+    "pdf.fonttype": 42,
+}
+
+_MOST_MARKED_EVENTS: Final = 100
+
+_POINTS_ONLY: Final = "more events than samples: points only, choose a shorter interval"
+
+_VISIBLE: Final = 0.005
+"""Part of a panel's height that an eye tells from nothing: about the width of a line."""
+
+
+def check_format(target: Path, option: str) -> None:
+    """Raise a `CommandError` that names `option` unless the suffix is one that can be drawn."""
+    if target.suffix.lower().removeprefix(".") not in FORMATS:
+        raise CommandError(
+            f"{option} {target}: unknown format {target.suffix!r}; expected .png, .svg or .pdf"
+        )
+
+
+def write_plot(run: Run, target: Path, option: str) -> None:
+    """Draw `run` into `target`; a file is written whole or not at all.
+
+    Parameters
+    ----------
+    run
+        The run to draw.
+    target
+        The file; its suffix says the format: PNG, SVG or PDF.
+    option
+        The option that named it, for the message.
+
+    Raises
+    ------
+    CommandError
+        If the format is unknown or the file cannot be written.
+    """
+    check_format(target, option)
+    import matplotlib
+
+    suffix = target.suffix.lower().removeprefix(".")
+    # The file says what was run, not when: the same run gives the same bytes.
+    metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
+    picture = io.BytesIO()
+    with matplotlib.rc_context(_STYLE):
+        figure(run).savefig(picture, format=suffix, dpi=160, metadata=metadata)
+    with writing(target, option) as stream:
+        stream.write(picture.getvalue())
+
+
+def figure(run: Run) -> "Figure":
+    """Draw `run`: position above, spring force below, stick phases shaded, events marked.
+
+    A run with hidden events is drawn as its samples only: what lies between them is not known.
+    """
+    from matplotlib.figure import Figure
+
+    drawn = points(run) if run.hidden_events else curve(run)
+    start, stop = float(run.samples["time"][0]), float(run.last["time"])
+    time = scale_for(max(abs(start), abs(stop)), TIMES, 0.1)
+    page = Figure(figsize=(10.0, 6.4), layout="constrained")
+    upper, lower = page.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    for panel in (upper, lower):
+        for begin, end in () if run.hidden_events else stick_phases(run):
+            panel.axvspan(begin / time.size, end / time.size, color=_SHADE, lw=0, zorder=0)
+    _draw_motion(upper, run, drawn, time)
+    _draw_force(lower, run, drawn, time)
+    lower.set_xlim(start / time.size, stop / time.size)
+    lower.set_xlabel(f"time  [{time.symbol}]")
+    page.suptitle(_title(run), x=0.012, ha="left", fontsize=11)
+    page.align_ylabels()
+    return page
+
+
+def _draw_motion(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
+    from matplotlib.patches import Patch
+
+    length = scale_for(float(np.max(np.abs([drawn.x, drawn.x_pull]))), LENGTHS, 2.0)
+    t = drawn.t / time.size
+    pulled_end, mass = (
+        (_points(run, 1.6), _points(run)) if run.hidden_events else ({"lw": 1.2}, {"lw": 1.8})
+    )
+    panel.plot(
+        t,
+        drawn.x_pull / length.size,
+        color=_GREY,
+        label=r"pulled end $x_\mathrm{pull}$",
+        **pulled_end,
+    )
+    panel.plot(t, drawn.x / length.size, color=_BLUE, label="mass $x$", **mass)
+    _mark(panel, run, time, [event.x / length.size for event in run.events], _BLUE)
+    panel.set_ylabel(f"position  [{length.symbol}]")
+    handles, _ = panel.get_legend_handles_labels()
+    if run.hidden_events:
+        panel.set_title(_POINTS_ONLY, loc="right", fontsize=10, color=_ALARM, weight="bold")
+    else:
+        handles.append(Patch(color=_SHADE, label="stick"))
+    panel.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=6, borderpad=0)
+
+
+def _draw_force(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
+    lines = _break_away_lines(run)
+    largest = float(np.max(np.abs([*drawn.F, *lines.values()])))
+    force = scale_for(largest, FORCES)
+    look = _points(run) if run.hidden_events else {"lw": 1.8}
+    panel.plot(drawn.t / time.size, drawn.F / force.size, color=_ORANGE, **look)
+    for line in lines.values():
+        panel.axhline(line / force.size, color=_INK, lw=1.0, ls=(0, (5, 3)), zorder=1.5)
+    k = run.parameters["k"]
+    _mark(panel, run, time, [k * event.z / force.size for event in run.events], _ORANGE)
+    panel.set_ylabel(f"spring force $F$  [{force.symbol}]")
+    low = min(0.0, *drawn.F, *lines.values())
+    high = max(0.0, *drawn.F, *lines.values())
+    height = (high - low) or 1.0
+    # Head room on the sides where a line carries its name.
+    above = 0.28 if 1 in lines else 0.05
+    below = 0.28 if -1 in lines else 0.05
+    panel.set_ylim((low - below * height) / force.size, (high + above * height) / force.size)
+    for sign, line in lines.items():
+        overshoot = 0.0 if run.hidden_events else _overshoot(run, drawn, sign)
+        at = f"{_signed(line / force.size)} {force.symbol}"
+        note = f"break-away force {_line_name(run, sign)} = {at}"
+        if overshoot > _VISIBLE * height:
+            note += (
+                f";  $F$ passes it by {overshoot / force.size:.2g} {force.symbol}: "
+                "the pulled end still moves while the mass starts"
+            )
+        panel.annotate(
+            note,
+            (0.0, (high if sign > 0 else low) / force.size),
+            xycoords=("axes fraction", "data"),
+            xytext=(6, 6 * sign),
+            textcoords="offset points",
+            va="bottom" if sign > 0 else "top",
+            fontsize=9,
+        )
+
+
+def _break_away_lines(run: Run) -> dict[int, float]:
+    """Give the spring force [N] of break-away for each direction in which this run slips."""
+    F_s, F_ext = float(run.last["F_s"]), run.parameters["F_ext"]
+    signs = {event.mode for event in run.events} | set(run.samples["mode"].tolist())
+    signs -= {0}
+    signs = signs or {-1 if run.parameters["v"] < 0.0 else 1}
+    return {sign: sign * F_s - F_ext for sign in sorted(signs)}
+
+
+def _line_name(run: Run, sign: int) -> str:
+    external = r" - F_\mathrm{ext}" if run.parameters["F_ext"] else ""
+    return f"${'-' if sign < 0 else ''}F_s{external}$"
+
+
+def _overshoot(run: Run, drawn: Curve, sign: int) -> float:
+    """Give how far F rises above its value at a break-away in the slip that follows [N]."""
+    ends = [event.time for event in run.events[1:]] + [float(drawn.t[-1])]
+    furthest = 0.0
+    for event, end in zip(run.events, ends, strict=False):
+        if event.kind == "break-away" and event.mode == sign:
+            slip = drawn.F[(drawn.t >= event.time) & (drawn.t <= end)]
+            furthest = max(furthest, *(sign * (slip - run.parameters["k"] * event.z)))
+    return furthest
+
+
+def _mark(panel: "Axes", run: Run, time: Scale, heights: list[float], color: str) -> None:
+    if run.hidden_events or len(run.events) > _MOST_MARKED_EVENTS:
+        return
+    size = 26.0 if len(run.events) <= 30 else 12.0
+    for kind, face in (("break-away", color), ("re-stick", "white"), ("reversal", _INK)):
+        chosen = [n for n, event in enumerate(run.events) if event.kind == kind]
+        if chosen:
+            panel.scatter(
+                [run.events[n].time / time.size for n in chosen],
+                [heights[n] for n in chosen],
+                s=size,
+                facecolor=face,
+                edgecolor=color,
+                linewidth=1.2,
+                zorder=3,
+                clip_on=False,
+                label=kind,
+            )
+
+
+def _points(run: Run, factor: float = 1.0) -> dict[str, Any]:
+    """Give the look of samples drawn as points: smaller where they are many."""
+    size = 4.0 if len(run.samples) <= 300 else 1.5
+    return {"ls": "none", "marker": "o", "ms": factor * size, "mew": 0.0}
+
+
+def _title(run: Run) -> str:
+    p = run.parameters
+    stiffness = scale_for(p["k"], STIFFNESSES)
+    speed = scale_for(abs(p["v"]), VELOCITIES)
+    words = [
+        f"$m$ = {_signed(p['m'])} kg",
+        f"$k$ = {_signed(p['k'] / stiffness.size)} {stiffness.symbol}",
+        f"$v$ = {_signed(p['v'] / speed.size)} {speed.symbol}",
+        f"$\\mu_s$ = {_signed(p['mu_s'])}",
+        f"$\\mu_k$ = {_signed(float(run.last['mu_k_used']))}",
+    ]
+    words += [f"$c$ = {_signed(p['c'])} N·s/m"] if p["c"] else []
+    words += [f"load = {_signed(p['load'])} N"] if p["load"] else []
+    words += [f"$F_\\mathrm{{ext}}$ = {_signed(p['F_ext'])} N"] if p["F_ext"] else []
+    return f"Stick-slip ({run.engine}):  " + ",  ".join(words)
+
+
+def _signed(value: float) -> str:
+    """Write a number with four digits and the minus sign that the axes have."""
+    return f"{value:.4g}".replace("-", "\N{MINUS SIGN}")

@@ -1,0 +1,1 @@
+"""Design studies of axes that stick and slip."""
