@@ -52,7 +52,7 @@ EXTRA_OUTSIDE = {
     ("stickslip", "handbook.document"): frozenset({"jinja2", "markupsafe", "rcssmin"}),
     ("stickslip", "page.assemble"): frozenset({"jinja2", "rcssmin", "rjsmin"}),
     ("stickslip_ref", "laws.named"): frozenset({COMPUTED}),
-    ("stickslip_verification", "truth.law"): frozenset({COMPUTED}),
+    ("stickslip_verification", "truth.named"): frozenset({COMPUTED}),
     ("fmukit", "fmi2.face"): frozenset({"pythonfmu"}),
     ("fmukit", "fmi3.face"): frozenset({"pythonfmu3"}),
     ("fmukit", "packer"): frozenset({"pythonfmu", "pythonfmu3"}),

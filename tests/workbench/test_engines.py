@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.simulate.engines import Experiment, experiment, simulate_fmu, simulate_reference
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 
 RUNS = {
     "default": {},

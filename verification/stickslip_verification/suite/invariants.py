@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,8 @@ class Invariant:
         Equation number in docs/theory.md.
     means, look
         What it means when it fails, and where to look then.
+    laws
+        Names of the friction laws that it holds for; empty: all.
     """
 
     id: str
@@ -43,6 +45,11 @@ class Invariant:
     source: int
     means: str
     look: str
+    laws: Sequence[str] = field(default=(), kw_only=True)
+
+    def holds_for(self, law: str) -> bool:
+        """Whether it holds for the friction law of this name."""
+        return not self.laws or law in self.laws
 
 
 @dataclass(frozen=True)
@@ -130,6 +137,10 @@ class Invariants:
                 for family, of in families.items()
             }
         )
+
+    def of_laws(self, laws: Collection[str]) -> Invariants:
+        """Give those that hold for one of these friction laws."""
+        return self.only({each.id for each in self if any(each.holds_for(law) for law in laws)})
 
 
 _SHARED: Mapping[str, Mapping[str, Any]] = {

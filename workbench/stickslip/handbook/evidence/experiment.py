@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element, SubElement
 from stickslip.handbook.evidence.xml_file import xml_file
 from stickslip.simulate.csv_file import csv_bytes
 from stickslip.simulate.engines import DEFAULT_STEP, experiment, simulate_fmu
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 
 STOP_TIME: Final = 10.0
 TOLERANCE: Final = 1e-9
