@@ -37,14 +37,14 @@ class Model(Protocol):
 
     1. **Construction.** A model is made from values that are within their ranges one by one, and
        shows the outputs of its initial state. It raises `ModelError` for values that do not go
-       together. Until the first step it is made anew whenever a value was set, so it has no
-       effects outside itself.
+       together. Until the end of the initialization a new one is made after a value was set,
+       so the constructor has no effects outside the model.
     2. **Outputs.** The value of a row is found under the row's `attribute`, a float, int or bool
-       of its kind. Where `stale` is true, `refresh` is called before any is read. An attribute
-       that is read changes nothing.
+       of its kind. Where `stale` is true, `refresh` is called before any is read. Reading
+       an attribute changes nothing. Both may raise `ModelError`, for a value that is not finite.
     3. **Values.** `set` replaces `wanted` by a changed copy and does nothing that an output shows.
-       The value acts from the start of the next step. Parameters of variability ``fixed`` are
-       not set.
+       The value acts from the start of the next step. Parameters of variability ``fixed`` keep
+       their values.
     4. **Steps.** `advance` moves on by a step of any length above 0 and raises `ModelError` for
        any other. A model whose call raised gets no further call.
     5. **States.** `freeze` returns the whole state, `wanted` included, as an object that is never
