@@ -5,10 +5,12 @@ With ``--check`` it writes nothing, names those that are out of date, and exits 
 
 import contextlib
 import io
+import json
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from fmukit.table import Variable
 from stickslip_design.claims import pages
@@ -25,6 +27,7 @@ from stickslip_verification import (
 )
 from stickslip_verification.model.verdict import Kind
 from stickslip_verification.report.svg import differences
+from stickslip_verification.suite.schemas import FILES
 
 HERE = Path(__file__).parent
 
@@ -44,6 +47,7 @@ def main() -> None:
             "interface.md": document(interface()),
             "verdict.md": document(verdict(build(Path(folder)))),
             "checks.md": document(checks()),
+            **{f"schemas/{name}": text_of(schema) for name, schema in FILES.items()},
             **pages(),
         }
     if sys.argv[1:] == ["--check"]:
@@ -68,6 +72,11 @@ def outdated(folder: Path, texts: Mapping[str, str]) -> list[str]:
         elif not file.is_file() or file.read_bytes() != text.encode():
             old.append(f"{file} holds another text")
     return old
+
+
+def text_of(schema: Mapping[str, Any]) -> str:
+    """Return a JSON schema as text."""
+    return json.dumps(schema, indent=2) + "\n"
 
 
 def document(lines: Iterator[str]) -> str:

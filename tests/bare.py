@@ -1,7 +1,7 @@
 """Runs tests as on a machine that lacks what they need beyond pip, and reads the reasons told.
 
 ``python -m tests.bare`` runs the tests that need something (tests/needs.py); further words go to
-pytest, such as ``tests`` for all of them. No chromium and no C compiler are on the PATH, libtbb,
+pytest, such as ``tests`` for all of them. No chromium, C compiler and node are on the PATH, libtbb,
 libatomic and Pango are empty files, the shared libpython counts as missing. No test may fail.
 """
 
@@ -16,10 +16,10 @@ from pathlib import Path
 
 from tests.needs import HIDDEN_LIBPYTHON, NEEDS, ROOT
 
-PROGRAMS = re.compile(r"(.*-)?(cc|c\d\d|gcc|clang|tcc|chromium|chrome)([-_.\d].*)?")
+PROGRAMS = re.compile(r"(.*-)?(cc|c\d\d|gcc|clang|tcc|chromium|chrome|node|np[mx])([-_.\d].*)?")
 """The programs that are hidden, by their names."""
 LIBRARIES = ("libtbb.so.12", "libatomic.so.1", "libpango-1.0.so.0")
-MISSING = ("libcosimpy", "ecospy", "proxyfmu", "cc", "libpython", "browser", "pdf")
+MISSING = ("libcosimpy", "ecospy", "proxyfmu", "cc", "libpython", "browser", "typescript", "pdf")
 """What cannot be used without them."""
 
 

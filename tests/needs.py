@@ -8,6 +8,7 @@ installs it. ``pytest -m needs`` selects the tests that ask, `tests.bare` runs t
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shutil
 import subprocess
@@ -28,6 +29,9 @@ ROOT = Path(__file__).parents[1]
 HIDDEN_LIBPYTHON = "STICKSLIP_TESTS_WITHOUT_LIBPYTHON"
 """The environment variable with which the shared libpython counts as missing: an interpreter that
 is linked to it cannot run where it is hidden."""
+
+TSC = ("npx", "--yes", "--package", "typescript@6.0.3", "--", "tsc")
+"""The command of TypeScript's compiler: its version is said here alone, npm gets and keeps it."""
 
 _LIMIT = 120.0
 """Seconds after which a trial counts as hung; the longest takes two."""
@@ -154,6 +158,19 @@ def _compiler() -> None:
         raise LackingError(f"cc: {said.splitlines()[0]}", install)
 
 
+def _typescript() -> None:
+    install = "apt-get install nodejs npm"
+    if lost := [name for name in ("node", "npx") if shutil.which(name) is None]:
+        raise LackingError(f"there is no program {' and no '.join(lost)}", install)
+    # Two processes that fetch it at once would disturb each other.
+    with Path(tempfile.gettempdir(), f"stickslip-tsc-{os.getuid()}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        done = _run([*TSC, "--version"])
+    if done.returncode != 0:
+        said = done.stderr.strip() or f"exit code {done.returncode}"
+        raise LackingError(f"npx: {said.splitlines()[0]}", install)
+
+
 def _run(command: list[str], said: str = "") -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         command,
@@ -178,6 +195,7 @@ NEEDS = {
     "fmutool": Need("the FMU by fmutool -check", _toolbox),
     "cc": Need("the FMU in a host written in C, an FMU written in C", _compiler),
     "libpython": Need("the FMU in a program that is not Python", _libpython),
+    "typescript": Need("the types of the page's script", _typescript),
     "browser": Need(
         "the page",
         partial(_python, _START_A_BROWSER, "page", "chromium fonts-dejavu-core fonts-dejavu-extra"),

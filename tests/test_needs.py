@@ -72,6 +72,20 @@ def test_a_compiler_must_compile(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
         needs._compiler()
 
 
+def test_a_types_checker_must_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Neither an empty PATH nor an npx that gets no compiler is a checker of types."""
+    monkeypatch.setenv("PATH", str(tmp_path))
+    install = r"apt-get install nodejs npm$"
+    with pytest.raises(needs.LackingError, match=rf"no program node and no npx.*{install}"):
+        needs._typescript()
+    for name in ("node", "npx"):
+        broken = tmp_path / name
+        broken.write_text("#!/bin/sh\necho npm error network >&2\nexit 1\n", encoding="utf-8")
+        broken.chmod(0o755)
+    with pytest.raises(needs.LackingError, match=rf"npx: npm error network.*{install}"):
+        needs._typescript()
+
+
 def test_libpython_can_be_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
     """With its environment variable set, the shared libpython is missing for proxyfmu as well."""
     monkeypatch.setenv(needs.HIDDEN_LIBPYTHON, "1")
@@ -96,9 +110,9 @@ def test_every_importer_but_the_core_is_asked_for() -> None:
     assert [mark.args for mark in marked.marks] == [("ecospy",)]
 
 
-def test_a_bare_machine_lacks_compilers_and_browsers_alone() -> None:
+def test_a_bare_machine_lacks_compilers_browsers_and_node_alone() -> None:
     """Whatever their version and target, they are hidden, and nothing that has a similar name."""
-    hidden = ("cc", "c99", "gcc", "gcc-12", "x86_64-linux-gnu-gcc-12", "clang", "chromium")
+    hidden = ("cc", "c99", "gcc", "gcc-12", "x86_64-linux-gnu-gcc-12", "clang", "chromium", "npx")
     assert all(map(bare.PROGRAMS.fullmatch, hidden))
     assert not any(map(bare.PROGRAMS.fullmatch, ("cat", "ccache", "c_rehash", "gccgo", "cpp")))
 

@@ -193,6 +193,7 @@ def test_the_page_travels(names: set[str]) -> None:
     sources = [path for path in folder.rglob("*") if path.suffix in kinds]
     assert {path.suffix for path in sources} == set(kinds)
     assert {path.relative_to(folder.parent.parent).as_posix() for path in sources} <= names
+    assert not {name for name in names if name.endswith("tsconfig.json")}
 
 
 def test_the_data_travels(names: set[str]) -> None:

@@ -6,15 +6,15 @@
 
 from .critical import critical_lambda, critical_velocity
 from .cycle import Cycle, SimplifiedCycle, simplified, steady_cycle
-from .friction import COULOMB, Coulomb, FrictionLaw
-from .inputs import Change
-from .parameters import FloatOrArray, FrictionClampWarning, Parameters
-from .simulation import RTOL, simulate
+from .laws import COULOMB, Coulomb, FrictionLaw, OwnParameter, State, friction_law
+from .parameters import Bound, FloatOrArray, FrictionClampWarning, Parameters
+from .simulation import RTOL, Change, simulate
 from .trajectory import Event, MeasuredCycle, Trajectory
 
 __all__ = [
     "COULOMB",
     "RTOL",
+    "Bound",
     "Change",
     "Coulomb",
     "Cycle",
@@ -23,11 +23,14 @@ __all__ = [
     "FrictionClampWarning",
     "FrictionLaw",
     "MeasuredCycle",
+    "OwnParameter",
     "Parameters",
     "SimplifiedCycle",
+    "State",
     "Trajectory",
     "critical_lambda",
     "critical_velocity",
+    "friction_law",
     "simplified",
     "simulate",
     "steady_cycle",

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,8 +25,8 @@ class FrictionClampWarning(UserWarning):
     """``mu_k`` exceeds ``mu_s``; the clamped ``mu_k_used`` is taken in its place."""
 
 
-class _Bound(NamedTuple):
-    """The lower bound of a field; every field is finite besides."""
+class Bound(NamedTuple):
+    """Unit and lower bound of a parameter; every parameter is finite besides."""
 
     unit: str
     low: float = -np.inf
@@ -37,22 +39,23 @@ class _Bound(NamedTuple):
 
     @property
     def suffix(self) -> str:
+        """The unit as it follows a number, after a blank."""
         return f" {self.unit}" if self.unit else ""
 
 
 _BOUNDS = {
-    "m": _Bound("kg", 0.0, strict=True),
-    "g": _Bound("m/s2", 0.0, strict=True),
-    "k": _Bound("N/m", 0.0, strict=True),
-    "c": _Bound("N.s/m", 0.0),
-    "mu_s": _Bound("", 0.0),
-    "mu_k": _Bound("", 0.0),
-    "v": _Bound("m/s"),
-    "load": _Bound("N"),
-    "F_ext": _Bound("N"),
-    "x_start": _Bound("m"),
-    "x_dot_start": _Bound("m/s"),
-    "z_start": _Bound("m"),
+    "m": Bound("kg", 0.0, strict=True),
+    "g": Bound("m/s2", 0.0, strict=True),
+    "k": Bound("N/m", 0.0, strict=True),
+    "c": Bound("N.s/m", 0.0),
+    "mu_s": Bound("", 0.0),
+    "mu_k": Bound("", 0.0),
+    "v": Bound("m/s"),
+    "load": Bound("N"),
+    "F_ext": Bound("N"),
+    "x_start": Bound("m"),
+    "x_dot_start": Bound("m/s"),
+    "z_start": Bound("m"),
 }
 
 
@@ -85,6 +88,12 @@ class Parameters:
     x_start, x_dot_start, z_start : float or array
         Position [m] and velocity [m/s] of the mass, extension of the spring [m] at the start.
 
+    Attributes
+    ----------
+    own : mapping of str to float
+        Values of the friction law's own parameters by name, SI. Empty but for what `simulate` hands
+        to a friction law that has some.
+
     Raises
     ------
     ValueError
@@ -109,10 +118,11 @@ class Parameters:
     x_start: FloatOrArray = 0.0
     x_dot_start: FloatOrArray = 0.0
     z_start: FloatOrArray = 0.0
+    own: Mapping[str, float] = field(default_factory=dict, init=False, repr=False, hash=False)
 
     def __post_init__(self) -> None:
         for name, bound in _BOUNDS.items():
-            object.__setattr__(self, name, _checked(name, getattr(self, name), bound))
+            object.__setattr__(self, name, checked(name, getattr(self, name), bound))
         shape = _common_shape(self)
         _check_load(self.m, self.g, self.load)
         _check_rates(self.k, self.m, self.c)
@@ -122,10 +132,15 @@ class Parameters:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Parameters):
             return NotImplemented
-        return all(
-            np.array_equal(getattr(self, field.name), getattr(other, field.name))
-            for field in fields(self)
+        return self.own == other.own and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in _BOUNDS
         )
+
+    def with_own(self, own: Mapping[str, float]) -> Parameters:
+        """Return these parameters with `own` set; nothing is checked anew."""
+        result = copy(self)
+        object.__setattr__(result, "own", dict(own))
+        return result
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -176,7 +191,7 @@ def plain_number(value: Any) -> FloatOrArray:
     return float(value) if np.ndim(value) == 0 else value
 
 
-def _checked(name: str, value: object, bound: _Bound) -> FloatOrArray:
+def checked(name: str, value: object, bound: Bound) -> FloatOrArray:
     """Return the value as a float or a read-only float array, or raise a ValueError naming it."""
     try:
         array = np.asarray(value)
@@ -200,7 +215,7 @@ def _checked(name: str, value: object, bound: _Bound) -> FloatOrArray:
     return view
 
 
-def _within(array: NDArray[np.float64], bound: _Bound) -> bool:
+def _within(array: NDArray[np.float64], bound: Bound) -> bool:
     # Two reductions without a temporary; a NaN passes through both and fails the comparison.
     low, high = float(array.min()), float(array.max())
     return (low > bound.low if bound.strict or bound.low == -np.inf else low >= bound.low) and (

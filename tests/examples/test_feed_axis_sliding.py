@@ -9,12 +9,16 @@ from scipy.optimize import brentq
 
 from examples.feed_axis.axis import Axis, critically_damped
 from examples.feed_axis.document import exact_axis
+from examples.feed_axis.estimates import critical_feed
 from examples.feed_axis.monolithic import solve
 from examples.feed_axis.sliding import sliding_mode
+from examples.feed_axis.study import CREEPING, rows_of
+from stickslip_ref import critical_velocity
 
 from .running import ROOT
 
-TEXT = " ".join((ROOT / "docs/feed-axis.md").read_text(encoding="utf-8").split())
+DOCUMENT = (ROOT / "docs/feed-axis.md").read_text(encoding="utf-8")
+TEXT = " ".join(DOCUMENT.split())
 
 
 def velocity_loop(omega_v: float) -> dict[str, Any]:
@@ -85,3 +89,51 @@ def test_the_how_to_tells_these_ratios() -> None:
     assert [f"{100.0 * ratio:.1f}" for ratio in found] == ["6.6", "3.7", "1.4"]
     for words in ("is damped by 6.6 %", "leave hardly any damping, 3.7 % and 1.4 %"):
         assert words in TEXT
+
+
+def limit_by_damping(axis: Axis) -> float:
+    """Return the limit feed [m/s] of a rigid drive whose slideway damps as the table that slides.
+
+    docs/theory.md (14).
+    """
+    slideway = axis.slideway
+    ratio = sliding_mode(axis).damping
+    c = 2.0 * ratio * np.sqrt(axis.k * axis.m)
+    return float(critical_velocity(replace(slideway, c=c)))
+
+
+def test_the_damping_ratio_estimates_the_limit_as_the_how_to_tells() -> None:
+    """Within 9 % of the last jump but for a stiffer screw and position on the motor, as told."""
+    rows = rows_of(DOCUMENT, "creep")
+    off = {
+        each.name: 1e3 * limit_by_damping(each.axis) / float(rows[each.name][7]) - 1.0
+        for each in CREEPING
+    }
+    assert off.pop("stiffer, k = 100 N/µm") == pytest.approx(0.22, abs=0.01)
+    assert off.pop("position on the motor") == pytest.approx(0.18, abs=0.01)
+    assert max(map(abs, off.values())) < 0.09
+    assert f"{1e3 * limit_by_damping(Axis()):.2f}" == "1.59"
+    assert f"{1e3 * limit_by_damping(Axis(K_v=50.0)):.2f}" == "2.28"
+    for words in ("1.59 mm/s as it is, 2.28 mm/s with K_v = 50 1/s", "22 % too high", "and 18 %"):
+        assert words in TEXT
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({}, "1.55 mm/s as it is"),
+        ({"K_v": 50.0}, "2.43 mm/s with K_v = 50 1/s"),
+        (velocity_loop(600.0), "4.2 mm/s with a velocity loop of 600 1/s"),
+    ],
+)
+def test_the_slower_the_feed_rises_the_higher_the_last_jump(
+    changes: dict[str, Any], told: str
+) -> None:
+    """When the feed rises in 20 s, jumping ends within 1 % of the limit that the how-to tells."""
+    axis = replace(Axis(), **changes)
+    top, duration = 1.15 * critical_feed(axis), 20.0
+    rising = replace(axis, feed=top, acceleration=top / duration)
+    last, _ = solve(rising, duration).jumps[-1]
+    assert 1e3 * last * rising.acceleration == pytest.approx(float(told.split()[0]), rel=0.01)
+    assert told in TEXT

@@ -3,12 +3,67 @@
 from __future__ import annotations
 
 import re
+import string
 from pathlib import Path
 
 import pytest
 
 from tests.importers.running import ImporterError, ask, preload, run
-from tests.needs import needs
+from tests.needs import each, needs
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "importing.md"
+SAFE = string.ascii_letters + string.digits + "_.-~ "
+"""The characters that docs/importing.md calls safe in the name of a folder."""
+UNSAFE = sorted({*string.punctuation, "é"} - {*SAFE, "/"})
+
+
+def unpacked_in(folder: Path, importer: str, fmu_path: Path) -> object:
+    """Make the folder, and have an importer unpack and step the FMU there."""
+    folder.mkdir()
+    return ask("abilities", "begin", fmu_path, folder, argument=importer).answer
+
+
+def crashes_in(folder: Path, importer: str, fmu_path: Path) -> bool:
+    """Whether a signal ends the process of that importer."""
+    with pytest.raises(ImporterError) as caught:
+        unpacked_in(folder, importer, fmu_path)
+    return caught.value.code < 0
+
+
+@pytest.mark.parametrize("importer", each(["fmpy", "libcosimpy"]))
+def test_safe_characters_of_a_folder_are_safe(
+    importer: str, fmu_path: Path, tmp_path: Path
+) -> None:
+    """A folder whose name holds all safe characters does no harm."""
+    assert unpacked_in(tmp_path / SAFE, importer, fmu_path)
+
+
+@pytest.mark.parametrize("character", UNSAFE)
+def test_every_other_character_of_a_folder_ends_fmpy(
+    character: str, fmu_path: Path, tmp_path: Path
+) -> None:
+    """One such character in the name of the folder, and the process crashes."""
+    assert crashes_in(tmp_path / f"a{character}b", "fmpy", fmu_path)
+
+
+@needs("libcosimpy")
+@pytest.mark.parametrize("name", ["(x86)", "a+b", "a@b"])
+def test_such_a_character_ends_libcosim(name: str, fmu_path: Path, tmp_path: Path) -> None:
+    """Libcosim encodes the address as FMPy does."""
+    assert crashes_in(tmp_path / name, "libcosimpy", fmu_path)
+
+
+def test_the_document_names_what_is_safe() -> None:
+    """The characters that the document calls safe, and those it warns of, are those tried here."""
+    [_, told] = DOCUMENT.read_text(encoding="utf-8").split(
+        "\n- **Put the FMU where the path is safe.**"
+    )
+    safe, _, unsafe = told.partition("\n- ")[0].partition("Of the resource URI")
+    assert {*re.findall("`(.)`", safe), " "} == {"/", *SAFE} - {
+        *string.ascii_letters,
+        *string.digits,
+    }
+    assert {*re.findall("`(.)`", unsafe)} == {*"%#?()+,&'=@[]!$"}
 
 
 def test_fmpy_takes_a_sloping_input_at_the_beginning_of_each_step(

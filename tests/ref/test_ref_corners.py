@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 
-from stickslip_ref import Change, Parameters, simulate, steady_cycle
+from stickslip_ref import Change, FrictionLaw, Parameters, State, simulate, steady_cycle
 
 
 @pytest.mark.parametrize(("steps", "holds"), [(-16, True), (-4, True), (4, True), (16, False)])
@@ -49,7 +49,7 @@ def test_a_pull_taken_off_at_the_instant_of_break_away_moves_nothing() -> None:
 
 
 @dataclass(frozen=True)
-class _Law:
+class _Law(FrictionLaw):
     """A friction law by its two forces, which counts how often it is asked for the second."""
 
     rest: float
@@ -57,10 +57,10 @@ class _Law:
     constant_in_slip: bool = True
     calls: list[float] = field(default_factory=list)
 
-    def break_away_force(self, p: Parameters) -> float:
+    def break_away_force(self, p: Parameters, age: float = 0.0, state: State = ()) -> float:
         return self.rest
 
-    def slip_friction(self, p: Parameters, speed: float) -> float:
+    def slip_friction(self, p: Parameters, speed: float, state: State = ()) -> float:
         self.calls.append(speed)
         return self.slip
 

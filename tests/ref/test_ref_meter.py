@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 
-from stickslip_ref import Change, Parameters, Trajectory, simulate
+from stickslip_ref import Change, FrictionLaw, Parameters, State, Trajectory, simulate
 
 RICH = [
     Change(0.1, {"F_ext": 7.0}),
@@ -146,16 +144,13 @@ def test_heat_only_grows() -> None:
     assert np.all(np.diff(run.Q_friction) >= -1e-13 * run.Q_friction[-1])
 
 
-@dataclass(frozen=True)
-class _Weakening:
+class _Weakening(FrictionLaw):
     """Dry friction that falls from mu_s N to mu_k N over a sliding speed of 0.1 m/s."""
 
-    constant_in_slip: bool = False
-
-    def break_away_force(self, p: Parameters) -> float:
+    def break_away_force(self, p: Parameters, age: float = 0.0, state: State = ()) -> float:
         return float(p.F_s)
 
-    def slip_friction(self, p: Parameters, speed: float) -> float:
+    def slip_friction(self, p: Parameters, speed: float, state: State = ()) -> float:
         return float(p.N * (p.mu_k + (p.mu_s - p.mu_k) / (1.0 + speed / 0.1)))
 
 

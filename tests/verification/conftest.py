@@ -9,7 +9,7 @@ from pythonfmu.builder import FmuBuilder
 from stickslip_verification.drive.fmu.names import NameMap, load_names
 from tests.verification.foreign import building
 
-PHYSICS_CONTRACT = """\
+FOREIGN = """\
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
 
@@ -37,7 +37,7 @@ POOR = {"slider.s": "x", "spring.force": "F"}
 def foreign_fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return an FMU that is not ours: one parameter, one output."""
     folder = tmp_path_factory.mktemp("foreign")
-    (folder / "foreign.py").write_text(PHYSICS_CONTRACT, encoding="utf-8")
+    (folder / "foreign.py").write_text(FOREIGN, encoding="utf-8")
     return Path(FmuBuilder.build_FMU(folder / "foreign.py", dest=folder))
 
 

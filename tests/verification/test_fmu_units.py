@@ -28,6 +28,9 @@ PLAIN: Dimension = (0, 0, 0, 0, 0, 0, 0, 0)
         ("mm/s2", "0.001", "m/s2"),
         ("mm/s^2", "0.001", "m/s2"),
         ("m.s-2", "1", "m/s2"),
+        ("m/s²", "1", "m/s2"),
+        ("N·s/m", "1", "N.s/m"),
+        ("-", "1", "1"),
         ("kN", "1000", "N"),
         ("kN/m", "1000", "N/m"),
         ("N/mm", "1000", "N/m"),
@@ -60,7 +63,8 @@ def test_a_plain_spelling_is_understood(text: str, factor: str, si: str) -> None
 
 
 @pytest.mark.parametrize(
-    "text", ["furlong", "m/s/s", "N/m.s", "mm.", "/s", "kkg", "rad/s", "degC", "m/", "in"]
+    "text",
+    ["furlong", "m/s/s", "N/m.s", "mm.", "/s", "kkg", "rad/s", "degC", "m/", "in", "m m", "-1"],
 )
 def test_what_could_be_read_in_two_ways_is_not_understood(text: str) -> None:
     """An unknown or ambiguous spelling is no unit rather than a guess."""

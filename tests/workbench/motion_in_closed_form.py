@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.run import Run
-from stickslip_verification import Event
+from stickslip_verification import Event, Transition
 
 _REALS = ("x", "x_dot", "x_pull", "z", "F", "F_s", "delta_x", "t_stick", "t_slip", "T", "t_event")
 
@@ -80,10 +80,11 @@ class ClosedForm:
         n = 0
         while (time := self.t_first + n * self.T) <= stop_time:
             x = n * self.parameters["v"] * self.T
-            found.append(Event(time, "break-away", 1, x, self.z_break_away))
+            found.append(Event(time, Transition.BREAK_AWAY, 1, x, self.z_break_away))
             if (time := time + self.t_slip) <= stop_time:
+                z_end = self.z_break_away - 2.0 * self.Delta
                 x = (n + 1) * self.parameters["v"] * self.T
-                found.append(Event(time, "re-stick", 0, x, self.z_break_away - 2.0 * self.Delta))
+                found.append(Event(time, Transition.RE_STICK, 0, x, z_end))
             n += 1
         return tuple(found)
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from stickslip.elf import needed_libraries
 from stickslip.errors import CommandError
 from stickslip.host import ask, find_library, prepare
 from tests.needs import needs
@@ -109,6 +110,64 @@ def test_the_line_shown_does_the_same(command: Command, tmp_path: Path) -> None:
     words = shlex.split(answer.out)
     assert words[0].startswith("LD_PRELOAD=/")
     assert words[-3:] == ["cp", "/proc/self/environ", str(target)]
+
+
+def linked(folder: Path, *libraries: str) -> Path:
+    """Compile a program that shows its LD_PRELOAD, linked to libraries that it does not use."""
+    program = folder / "simulator"
+    source = (
+        "#include <stdio.h>\n#include <stdlib.h>\nint main(void)\n"
+        '{ const char *set = getenv("LD_PRELOAD"); puts(set ? set : ""); return 3; }\n'
+    )
+    command = ["cc", "-x", "c", "-o", str(program), "-", "-Wl,--no-as-needed"]
+    for library in map(Path, libraries):
+        command += [f"-L{library.parent}", f"-l:{library.name}", f"-Wl,-rpath,{library.parent}"]
+    subprocess.run(command, input=source, text=True, check=True)
+    return program
+
+
+@needs("cc", "libpython")
+def test_a_program_with_a_libpython_of_its_own_is_left_alone(tmp_path: Path) -> None:
+    """Linked to the shared libpython it is started as it is, and that is said in a line."""
+    library = find_library(ask(sys.executable))
+    program = linked(tmp_path, str(library))
+    [own] = [each for each in needed_libraries(program) if each.startswith("libpython")]
+    said = f"stickslip: {program} brings {own}: it is left alone, nothing is preloaded\n"
+    answer = started("--", str(program))
+    assert (answer.code, answer.out, answer.err) == (3, "\n", said)
+    shown = started("--show", "--", str(program))
+    assert (shown.code, shown.out, shown.err) == (0, f"{program}\n", said)
+
+
+@needs("cc", "libpython")
+def test_a_program_without_one_has_it_preloaded(tmp_path: Path) -> None:
+    """Linked to another library the same program starts with the libpython, in silence."""
+    program = linked(tmp_path)
+    assert needed_libraries(program) == ("libc.so.6",)
+    answer = started("--", str(program))
+    assert (answer.code, answer.err) == (3, "")
+    assert answer.out.startswith(str(find_library(ask(sys.executable))))
+
+
+@needs("libpython")
+def test_what_the_interpreter_itself_starts_has_the_library() -> None:
+    """The chosen interpreter, linked to its libpython or not, hands it on to its processes."""
+    program = "import subprocess; subprocess.run(['sh', '-c', 'echo $LD_PRELOAD'])"
+    answer = started("--", sys.executable, "-c", program)
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.startswith(str(find_library(ask(sys.executable))))
+
+
+def test_what_is_no_program_is_linked_to_nothing(tmp_path: Path) -> None:
+    """A script, a missing file, and a program that is cut off anywhere name no libraries."""
+    script = tmp_path / "script"
+    script.write_text("#!/bin/sh\n", encoding="utf-8")
+    assert needed_libraries(script) == needed_libraries(tmp_path / "missing") == ()
+    whole = Path(shutil.which("sh") or "").read_bytes()
+    cut = tmp_path / "cut"
+    for size in (10, 63, 64, 100, 700, 1000):
+        cut.write_bytes(whole[:size])
+        assert needed_libraries(cut) == ()
 
 
 def test_without_a_command_it_says_what_to_give(command: Command) -> None:

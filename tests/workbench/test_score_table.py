@@ -6,14 +6,14 @@ import pytest
 from rich.console import Console
 
 from stickslip.score_table import score_table
-from stickslip_score import Compared, Score
+from stickslip_score import Cause, Compared, Score
 
 SCORE = Score(
     period=Compared(0.315973, 0.315243, 0.00073, 2.4e-5),
     t_stick=Compared(0.1965, 0.1962, 0.0003, 0.0005),
     t_slip=Compared(0.1195, 0.119043, 0.000457, 0.0005),
     delta_x=Compared(0.00632, 0.00630486, 1.51e-05, 2e-10),
-    cause="fixed_step",
+    cause=Cause.FIXED_STEP,
     explanation="fixed steps: the mass rests in stick, but events wait for the next step",
     findings=("the figures come from one cycle only",),
     cycles=1,
@@ -50,6 +50,6 @@ def test_the_cause_stands_below_the_table_with_its_findings() -> None:
 
 def test_what_a_curve_does_not_show_is_a_dash() -> None:
     """A quantity without a figure keeps its row, with the exact value alone."""
-    score = Score(NOTHING, NOTHING, NOTHING, NOTHING, "other", "too few samples", (), 0)
+    score = Score(NOTHING, NOTHING, NOTHING, NOTHING, Cause.OTHER, "too few samples", (), 0)
     row = next(line for line in lines(score, 120) if "t_slip" in line)
     assert row.split() == ["slip", "t_slip", "–", "300", "ms", "–", "–"]

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip_score.evidence import Evidence
 from stickslip_score.law import Law
 from stickslip_score.phases import NO_GAP, Stick
-from stickslip_score.result import Judgement
+from stickslip_score.result import Cause, Judgement
 from stickslip_score.sliding import judge_sliding
 from stickslip_score.words import (
     force,
@@ -52,7 +52,7 @@ _CHATTER = 0.05
 def decide(e: Evidence) -> Judgement:
     """Return the most likely cause, and the sentence that says why."""
     if e.motion.mismatch:
-        return "other", e.motion.mismatch
+        return Cause.OTHER, e.motion.mismatch
     if e.lies_on("exact"):
         return _on_the_exact_law(e)
     if e.exact is None and (judged := judge_sliding(e)):
@@ -60,23 +60,23 @@ def decide(e: Evidence) -> Judgement:
     creeping = [stick for stick in e.phases.sticks if _creeps(stick)]
     loading = [stick for stick in e.phases.sticks if stick.samples > 1]
     if e.lies_on("one coefficient"):
-        return "single_coefficient", _one_coefficient(e)
+        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
     if creeping and e.motion.from_force and _is_even(creeping):
-        return "other", _another_stiffness(e, creeping)
+        return Cause.OTHER, _another_stiffness(e, creeping)
     if creeping and (creeping[0] is loading[0] or 2 * len(creeping) >= len(loading)):
         return _creeping(e, creeping)
     if not e.phases.high_samples:
         return _without_a_slip(e)
     if drifting := _another_speed(e):
-        return "other", drifting
+        return Cause.OTHER, drifting
     if e.lies_on("gap"):
         return _another_gap(e)
     if e.lies_on("gap and mass"):
         return _another_mass(e)
     if e.seen_gap < NO_GAP * e.law.D:
-        return "single_coefficient", _one_coefficient(e)
+        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
     if _chatters(e):
-        return "fixed_step", _chatter(e)
+        return Cause.FIXED_STEP, _chatter(e)
     return _unlawful(e)
 
 
@@ -93,16 +93,16 @@ def _on_the_exact_law(e: Evidence) -> Judgement:
     digits = 4.0 * e.motion.allowed + e.motion.z_allowed + e.law.v * when
     if e.motion.absolute and abs(extension - e.break_away) > digits + _SAME_FORCE * e.highest:
         seen, due = e.p["k"] * extension, e.p["k"] * e.break_away
-        return "other", (
+        return Cause.OTHER, (
             f"the motion is the exact one, but the spring force at break-away is {seen:.6g} N "
             f"instead of {due:.6g} N: another force acts, or both coefficients are shifted"
         )
     if e.exact is None:
-        return "exact", (
+        return Cause.EXACT, (
             "no steady cycle exists at these parameters, and after its break-away the curve slides "
             f"as the exact solution does, to {length(found.worst)}"
         )
-    return "exact", (
+    return Cause.EXACT, (
         f"all {e.motion.t.size} samples lie on the exact solution, to {length(found.worst)}"
     )
 
@@ -148,7 +148,7 @@ def _one_coefficient(e: Evidence) -> str:
 def _creeping(e: Evidence, creeping: list[Stick]) -> Judgement:
     creep = float(np.median([abs(stick.creep or 0.0) for stick in creeping]))
     said = f"regularised friction: the stick phase creeps at {speed(creep)}"
-    return "regularised", f"{said}; {_peak(e)}"
+    return Cause.REGULARISED, f"{said}; {_peak(e)}"
 
 
 def _peak(e: Evidence) -> str:
@@ -177,34 +177,34 @@ def _without_a_slip(e: Evidence) -> Judgement:
     resting = [stick for stick in e.phases.sticks if stick.rests]
     if not resting:
         if e.exact is None:
-            return "exact", "the mass slides steadily, and no cycle exists at these parameters"
-        return "single_coefficient", "the mass slides steadily and never comes to rest"
+            return Cause.EXACT, "the mass slides steadily, and no cycle exists at these parameters"
+        return Cause.SINGLE_COEFFICIENT, "the mass slides steadily and never comes to rest"
     rest = resting[-1]
     over = e.motion.absolute and float(np.max(e.motion.z)) > e.highest + 4.0 * e.motion.allowed
     if over and rest.end is None:
-        return "other", (
+        return Cause.OTHER, (
             f"the mass rests although the spring force reaches "
             f"{force(e.p['k'] * float(np.max(e.motion.z)))}, above the break-away force "
             f"{force(e.p['k'] * e.break_away)}"
         )
-    return "exact", "the mass rests as far as the curve goes: it shows no break-away to judge"
+    return Cause.EXACT, "the mass rests as far as the curve goes: it shows no break-away to judge"
 
 
 def _another_gap(e: Evidence) -> Judgement:
     D = e.fits["gap"].law.D
     if D < NO_GAP * e.law.D:
-        return "single_coefficient", _one_coefficient(e)
+        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
     ratio = _gap_ratio(e, D)
     step = 2.0 * (D - e.law.D) / e.law.v
     # Late by none to one step, jumps vary by up to twice what they are off on average.
     if 0.0 < step <= float(np.max(np.diff(e.motion.t))) and _HIDDEN * (e.motion.allowed) > 4.0 * (
         D - e.law.D
     ):
-        return "fixed_step", (
+        return Cause.FIXED_STEP, (
             f"fixed steps: break-aways that are late by up to {time(step)} explain the period and "
             f"the jump; the digits do not tell them from (mu_s - mu_k) N {percent(ratio)}"
         )
-    return "other", (
+    return Cause.OTHER, (
         "the curve is a clean stick-slip motion of another gap: the spring relief is that of "
         f"(mu_s - mu_k) N {percent(ratio)}"
     )
@@ -213,8 +213,8 @@ def _another_gap(e: Evidence) -> Judgement:
 def _another_mass(e: Evidence) -> Judgement:
     law = e.fits["gap and mass"].law
     if law.D < NO_GAP * e.law.D:
-        return "single_coefficient", _one_coefficient(e)
-    return "other", (
+        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+    return Cause.OTHER, (
         "the curve is a clean stick-slip motion of another oscillator: k/m is "
         f"{percent((law.w / e.law.w) ** 2)} and (mu_s - mu_k) N/k {percent(_gap_ratio(e, law.D))}"
     )
@@ -243,12 +243,12 @@ def _chatter(e: Evidence) -> str:
 def _unlawful(e: Evidence) -> Judgement:
     """Judge a curve that rests in stick, and whose slips no Coulomb friction explains."""
     if e.exact is None:
-        return "other", "no cycle exists at these parameters, yet the curve sticks and slips"
+        return Cause.OTHER, "no cycle exists at these parameters, yet the curve sticks and slips"
     if not e.measured.cycles:
         return _too_few(e)
     late = e.measured.values["period"][0] - e.exact["period"]
     if _solver_step(e) < _LEAST_STEP * e.exact["period"]:
-        return "exact", "what is left is less than any solver's step: the digits of the curve"
+        return Cause.EXACT, "what is left is less than any solver's step: the digits of the curve"
     resolution = e.measured.values["period"][1]
     step = float(np.max(np.diff(e.motion.t)))
     jumps = e.measured.jumps
@@ -258,13 +258,13 @@ def _unlawful(e: Evidence) -> Judgement:
         f"{signed_length(e.measured.values['delta_x'][0] - e.exact['delta_x'])}"
     )
     if abs(late) - resolution > _LATE_STEPS * step:
-        return "other", f"{said}: more than events at the wrong steps of the solver can do"
+        return Cause.OTHER, f"{said}: more than events at the wrong steps of the solver can do"
     alike = (
         f"slips differ by up to {length(uneven)}, where exact ones are all alike"
         if uneven > 8.0 * e.motion.allowed
         else "its slips are no arc of the exact motion"
     )
-    return "fixed_step", (
+    return Cause.FIXED_STEP, (
         f"fixed steps: the mass rests in stick, but events wait for the next step of the solver; "
         f"{said}, as steps of about {time(_solver_step(e))} make it; {alike}"
     )
@@ -299,8 +299,11 @@ def _too_few(e: Evidence) -> Judgement:
     near = e.fits.get("gap")
     swing = math.hypot(e.law.D, e.law.v / e.law.w)
     if near is not None and near.worst < 0.25 * swing:
-        return "fixed_step", (
+        return Cause.FIXED_STEP, (
             "the samples are too few to tell the events; they scatter about the exact motion by "
             f"{length(near.worst)}, as events at the steps of a solver make them"
         )
-    return "other", "the samples are too few to tell the cause; they are not on the exact solution"
+    return (
+        Cause.OTHER,
+        "the samples are too few to tell the cause; they are not on the exact solution",
+    )

@@ -3,9 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from enum import StrEnum
+from typing import Any
 
-Cause = Literal["exact", "fixed_step", "regularised", "single_coefficient", "other"]
+
+class Cause(StrEnum):
+    """What most likely made a curve what it is."""
+
+    EXACT = "exact"
+    FIXED_STEP = "fixed_step"
+    REGULARISED = "regularised"
+    SINGLE_COEFFICIENT = "single_coefficient"
+    OTHER = "other"
+
+
 Judgement = tuple[Cause, str]
 """The cause, and the sentence that says why."""
 

@@ -10,7 +10,7 @@ from stickslip_score.departure import Rest, rests_of
 from stickslip_score.evidence import Evidence
 from stickslip_score.fit import ON_THE_LAW, Fit
 from stickslip_score.phases import LOST, NO_GAP
-from stickslip_score.result import Judgement
+from stickslip_score.result import Cause, Judgement
 from stickslip_score.words import force, length, percent, speed, time
 
 _LATE_STEPS = 2.0
@@ -29,7 +29,7 @@ def judge_sliding(e: Evidence) -> Judgement | None:
         return _on_the_exact_slide(e)
     rest = rests_of(e.motion)[0]
     if e.lies_on("one coefficient"):
-        return "single_coefficient", _one_coefficient(e)
+        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
     if not e.fits:
         return _without_departure(e, rest)
     nearest = min(e.fits.values(), key=lambda fit: fit.excess)
@@ -46,11 +46,11 @@ def _on_the_exact_slide(e: Evidence) -> Judgement:
     digits = 2.0 * e.slide.spread + e.motion.z_allowed
     if e.motion.absolute and abs(e.slide.z_steady - due) > digits:
         seen = e.p["k"] * e.slide.z_steady
-        return "other", (
+        return Cause.OTHER, (
             f"the motion is exact sliding, but the spring force tends to {seen:.6g} N instead of "
             f"{e.p['k'] * due:.6g} N: another force acts, or mu_k is another"
         )
-    return "exact", (
+    return Cause.EXACT, (
         "no steady cycle exists at these parameters, and the curve slides as the exact solution "
         f"does, to {length(e.slide.worst)}"
     )
@@ -64,11 +64,11 @@ def _without_departure(e: Evidence, rest: Rest) -> Judgement | None:
     hidden = e.law.v * e.law.time_to_move(4.0 * e.motion.allowed)
     reached = float(np.max(e.motion.z))
     if e.motion.absolute and reached > e.break_away + hidden + 4.0 * e.motion.allowed:
-        return "other", (
+        return Cause.OTHER, (
             f"the mass rests although the spring force reaches {force(e.p['k'] * reached)}, above "
             f"the break-away force {force(e.p['k'] * e.break_away)}"
         )
-    return "exact", "the mass rests as far as the curve goes: it shows no break-away to judge"
+    return Cause.EXACT, "the mass rests as far as the curve goes: it shows no break-away to judge"
 
 
 def _one_coefficient(e: Evidence) -> str:
@@ -98,7 +98,7 @@ def _creep(e: Evidence, nearest: Fit) -> Judgement:
     quarter = 0.25 * (nearest.t_break - begin)
     early, late = np.interp([begin + quarter, begin + 3.0 * quarter], t, y)
     creep = float(late - early) / (2.0 * quarter)
-    return "regularised", (
+    return Cause.REGULARISED, (
         f"regularised friction: the stick phase creeps at {speed(abs(creep))}; at these parameters "
         "the exact mass slides on after its break-away"
     )
@@ -108,12 +108,15 @@ def _another_gap(e: Evidence) -> Judgement:
     D = e.fits["gap"].law.D
     due, seen = _gap(e, e.law.D), _gap(e, D)
     if seen < NO_GAP * due:
-        return "single_coefficient", _one_coefficient(e)
+        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
     late = (D - e.law.D) / e.law.v
     if 0.0 < late <= float(np.max(np.diff(e.motion.t))):
-        return "fixed_step", f"fixed steps: a break-away late by {time(late)} explains the motion"
+        return (
+            Cause.FIXED_STEP,
+            f"fixed steps: a break-away late by {time(late)} explains the motion",
+        )
     ratio = percent(seen / due if due else math.inf)
-    return "other", (
+    return Cause.OTHER, (
         "the curve breaks away and slides as the block does with another gap: "
         f"(mu_s - mu_k) N {ratio}"
     )
@@ -124,7 +127,7 @@ def _fixed_step(e: Evidence, rest: Rest, nearest: Fit) -> Judgement | None:
     in_steps = _LATE_STEPS * float(np.max(np.diff(e.motion.t))) * top_speed
     if rest.last == rest.first or nearest.worst > in_steps:
         return None
-    return "fixed_step", (
+    return Cause.FIXED_STEP, (
         f"the mass rests and breaks away, and leaves the exact slide by {length(nearest.worst)}, "
         "no more than fixed steps as long as those of the samples explain; so would a mass or "
         "damping that is a little off"

@@ -6,11 +6,15 @@ from .drive.fmu.names import load_names as load_names
 from .judge.second_values import AcceptError as AcceptError
 from .judge.second_values import accept as accept
 from .model.events import Event as Event
+from .model.events import Transition as Transition
 from .model.events import events_between as events_between
 from .model.margins import margin as margin
+from .model.units import Unit as Unit
+from .model.units import spelled as spelled
 from .model.verdict import CheckResult as CheckResult
 from .model.verdict import KillMatrix as KillMatrix
 from .model.verdict import Verdict as Verdict
+from .model.whole_file import replacing as replacing
 from .random_sets.run_all import prove as prove
 from .random_sets.tally import RandomTestResult as RandomTestResult
 from .report.earlier import EarlierReport as EarlierReport

@@ -8,6 +8,7 @@ import math
 from typing import Final, NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from stickslip.run import Floats, Run
 
@@ -59,36 +60,24 @@ def curve(run: Run) -> Curve:
     samples = run.samples
     k, v = run.parameters["k"], run.parameters["v"]
     at_events = np.array([event.time for event in run.events])
-    order = np.argsort(np.concatenate([samples["time"], at_events]), kind="stable")
-    is_event = order >= len(samples)
-    t = np.concatenate([samples["time"], at_events])[order]
-    x = np.concatenate([samples["x"], [event.x for event in run.events]])[order]
-    x_dot = np.concatenate([samples["x_dot"], np.zeros(len(run.events))])[order]
+    times = np.concatenate([samples["time"], at_events])
+    # An event at the time of a sample stands for both.
+    t, chosen = np.unique(times[::-1], return_index=True)
+    chosen = len(times) - 1 - chosen
+    is_event = chosen >= len(samples)
+    x = np.concatenate([samples["x"], [event.x for event in run.events]])[chosen]
+    x_dot = np.concatenate([samples["x_dot"], np.zeros(len(run.events))])[chosen]
 
-    h = np.diff(t)[:, None]
-    rise = np.diff(x)[:, None]
+    h = np.diff(t)
+    part = np.arange(_POINTS_PER_STEP) / _POINTS_PER_STEP
+    t_drawn = np.append((t[:-1, None] + h[:, None] * part).ravel(), t[-1])
     # From event to event a cubic is the best guess at any step; elsewhere a coarse step is drawn
     # straight.
-    smooth = (h * math.sqrt(k / run.parameters["m"]) < _LONGEST_SMOOTH_STEP) | (
-        is_event[:-1] & is_event[1:]
-    )[:, None]
-    slope_before = np.where(smooth, x_dot[:-1, None] * h, rise)
-    slope_after = np.where(smooth, x_dot[1:, None] * h, rise)
-    part = np.linspace(0.0, 1.0, _POINTS_PER_STEP, endpoint=False)[None, :]
-    # Hermite's cubic as a departure from its first value: with equal ends at rest it stays there
-    # to the last bit.
-    cubic = x[:-1, None] + part * (
-        slope_before
-        + part
-        * (
-            3.0 * rise
-            - 2.0 * slope_before
-            - slope_after
-            + part * (slope_before + slope_after - 2.0 * rise)
-        )
-    )
-    t_drawn = np.append((t[:-1, None] + h * part).ravel(), t[-1])
-    x_drawn = np.append(cubic.ravel(), x[-1])
+    smooth = h * math.sqrt(k / run.parameters["m"]) < _LONGEST_SMOOTH_STEP
+    smooth |= is_event[:-1] & is_event[1:]
+    x_drawn = np.interp(t_drawn, t, x)
+    curved = np.append(np.repeat(smooth, _POINTS_PER_STEP), False)
+    x_drawn[curved] = CubicHermiteSpline(t, x, x_dot)(t_drawn[curved])
     x_pull = float(samples["x_pull"][0]) + v * (t_drawn - float(samples["time"][0]))
     return Curve(t_drawn, x_drawn, x_pull, k * (x_pull - x_drawn))
 

@@ -19,7 +19,7 @@ from stickslip.errors import CommandError
 from stickslip.progress import deferred_interrupt
 from stickslip.run import Run, drawable_interval, fitting_interval, sample_times
 from stickslip_fmu.spec import TABLE
-from stickslip_verification import Event, drive, events_between
+from stickslip_verification import Event, Transition, drive, events_between
 
 Progress = Callable[[float, float], None]
 """Called with the time simulated and the time to simulate [s]."""
@@ -92,7 +92,8 @@ def simulate_reference(what: Experiment) -> tuple[Run, list[str]]:
         except (ValueError, RuntimeError) as error:
             raise CommandError(_one_line(error)) from error
     events = tuple(
-        Event(event.time, event.kind, event.mode, event.x, event.z) for event in trajectory.events
+        Event(event.time, Transition(event.kind), event.mode, event.x, event.z)
+        for event in trajectory.events
     )
     columns = {output.name: getattr(trajectory, output.name) for output in _outputs()}
     samples = _samples(columns, times)

@@ -2,13 +2,13 @@
 
 import os
 import stat
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Final
 
 from stickslip.errors import CommandError
+from stickslip_verification import replacing
 
 _MOST_LINKS: Final = 40
 """Links in a row that Linux follows before it takes them for a circle."""
@@ -49,23 +49,10 @@ def writing(target: Path, option: str) -> Iterator[IO[bytes]]:
             with target.open("wb") as stream:
                 yield stream
         else:
-            with _replacing(target.resolve()) as stream:
+            with replacing(target.resolve()) as stream:
                 yield stream
     except OSError as error:
         raise _cannot_write(target, option, _reason(error)) from error
-
-
-@contextmanager
-def _replacing(file: Path) -> Iterator[IO[bytes]]:
-    handle, name = tempfile.mkstemp(prefix=".stickslip-", dir=file.parent)
-    temporary = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            yield stream
-        temporary.chmod(0o666 & ~_umask())
-        temporary.replace(file)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def check_writable(target: Path, option: str) -> None:
@@ -145,10 +132,3 @@ def _cannot_write(target: Path, option: str, reason: str) -> CommandError:
 def _reason(error: OSError) -> str:
     # The text of the error itself may name the temporary file.
     return error.strerror or type(error).__name__
-
-
-def _umask() -> int:
-    # A temporary file is private; the file that the person asked for is not.
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

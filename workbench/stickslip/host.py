@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -16,6 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from stickslip.elf import needed_libraries
 from stickslip.errors import CommandError
 
 OLDEST = (3, 8)
@@ -23,6 +25,7 @@ OLDEST = (3, 8)
 
 _ELF_64_X86 = (b"\x7fELF\x02", b"\x3e\x00")
 _USUAL_FOLDERS = ("/usr/lib64", "/usr/lib", "/usr/local/lib", "/usr/local/lib64", "/lib64")
+_LIBPYTHON = re.compile(r"libpython\d[\w.]*\.so(\.|$)")
 _SECONDS = 30.0
 _ABSENT = "is not there"
 
@@ -87,10 +90,14 @@ class Launch:
         The program and its arguments.
     changes
         The environment variables to set.
+    own
+        The libpython that the command is linked to, by which nothing has to be set; "" if it has
+        none.
     """
 
     command: Sequence[str]
     changes: Mapping[str, str]
+    own: str = ""
 
     @property
     def line(self) -> str:
@@ -101,6 +108,9 @@ class Launch:
 
 def prepare(command: Sequence[str], python: str | None, environment: Mapping[str, str]) -> Launch:
     """Find out what `command` needs to be a host of the FMU.
+
+    A command that is linked to a libpython of its own is left alone: another one before it would
+    be mixed with it. The chosen interpreter itself is not, for what it starts needs the library.
 
     Parameters
     ----------
@@ -123,6 +133,9 @@ def prepare(command: Sequence[str], python: str | None, environment: Mapping[str
     if sys.platform == "win32":
         path = os.pathsep.join(filter(None, (interpreter.home[0], environment.get("PATH"))))
         return Launch(command, {"PATH": path})
+    own = own_libpython(command, interpreter, environment)
+    if own:
+        return Launch(command, {}, own)
     library = find_library(interpreter)
     preloaded = [str(library), *_others(environment.get("LD_PRELOAD", ""), str(library))]
     changes = {"LD_PRELOAD": ":".join(preloaded)}
@@ -157,6 +170,20 @@ def ask(python: str) -> Interpreter:
         Path(portrait["library"]),
         portrait["build"],
     )
+
+
+def own_libpython(
+    command: Sequence[str], interpreter: Interpreter, environment: Mapping[str, str]
+) -> str:
+    """Return the libpython that the command's program is linked to, "" if it has none of its own.
+
+    What the program's libraries are linked to is not looked at.
+    """
+    found = shutil.which(command[0], path=environment.get("PATH")) if command else None
+    if found is None or Path(found).samefile(interpreter.program):
+        return ""
+    libraries = needed_libraries(Path(found))
+    return next((each for each in libraries if _LIBPYTHON.match(each)), "")
 
 
 def find_library(interpreter: Interpreter) -> Path:

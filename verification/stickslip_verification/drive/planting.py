@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import ast
 import hashlib
-import os
 import re
-import tempfile
 import zipfile
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from stickslip_verification.model.whole_file import replacing
 from stickslip_verification.suite.faults import MASTER, Mutant, MutantError, bindings
 
 DESCRIPTION = "modelDescription.xml"
@@ -231,23 +230,15 @@ def _renamed(entries: Mapping[str, bytes], old: str, new: str) -> dict[str, byte
 
 def _write(entries: Mapping[str, bytes], target: Path) -> None:
     """Write an archive whose bytes depend on its entries alone, or nothing at all."""
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=".", suffix=".part")
-    part = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
-            for entry in _in_order(entries):
-                info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
-                info.compress_type = zipfile.ZIP_DEFLATED
-                info.external_attr = 0o644 << 16
-                # Unix, as the permissions above are meant.
-                info.create_system = 3
-                # A mutant is made, run and thrown away, so speed counts and size does not.
-                archive.writestr(info, entries[entry], compresslevel=1)
-        part.chmod(0o644)
-        part.replace(target)
-    except BaseException:
-        part.unlink()
-        raise
+    with replacing(target) as stream, zipfile.ZipFile(stream, "w") as archive:
+        for entry in _in_order(entries):
+            info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.external_attr = 0o644 << 16
+            # Unix, as the permissions above are meant.
+            info.create_system = 3
+            # A mutant is made, run and thrown away, so speed counts and size does not.
+            archive.writestr(info, entries[entry], compresslevel=1)
 
 
 def _in_order(names: Iterable[str]) -> list[str]:

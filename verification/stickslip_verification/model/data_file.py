@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import re
 import tomllib
-from collections.abc import Sequence
-from functools import cache
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,9 +42,11 @@ def read_toml(file: Path, error: type[DataError]) -> dict[str, Any]:
         raise error(file, where, reason) from None
 
 
-def objection(data: Any, schema: Path) -> tuple[Sequence[str | int], str] | None:
+def objection(data: Any, schema: Mapping[str, Any]) -> tuple[Sequence[str | int], str] | None:
     """Give the path and the reason of what in `data` offends a schema most, or None."""
-    fault = jsonschema.exceptions.best_match(_validator(schema).iter_errors(data))
+    fault = jsonschema.exceptions.best_match(
+        jsonschema.Draft202012Validator(schema).iter_errors(data)
+    )
     return None if fault is None else (list(fault.absolute_path), fault.message)
 
 
@@ -81,8 +81,3 @@ def field(path: Sequence[str | int]) -> str:
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
     return text
-
-
-@cache
-def _validator(schema: Path) -> Any:
-    return jsonschema.Draft202012Validator(json.loads(schema.read_text(encoding="utf-8")))

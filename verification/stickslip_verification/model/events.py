@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-Kind: TypeAlias = Literal["break-away", "re-stick", "reversal"]
+
+class Transition(StrEnum):
+    """The kinds of transition: stick to slip, slip to stick, slip to slip the other way."""
+
+    BREAK_AWAY = "break-away"
+    RE_STICK = "re-stick"
+    REVERSAL = "reversal"
 
 
 @dataclass(frozen=True)
@@ -20,7 +26,7 @@ class Event:
     time
         When it happened [s].
     kind
-        ``"break-away"`` (stick to slip), ``"re-stick"`` or ``"reversal"`` (slip to slip).
+        Stick to slip, slip to stick, or slip to slip the other way.
     mode
         The mode from then on: -1 slips backward, 0 sticks, +1 slips forward.
     x
@@ -30,7 +36,7 @@ class Event:
     """
 
     time: float
-    kind: Kind
+    kind: Transition
     mode: int
     x: float
     z: float
@@ -59,12 +65,14 @@ def events_between(samples: NDArray[np.void], v: float) -> tuple[tuple[Event, ..
     """
     first = samples[0]
     # What an unseen or an unfinished slip began from: the first sample.
-    origin = Event(float(first["time"]), "break-away", int(first["mode"]), float(first["x"]), 0.0)
+    origin = Event(
+        float(first["time"]), Transition.BREAK_AWAY, int(first["mode"]), float(first["x"]), 0.0
+    )
     previous: Event | None = origin
     events: list[Event] = []
     hidden = 0
     if first["mode"] != 0 and first["x_dot"] == 0.0:
-        previous = _event(first, origin.time, "break-away", origin.x, v)
+        previous = _event(first, origin.time, Transition.BREAK_AWAY, origin.x, v)
         events.append(previous)
     changed = np.flatnonzero(
         (np.diff(samples["t_event"]) != 0.0) | (np.diff(samples["n_slips"]) != 0)
@@ -86,17 +94,17 @@ def _events_in(before: np.void, after: np.void, previous: Event | None, v: float
     slips = int(after["n_slips"]) - int(before["n_slips"])
     was_slipping, slips_now = before["mode"] != 0, after["mode"] != 0
     if slips == 0 and not was_slipping and slips_now:
-        return [_event(after, time, "break-away", float(before["x"]), v)]
+        return [_event(after, time, Transition.BREAK_AWAY, float(before["x"]), v)]
     if slips != 1:
         return []
     if was_slipping and not slips_now:
-        return [_event(after, time, "re-stick", float(after["x"]), v, mode=0)]
+        return [_event(after, time, Transition.RE_STICK, float(after["x"]), v, mode=0)]
     if not was_slipping and not slips_now:
         broke_away = time - float(after["t_slip"])
         mode = 1 if after["delta_x"] > 0 else -1
         return [
-            _event(after, broke_away, "break-away", float(before["x"]), v, mode=mode),
-            _event(after, time, "re-stick", float(after["x"]), v, mode=0),
+            _event(after, broke_away, Transition.BREAK_AWAY, float(before["x"]), v, mode=mode),
+            _event(after, time, Transition.RE_STICK, float(after["x"]), v, mode=0),
         ]
     if was_slipping and slips_now and previous is not None:
         x = previous.x + float(after["delta_x"])
@@ -106,16 +114,16 @@ def _events_in(before: np.void, after: np.void, previous: Event | None, v: float
         # that ended just now it was none.
         reversed_at_once = abs(after_slip) <= abs(after_slip - t_stick)
         if after["mode"] == -before["mode"] and reversed_at_once:
-            return [_event(after, time, "reversal", x, v)]
+            return [_event(after, time, Transition.REVERSAL, x, v)]
         return [
-            _event(after, time - t_stick, "re-stick", x, v, mode=0),
-            _event(after, time, "break-away", x, v),
+            _event(after, time - t_stick, Transition.RE_STICK, x, v, mode=0),
+            _event(after, time, Transition.BREAK_AWAY, x, v),
         ]
     return []
 
 
 def _event(
-    sample: np.void, time: float, kind: Kind, x: float, v: float, mode: int | None = None
+    sample: np.void, time: float, kind: Transition, x: float, v: float, mode: int | None = None
 ) -> Event:
     x_pull = float(sample["x_pull"]) - v * (float(sample["time"]) - time)
     return Event(time, kind, int(sample["mode"]) if mode is None else mode, x, x_pull - x)

@@ -34,7 +34,9 @@ class Quantity:
         From the columns of those outputs and the values at the start of the case to samples of
         the quantity.
     discrete
-        True where only equality makes sense (an integer or a Boolean).
+        Whether only equality makes sense (an integer or a Boolean).
+    directed
+        Whether it changes its sign in the mirror image of a run.
     """
 
     name: str
@@ -44,33 +46,41 @@ class Quantity:
     needs: tuple[str, ...]
     compute: Callable[[Columns, Parameters], Series]
     discrete: bool = False
+    directed: bool = False
 
 
-def _output(
-    name: str, unit: str, equation: int, meaning: str, *, discrete: bool = False
-) -> Quantity:
+def _output(name: str, unit: str, equation: int, meaning: str, **traits: bool) -> Quantity:
     return Quantity(
-        name, unit, equation, meaning, (name,), lambda columns, _: columns[name], discrete
+        name, unit, equation, meaning, (name,), lambda columns, _: columns[name], **traits
     )
 
 
 OUTPUTS: tuple[Quantity, ...] = (
-    _output("x", "m", 3, "position of the mass"),
-    _output("x_dot", "m/s", 3, "velocity of the mass"),
-    _output("x_pull", "m", 1, "position of the pulled end"),
-    _output("z", "m", 3, "spring extension"),
-    _output("F", "N", 1, "spring force"),
-    _output("F_friction", "N", 1, "friction and damping force on the mass"),
+    _output("x", "m", 3, "position of the mass", directed=True),
+    _output("x_dot", "m/s", 3, "velocity of the mass", directed=True),
+    _output("x_pull", "m", 1, "position of the pulled end", directed=True),
+    _output("z", "m", 3, "spring extension", directed=True),
+    _output("F", "N", 1, "spring force", directed=True),
+    _output("F_friction", "N", 1, "friction and damping force on the mass", directed=True),
     _output("F_s", "N", 6, "break-away force"),
     _output("sticking", "1", 4, "whether the mass sticks", discrete=True),
-    _output("mode", "1", 4, "-1 slips backward, 0 sticks, +1 slips forward", discrete=True),
-    _output("delta_x", "m", 16, "displacement in the last completed slip"),
-    _output("spring_drop", "m", 16, "relief of the spring over the last completed slip"),
+    _output(
+        "mode",
+        "1",
+        4,
+        "-1 slips backward, 0 sticks, +1 slips forward",
+        discrete=True,
+        directed=True,
+    ),
+    _output("delta_x", "m", 16, "displacement in the last completed slip", directed=True),
+    _output(
+        "spring_drop", "m", 16, "relief of the spring over the last completed slip", directed=True
+    ),
     _output("t_stick", "s", 16, "length of the last completed stick"),
     _output("t_slip", "s", 16, "length of the last completed slip"),
     _output("T", "s", 16, "time between the last two break-aways"),
     _output("f", "Hz", 16, "reciprocal of T"),
-    _output("x_dot_peak", "m/s", 16, "extreme velocity of the last completed slip"),
+    _output("x_dot_peak", "m/s", 16, "extreme velocity of the last completed slip", directed=True),
     _output("n_slips", "1", 16, "number of completed slips", discrete=True),
     _output("t_event", "s", 5, "time of the last transition"),
     _output("W_pull", "J", 15, "work done by the pulling end"),

@@ -5,16 +5,24 @@ Every factor is a power of two or a sign, so it changes no digit of a double.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-LENGTHS = ("x", "x_pull", "z", "delta_x", "spring_drop")
-SPEEDS = ("x_dot", "x_dot_peak")
-FORCES = ("F", "F_friction", "F_s")
-TIMES = ("t_stick", "t_slip", "T", "t_event")
-ENERGIES = ("W_pull", "W_k", "Q_friction")
-DIRECTED = ("x", "x_dot", "x_pull", "z", "F", "F_friction", "mode", "delta_x", "spring_drop")
-DIRECTED_VALUES = ("v", "F_ext", "x_start", "x_dot_start", "z_start")
+from stickslip_verification.model.quantities import OUTPUTS, Quantity
+from stickslip_verification.model.units import spelled
+from stickslip_verification.truth.parameters import PARAMETERS, Parameter
+
+
+def outputs_in(unit: str) -> tuple[str, ...]:
+    """Return the names of the outputs in this unit that are not discrete."""
+    return tuple(each.name for each in OUTPUTS if each.unit == unit and not each.discrete)
+
+
+LENGTHS = outputs_in("m")
+SPEEDS = outputs_in("m/s")
+FORCES = outputs_in("N")
+TIMES = outputs_in("s")
+ENERGIES = outputs_in("J")
 
 
 @dataclass(frozen=True)
@@ -31,26 +39,31 @@ class Symmetry:
     outputs: Mapping[str, float]
 
     def scaled(self, setting: Mapping[str, float]) -> dict[str, float]:
-        """Give `setting` with its factors."""
+        """Return `setting` with its factors."""
         return {name: value * self.values.get(name, 1.0) for name, value in setting.items()}
 
 
-def _factors(*groups: tuple[Iterable[str], float]) -> dict[str, float]:
-    return {name: factor for names, factor in groups for name in names}
+def _scaling(name: str, mass: float = 1.0, time: float = 1.0) -> Symmetry:
+    """Return the change of the units of mass and time by these factors."""
+
+    def factor(of: Parameter | Quantity) -> float:
+        unit = spelled(of.unit)
+        assert unit is not None
+        return float(mass ** unit.dimension[0] * time ** unit.dimension[2])
+
+    return Symmetry(
+        name,
+        {each.name: factor(each) for each in PARAMETERS if factor(each) != 1.0},
+        time,
+        {each.name: factor(each) for each in OUTPUTS if factor(each) != 1.0},
+    )
 
 
 MIRROR = Symmetry(
-    "mirror", _factors((DIRECTED_VALUES, -1.0)), 1.0, _factors(((*DIRECTED, "x_dot_peak"), -1.0))
-)
-HEAVIER = Symmetry(
-    "m, k, c, load, F_ext times 4",
-    _factors((("m", "k", "c", "load", "F_ext"), 4.0)),
+    "mirror",
+    {each.name: -1.0 for each in PARAMETERS if each.directed},
     1.0,
-    _factors(((*FORCES, *ENERGIES), 4.0)),
+    {each.name: -1.0 for each in OUTPUTS if each.directed},
 )
-QUICKER = Symmetry(
-    "k, g, load, F_ext times 4, v, c, x_dot_start times 2, time halved",
-    _factors((("k", "g", "load", "F_ext"), 4.0), (("v", "c", "x_dot_start"), 2.0)),
-    0.5,
-    _factors(((*FORCES, *ENERGIES), 4.0), ((*SPEEDS, "f"), 2.0), (TIMES, 0.5)),
-)
+HEAVIER = _scaling("m, k, c, load, F_ext times 4", mass=4.0)
+QUICKER = _scaling("k, g, load, F_ext times 4, v, c, x_dot_start times 2, time halved", time=0.5)

@@ -1,4 +1,4 @@
-"""Units: what a foreign unit is in SI, from the FMU's own definitions or from its spelling.
+"""Units in SI: from their spelling, or from the definitions in an FMU.
 
 All factors are kept as the decimals that were written, so that 1 mm is a thousandth of a metre and
 not 0.001 as a double: a value then suffers one rounding on its way to SI and one on its way back.
@@ -68,7 +68,6 @@ _COHERENT: Mapping[str, tuple[Fraction, Dimension]] = {
 
 _ALONE: Mapping[str, tuple[Fraction, Dimension]] = {
     "1": (Fraction(1), _NONE),
-    "-": (Fraction(1), _NONE),
     "%": (Fraction(1, 100), _NONE),
     "min": (Fraction(60), _TIME),
     "h": (Fraction(3600), _TIME),
@@ -77,6 +76,7 @@ _ALONE: Mapping[str, tuple[Fraction, Dimension]] = {
 """Units that take no prefix."""
 
 _PREFIXES: Mapping[str, Fraction] = {
+    "p": Fraction(1, 10**12),
     "n": Fraction(1, 10**9),
     "u": Fraction(1, 10**6),
     "\u00b5": Fraction(1, 10**6),
@@ -89,21 +89,36 @@ _PREFIXES: Mapping[str, Fraction] = {
     "G": Fraction(10**9),
 }
 
-_FACTOR = re.compile(r"(?P<symbol>1|-|%|[^\W\d_]+)(?:(?:\^|\*\*)?(?P<power>[+-]?\d+))?")
+_FACTOR = re.compile(
+    r"(?P<symbol>1|%|[^\W\d_²³]+)(?:(?:\^|\*\*)?(?P<power>[+-]?\d{1,2})|(?P<raised>[²³]))?"
+)
+_RAISED: Mapping[str, int] = {"²": 2, "³": 3}
+_BLANKS = re.compile(r"\s*([./*·])\s*")
+_PRODUCT = re.compile(r"[.·]|(?<!\*)\*(?!\*)")
 
 
-def spelled(text: str) -> Unit | None:
+def spelled(text: str, *, all_below: bool = False) -> Unit | None:
     """Read a unit from its spelling, such as mm, N.s/m or m/s2; None if it is not understood.
 
-    Factors are joined by ``.``, ``*`` or ``/``, a prefix stands before m, g, s, N, J, W or Hz, and
-    only one factor may follow the ``/``, because more than one is read differently by different
-    people. An empty text is a pure number.
+    Factors are joined by ``.``, ``·``, ``*`` or ``/``, and a prefix stands before m, g, s, N, J, W
+    or Hz. An empty text and ``-`` are pure numbers.
+
+    Parameters
+    ----------
+    text
+        The spelling.
+    all_below
+        Whether several factors may follow the first ``/``, all of them below it: N/m.s is N/(m.s).
+        Else such a text is not understood, for people read it differently.
     """
-    above, slash, below = re.sub(r"\s+", "", text).partition("/")
+    if text.strip() == "-":
+        return Unit(Fraction(1), Fraction(0), _NONE)
+    above, slash, below = _BLANKS.sub(r"\1", text.strip()).partition("/")
     factor, dimension = Fraction(1), _NONE
-    parts = [(part, 1) for part in re.split(r"\.|(?<!\*)\*(?!\*)", above)] if above else []
+    parts = [(part, 1) for part in _PRODUCT.split(above)] if above else []
     if slash:
-        parts.append((below, -1))
+        lower = _PRODUCT.split(below.replace("/", ".")) if all_below else [below]
+        parts += [(part, -1) for part in lower]
         if not above:
             return None
     for part, side in parts:
@@ -120,7 +135,7 @@ def _factor(text: str) -> tuple[Fraction, Dimension, int] | None:
     match = _FACTOR.fullmatch(text)
     if match is None:
         return None
-    symbol, power = match["symbol"], int(match["power"] or 1)
+    symbol, power = match["symbol"], int(match["power"] or _RAISED.get(match["raised"], 1))
     if symbol in _ALONE:
         return *_ALONE[symbol], power
     if symbol in _COHERENT:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from stickslip_verification.model.run import Series
 from stickslip_verification.model.verdict import Motion
@@ -79,10 +80,14 @@ def curve(motion: Motion) -> Curve:
     for left, right in itertools.pairwise(nodes):
         if right.k != left.k:
             rows.append((left.t, left.x, left.x_pull, right.k))
-        pieces = max(2, round(PIECES * (right.t - left.t) / span)) if left.slips else 1
-        for s in np.arange(1, pieces) / pieces:
+        # Two events may be at one time: there is no slip between them.
+        if left.slips and right.t > left.t:
+            pieces = max(2, round(PIECES * (right.t - left.t) / span))
+            s = np.arange(1, pieces) / pieces
+            inside = left.t + s * (right.t - left.t)
             moved = left.x_pull + s * (right.x_pull - left.x_pull)
-            rows.append((left.t + s * (right.t - left.t), _cubic(left, right, s), moved, right.k))
+            cubic = _cubic([left, right])(inside)
+            rows += zip(inside, cubic, moved, itertools.repeat(right.k), strict=False)
         rows.append((right.t, right.x, right.x_pull, right.k))
     t, x, x_pull, k = np.array(rows).T
     return Curve(t, x, x_pull, k * (x_pull - x), joined=True)
@@ -156,15 +161,10 @@ def _turning_point(
     return 0.5 * (_ahead(left, time) + x_next - 0.5 * x_dot_next * (t_next - time))
 
 
-def _cubic(left: _Node, right: _Node, s: float) -> float:
-    """Give the cubic with the positions and velocities of two nodes, at the share s between."""
-    h = right.t - left.t
-    away = 1.0 - s
-    return (
-        left.x * (1.0 + 2.0 * s) * away**2
-        + right.x * s**2 * (3.0 - 2.0 * s)
-        + h * s * away * (left.x_dot * away - right.x_dot * s)
-    )
+def _cubic(nodes: Sequence[_Node]) -> CubicHermiteSpline:
+    """Give the cubics with the positions and velocities of nodes, as a function of time [s]."""
+    t, x, x_dot = np.array([(node.t, node.x, node.x_dot) for node in nodes]).T
+    return CubicHermiteSpline(t, x, x_dot)
 
 
 def _faithful(nodes: list[_Node]) -> bool:
@@ -180,7 +180,7 @@ def _faithful(nodes: list[_Node]) -> bool:
         gaps = middle.t - first.t, last.t - middle.t
         inner = first.slips and middle.slips and middle.x_dot != 0.0
         if inner and 0.0 < max(gaps) < UNEVEN * min(gaps):
-            missed = abs(_cubic(first, last, gaps[0] / sum(gaps)) - middle.x)
+            missed = abs(_cubic([first, last])(middle.t) - middle.x)
             if missed * max(gaps) ** 4 > 16.0 * (gaps[0] * gaps[1]) ** 2 * seen:
                 return False
     # A slip without a sample inside shows where it ends, not how it goes.

@@ -1,6 +1,6 @@
 """Verification cases: data files, read, checked and turned into frozen objects.
 
-A case is one TOML file under `case.schema.json`. Everything that can be wrong with it is told
+A case is one TOML file under `schemas.CASE`. Everything that can be wrong with it is told
 with the file, the field and the reason before anything runs. Tolerances come from the rules in
 `tolerances`, but for those that a file states.
 """
@@ -19,6 +19,7 @@ from stickslip_verification.model.data_file import objection, read_toml, where_i
 from stickslip_verification.model.formulas import CYCLE, FORMULAS
 from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.model.verdict import Kind, Klass, Measure
+from stickslip_verification.suite import schemas
 from stickslip_verification.suite.experiment import (
     CaseError,
     CommunicationStep,
@@ -30,7 +31,6 @@ from stickslip_verification.truth.parameters import complete
 
 HERE = Path(__file__).parent
 CASES_FOLDER = HERE / "cases"
-SCHEMA = HERE / "case.schema.json"
 SIDES = ("fmu", "reference")
 
 
@@ -169,7 +169,7 @@ def follow(parameters: Mapping[str, float], steps: Iterable[CommunicationStep]) 
 
 
 def _validate(file: Path, data: Mapping[str, Any]) -> None:
-    found = objection(data, SCHEMA)
+    found = objection(data, schemas.CASE)
     if found is not None:
         raise CaseError(file, where_is(file, found[0]), found[1])
     for path, number in _numbers(data, ()):

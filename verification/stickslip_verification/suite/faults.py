@@ -1,6 +1,6 @@
 """Descriptions of planted faults: data files, read, checked and turned into frozen objects.
 
-A fault is one TOML file under `fault.schema.json`: what it replaces, in the packed source of the
+A fault is one TOML file under `schemas.FAULT`: what it replaces, in the packed source of the
 FMU or in the calls that the suite makes to it, and which checks must detect it. Adding a fault is
 adding a file.
 """
@@ -22,10 +22,10 @@ from stickslip_verification.model.data_file import (
     read_toml,
     where_is,
 )
+from stickslip_verification.suite import schemas
 
 HERE = Path(__file__).parent
 FAULTS_FOLDER = HERE / "faults"
-SCHEMA = HERE / "fault.schema.json"
 KILLS_NOTHING = HERE / "kills_nothing.toml"
 
 Hook = tuple[str, str]
@@ -159,7 +159,7 @@ def load_mutants(pattern: str | None = None, folder: Path | None = None) -> list
 def load_mutant(file: Path) -> Mutant:
     """Read one description; `MutantError` names what is wrong with it and where."""
     data = read_toml(file, MutantError)
-    found = objection(data, SCHEMA)
+    found = objection(data, schemas.FAULT)
     if found is not None:
         raise MutantError(file, where_is(file, found[0]), found[1])
     if data["id"] != file.stem:

@@ -10,10 +10,10 @@ from typing import Any
 
 from stickslip_verification.model.data_file import DataError, objection, read_toml
 from stickslip_verification.model.verdict import Kind, Klass
+from stickslip_verification.suite import schemas
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "invariants"
-SCHEMA = HERE / "invariant.schema.json"
 
 
 class InvariantError(DataError):
@@ -178,7 +178,7 @@ def load_invariants(folder: Path = FOLDER) -> Invariants:
 
 def _read(file: Path) -> Iterator[tuple[str, Invariant]]:
     data = read_toml(file, InvariantError)
-    found = objection(data, SCHEMA)
+    found = objection(data, schemas.INVARIANTS)
     if found is not None:
         raise InvariantError(file, _place(found[0], data), found[1])
     for family, entries in data.items():

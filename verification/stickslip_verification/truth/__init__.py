@@ -1,22 +1,46 @@
 """The truth: the exact solution of the model in high precision, for the very numbers given.
 
-Written from docs/theory.md alone. It knows neither the block nor the reference, so it can
-contradict both. `run` follows any sequence of steps and changes, `steady_cycle` gives the cycle in
-closed form (damped: with one root), `critical_lambda` the edge of its existence.
+It is written from docs/theory.md alone, and imports mpmath and nothing else of ours or of others.
+`run` follows any sequence of steps and changes under any friction law. `steady_cycle` gives
+Coulomb's cycle in closed form (damped: with one root), `critical_lambda` the edge of its existence.
 """
 
+from stickslip_verification.truth.coulomb import COULOMB, Coulomb
 from stickslip_verification.truth.course import Run, Step, run
 from stickslip_verification.truth.cycle import critical_lambda, steady_cycle
+from stickslip_verification.truth.law import FrictionLaw, Slip, friction_law
 from stickslip_verification.truth.motion import Event
-from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
+from stickslip_verification.truth.parameters import (
+    CHANGEABLE,
+    PARAMETERS,
+    START_VALUES,
+    Kind,
+    Number,
+    Numbers,
+    Parameter,
+    complete,
+)
+from stickslip_verification.truth.series import Series
 
 __all__ = [
     "CHANGEABLE",
+    "COULOMB",
+    "PARAMETERS",
     "START_VALUES",
+    "Coulomb",
     "Event",
+    "FrictionLaw",
+    "Kind",
+    "Number",
+    "Numbers",
+    "Parameter",
     "Run",
+    "Series",
+    "Slip",
     "Step",
+    "complete",
     "critical_lambda",
+    "friction_law",
     "run",
     "steady_cycle",
 ]

@@ -1,4 +1,4 @@
-"""A run of the block, exactly: steps and changes in, every output out."""
+"""An exact run of the block: steps and changes in, every output out."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+from stickslip_verification.truth.coulomb import COULOMB
+from stickslip_verification.truth.law import FrictionLaw, friction_law
 from stickslip_verification.truth.motion import Event, Motion
 from stickslip_verification.truth.parameters import (
     CHANGEABLE,
     Number,
+    changeable,
     complete,
     high_precision,
 )
@@ -52,8 +55,8 @@ class Run:
         |x_dot| / (|v| + |x_dot - v|) at each least speed of a slip that was stopped at, or passed
         by, left out where structure decides (undamped from rest with nothing changed on the
         way, undamped or under-damped against the pull). With over-damping and v = 0 the second
-        is instead the share of the slow part in the start of the slip. Times of events near the
-        ends of steps are not in it.
+        is instead the share of the slow part in the start of the slip. A marched slip measures its
+        end as `March.decision` says. Times of events near the ends of steps are not in it.
     """
 
     initial: Mapping[str, Number]
@@ -69,33 +72,38 @@ def run(
     *,
     digits: int = 50,
     start_time: float = 0.0,
+    law: FrictionLaw | str = COULOMB,
 ) -> Run:
     """Return the exact course of the block through `steps`, docs/theory.md (1) to (6), (15), (16).
 
     Parameters
     ----------
     parameters
-        m g k c mu_s mu_k v load F_ext x_start x_dot_start z_start, SI; what is missing takes its
-        start value. Doubles, taken as the exact binary numbers they are.
+        m g k c mu_s mu_k v load F_ext x_start x_dot_start z_start and the friction law's own, SI;
+        what is missing takes its start value. Doubles, taken as the exact binary numbers they are.
     steps
         Communication steps; each gives one sample.
     digits
         Decimal digits that the results carry.
     start_time
         Time of the start [s].
+    law
+        The friction law, or its dotted name ``"module:NAME"`` as `friction_law` takes it.
 
     Raises
     ------
     ValueError
         Naming the parameter, its value and its range: unknown name; NaN or infinity; m, g or k
         not positive; c, mu_s or mu_k negative; load below -m g; h not positive; a change of what
-        is fixed.
+        is fixed. Also if the friction law is not found, or the mass slips faster than it holds.
     """
     context = high_precision(digits)
-    values = complete(parameters)
+    law = friction_law(law) if isinstance(law, str) else law
+    values = complete(parameters, law.parameters)
+    may_change = CHANGEABLE | changeable(law.parameters)
     if not math.isfinite(start_time):
         raise ValueError(f"start_time = {start_time} is not a finite number")
-    motion = Motion(context, values, start_time)
+    motion = Motion(context, values, start_time, law)
     initial = motion.outputs()
     samples: list[Mapping[str, Number]] = []
     times: list[Number] = []
@@ -103,12 +111,12 @@ def run(
         if not (math.isfinite(step.h) and step.h > 0.0):
             raise ValueError(f"h = {step.h} is outside h > 0")
         if step.changes:
-            fixed = sorted(set(step.changes) - CHANGEABLE)
+            fixed = sorted(set(step.changes) - may_change)
             if fixed:
                 raise ValueError(
-                    f"{', '.join(fixed)} cannot change in a run; {sorted(CHANGEABLE)} can"
+                    f"{', '.join(fixed)} cannot change in a run; {sorted(may_change)} can"
                 )
-            values = complete({**values, **step.changes})
+            values = complete({**values, **step.changes}, law.parameters)
             motion.change({name: values[name] for name in step.changes})
         motion.advance(step.h)
         samples.append(motion.outputs())

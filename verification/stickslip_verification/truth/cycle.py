@@ -1,9 +1,10 @@
-"""The steady cycle and the edge of its existence, in high precision. docs/theory.md (7) to (14)."""
+"""Coulomb's steady cycle and the edge of its existence. docs/theory.md (7) to (14)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+from stickslip_verification.truth.coulomb import Slip
 from stickslip_verification.truth.parameters import (
     Context,
     Number,
@@ -13,7 +14,6 @@ from stickslip_verification.truth.parameters import (
     root_tolerance,
     sign,
 )
-from stickslip_verification.truth.slip import Slip
 
 
 def steady_cycle(parameters: Mapping[str, float], *, digits: int = 50) -> dict[str, Number] | None:

@@ -1,4 +1,4 @@
-"""What the cycle meter shows, from the marks of break-away and end of slip. docs/theory.md (16).
+"""The cycle meter: its readings from the times of break-away and end of slip. docs/theory.md (16).
 
 In high precision a length of time may be the difference of two times.
 """
@@ -9,7 +9,11 @@ from stickslip_verification.truth.parameters import Context, Number
 
 
 class Meter:
-    """The cycle meter of one run; `readings` are its outputs by name, SI, 0 until first written."""
+    """The cycle meter of one run.
+
+    `readings` are its outputs by name, SI, 0 until first written; `stick_start` [s] is when the
+    last stick began.
+    """
 
     def __init__(self, context: Context, start_time: Number) -> None:
         zero = context.zero
@@ -25,7 +29,7 @@ class Meter:
             "t_event": start_time,
         }
         self._zero = zero
-        self._stick_start = start_time
+        self.stick_start = start_time
         self._last_break_away: Number | None = None
         self._slip_start: tuple[Number, Number, Number] | None = None
         self._direction = 0
@@ -39,7 +43,7 @@ class Meter:
 
     def break_away(self, time: Number) -> None:
         """Write what a break-away at `time` [s] shows."""
-        self.readings["t_stick"] = time - self._stick_start
+        self.readings["t_stick"] = time - self.stick_start
         if self._last_break_away is not None:
             T = time - self._last_break_away
             self.readings["T"] = T
@@ -65,4 +69,4 @@ class Meter:
 
     def begin_stick(self, time: Number) -> None:
         """Mark where a stick begins: time [s]."""
-        self._stick_start = time
+        self.stick_start = time

@@ -1,10 +1,10 @@
-"""The mass from event to event, exactly: which arc follows which, and when.
+"""The motion of the mass from event to event, exactly: the order of its arcs, and their ends.
 
 docs/theory.md (1), (4).
 
-Every choice that hangs on two numbers being equal is made on a difference that is exactly zero
-when they are (the gap between the frictions, the square under the root of a grazing stop), never
-on the sign of a rounded result.
+Where a decision depends on the equality of two numbers, it is taken on a difference that is exactly
+zero when they are equal (the gap between the frictions, the square under the root of a grazing
+stop), never on the sign of a rounded result.
 """
 
 from __future__ import annotations
@@ -12,9 +12,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from stickslip_verification.truth.law import FrictionLaw, Slip
 from stickslip_verification.truth.meter import Meter
 from stickslip_verification.truth.parameters import Context, Number, exact, sign
-from stickslip_verification.truth.slip import Slip
+from stickslip_verification.truth.series import Series
+from stickslip_verification.truth.zeros import bracketed_zero
 
 
 @dataclass(frozen=True)
@@ -37,11 +39,13 @@ class Stick:
     """A stick with all inputs and parameters constant.
 
     wait [s]: time from here to break-away, None if there is none; overload [N]: by how much the
-    force exceeds F_s at that break-away, above 0 only within the rest test's rounding slack.
+    force exceeds F_s at that break-away, above 0 only within the rest test's rounding slack;
+    way [N]: what the force lacks to break-away here, below 0 only within that slack.
     """
 
     wait: Number | None
     overload: Number
+    way: Number
 
 
 class Motion:
@@ -52,13 +56,22 @@ class Motion:
     context
         High-precision context.
     values
-        All twelve parameters as doubles.
+        All parameters as doubles.
     start_time
         Time of the start [s].
+    law
+        The friction law.
     """
 
-    def __init__(self, context: Context, values: Mapping[str, float], start_time: float) -> None:
+    def __init__(
+        self,
+        context: Context,
+        values: Mapping[str, float],
+        start_time: float,
+        law: FrictionLaw,
+    ) -> None:
         self._context = context
+        self._law = law
         self._values = dict(values)
         self._n = exact(context, self._values)
         # Rest test, docs/theory.md (4): beyond F_s by more than this part of the forces is larger.
@@ -78,8 +91,12 @@ class Motion:
         self._mode = 0
         # A break-away or reversal that the rest test has decided and no time has followed yet.
         self._undone = False
+        self._state = law.state_start(self._n)
         x_dot = context.mpf(self._values["x_dot_start"])
-        if x_dot:
+        if not law.sticks:
+            self._mode = 1
+            self._slip_on(x_dot)
+        elif x_dot:
             self._mode = sign(x_dot)
             self._meter.begin_slip(self.time, self._mode, self._x, self._z)
             self._slip_on(abs(x_dot))
@@ -93,14 +110,16 @@ class Motion:
             return
         self._values.update(new)
         changed = exact(self._context, self._values)
-        if isinstance(self._arc, Slip) and self._arc.stays(changed, self.time - self._arc_start):
+        if not isinstance(self._arc, Stick) and self._arc.stays(
+            changed, self.time - self._arc_start
+        ):
             self._n = changed
             return
         speed = self._close_arc(self.time)
         k_before = self._n.k
         self._n = changed
         self._W_k += (self._n.k - k_before) * self._z * self._z / 2
-        if self._mode == 0 or speed == 0:
+        if self._law.sticks and (self._mode == 0 or speed == 0):
             self._rest_test()
         else:
             self._slip_on(speed)
@@ -113,11 +132,13 @@ class Motion:
         while True:
             arc = self._arc
             if isinstance(arc, Stick):
+                arc = self._aged(arc)
                 # Would pass: at exactly the break-away time the mass still sticks.
                 if arc.wait is None or self._arc_start + arc.wait >= self.time:
                     return
                 self._load_up_ends(self._arc_start + arc.wait, arc.overload)
             else:
+                arc.reach(self.time - self._arc_start)
                 end = None if arc.duration is None else self._arc_start + arc.duration
                 if end is None or end > self.time:
                     self._note_decision(arc, self.time - self._arc_start)
@@ -128,20 +149,23 @@ class Motion:
         """Return every output of the block by name, SI; mode and n_slips int, sticking bool."""
         n, z = self._n, self._z
         elapsed = self.time - self._arc_start
-        x, x_dot = self._x, self._context.zero
+        x, x_dot, mode = self._x, self._context.zero, self._mode
         W_pull, Q_friction = self._W_pull, self._Q_friction
         if isinstance(self._arc, Stick):
             W_pull = W_pull + n.v * n.k * (z + n.v * elapsed / 2) * elapsed
             z = z + n.v * elapsed
             F_friction = -(n.k * z + n.F_ext)
+            F_s = self._hold(self.time - self._meter.stick_start, self._rested(elapsed))
         else:
+            F_s = self._hold(self._context.zero, self._arc.state(elapsed))
             speed, distance = self._arc.motion(elapsed)
             work, heat = self._arc.work_and_heat(elapsed, speed, distance)
             W_pull, Q_friction = W_pull + work, Q_friction + heat
             x = x + self._mode * distance
             z = z + n.v * elapsed - self._mode * distance
             x_dot = self._mode * speed
-            F_friction = -(self._mode * n.F_k + n.c * x_dot)
+            F_friction = -(self._mode * self._arc.dry_friction(elapsed) + n.c * x_dot)
+            mode = self._mode if self._law.sticks else sign(x_dot)
         return {
             "x": x,
             "x_dot": x_dot,
@@ -149,9 +173,9 @@ class Motion:
             "z": z,
             "F": n.k * z,
             "F_friction": F_friction,
-            "F_s": n.F_s,
-            "sticking": self._mode == 0,
-            "mode": self._mode,
+            "F_s": F_s,
+            "sticking": mode == 0,
+            "mode": mode,
             **self._meter.readings,
             "W_pull": W_pull,
             "W_k": self._W_k,
@@ -167,9 +191,12 @@ class Motion:
         if isinstance(arc, Stick):
             self._W_pull += n.v * n.k * (self._z + n.v * elapsed / 2) * elapsed
             self._z += n.v * elapsed
+            self._state = self._rested(elapsed)
             return self._context.zero
         if elapsed == 0:
             return arc.speed
+        arc.reach(elapsed)
+        self._state = arc.state(elapsed)
         speed, distance = arc.motion(elapsed)
         if arc.duration is not None and elapsed >= arc.duration:
             speed = self._context.zero
@@ -187,49 +214,99 @@ class Motion:
         n = self._n
         kz = n.k * self._z
         A = kz + n.F_ext
-        scale = abs(kz) + abs(n.F_ext) + n.F_s
-        self._note(abs(abs(A) - n.F_s), scale)
-        if abs(A) - n.F_s > self._slack * scale:
+        age = self._context.zero if self._mode else self._arc_start - self._meter.stick_start
+        F_s = self._hold(age, self._state)
+        scale = abs(kz) + abs(n.F_ext) + F_s
+        self._note(abs(abs(A) - F_s), scale)
+        if abs(A) - F_s > self._slack * scale:
             direction = sign(A)
             from_stick = self._mode == 0
             self._mode = direction
             self._meter.begin_slip(self._arc_start, direction, self._x, self._z)
             self._undone = self._undone or from_stick
-            self._slip_from_rest((abs(A) - n.F_k) / n.m)
+            self._slip_from_rest((abs(A) - self._sliding()) / n.m)
             return
         if self._mode != 0 and not self._undone:
             # A reversal at this very instant that the change takes back: rest begins here.
             self._meter.begin_stick(self._arc_start)
         self._mode = 0
         self._undone = False
-        self._stick(n.F_s - sign(n.v) * A)
+        self._stick(F_s - sign(n.v) * A)
 
     def _stick(self, way: Number) -> None:
         """Begin a stick; `way` [N]: what the force lacks to break-away in the pull's direction."""
         n = self._n
         zero = self._context.zero
         wait = max(way, zero) / (n.k * abs(n.v)) if n.v else None
-        self._arc = Stick(wait, max(-way, zero))
+        self._arc = Stick(wait, max(-way, zero), way)
+
+    def _aged(self, stick: Stick) -> Stick:
+        """Return a stick with the time to break-away of a force that grows with the age.
+
+        That force is concave in the age and the load is linear, so what the load lacks changes its
+        sign once; a break-away after the present time is not looked for.
+        """
+        if not self._law.ages or stick.wait is None or not stick.way > 0:
+            return stick
+        n, began = self._n, self._arc_start - self._meter.stick_start
+        rate = n.k * abs(n.v)
+        first = self._hold(began, self._state)
+
+        def lacking(t: Number) -> tuple[Number, Number]:
+            grown = self._hold_series(began + t, self._rested(t))
+            return stick.way + grown.term(0) - first - rate * t, grown.term(1) - rate
+
+        elapsed = self.time - self._arc_start
+        if elapsed <= stick.wait or lacking(elapsed)[0] >= 0:
+            return Stick(None, stick.overload, stick.way)
+        wait = bracketed_zero(self._context, lacking, stick.wait, elapsed)
+        return Stick(wait, stick.overload, stick.way)
 
     def _slip_from_rest(self, acceleration: Number) -> None:
         """Begin a slip at rest with s x_ddot = `acceleration` [m/s2]."""
-        self._arc = Slip(self._context, self._n, self._mode, self._context.zero, acceleration)
+        self._slip(self._context.zero, acceleration)
 
     def _slip_on(self, speed: Number) -> None:
         """Begin an arc of a slip that is under way at `speed` [m/s]."""
         n = self._n
-        force = self._mode * (n.k * self._z + n.F_ext) - n.F_k - n.c * speed
-        self._arc = Slip(self._context, n, self._mode, speed, force / n.m)
+        force = self._mode * (n.k * self._z + n.F_ext) - self._sliding(speed) - n.c * speed
+        self._slip(speed, force / n.m)
+
+    def _slip(self, speed: Number, acceleration: Number) -> None:
+        """Begin an arc of slip with s x_dot = `speed` [m/s], s x_ddot = `acceleration` [m/s2]."""
+        self._arc = self._law.slip(
+            self._context, self._n, self._mode, speed, acceleration, self._state
+        )
+
+    def _hold_series(self, age: Number, state: tuple[Number, ...]) -> Series:
+        """Return the break-away force [N] as a series about the age [s]."""
+        hold = self._law.hold(self._n, Series.variable(self._context, age), state)
+        return hold if isinstance(hold, Series) else Series(self._context, [hold])
+
+    def _hold(self, age: Number, state: tuple[Number, ...]) -> Number:
+        """Return the break-away force [N] at the age [s]."""
+        return self._hold_series(age, state).term(0)
+
+    def _sliding(self, speed: Number = 0) -> Number:
+        """Return the friction [N] at a speed [m/s], now."""
+        context = self._context
+        state = [Series(context, [each]) for each in self._state]
+        return self._law.kinetic(self._n, Series(context, [context.mpf(speed)]), state).term(0)
+
+    def _rested(self, duration: Number) -> tuple[Number, ...]:
+        """Return the law's own state after a time [s] of the present stick."""
+        return self._law.rested(self._n, duration, self._state)
 
     def _load_up_ends(self, time: Number, overload: Number) -> None:
         """Break away because the pulled end has brought the force to F_s, (6)."""
         n = self._n
         self._close_arc(time)
         self._mode = sign(n.v)
-        self._z = (self._mode * (n.F_s + overload) - n.F_ext) / n.k
+        F_s = self._hold(time - self._meter.stick_start, self._state)
+        self._z = (self._mode * (F_s + overload) - n.F_ext) / n.k
         self._meter.begin_slip(time, self._mode, self._x, self._z)
         self._break_away_done()
-        self._slip_from_rest((n.gap + overload) / n.m)
+        self._slip_from_rest((self._law.gap(n, F_s, self._sliding()) + overload) / n.m)
 
     def _break_away_done(self) -> None:
         """Record a break-away at the start of the present arc."""
@@ -242,23 +319,25 @@ class Motion:
         n, direction = self._n, self._mode
         self._close_arc(time)
         # The balance of forces at x_dot = 0, so that a mirror-image stop is one exactly.
-        inertia = n.m * slip.end_acceleration
-        self._z = (direction * (n.F_k + inertia) - n.F_ext) / n.k
+        inertia, F_k = n.m * slip.end_acceleration, self._sliding()
+        F_s = self._hold(self._context.zero, self._state)
+        self._z = (direction * (F_k + inertia) - n.F_ext) / n.k
         self._meter.end_slip(time, self._x, self._z)
         # A stop is never beyond F_s along the slip: only the other side is a question.
-        backward = -(n.F_k + inertia)
-        scale = abs(n.k * self._z) + abs(n.F_ext) + n.F_s
-        self._note(abs(n.F_s - backward), scale)
-        if backward - n.F_s > self._slack * scale:
+        backward = -(F_k + inertia)
+        scale = abs(n.k * self._z) + abs(n.F_ext) + F_s
+        self._note(abs(F_s - backward), scale)
+        if backward - F_s > self._slack * scale:
             self._mode = -direction
             self._meter.begin_slip(time, self._mode, self._x, self._z)
             self._record("reversal")
-            self._slip_from_rest((backward - n.F_k) / n.m)
+            self._slip_from_rest((backward - F_k) / n.m)
             return
         self._mode = 0
         self._meter.begin_stick(time)
         self._record("re-stick")
-        self._stick(n.gap - inertia if sign(n.v) == direction else n.F_s - backward)
+        along = sign(n.v) == direction
+        self._stick(self._law.gap(n, F_s, F_k) - inertia if along else F_s - backward)
 
     def _record(self, kind: str) -> None:
         self.events.append(Event(self._arc_start, kind, self._mode, self._x, self._z))
@@ -270,5 +349,6 @@ class Motion:
 
     def _note_decision(self, slip: Slip, elapsed: Number) -> None:
         """Keep how clearly a slip ended or went on, once it has."""
-        if slip.margin is not None and elapsed >= slip.decided_after:
-            self.margin = min(self.margin, slip.margin)
+        decision = slip.decision(elapsed)
+        if decision is not None:
+            self.margin = min(self.margin, decision)

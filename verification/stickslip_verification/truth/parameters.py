@@ -1,15 +1,16 @@
-"""The numbers of one run, checked as doubles and held exactly as binary values in high precision.
+"""The parameters of a run: checked as doubles, then held exactly in high precision.
 
-What a simulator was given are doubles; the exact solution is that of these very numbers, so nothing
-is read as the decimal it was typed as. docs/theory.md, the model and (2).
+A simulator computes with doubles. The exact solution is that of these very binary numbers, not of
+the decimals they were typed as. docs/theory.md, the model and (2).
 """
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Any, TypeAlias
 
 import mpmath
@@ -20,27 +21,84 @@ Number: TypeAlias = Any
 Context: TypeAlias = Any
 """A context of mpmath with its own precision."""
 
-START_VALUES: Mapping[str, float] = {
-    "m": 1.0,
-    "g": 9.81,
-    "k": 1000.0,
-    "c": 0.0,
-    "mu_s": 0.5,
-    "mu_k": 0.3,
-    "v": 0.02,
-    "load": 0.0,
-    "F_ext": 0.0,
-    "x_start": 0.0,
-    "x_dot_start": 0.0,
-    "z_start": 0.0,
-}
-"""Values taken where none is given, SI: kg, m/s2, N/m, N.s/m, 1, 1, m/s, N, N, m, m/s, m."""
 
-CHANGEABLE = frozenset({"v", "load", "F_ext", "k", "c", "mu_s", "mu_k"})
-"""Inputs and tunable parameters: what may change between two steps."""
+class Kind(StrEnum):
+    """When a parameter may be set."""
 
-_POSITIVE = frozenset({"m", "g", "k"})
-_NON_NEGATIVE = frozenset({"c", "mu_s", "mu_k"})
+    FIXED = "fixed"
+    TUNABLE = "tunable"
+    INPUT = "input"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter or input of the model, or a parameter of a friction law's own.
+
+    Attributes
+    ----------
+    name
+        Its symbol.
+    unit
+        SI unit, "1" where it has none.
+    start
+        Its value where none is given.
+    kind
+        Fixed: set before a run only. Tunable parameters and inputs may change between two steps.
+    low
+        Its lower bound; None without one.
+    strict
+        Whether the bound itself is excluded.
+    directed
+        Whether it changes its sign in the mirror image of a run.
+    """
+
+    name: str
+    unit: str
+    start: float
+    kind: Kind
+    low: float | None = None
+    strict: bool = False
+    directed: bool = False
+
+    def check(self, value: float) -> None:
+        """Raise a ValueError with name, value and range if `value` is no finite number in range."""
+        if not math.isfinite(value):
+            raise ValueError(f"{self.name} = {value} is not a finite number")
+        if self.low is None or value > self.low or (value == self.low and not self.strict):
+            return
+        sense = f"{self.name} {'>' if self.strict else '>='} {self.low:g}"
+        raise ValueError(f"{self.name} = {value!r} is outside {sense}")
+
+
+PARAMETERS = (
+    Parameter("m", "kg", 1.0, Kind.FIXED, low=0.0, strict=True),
+    Parameter("g", "m/s2", 9.81, Kind.FIXED, low=0.0, strict=True),
+    Parameter("k", "N/m", 1000.0, Kind.TUNABLE, low=0.0, strict=True),
+    Parameter("c", "N.s/m", 0.0, Kind.TUNABLE, low=0.0),
+    Parameter("mu_s", "1", 0.5, Kind.TUNABLE, low=0.0),
+    Parameter("mu_k", "1", 0.3, Kind.TUNABLE, low=0.0),
+    Parameter("v", "m/s", 0.02, Kind.INPUT, directed=True),
+    Parameter("load", "N", 0.0, Kind.INPUT),
+    Parameter("F_ext", "N", 0.0, Kind.INPUT, directed=True),
+    Parameter("x_start", "m", 0.0, Kind.FIXED, directed=True),
+    Parameter("x_dot_start", "m/s", 0.0, Kind.FIXED, directed=True),
+    Parameter("z_start", "m", 0.0, Kind.FIXED, directed=True),
+)
+"""The twelve parameters and inputs of the model: the one declaration of them in the verification.
+
+A load also has to be >= -m g, which `complete` checks."""
+
+START_VALUES: Mapping[str, float] = {each.name: each.start for each in PARAMETERS}
+"""Values taken where none is given, SI."""
+
+
+def changeable(parameters: Iterable[Parameter]) -> frozenset[str]:
+    """Return the names of inputs and tunable parameters."""
+    return frozenset(each.name for each in parameters if each.kind is not Kind.FIXED)
+
+
+CHANGEABLE = changeable(PARAMETERS)
+"""Inputs and tunable parameters of the model: what may change between two steps."""
 
 # Twenty digits beyond those asked for: a slip a hair from critical damping (zeta - 1 down to 1e-32)
 # loses sixteen in the amplitudes of its two exponentials.
@@ -74,26 +132,29 @@ def root_tolerance(context: Context) -> Number:
     return context.ldexp(1, _ROOT_BITS - context.prec)
 
 
-def complete(given: Mapping[str, float]) -> dict[str, float]:
-    """Return all twelve parameters as doubles, those not given at their start values.
+def complete(given: Mapping[str, float], own: Sequence[Parameter] = ()) -> dict[str, float]:
+    """Return all parameters as doubles, those not given at their start values.
+
+    Parameters
+    ----------
+    given
+        Values by name, SI.
+    own
+        The friction law's own parameters, which follow the twelve in the result.
 
     Raises
     ------
     ValueError
         Naming the parameter, its value and its range: unknown name, NaN or infinity; m, g or k
-        not positive; c, mu_s or mu_k negative; load below -m g.
+        not positive; c, mu_s or mu_k negative; load below -m g; an own parameter out of its range.
     """
-    unknown = sorted(set(given) - set(START_VALUES))
+    table = {each.name: each for each in (*PARAMETERS, *own)}
+    unknown = sorted(set(given) - set(table))
     if unknown:
-        raise ValueError(f"no parameter named {', '.join(unknown)}; there are {list(START_VALUES)}")
-    values = {name: float(given.get(name, start)) for name, start in START_VALUES.items()}
+        raise ValueError(f"no parameter named {', '.join(unknown)}; there are {list(table)}")
+    values = {name: float(given.get(name, each.start)) for name, each in table.items()}
     for name, value in values.items():
-        if not math.isfinite(value):
-            raise ValueError(f"{name} = {value} is not a finite number")
-        if name in _POSITIVE and value <= 0.0:
-            raise ValueError(f"{name} = {value!r} is outside {name} > 0")
-        if name in _NON_NEGATIVE and value < 0.0:
-            raise ValueError(f"{name} = {value!r} is outside {name} >= 0")
+        table[name].check(value)
     weight = values["m"] * values["g"]
     if values["load"] + weight < 0.0:
         raise ValueError(f"load = {values['load']!r} is outside load >= -m g = {-weight!r}")
@@ -110,8 +171,9 @@ class Numbers:
     """The parameters of one arc as exact numbers, with the forces that follow from them.
 
     m [kg], k [N/m], c [N.s/m], v [m/s], F_ext [N] as given; mu_k [1] after the clamp;
-    N [N] normal force; F_s [N] break-away force mu_s N; F_k [N] kinetic friction mu_k N;
-    gap [N] F_s - F_k, zero exactly where the two coefficients are equal or N is zero.
+    N [N] normal force; F_s [N] static friction mu_s N; F_k [N] kinetic friction mu_k N;
+    gap [N] F_s - F_k, zero exactly where the two coefficients are equal or N is zero;
+    own: the friction law's own parameters by name [SI].
     """
 
     m: Number
@@ -124,10 +186,11 @@ class Numbers:
     F_s: Number
     F_k: Number
     gap: Number
+    own: Mapping[str, Number] = field(default_factory=dict)
 
 
 def exact(context: Context, values: Mapping[str, float]) -> Numbers:
-    """Return `values` (all twelve, as from `complete`) as exact numbers of `context`."""
+    """Return `values` (all of them, as from `complete`) as exact numbers of `context`."""
     exact_values = {name: context.mpf(value) for name, value in values.items()}
     mu_s = exact_values["mu_s"]
     mu_k = context.mpf(used_mu_k(values["mu_s"], values["mu_k"]))
@@ -148,6 +211,7 @@ def exact(context: Context, values: Mapping[str, float]) -> Numbers:
         F_s=mu_s * N,
         F_k=mu_k * N,
         gap=(mu_s - mu_k) * N,
+        own={name: each for name, each in exact_values.items() if name not in START_VALUES},
     )
 
 

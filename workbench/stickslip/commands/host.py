@@ -33,7 +33,7 @@ def host(
 
     Without it the simulator says: StickSlip.so: undefined symbol: _Py_NoneStruct (or another that
     begins with Py), or only that the FMU cannot be loaded. The command's exit code and signals
-    are the simulator's own.
+    are the simulator's own. A simulator that is linked to a libpython of its own is left alone.
     """
     import os
 
@@ -42,6 +42,8 @@ def host(
     if not command:
         raise CommandError("give the program to start after two dashes: stickslip host -- COMMAND")
     launch = prepare(command, python, os.environ)
+    if launch.own:
+        say(f"{command[0]} brings {launch.own}: it is left alone, nothing is preloaded")
     if show:
         print(launch.line)
         return

@@ -8,37 +8,19 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from stickslip_verification.model.data_file import DataError, read_text
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
-from stickslip_verification.truth.parameters import START_VALUES
+from stickslip_verification.truth.parameters import PARAMETERS
 
-INPUT_UNITS: Mapping[str, str] = MappingProxyType(
-    {
-        "m": "kg",
-        "g": "m/s2",
-        "k": "N/m",
-        "c": "N.s/m",
-        "mu_s": "1",
-        "mu_k": "1",
-        "v": "m/s",
-        "load": "N",
-        "F_ext": "N",
-        "x_start": "m",
-        "x_dot_start": "m/s",
-        "z_start": "m",
-    }
-)
+INPUT_UNITS: Mapping[str, str] = {each.name: each.unit for each in PARAMETERS}
 """What the suite sets, parameters and inputs, with its unit."""
 
-UNITS: Mapping[str, str] = MappingProxyType(
-    {
-        **{name: INPUT_UNITS[name] for name in START_VALUES},
-        **{name: QUANTITIES[name].unit for name in OUTPUT_NAMES},
-    }
-)
+UNITS: Mapping[str, str] = {
+    **INPUT_UNITS,
+    **{name: QUANTITIES[name].unit for name in OUTPUT_NAMES},
+}
 """Every variable of the suite with its SI unit."""
 
 NOT_THERE = ""

@@ -3,10 +3,12 @@
 import { numbersOf } from "./friction.js";
 import { risingZero } from "./root.js";
 
+/** @import { Setting } from "./friction.js" */
+
 /**
  * The critical velocity.
  *
- * @param {object} p a setting, SI; its v is of no influence
+ * @param {Setting} p its v is of no influence
  * @returns {number} v_c [m/s]: infinite without damping, where there is none; 0 where damping
  *   leaves no cycle at any speed
  */
@@ -16,13 +18,23 @@ export function criticalVelocity(p) {
   return zeta < 1 ? w * Delta * Math.exp(-logCriticalLambda(zeta)) : 0;
 }
 
-/** The handbooks' critical velocity [m/s], first order of the exact one; NaN without damping. */
+/**
+ * The handbooks' critical velocity, first order of the exact one.
+ *
+ * @param {Setting} p its v is of no influence
+ * @returns {number} v_c [m/s], NaN without damping
+ */
 export function firstOrderCriticalVelocity(p) {
   const { Delta, zeta } = numbersOf(p);
   return p.c === 0 ? NaN : (p.k * Delta) / Math.sqrt(4 * Math.PI * zeta * p.k * p.m);
 }
 
-/** ln lambda_c, the unknown in which the equation is nearly linear at both ends; 0 < zeta < 1. */
+/**
+ * ln lambda_c, the unknown in which the equation is nearly linear at both ends.
+ *
+ * @param {number} zeta damping ratio [1], above 0 and below 1
+ * @returns {number} [1]
+ */
 function logCriticalLambda(zeta) {
   const nu = Math.sqrt((1 - zeta) * (1 + zeta));
   // Light damping gives lambda_c = sqrt(4 pi zeta), heavy exp((zeta/nu)(pi + acos zeta)). The root
@@ -34,7 +46,14 @@ function logCriticalLambda(zeta) {
   return risingZero((log) => excess(log, zeta, nu), low, high, zeta < 0.3 ? light : heavy);
 }
 
-/** ln of the deepest velocity deviation over v, and its slope in ln lambda. */
+/**
+ * ln of the deepest velocity deviation over v, and its slope in ln lambda.
+ *
+ * @param {number} log ln lambda [1]
+ * @param {number} zeta damping ratio [1]
+ * @param {number} nu sqrt(1 - zeta^2) [1]
+ * @returns {[number, number]} value and slope [1]
+ */
 function excess(log, zeta, nu) {
   // Below lambda = 1 the logarithm is of 1 + lambda (lambda - 2 zeta), above of lambda times that.
   const e = Math.exp(-Math.abs(log));

@@ -3,13 +3,55 @@
 import { numbersOf } from "./friction.js";
 import { risingZero } from "./root.js";
 
+/** @import { Setting } from "./friction.js" */
+
+/**
+ * The exact steady cycle; what depends on its slip is NaN where there is no cycle.
+ *
+ * @typedef {object} Cycle
+ * @property {number} F_s break-away force [N]
+ * @property {number} Delta spring extension from kinetic to static friction [m]
+ * @property {number} lambda_ w Delta/v [1]
+ * @property {number} zeta damping ratio [1]
+ * @property {number} w natural frequency [rad/s]
+ * @property {boolean} exists whether a slip from rest comes to rest
+ * @property {number} spring_drop relief of the spring in a slip [m]
+ * @property {number} delta_x jump of the mass [m]
+ * @property {number} t_slip time in slip [s]
+ * @property {number} t_stick time in stick [s]
+ * @property {number} T period [s]
+ * @property {number} f frequency [Hz]
+ * @property {number} x_dot_peak largest velocity of the mass [m/s]
+ * @property {number} share share of stick in the period [1]
+ */
+
+/**
+ * The cycle as designers write it.
+ *
+ * @typedef {object} Simplified
+ * @property {number} F_s break-away force [N]
+ * @property {number} delta_x jump of the mass [m]
+ * @property {number} t_stick time in stick [s]
+ * @property {number} t_slip time in slip [s]
+ * @property {number} T period [s]
+ * @property {number} f frequency [Hz]
+ * @property {number} share share of stick in the period [1]
+ */
+
+/**
+ * A slip of the cycle in plain numbers.
+ *
+ * @typedef {object} PlainSlip
+ * @property {number} duration in units of 1/w
+ * @property {number} relief of the spring, in units of v/w
+ * @property {number} peak largest velocity of the mass, in units of v
+ */
+
 /**
  * The exact steady cycle.
  *
- * @param {object} p a setting, SI
- * @returns {object} F_s, Delta, lambda_, zeta, w, exists, and spring_drop, delta_x [m], t_slip,
- *   t_stick, T [s], f [Hz], x_dot_peak [m/s], share (of stick in the period): NaN where there is
- *   no cycle
+ * @param {Setting} p
+ * @returns {Cycle}
  */
 export function steadyCycle(p) {
   const { F_s, Delta, lambda_, zeta, w } = numbersOf(p);
@@ -39,8 +81,8 @@ export function steadyCycle(p) {
 /**
  * The cycle as designers write it, without damping: docs/theory.md (12).
  *
- * @param {object} p a setting, SI
- * @returns {object} F_s [N], delta_x [m], t_stick, t_slip, T [s], f [Hz], share
+ * @param {Setting} p its v above 0, its c of no influence
+ * @returns {Simplified}
  */
 export function simplified(p) {
   const { F_s, Delta, w } = numbersOf(p);
@@ -50,7 +92,12 @@ export function simplified(p) {
   return { F_s, delta_x: 2 * Delta, t_stick, t_slip, T, f: 1 / T, share: t_stick / T };
 }
 
-/** Duration in units of 1/w, relief in units of v/w, peak in units of v: (7), (8), (11). */
+/**
+ * The slip of the cycle without damping: (7), (8), (11).
+ *
+ * @param {number} lambda_ w Delta/v [1]
+ * @returns {PlainSlip}
+ */
 function undampedSlip(lambda_) {
   return {
     duration: 2 * (Math.PI - Math.atan(lambda_)),
@@ -69,6 +116,10 @@ function undampedSlip(lambda_) {
  *     G = exp(zeta delta) (cos(nu delta) - (zeta/nu) sin(nu delta))
  *
  * and G falls from 1 at the minimum to 0 at nu delta = acos zeta. The slip ends at G = 1/D.
+ *
+ * @param {number} lambda_ w Delta/v [1]
+ * @param {number} zeta damping ratio [1], above 0
+ * @returns {PlainSlip | null}
  */
 function dampedSlip(lambda_, zeta) {
   if (zeta >= 1) return null;
@@ -91,12 +142,20 @@ function dampedSlip(lambda_, zeta) {
   };
 }
 
-/** Solve G(delta) = 1/D in sqrt(1 - G), nearly linear in delta as 1 - G begins as its square. */
+/**
+ * Solve G(delta) = 1/D in sqrt(1 - G), nearly linear in delta as 1 - G begins as its square.
+ *
+ * @param {number} logD ln D [1], not below 0
+ * @param {number} zeta damping ratio [1], above 0 and below 1
+ * @param {number} nu sqrt(1 - zeta^2) [1]
+ * @returns {number} delta, in units of 1/w
+ */
 function timeBeforeMinimum(logD, zeta, nu) {
   const target = Math.sqrt(-Math.expm1(-logD));
   if (target === 0) return 0;
   const high = Math.acos(zeta) / nu;
   const undamped = Math.asin(Math.sqrt(-Math.expm1(-2 * logD)));
+  /** @type {(delta: number) => [number, number]} */
   const excess = (delta) => {
     const sine = Math.sin(nu * delta);
     const half = Math.sin(0.5 * nu * delta);

@@ -11,15 +11,79 @@ import { slipFromRest } from "./slip.js";
 import { twofoldOver, twofoldPlus, twofoldTimes, twoProduct, twoSum } from "./twofold.js";
 
 /**
+ * @import { Cycle } from "./cycle.js"
+ * @import { Numbers, Setting } from "./friction.js"
+ * @import { Slip } from "./slip.js"
+ * @import { Twofold } from "./twofold.js"
+ */
+
+/**
+ * The state of the motion at a time.
+ *
+ * @typedef {object} State
+ * @property {number} t time [s]
+ * @property {number} mode 0: stick, 1: slip
+ * @property {number} x position of the mass [m]
+ * @property {number} x_dot its velocity [m/s]
+ * @property {number} x_ddot its acceleration [m/s^2]
+ * @property {number} x_pull position of the pulled end [m]
+ * @property {number} z extension of the spring [m]
+ * @property {number} F spring force [N]
+ * @property {number} F_friction force of the way on the mass, damping included [N]
+ */
+
+/**
+ * A stick or a slip.
+ *
+ * @typedef {object} Phase
+ * @property {"stick" | "slip"} kind
+ * @property {number} n slips before it [1]
+ * @property {number} start [s]
+ * @property {number} end [s], infinite for a slip without end
+ */
+
+/**
+ * A transition.
+ *
+ * @typedef {object} Transition
+ * @property {number} t time [s]
+ * @property {"break-away" | "re-stick"} kind
+ */
+
+/**
+ * The motion of a setting.
+ *
+ * @typedef {object} Motion
+ * @property {Setting} p the setting
+ * @property {Numbers} numbers what follows from it alone
+ * @property {Cycle} cycle the steady cycle
+ * @property {Slip} slip the slip of every cycle, or the one without end
+ * @property {number} first when the mass first breaks away [s]
+ * @property {number} beat period, or the scale of a slip without end [s]
+ * @property {number} z_s extension of the spring at break-away [m]
+ * @property {(t: number) => State} at the state at a time [s], from 0 on
+ * @property {(t: number, n: number, left: number) => State} sticking the state at a time [s] in
+ *   the stick after n slips, `left` [s] before it breaks away
+ * @property {(t: number, n: number, tau: number) => State} slipping the state at a time [s] in
+ *   the slip after n others, `tau` [s] after its break-away
+ * @property {(from: number, to: number) => Iterable<Phase>} phases the sticks and slips that touch
+ *   a stretch of time [s]
+ * @property {(from: number, to: number) => Iterable<Transition>} events the transitions in a
+ *   stretch of time [s]
+ */
+
+/**
+ * The dates of the break-aways.
+ *
+ * @typedef {object} Dates
+ * @property {(n: number) => Twofold} breakAway the time [s] of the break-away after n slips
+ */
+
+/**
  * Solve a setting.
  *
- * @param {object} p a setting, SI
- * @returns {object} the motion:
- *   cycle, slip: what it is made of; first [s]: when the mass first breaks away; beat [s]: its
- *   period, or the scale of a slip without end; z_s [m]: the spring's extension at break-away;
- *   at(t): the state at the time t [s]; sticking, slipping: the same where the phase is known;
- *   phases(from, to): the sticks and slips that touch this stretch of time;
- *   events(from, to): the transitions in it
+ * @param {Setting} p
+ * @returns {Motion}
  */
 export function motionOf(p) {
   const numbers = numbersOf(p);
@@ -29,15 +93,19 @@ export function motionOf(p) {
   const first = dates.breakAway(0)[0];
   const z_s = numbers.F_s / p.k;
 
+  /** @type {(n: number) => number} the time [s] of the break-away after n slips */
   const breakAway = (n) => dates.breakAway(n)[0];
+  /** @type {(n: number) => number} the time [s] at which the slip after n others ends */
   const reStick = (n) => breakAway(n) + cycle.t_slip;
+  /** @type {(t: number, n: number) => number} from the break-away after n slips to t [s] */
   const sinceBreakAway = (t, n) => {
     const [high, low] = dates.breakAway(n);
     return t - high - low;
   };
+  /** @type {(n: number) => number} position of the mass in the stick after n slips [m] */
   const positionBefore = (n) => (n === 0 ? 0 : n * cycle.delta_x);
 
-  /** The state in the stick after n slips, `left` [s] before it breaks away. */
+  /** @type {Motion["sticking"]} */
   const sticking = (t, n, left) => {
     const z = n === 0 ? p.v * t : z_s - p.v * left;
     const x = positionBefore(n);
@@ -45,7 +113,7 @@ export function motionOf(p) {
     return { t, mode: 0, x, x_dot: 0, x_ddot: 0, x_pull: x + z, z, F, F_friction: -F };
   };
 
-  /** The state in the slip after n others, `tau` [s] after its break-away. */
+  /** @type {Motion["slipping"]} */
   const slipping = (t, n, tau) => {
     const { displacement, x_dot, x_ddot, growth } = slip.at(tau);
     // A re-stick is at rest to the last bit; rounding must not show a mass that goes back.
@@ -57,7 +125,7 @@ export function motionOf(p) {
     return { t, mode: 1, x, x_dot: speed, x_ddot, x_pull: x + z, z, F, F_friction };
   };
 
-  /** The number of break-aways before t, less one; t is after the first. */
+  /** @type {(t: number) => number} break-aways before t [s], less one; t is after the first */
   const lastBreakAway = (t) => {
     if (!cycle.exists) return 0;
     let n = Math.max(Math.floor((t - first) / cycle.T), 0);
@@ -67,6 +135,7 @@ export function motionOf(p) {
     return n;
   };
 
+  /** @type {Motion["at"]} */
   function at(t) {
     const sinceFirst = sinceBreakAway(t, 0);
     if (sinceFirst <= 0) return sticking(t, 0, -sinceFirst);
@@ -76,6 +145,11 @@ export function motionOf(p) {
     return sticking(t, n + 1, Math.max(-sinceBreakAway(t, n + 1), 0));
   }
 
+  /**
+   * @param {number} from [s]
+   * @param {number} to [s]
+   * @returns {Generator<Phase>}
+   */
   function* phases(from, to) {
     if (from < first) yield { kind: "stick", n: 0, start: 0, end: first };
     if (to <= first) return;
@@ -91,6 +165,11 @@ export function motionOf(p) {
     }
   }
 
+  /**
+   * @param {number} from [s]
+   * @param {number} to [s]
+   * @returns {Generator<Transition>}
+   */
   function* events(from, to) {
     for (const { kind, n, start, end } of phases(from, to)) {
       const isEvent = kind === "slip" || n > 0;
@@ -109,7 +188,13 @@ export function motionOf(p) {
   return { p, numbers, cycle, slip, first, beat, z_s, at, sticking, slipping, phases, events };
 }
 
-/** When the mass breaks away: (6), and every period from then on, in twice the digits. */
+/**
+ * When the mass breaks away: (6), and every period from then on, in twice the digits.
+ *
+ * @param {Setting} p
+ * @param {Cycle} cycle of the setting
+ * @returns {Dates}
+ */
 function datesOf({ m, g, k, mu_s, mu_k, v }, cycle) {
   const rate = twoProduct(k, v);
   const weight = twoProduct(m, g);
@@ -117,6 +202,7 @@ function datesOf({ m, g, k, mu_s, mu_k, v }, cycle) {
   // Without damping the stick is as long as the gap takes to load up, twice: (9).
   const gap = twoSum(mu_s, -mu_k);
   const load = twofoldPlus(twofoldTimes(weight, gap[0]), [weight[0] * gap[1], 0]);
+  /** @type {Twofold} */
   const stick =
     cycle.zeta === 0 ? twofoldTimes(twofoldOver(load, rate), 2) : [cycle.t_stick, 0];
   const period = twofoldPlus(stick, [cycle.t_slip, 0]);

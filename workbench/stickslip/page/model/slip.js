@@ -2,9 +2,50 @@
 
 import { numbersOf } from "./friction.js";
 
+/** @import { Setting } from "./friction.js" */
+
 /**
- * The responses of m y'' + c y' + k y = 0 at the time tau [s]: K to a unit impulse with its slope,
- * G = w^2 times its integral, H the integral of G.
+ * The oscillator m y'' + c y' + k y = 0.
+ *
+ * @typedef {object} Oscillator
+ * @property {number} w natural frequency [rad/s]
+ * @property {number} a rate of decay zeta w [1/s]
+ * @property {number} b sqrt(|w^2 - a^2|) [rad/s]
+ * @property {number} fast the faster rate of decay [1/s]; a, if it is not overdamped
+ * @property {number} slow the slower rate of decay [1/s]; a, if it is not overdamped
+ * @property {boolean} overdamped whether zeta is 1 or more
+ */
+
+/**
+ * The state of the slip at a time after its break-away.
+ *
+ * @typedef {object} SlipState
+ * @property {number} displacement of the mass [m]
+ * @property {number} x_dot velocity of the mass [m/s]
+ * @property {number} x_ddot acceleration of the mass [m/s^2]
+ * @property {number} growth of the spring's extension [m]
+ */
+
+/**
+ * The slip that starts from rest at break-away and is followed without end.
+ *
+ * @typedef {object} Slip
+ * @property {(tau: number) => SlipState} at the state, tau [s] after the break-away
+ * @property {{tau: number, growth: number} | null} overshoot when [s] the spring is longest and
+ *   how much it has grown by then [m]; null where it has no maximum
+ * @property {number} rate of the fastest change [rad/s]
+ * @property {number} fast the faster rate of decay [1/s]
+ * @property {number} slow the slower rate of decay [1/s]
+ * @property {number} scale duration of a swing, or three times that of the slower decay [s]
+ */
+
+/**
+ * The responses of an oscillator to a unit impulse: docs/theory.md (3).
+ *
+ * @param {Oscillator} oscillator
+ * @param {number} tau time since the impulse [s]
+ * @returns {{K: number, slope: number, G: number, H: number}} K: the impulse response [s], with
+ *   its slope [1]; G: w^2 times the integral of K [1]; H: the integral of G [s]
  */
 function responses({ w, a, b, fast, slow, overdamped }, tau) {
   if (!overdamped) {
@@ -27,20 +68,24 @@ function responses({ w, a, b, fast, slow, overdamped }, tau) {
   return { K, slope, G, H };
 }
 
-/** The integral of K for two decaying rates: (1/slow)((1 - e^{-fast tau})/fast - K). */
+/**
+ * The integral of K for two decaying rates: (1/slow)((1 - e^{-fast tau})/fast - K).
+ *
+ * @param {number} fast the faster rate of decay [1/s]
+ * @param {number} slow the slower rate of decay [1/s]
+ * @param {number} tau time since the impulse [s]
+ * @param {number} K impulse response at tau [s]
+ * @returns {number} [s^2]
+ */
 function integralOfK(fast, slow, tau, K) {
   return (-Math.expm1(-fast * tau) / fast - K) / slow;
 }
 
 /**
- * Make the slip that starts from rest at break-away and is followed without end.
+ * Make the slip of a setting.
  *
- * @param {object} p a setting, SI
- * @returns {object}
- *   at(tau): displacement of the mass [m], x_dot [m/s], x_ddot [m/s^2], growth of the spring [m];
- *   overshoot: tau [s] and growth [m] where the spring is longest, null where it has no maximum;
- *   rate [rad/s] of the fastest change; fast, slow [1/s]: its two rates of decay; scale [s]: that
- *   of a swing, or of the slower decay
+ * @param {Setting} p
+ * @returns {Slip}
  */
 export function slipFromRest(p) {
   const { Delta, w, zeta, lambda_ } = numbersOf(p);
@@ -52,6 +97,7 @@ export function slipFromRest(p) {
   const oscillator = { w, a, b, fast, slow, overdamped };
   // Distance of the spring from where it would come to rest.
   const swing = Delta - (p.c * p.v) / p.k;
+  /** @type {(tau: number) => SlipState} */
   const at = (tau) => {
     const { K, slope, G, H } = responses(oscillator, tau);
     return {
@@ -71,7 +117,13 @@ export function slipFromRest(p) {
   return { at, overshoot, rate, fast, slow, scale };
 }
 
-/** When the mass first has the speed of the pulled end, in units of 1/w; infinite if never. */
+/**
+ * When the mass first has the speed of the pulled end.
+ *
+ * @param {number} lambda_ w Delta/v [1]
+ * @param {number} zeta damping ratio [1]
+ * @returns {number} time since break-away in units of 1/w, infinite if never
+ */
 function timeOfPull(lambda_, zeta) {
   const nu = Math.sqrt(Math.abs((1 - zeta) * (1 + zeta)));
   if (zeta < 1) return Math.atan2(nu, lambda_ - zeta) / nu;

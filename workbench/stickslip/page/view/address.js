@@ -7,9 +7,11 @@ const STILL = 250;
  * The values that an address asks for.
  *
  * @param {string} hash such as "#k=1000&v=0.02", SI
- * @returns {{values: object, bad: string[]}} numbers by name, and the parts that are none
+ * @returns {{values: Record<string, number>, bad: string[]}} numbers by name, and the parts that
+ *   are none
  */
 export function valuesIn(hash) {
+  /** @type {Record<string, number>} */
   const values = {};
   const bad = [];
   for (const [name, text] of new URLSearchParams(hash.slice(1))) {

@@ -2,6 +2,16 @@
 
 import { scaleFor } from "./units.js";
 
+/**
+ * An axis.
+ *
+ * @typedef {object} Axis
+ * @property {number} low lower end [SI]
+ * @property {number} high upper end [SI]
+ * @property {number} size of its unit [SI]
+ * @property {string} title quantity and unit
+ */
+
 /** What is spanned is at least this part of its size: less is rounding and no motion. */
 const FINEST = 1e-9;
 const MOST_MARKS = 50;
@@ -14,8 +24,7 @@ const MOST_MARKS = 50;
  * @param {string} name of the quantity
  * @param {number} below part of the range that is left free below the values
  * @param {number} above the same above them
- * @returns {{low: number, high: number, size: number, title: string}} ends [SI], the unit's size,
- *   and the title
+ * @returns {Axis}
  */
 export function axisOf(values, kind, name, below, above = below) {
   const least = Math.min(...values);
@@ -32,7 +41,13 @@ export function axisOf(values, kind, name, below, above = below) {
   };
 }
 
-/** Round values within an axis and their texts, about `count` of them. */
+/**
+ * Round values within an axis and their texts, about `count` of them.
+ *
+ * @param {Axis} axis
+ * @param {number} count
+ * @returns {{value: number, text: string}[]} values [SI]
+ */
 export function ticks({ low, high, size }, count) {
   const bottom = low / size;
   const top = high / size;

@@ -2,11 +2,13 @@
 
 import { shifted } from "./units.js";
 
+/** @import { Setting } from "../model/friction.js" */
+
 /**
  * The command that repeats a run. Python reads its numbers back as the very same doubles.
  *
- * @param {object} p the setting, SI
- * @param {object} starts start values of the FMU by name, SI: m, g, c are named where they differ
+ * @param {Setting} p
+ * @param {Setting} starts start values of the FMU: m, g, c are named where they differ
  * @param {number} to end of the run [s]
  * @returns {string} one line for a shell
  */

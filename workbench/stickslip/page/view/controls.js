@@ -7,18 +7,25 @@ import { readTyped, shortest, typedText } from "./typed.js";
 import { shifted } from "./units.js";
 
 /**
+ * @import { Setting } from "../model/friction.js"
+ * @import { Control } from "./typed.js"
+ */
+
+/**
  * Bring the controls to life.
  *
- * @param {object[]} table the page's controls
- * @param {(p: object) => ?string} accept called with each new setting, SI; a text refuses it
- * @returns {object} setting: the values in use, SI; wanted; set(values): take these as if typed,
- *   throws a RangeError with the reason if they are refused; objectionTo(name, value): that reason
- *   for one of them; starts: the values of the FMU
+ * @param {Control[]} table the page's controls
+ * @param {(p: Setting) => string | null} accept called with each new setting; a text refuses it
+ * @returns setting: the values in use; wanted; set(values): take these [SI] as if typed, throws a
+ *   RangeError with the reason if they are refused; objectionTo(name, value): that reason for one
+ *   of them; starts: the values of the FMU
  */
 export function makeControls(table, accept) {
+  /** @type {any} a Setting, by the names of the table */
   const starts = Object.fromEntries(table.map(({ name, start }) => [name, start]));
   const rows = Object.fromEntries(table.map((control) => [control.name, makeRow(control)]));
   const folded = byId("folded-values");
+  /** @type {Setting} */
   let setting = { ...starts };
   // What the person asked of mu_k; what is in use may be less.
   let asked = setting.mu_k;

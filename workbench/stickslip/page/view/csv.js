@@ -1,5 +1,7 @@
 /** The curve as a CSV file. */
 
+/** @import { Motion } from "../model/motion.js" */
+
 /** More transitions than this are left out of a file: it would grow without showing more. */
 const TRANSITIONS_AT_MOST = 100000;
 
@@ -7,7 +9,7 @@ const TRANSITIONS_AT_MOST = 100000;
  * The motion as a CSV file in the format of `stickslip simulate --output-file`, in SI, every
  * number with all its digits.
  *
- * @param {object} motion of motionOf
+ * @param {Motion} motion
  * @param {number} from [s]
  * @param {number} to [s]
  * @param {number} [samples] number of even steps; the transitions stand in between

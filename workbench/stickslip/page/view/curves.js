@@ -5,6 +5,23 @@
 
 import { px } from "./frame.js";
 
+/**
+ * @import { Motion, State } from "../model/motion.js"
+ * @import { Slip } from "../model/slip.js"
+ * @import { Frame } from "./frame.js"
+ */
+
+/**
+ * A phase as it is drawn.
+ *
+ * @typedef {object} SeenPhase
+ * @property {"stick" | "slip"} kind
+ * @property {number} start [s], cut to what is seen
+ * @property {number} end [s], cut to what is seen
+ * @property {(State & {F_dot: number})[]} points exact states in it, with the rate of the spring
+ *   force [N/s]
+ */
+
 /** Radians of the fastest motion that one cubic spans; it then errs by 1e-4 of the swing. */
 const FINE_STEP = 0.4;
 /** The same where swings are so dense that a thousandth is not seen. */
@@ -16,17 +33,17 @@ const MOST_NODES = 4000;
 /**
  * The phases in a stretch of time, each with exact points of x(t) and F(t) and their slopes.
  *
- * @param {object} motion
+ * @param {Motion} motion
  * @param {{from: number, to: number}} seen the stretch of time [s]
  * @param {number} width its width in pixels
- * @returns {object[]} {kind, start, end, points: {t, x, x_dot, F, F_dot}[]}, start and end [s] cut
- *   to what is seen
+ * @returns {SeenPhase[]}
  */
 export function seenPhases(motion, { from, to }, width) {
   const perSecond = width / (to - from);
   return Array.from(motion.phases(from, to), ({ kind, n, start, end }) => {
     const a = Math.max(start, from);
     const b = Math.min(end, to);
+    /** @type {(state: State) => SeenPhase["points"][number]} */
     const point = (state) => ({ ...state, F_dot: motion.p.k * (motion.p.v - state.x_dot) });
     const points =
       kind === "stick"
@@ -41,8 +58,11 @@ export function seenPhases(motion, { from, to }, width) {
 /**
  * The times since break-away at which a slip is computed, from `a` to `b` [s].
  *
- * @param {object} slip of a motion
+ * @param {Slip} slip of a motion
+ * @param {number} a [s]
+ * @param {number} b [s]
  * @param {number} width how many pixels this stretch takes
+ * @returns {number[]} [s]
  */
 export function slipNodes(slip, a, b, width) {
   // More than a cubic to three pixels is not seen.
@@ -61,10 +81,10 @@ export function slipNodes(slip, a, b, width) {
 /**
  * Path data of a quantity over time.
  *
- * @param {object[]} phases of `seenPhases`
- * @param {object} frame of the chart
- * @param {string} name of the quantity, "x" or "F"
- * @param {string} slope name of its derivative
+ * @param {SeenPhase[]} phases
+ * @param {Frame} frame of the chart
+ * @param {"x" | "F"} name of the quantity
+ * @param {"x_dot" | "F_dot"} slope name of its derivative
  */
 export function timePath(phases, frame, name, slope) {
   let path = "";
@@ -88,9 +108,9 @@ export function timePath(phases, frame, name, slope) {
 /**
  * The phase portrait as path data: velocity over spring extension.
  *
- * @param {object} motion
- * @param {object} frame of the chart
- * @param {object[]} states of its first slip, t [s] counted from the break-away
+ * @param {Motion} motion
+ * @param {Frame} frame of the chart
+ * @param {State[]} states of its first slip, t [s] counted from the break-away
  */
 export function portraitPath(motion, frame, states) {
   const point = (z, x_dot) => `${px(frame.x(z))} ${px(frame.y(x_dot))}`;

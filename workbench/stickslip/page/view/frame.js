@@ -3,6 +3,10 @@
 import { ticks } from "./axis.js";
 import { draw, put, setText } from "./dom.js";
 
+/** @import { Axis } from "./axis.js" */
+
+/** @typedef {ReturnType<typeof makeFrame>} Frame */
+
 /** Pixels beside the plot: for the texts of the axes. */
 const MARGIN = { left: 54, right: 12, top: 8, bottom: 34 };
 /** A letter of a mark is about this wide [px]. */
@@ -10,7 +14,11 @@ const WIDE = 7.7;
 /** Pixels between two marks, about. */
 const APART = { x: 90, y: 38 };
 
-/** A coordinate as text, to a fiftieth of a pixel. */
+/**
+ * A coordinate, to a fiftieth of a pixel.
+ *
+ * @param {number} value [px]
+ */
 export function px(value) {
   return Math.round(value * 50) / 50;
 }
@@ -19,7 +27,7 @@ export function px(value) {
  * Make a chart's frame in an empty svg element.
  *
  * @param {SVGSVGElement} svg
- * @returns {object} svg; under, curves, over: groups to draw in; resize(width, height);
+ * @returns svg; under, curves, over: groups to draw in; resize(width, height);
  *   scale(x, y): the axes, each of `axisOf`;
  *   x(value), y(value): pixels; area: the plot's rectangle in pixels
  */
@@ -34,10 +42,16 @@ export function makeFrame(svg) {
     draw(svg, "text", { class: "axis", "text-anchor": "end" }),
     draw(svg, "text", { class: "axis", "text-anchor": "start" }),
   ];
+  /** @type {Element[]} */
   const pool = [];
   const area = { left: MARGIN.left, top: MARGIN.top, right: 0, bottom: 0, width: 0, height: 0 };
+  /** @type {{x: Axis, y: Axis}} */
   let axes = null;
 
+  /**
+   * @param {number} width [px]
+   * @param {number} height [px]
+   */
   function resize(width, height) {
     put(svg, { viewBox: `0 0 ${width} ${height}` });
     area.right = Math.max(width - MARGIN.right, area.left + 10);
@@ -47,10 +61,16 @@ export function makeFrame(svg) {
     put(clip, { x: area.left, y: area.top, width: area.width, height: area.height });
   }
 
+  /** @type {(value: number) => number} from SI to [px] */
   const x = (value) => area.left + ((value - axes.x.low) / (axes.x.high - axes.x.low)) * area.width;
+  /** @type {(value: number) => number} from SI to [px] */
   const y = (value) =>
     area.bottom - ((value - axes.y.low) / (axes.y.high - axes.y.low)) * area.height;
 
+  /**
+   * @param {Axis} horizontal
+   * @param {Axis} vertical
+   */
   function scale(horizontal, vertical) {
     axes = { x: horizontal, y: vertical };
     let path = "";

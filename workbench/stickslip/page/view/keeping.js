@@ -5,13 +5,23 @@ import { csvText } from "./csv.js";
 import { byId, on, setText } from "./dom.js";
 import { pngOf, resolvedStyle, svgText } from "./picture.js";
 
+/**
+ * @import { Setting } from "../model/friction.js"
+ * @import { Motion } from "../model/motion.js"
+ * @import { Stretch } from "./stretch.js"
+ */
+
 /** Pixels between two drawings of the picture, and above them for its caption. */
 const GAP = 8;
 const TITLE = 40;
 /** Pixels of the PNG to one of the page. */
 const FINENESS = 2;
 
-/** The setting as the lines of a caption, SI. */
+/**
+ * The setting as the lines of a caption, SI.
+ *
+ * @param {Setting} p
+ */
 function settingInWords({ k, v, mu_s, mu_k, m, g, c }) {
   return [
     `k = ${k} N/m, v = ${v} m/s, μₛ = ${mu_s}, μₖ = ${mu_k}`,
@@ -22,8 +32,8 @@ function settingInWords({ k, v, mu_s, mu_k, m, g, c }) {
 /**
  * Bring the buttons to life.
  *
- * @param {{motion: function(): object, stretch: object, starts: object}} of what they keep
- * @returns {object} refresh(): after another setting or stretch of time
+ * @param {{motion: () => Motion, stretch: Stretch, starts: Setting}} of what they keep
+ * @returns refresh(): after another setting or stretch of time
  */
 export function makeKeeping({ motion, stretch, starts }) {
   const command = byId("command");

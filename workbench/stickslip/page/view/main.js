@@ -15,6 +15,8 @@ import { flawOf, solve } from "./solution.js";
 import { makeStretch } from "./stretch.js";
 import { makeTimeCharts } from "./timecharts.js";
 
+/** @import { Solution } from "./solution.js" */
+
 const data = JSON.parse(byId("page-data").textContent);
 
 const seen = makeStretch();
@@ -25,6 +27,7 @@ const readouts = makeReadouts();
 const showResults = makeResults();
 const writeAddress = makeAddress();
 
+/** @type {Solution} */
 let solution = null;
 let waiting = false;
 // The size of the schematic [px]; asking the browser at every redraw would cost a layout.
@@ -138,7 +141,9 @@ for (const [id, act] of [
   ["later", () => seen.move(0.25)],
   ["zoom-auto", () => seen.reset()],
 ]) {
+  // @ts-expect-error The compiler takes each pair for a list, whose items are both.
   on(byId(id), "click", () => {
+    // @ts-expect-error
     act();
     redrawTime();
   });
@@ -146,6 +151,7 @@ for (const [id, act] of [
 if (!matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 
 /** For scripts and tests: the page's unrounded values, SI. */
+// @ts-expect-error A property that the page adds to its window.
 window.stickslip = {
   set(values) {
     controls.set(values);

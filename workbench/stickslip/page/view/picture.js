@@ -2,7 +2,12 @@
 
 import { draw, put, setText } from "./dom.js";
 
-/** CSS with every var(--name) replaced by its value at an element, for use away from the page. */
+/**
+ * CSS with every var(--name) replaced by its value at an element, for use away from the page.
+ *
+ * @param {string} cssText
+ * @param {Element} element
+ */
 export function resolvedStyle(cssText, element) {
   const values = getComputedStyle(element);
   return cssText.replace(
@@ -36,6 +41,7 @@ export function svgText(parts, style, title) {
     setText(draw(whole, "text", { class: "axis", x: 8, y: 15 + 16 * n }), line);
   });
   for (const { svg, ...place } of parts) {
+    /** @type {any} an SVGSVGElement, which cloneNode calls a Node */
     const copy = svg.cloneNode(true);
     // What placed it on the page must not place it here.
     copy.removeAttribute("style");
@@ -49,6 +55,11 @@ export function svgText(parts, style, title) {
  * An SVG document of this size [px] as a PNG, `scale` pixels of it to one of the document, on a
  * background [CSS colour].
  *
+ * @param {string} text
+ * @param {number} width [px]
+ * @param {number} height [px]
+ * @param {number} scale
+ * @param {string} background
  * @returns {Promise<Blob>}
  */
 export function pngOf(text, width, height, scale, background) {

@@ -2,6 +2,8 @@
 
 import { byId, on, setText } from "./dom.js";
 
+/** @import { Stretch } from "./stretch.js" */
+
 /** How long the whole picture takes to play, where no speed is chosen [s]. */
 const PICTURE = 10;
 const SCRUB_STEPS = 1000;
@@ -11,10 +13,10 @@ const LONGEST_BREAK = 0.1;
 /**
  * Bring play, scrub and speed to life.
  *
- * @param {object} stretch the stretch of time
+ * @param {Stretch} stretch the stretch of time
  * @param {(t: number) => void} show called with the time of the cursor [s]
  * @param {(t: number) => string} tell the cursor's numbers in words, for who cannot see them
- * @returns {object} refresh(): after another stretch or setting; point(t): follow the pointer, or
+ * @returns refresh(): after another stretch or setting; point(t): follow the pointer, or
  *   null: let go; play()
  */
 export function makePlayer(stretch, show, tell) {
@@ -23,6 +25,7 @@ export function makePlayer(stretch, show, tell) {
   const speed = byId("speed");
   // Where cursor and pointer are in what is seen, from 0 to 1: both stay there when that changes.
   let share = 0;
+  /** @type {number | null} */
   let pointed = null;
   let playing = false;
   let last = 0;
@@ -71,6 +74,7 @@ export function makePlayer(stretch, show, tell) {
 
   return {
     refresh,
+    /** @param {number | null} t [s] */
     point(t) {
       pointed = t === null ? null : (t - stretch.from) / stretch.span;
       if (!playing) share = pointed ?? share;

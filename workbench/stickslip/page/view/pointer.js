@@ -2,25 +2,32 @@
 
 import { on } from "./dom.js";
 
+/**
+ * @import { Stretch } from "./stretch.js"
+ * @import { Chart } from "./timecharts.js"
+ */
+
 /** A drag shorter than this was meant as a click [px]. */
 const CLICK = 6;
 
 /**
  * Listen to a chart.
  *
- * @param {object} chart with its frame and choose(a, b)
- * @param {object} stretch the stretch of time
- * @param {object} say what happens: read(t) the pointer is at t, or null: it left; changed() the
- *   stretch is another
+ * @param {Chart} chart
+ * @param {Stretch} stretch the stretch of time
+ * @param {{read: (t: number | null) => void, changed: () => void}} say what happens: read(t) the
+ *   pointer is at t [s], or null: it left; changed() the stretch is another
  */
 export function listen(chart, stretch, { read, changed }) {
   const { svg, area } = chart.frame;
   let began = null;
 
+  /** @type {(event: MouseEvent) => number} [px] */
   const placeOf = (event) => {
     const left = event.clientX - svg.getBoundingClientRect().left;
     return Math.min(Math.max(left, area.left), area.right);
   };
+  /** @type {(place: number) => number} from [px] to [s] */
   const timeAt = (place) => stretch.from + ((place - area.left) / area.width) * stretch.span;
   const end = () => {
     began = null;

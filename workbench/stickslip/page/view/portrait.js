@@ -5,6 +5,8 @@ import { portraitPath, slipNodes } from "./curves.js";
 import { draw, put, setText } from "./dom.js";
 import { makeFrame, px } from "./frame.js";
 
+/** @import { Motion, State } from "../model/motion.js" */
+
 /** Swings of a slip without end that are drawn. */
 const SWINGS = 20;
 
@@ -12,7 +14,7 @@ const SWINGS = 20;
  * Bring the portrait to life.
  *
  * @param {SVGSVGElement} svg
- * @returns {object} resize(), show(motion), mark(state)
+ * @returns resize(), show(motion), mark(state)
  */
 export function makePortrait(svg) {
   const frame = makeFrame(svg);
@@ -22,6 +24,7 @@ export function makePortrait(svg) {
   const centreName = draw(frame.over, "text", { class: "note" });
   const dot = draw(frame.over, "circle", { class: "dot", r: 4 });
 
+  /** @param {Motion} motion */
   function show(motion) {
     const { cycle, slip, numbers, p, z_s } = motion;
     const end = cycle.exists ? cycle.t_slip : Math.min(30 / slip.slow, SWINGS * slip.scale);
@@ -46,6 +49,7 @@ export function makePortrait(svg) {
       frame.resize(svg.clientWidth, svg.clientHeight);
     },
     show,
+    /** @param {State} state */
     mark({ z, x_dot }) {
       put(dot, { cx: px(frame.x(z)), cy: px(frame.y(x_dot)) });
     },

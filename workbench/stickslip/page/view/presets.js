@@ -2,13 +2,18 @@
 
 import { byId, on, setText } from "./dom.js";
 
+/** @import { Setting } from "../model/friction.js" */
+
+/** @typedef {Setting & {id: string, about: string, source: string}} Preset */
+
 /**
  * Bring the presets to life.
  *
- * @param {object[]} presets of the page
+ * @param {Preset[]} presets of the page
  * @param {string[]} names of the parameters
- * @param {(values: object) => void} choose called with the values of the one that is chosen, SI
- * @returns {(setting: object) => void} shows which preset a setting is
+ * @param {(values: Record<string, number>) => void} choose called with the values of the one that
+ *   is chosen, SI
+ * @returns {(setting: Setting) => void} shows which preset a setting is
  */
 export function makePresets(presets, names, choose) {
   const buttons = new Map(

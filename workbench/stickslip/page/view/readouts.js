@@ -3,10 +3,14 @@
 import { byId, setText } from "./dom.js";
 import { digits, fixed, quantity, scaleFor } from "./units.js";
 
+/** @import { Motion, State } from "../model/motion.js" */
+
+/** @typedef {{size: number, unit: string, decimals: number}} Scale */
+
 /**
  * Bring the read-outs to life.
  *
- * @returns {object} fit(motion, seen): after a new setting or stretch of time; show(state): write
+ * @returns fit(motion, seen): after a new setting or stretch of time; show(state): write
  *   the numbers of a state of the motion; tell(state): the same in words
  */
 export function makeReadouts() {
@@ -15,9 +19,14 @@ export function makeReadouts() {
   const ofF = byId("F-now");
   const ofZ = byId("z-now");
   const overshoot = byId("overshoot");
+  /** @type {Partial<Record<"t" | "x" | "x_dot" | "z" | "F", Scale>>} */
   let scales = {};
 
   return {
+    /**
+     * @param {Motion} motion
+     * @param {{from: number, to: number}} seen stretch of time [s]
+     */
     fit(motion, seen) {
       const { cycle, numbers, slip, p, z_s } = motion;
       // Without friction the spring is as long as its swing.
@@ -32,12 +41,14 @@ export function makeReadouts() {
         F: rangeOf(p.k * longest, "force"),
       };
     },
+    /** @param {State} state */
     show({ t, mode, x, x_pull, x_dot, z, F }) {
       setText(now, `${fixed(t, scales.t)}, ${modeInWords(mode)}`);
       setText(ofX, `x ${fixed(x, scales.x)}, v t ${fixed(x_pull, scales.x)}`);
       setText(ofF, `F ${fixed(F, scales.F)}`);
       setText(ofZ, `ẋ ${fixed(x_dot, scales.x_dot)}, z ${fixed(z, scales.z)}`);
     },
+    /** @param {State} state */
     tell({ t, mode, x, x_dot, x_pull, F }) {
       return (
         `${fixed(t, scales.t)}: ${modeInWords(mode)}, mass at ${fixed(x, scales.x)}, ` +
@@ -48,7 +59,14 @@ export function makeReadouts() {
   };
 }
 
-/** A unit for values up to `largest`, and decimals for differences of a thousandth of `range`. */
+/**
+ * A unit for values up to `largest`, and decimals for differences of a thousandth of `range`.
+ *
+ * @param {number} largest SI
+ * @param {string} kind of quantity
+ * @param {number} [range] SI
+ * @returns {Scale}
+ */
 function rangeOf(largest, kind, range = largest) {
   const scale = scaleFor(largest, kind);
   const decimals = Math.ceil(3 - Math.log10(range / scale.size));
@@ -59,6 +77,7 @@ function modeInWords(mode) {
   return mode === 0 ? "sticks" : "slips";
 }
 
+/** @param {Motion} motion */
 function overshootInWords({ slip, p, numbers }) {
   const force = slip.overshoot ? p.k * slip.overshoot.growth : 0;
   if (!(force > 0)) return "";

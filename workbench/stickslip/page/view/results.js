@@ -3,6 +3,12 @@
 import { byId, put, setText } from "./dom.js";
 import { digits, quantity, scaleFor } from "./units.js";
 
+/**
+ * @import { Setting, Numbers } from "../model/friction.js"
+ * @import { Motion } from "../model/motion.js"
+ * @import { Solution } from "./solution.js"
+ */
+
 /** From this deviation on the simplified value is marked. */
 const FAR_OFF = 0.05;
 
@@ -12,10 +18,10 @@ const PAUSE = 700;
 /**
  * Bring the table of results to life.
  *
- * @returns {(solution: object) => void} shows a solution {motion, simple, v_c, v_c_simple}
+ * @returns {(solution: Solution) => void} shows a solution
  */
 export function makeResults() {
-  const rows = [...document.querySelectorAll("[id^='readout-']")].map((row) => ({
+  const rows = [...document.querySelectorAll("[id^='readout-']")].map((/** @type {HTMLTableRowElement} */ row) => ({
     name: row.id.slice("readout-".length),
     kind: row.dataset.kind,
     exact: row.querySelectorAll("data")[0],
@@ -86,7 +92,12 @@ function hidden(words) {
   return span;
 }
 
-/** One sentence on what this setting does. */
+/**
+ * One sentence on what this setting does.
+ *
+ * @param {Motion} motion
+ * @param {number} v_c critical velocity [m/s]
+ */
 function inWords({ cycle, numbers, p }, v_c) {
   if (!cycle.exists) {
     return `No cycle: it breaks away once and then slides. ${whyNone(numbers, p, v_c)}`;
@@ -97,6 +108,11 @@ function inWords({ cycle, numbers, p }, v_c) {
   return `${jump}: sticks ${quantity(t_stick, "time")}, slips ${quantity(t_slip, "time")}.`;
 }
 
+/**
+ * @param {Numbers} numbers
+ * @param {Setting} p
+ * @param {number} v_c critical velocity [m/s]
+ */
 function whyNone({ zeta, Delta }, p, v_c) {
   if (zeta >= 1) return `The slip does not swing (ζ = ${digits(zeta, 3)}).`;
   if (Delta === 0) return "There is damping and no gap between μs and μk.";

@@ -5,6 +5,8 @@ import { px } from "./frame.js";
 import { shortest } from "./typed.js";
 import { quantity, scaleFor } from "./units.js";
 
+/** @import { Motion, State } from "../model/motion.js" */
+
 /** Jumps that one window holds; then it flips on, like the screen of an oscilloscope. */
 const JUMPS_SHOWN = 5;
 
@@ -18,8 +20,7 @@ const ROOM = { left: 18, block: 50, tall: 44, pull: 68, below: 36 };
  * drawn once; a setting or a state only moves it.
  *
  * @param {SVGSVGElement} svg
- * @returns {{arrange: function(object, number, number), show: function(object)}}
- *   arrange(motion, width, height): draw a motion of motionOf in this size [px];
+ * @returns arrange(motion, width, height): draw a motion of motionOf in this size [px];
  *   show(state): put everything where a state of motion.at has it
  */
 export function makeSchematic(svg) {
@@ -30,8 +31,14 @@ export function makeSchematic(svg) {
   const stretch = makeSpring(svg);
   const pull = makePull(svg);
   const place = makeMass(svg);
+  /** @type {(state: State) => void} */
   let show = () => {};
 
+  /**
+   * @param {Motion} motion
+   * @param {number} width [px]
+   * @param {number} height [px]
+   */
   function arrange(motion, width, height) {
     put(svg, { viewBox: `0 0 ${width} ${height}` });
     const reach = reachOf(motion);
@@ -65,10 +72,14 @@ export function makeSchematic(svg) {
     };
   }
 
-  return { arrange, show: (state) => show(state) };
+  return { arrange, show: (/** @type {State} */ state) => show(state) };
 }
 
-/** Lengths [m]: of a window, and of the spring the least, the most, that at a window's end. */
+/**
+ * Lengths [m]: of a window, and of the spring the least, the most, that at a window's end.
+ *
+ * @param {Motion} motion
+ */
 function reachOf({ p, numbers, cycle, slip, z_s }) {
   const turn = (2 * Math.PI) / numbers.w;
   const duration = cycle.exists ? cycle.t_slip : turn;

@@ -3,12 +3,31 @@
 import { typedText } from "./typed.js";
 import { shifted } from "./units.js";
 
+/** @import { Control } from "./typed.js" */
+
+/**
+ * A slider, which keeps a number that it is given as a text.
+ *
+ * @typedef {"min" | "max" | "step" | "value"} Kept
+ * @typedef {Omit<HTMLInputElement, Kept> & Record<Kept, string | number>} Slider
+ */
+
+/**
+ * The ends of a slider, in its control's unit.
+ *
+ * @typedef {{low: number, high: number}} Ends
+ */
+
 /** Few enough that each is another number of three digits: the finest is 1 %. */
 const STEPS = 300;
 
 /**
  * The ends of a control's slider, in its unit: those of the table, or, for a value beyond them,
  * ends about that value.
+ *
+ * @param {Control} control
+ * @param {number} value in the control's unit
+ * @returns {Ends}
  */
 export function sliderEnds(control, value) {
   const { low, high, scale } = control;
@@ -25,10 +44,10 @@ export function sliderEnds(control, value) {
 /**
  * Put a slider where its control's value is.
  *
- * @param {HTMLInputElement} slider
- * @param {object} control a row of the page's controls
+ * @param {Slider} slider
+ * @param {Control} control
  * @param {number} value in use, SI
- * @param {{low: number, high: number}} ends in the control's unit
+ * @param {Ends} ends
  */
 export function placeSlider(slider, control, value, ends) {
   const shown = shifted(String(value), control.decimals);
@@ -40,7 +59,13 @@ export function placeSlider(slider, control, value, ends) {
   slider.setAttribute("aria-valuetext", `${typedText(value, control)} ${control.unit}`.trim());
 }
 
-/** The value, SI, that a slider's position means: three digits of the shown unit. */
+/**
+ * The value, SI, that a slider's position means: three digits of the shown unit.
+ *
+ * @param {HTMLInputElement} slider
+ * @param {Control} control
+ * @param {Ends} ends
+ */
 export function valueAt(slider, control, ends) {
   if (control.scale === "linear") {
     // The end itself may lie between two steps.

@@ -1,5 +1,9 @@
 /** The stretch of time that the charts show. */
 
+/** @import { Motion } from "../model/motion.js" */
+
+/** @typedef {ReturnType<typeof makeStretch>} Stretch */
+
 /** The whole picture is this long, if the cycles in it are not fewer or more than these [s]. */
 const USUAL = 10;
 const FEWEST = 2;
@@ -12,10 +16,11 @@ const LEAST_ZOOMED_IN = 1e-5;
 /**
  * Keep the stretch of time: the whole picture, until a person chooses another.
  *
- * @returns {object} from, to [s], span; fit(motion) after a new setting; choose(from, to),
+ * @returns from, to [s], span; fit(motion) after a new setting; choose(from, to),
  *   zoom(factor, at), move(share), reset(), release()
  */
 export function makeStretch() {
+  /** @type {Motion} */
   let motion = null;
   let from = 0;
   let to = USUAL;
@@ -26,9 +31,14 @@ export function makeStretch() {
     ({ from, to } = wholePicture(motion));
   }
 
-  /** The latest end of a stretch that begins at a time: cycles count, the load-up does not. */
+  /**
+   * The latest end of a stretch that begins at a time: cycles count, the load-up does not.
+   *
+   * @type {(start: number) => number} [s]
+   */
   const latest = (start) => Math.max(start, motion.first) + MOST_ZOOMED_OUT * motion.beat;
 
+  /** @type {(...ends: number[]) => void} start and end [s] */
   function choose(start, end) {
     const shortest = Math.max(LEAST_ZOOMED_IN * motion.slip.scale, 1e-9 * end);
     const span = Math.max(end - start, shortest);
@@ -48,6 +58,7 @@ export function makeStretch() {
     get span() {
       return to - from;
     },
+    /** @param {Motion} next */
     fit(next) {
       motion = next;
       if (whole || to > latest(from)) reset();
@@ -57,9 +68,14 @@ export function makeStretch() {
       whole = true;
     },
     choose,
+    /**
+     * @param {number} factor by which the stretch grows [1]
+     * @param {number} [at] what stays in place [s]
+     */
     zoom(factor, at = 0.5 * (from + to)) {
       choose(at - (at - from) * factor, at + (to - at) * factor);
     },
+    /** @param {number} share of the stretch [1] */
     move(share) {
       const step = Math.max(share * (to - from), -from);
       choose(from + step, to + step);
@@ -68,7 +84,12 @@ export function makeStretch() {
   };
 }
 
-/** Ten seconds, or where a cycle is much shorter or longer, the first load-up and some cycles. */
+/**
+ * Ten seconds, or where a cycle is much shorter or longer, the first load-up and some cycles.
+ *
+ * @param {Motion} motion
+ * @returns {{from: number, to: number}} [s]
+ */
 function wholePicture(motion) {
   const { first, beat } = motion;
   const cycles = (USUAL - first) / beat;

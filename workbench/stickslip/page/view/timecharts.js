@@ -6,6 +6,15 @@ import { draw, put, setText } from "./dom.js";
 import { makeFrame, px } from "./frame.js";
 import { quantity, scaleFor } from "./units.js";
 
+/**
+ * @import { Motion, State } from "../model/motion.js"
+ * @import { SeenPhase } from "./curves.js"
+ * @import { Frame } from "./frame.js"
+ */
+
+/** @typedef {ReturnType<typeof makeChart>} Chart */
+/** @typedef {{from: number, to: number}} Seen a stretch of time [s] */
+
 /** A phase's name is written into its band where that is this wide [px]. */
 const ROOM_FOR_NAME = 38;
 /** The overshoot is explained where it is this high [px]. */
@@ -18,7 +27,7 @@ const LETTER = 6.2;
  *
  * @param {SVGSVGElement} svgX for the position
  * @param {SVGSVGElement} svgF for the force
- * @returns {object} charts: both; resize(); show(motion, seen): draw them; mark(state): move the
+ * @returns charts: both; resize(); show(motion, seen): draw them; mark(state): move the
  *   cursor there
  */
 export function makeTimeCharts(svgX, svgF) {
@@ -31,8 +40,13 @@ export function makeTimeCharts(svgX, svgF) {
   const thresholdName = draw(F.frame.over, "text", { class: "note", "text-anchor": "end" });
   const overshoot = draw(F.frame.over, "text", { class: "note" });
   const pullDot = draw(x.frame.over, "circle", { class: "dot pull", r: 4 });
+  /** @type {Element[]} */
   const names = [];
 
+  /**
+   * @param {Motion} motion
+   * @param {Seen} seen
+   */
   function show(motion, seen) {
     const { p, numbers } = motion;
     const phases = seenPhases(motion, seen, x.frame.area.width);
@@ -55,6 +69,11 @@ export function makeTimeCharts(svgX, svgF) {
     nameBands(phases);
   }
 
+  /**
+   * @param {Motion} motion
+   * @param {Seen} seen
+   * @param {SeenPhase[]} phases
+   */
   function showOvershoot({ numbers, p, slip }, seen, phases) {
     const height = slip.overshoot ? p.k * slip.overshoot.growth : 0;
     const top = F.frame.y(numbers.F_s + height);
@@ -71,6 +90,7 @@ export function makeTimeCharts(svgX, svgF) {
     note(overshoot, room && left < area.right ? words : "", at, top - 4, F.frame);
   }
 
+  /** @param {SeenPhase[]} phases */
   function nameBands(phases) {
     let used = 0;
     for (const { kind, start, end } of phases) {
@@ -85,6 +105,7 @@ export function makeTimeCharts(svgX, svgF) {
     for (const name of names.splice(used)) name.remove();
   }
 
+  /** @param {State} state */
   function mark(state) {
     x.mark(state.t, state.x);
     F.mark(state.t, state.F);
@@ -104,7 +125,11 @@ export function makeTimeCharts(svgX, svgF) {
   };
 }
 
-/** A chart's frame with bands for the phases, a cursor, and the stretch that is being chosen. */
+/**
+ * A chart's frame with bands for the phases, a cursor, and the stretch that is being chosen.
+ *
+ * @param {SVGSVGElement} svg
+ */
 function makeChart(svg) {
   const frame = makeFrame(svg);
   const hatch = draw(svg.querySelector("defs"), "pattern", {
@@ -122,6 +147,7 @@ function makeChart(svg) {
   const line = draw(frame.over, "path", { class: "cursor" });
   const dot = draw(frame.over, "circle", { class: "dot", r: 4 });
 
+  /** @param {SeenPhase[]} phases */
   function shade(phases) {
     const { top, bottom } = frame.area;
     const paths = { stick: "", slip: "" };
@@ -133,13 +159,22 @@ function makeChart(svg) {
     put(slips, { d: paths.slip });
   }
 
+  /**
+   * @param {number} t [s]
+   * @param {number} value SI
+   */
   function mark(t, value) {
     const left = px(frame.x(t));
     put(line, { d: `M${left} ${frame.area.top}V${frame.area.bottom}` });
     put(dot, { cx: left, cy: px(frame.y(value)) });
   }
 
-  /** Show the stretch between two places [px] as chosen, or none. */
+  /**
+   * Show the stretch between two places as chosen, or none.
+   *
+   * @param {number} [a] [px]
+   * @param {number} [b] [px]
+   */
   function choose(a, b) {
     const shown = b !== undefined;
     put(choice, { visibility: shown ? "visible" : "hidden" });
@@ -151,11 +186,17 @@ function makeChart(svg) {
   return { frame, shade, mark, choose };
 }
 
+/** @param {Seen} seen */
 function timeAxis({ from, to }) {
   const { size, unit } = scaleFor(to, "time");
   return { low: from, high: to, size, title: `time in ${unit}` };
 }
 
+/**
+ * @param {Motion} motion
+ * @param {Seen} seen
+ * @param {SeenPhase["points"]} points
+ */
 function forceAxis({ numbers, beat }, { from, to }, points) {
   const values = points.map(({ F }) => F);
   // Whole cycles are seen against zero and the threshold; a detail for itself.
@@ -163,7 +204,15 @@ function forceAxis({ numbers, beat }, { from, to }, points) {
   return axisOf(values, "force", "F", 0.05, 0.22);
 }
 
-/** Write a note where it is inside the plot, else hide it. */
+/**
+ * Write a note where it is inside the plot, else hide it.
+ *
+ * @param {Element} element
+ * @param {string} words
+ * @param {number} left [px]
+ * @param {number} top [px]
+ * @param {Frame} frame
+ */
 function note(element, words, left, top, { area }) {
   const shown = words && top > area.top && top < area.bottom;
   setText(element, shown ? words : "");

@@ -2,14 +2,29 @@
 
 import { shifted } from "./units.js";
 
+/**
+ * A row of the page's controls, as controls.toml explains it.
+ *
+ * @typedef {object} Control
+ * @property {string} name of the parameter
+ * @property {string} unit in which it is shown
+ * @property {number} decimals the shown number is the SI one times ten to this power
+ * @property {string} scale how the slider spans its ends: "linear", "log" or "square"
+ * @property {number} low lower end of the slider, in the shown unit
+ * @property {number} high upper end of the slider, in the shown unit
+ * @property {number} least what may be typed at least, in the shown unit
+ * @property {number} most what may be typed at most, in the shown unit
+ * @property {number} start start value of the FMU [SI]
+ */
+
 const NUMBER = /^[+-]?(\d+(\.\d*)?|\.\d+)(e[+-]?\d+)?$/i;
 
 /**
  * Read a typed text.
  *
  * @param {string} text as typed
- * @param {object} control a row of the page's controls
- * @returns {{value: number}|{objection: string}} the value in SI, rounded once, or what is wrong
+ * @param {Control} control
+ * @returns {{value?: number, objection?: string}} the value in SI, rounded once, or what is wrong
  */
 export function readTyped(text, control) {
   const typed = text.trim().replace(/^−/, "-");
@@ -36,12 +51,21 @@ export function readTyped(text, control) {
   return { value: shifted(typed, -control.decimals) + 0 };
 }
 
-/** The text of an SI value in the control's unit, with all its digits. */
+/**
+ * The text of an SI value in the control's unit, with all its digits.
+ *
+ * @param {number} value SI
+ * @param {Control} control
+ */
 export function typedText(value, control) {
   return shortest(shifted(String(value), control.decimals));
 }
 
-/** The text of a double, with an exponent where zeros would fill it. */
+/**
+ * The text of a double, with an exponent where zeros would fill it.
+ *
+ * @param {number} value
+ */
 export function shortest(value) {
   const plain = String(value);
   const withExponent = value.toExponential().replace("e+", "e");

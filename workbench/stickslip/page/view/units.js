@@ -1,5 +1,6 @@
 /** Numbers as a person reads them: four digits and a unit of fitting size. */
 
+/** @type {Record<string, [size: number, unit: string][]>} sizes [SI] and units, falling */
 const SCALES = {
   length: [
     [1e3, "km"],
@@ -46,6 +47,7 @@ const SCALES = {
 };
 
 /** Minutes, hours, days begin to be better read at more than one of them. */
+/** @type {Record<string, number>} */
 const ENOUGH = { min: 2, h: 2, days: 2, years: 2 };
 
 /**
@@ -64,7 +66,12 @@ export function scaleFor(value, kind) {
   return { size, unit };
 }
 
-/** A number with this many significant digits, a typeset minus, an exponent only where needed. */
+/**
+ * A number with this many significant digits, a typeset minus, an exponent only where needed.
+ *
+ * @param {number} value
+ * @param {number} [count]
+ */
 export function digits(value, count = 4) {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
@@ -102,7 +109,12 @@ export function fixed(value, { size, unit, decimals }) {
   return `${text.replace(/^-/, "")}\u00a0${unit}`;
 }
 
-/** A double from its shortest text, times ten to a power, rounded once: ("0.02", 3) is 20. */
+/**
+ * A double from its shortest text, times ten to a power, rounded once: ("0.02", 3) is 20.
+ *
+ * @param {string} text
+ * @param {number} power
+ */
 export function shifted(text, power) {
   const [mantissa, exponent = "0"] = text.toLowerCase().split("e");
   return Number(`${mantissa}e${Number(exponent) + power}`);

@@ -1,14 +1,16 @@
-"""What changes while the block runs: inputs and tunable parameters, held between changes."""
+"""Changes of inputs and tunable parameters during a run; each value holds until the next one."""
 
 from __future__ import annotations
 
 import math
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import Any
 
-from .parameters import FrictionClampWarning, Parameters
+from ..laws import FrictionLaw
+from ..parameters import FrictionClampWarning, Parameters
 
 INPUTS = ("v", "load", "F_ext")
 TUNABLE = ("k", "c", "mu_s", "mu_k")
@@ -25,6 +27,8 @@ class Change:
     values : mapping of str to float
         Values by name, in SI units: inputs ``v``, ``load``, ``F_ext``, tunable parameters ``k``,
         ``c``, ``mu_s``, ``mu_k``. What is not named stays as it is.
+    own : mapping of str to float, optional
+        Values of the friction law's own tunable parameters by name, in SI units.
 
     Raises
     ------
@@ -35,6 +39,7 @@ class Change:
 
     time: float
     values: Mapping[str, float]
+    own: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.time):
@@ -48,6 +53,7 @@ class Change:
             if not isinstance(value, int | float) or not math.isfinite(value):
                 raise ValueError(f"{name} = {value!r} at {self.time!r} s must be a finite number")
         object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
+        object.__setattr__(self, "own", MappingProxyType(dict(self.own)))
 
 
 @dataclass(frozen=True)
@@ -59,7 +65,11 @@ class Segment:
 
 
 def segments(
-    p: Parameters, changes: Iterable[Change], start_time: float, stop_time: float
+    p: Parameters,
+    changes: Iterable[Change],
+    start_time: float,
+    stop_time: float,
+    law: FrictionLaw,
 ) -> list[Segment]:
     """Cut a run at its changes.
 
@@ -69,7 +79,8 @@ def segments(
     Raises
     ------
     ValueError
-        If a change lies before the start, or takes a parameter out of its range.
+        If a change lies before the start, takes a parameter out of its range, or sets a parameter
+        of the friction law that is not tunable.
     """
     result: list[Segment] = []
     stop = stop_time - start_time
@@ -84,14 +95,18 @@ def segments(
             break
         if elapsed > (result[-1].end if result else 0.0):
             result.append(Segment(elapsed, p))
-        p = _changed(p, change.values)
+        p = _changed(p, change, law)
     result.append(Segment(stop, p))
     return result
 
 
-def _changed(p: Parameters, values: Mapping[str, float]) -> Parameters:
+def _changed(p: Parameters, change: Change, law: FrictionLaw) -> Parameters:
+    for name, value in change.own.items():
+        if name in law.parameters and not law.parameters[name].tunable:
+            raise ValueError(f"{name} = {value!r} at {change.time!r} s cannot change during a run")
+    values: Mapping[str, Any] = change.values
     with warnings.catch_warnings():
         if not {"mu_s", "mu_k"} & values.keys():
             # The clamp was warned of when the friction coefficients were set.
             warnings.simplefilter("ignore", FrictionClampWarning)
-        return replace(p, **values)
+        return law.complete(replace(p, **values), {**p.own, **change.own})

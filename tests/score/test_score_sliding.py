@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from stickslip_score import Curve, Score, score
 from stickslip_verification import truth
 from stickslip_verification.truth import Step
-from tests.verification import curve_makers as makers
-from tests.verification.curve_makers import Floats, Made
+from tests.score import curve_makers as makers
+from tests.score.curve_makers import Floats, Made
 
 DRAG = {"c": 500.0, "v": 0.1}
 """zeta = 7.9, and c v is 25 times the gap of the forces: the spring rises after break-away too."""

@@ -7,6 +7,7 @@ The slip is integrated in the deviation from steady sliding, in units of its own
     y1 = (x_dot - v) / (w L)         y1' = y0 - 2 zeta y1 - s extra(|x_dot|)
     y2 = integral of y0              for the work of the pulling end
     y3 = integral of 2 zeta u^2 + extra |u|,   u = x_dot / (w L), for the heat
+    y4 ... = the friction law's own state, if it has one
 
 ``extra`` is the part of the dry friction that changes with speed, over k L; Coulomb has none.
 
@@ -21,18 +22,45 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from .friction import FrictionLaw
-from .parameters import Parameters
+from ..laws import FrictionLaw, State
+from ..parameters import Parameters
 
 Floats = NDArray[np.float64]
-Sampling = Callable[[Floats], tuple[Floats, ...]]
+
+
+class Samples(NamedTuple):
+    """Motion at several times of an arc.
+
+    Attributes
+    ----------
+    relief : array, shape (n,)
+        Fall of z since the beginning of the arc [m].
+    x_dot : array, shape (n,)
+        Velocity of the mass [m/s].
+    integral_z : array, shape (n,)
+        Integral of z since the beginning [m s].
+    heat : array, shape (n,)
+        Heat since the beginning [J].
+    state : array, shape (number of own state variables, n)
+        The friction law's own state.
+    """
+
+    relief: Floats
+    x_dot: Floats
+    integral_z: Floats
+    heat: Floats
+    state: Floats
+
+
+Sampling = Callable[[Floats], Samples]
+"""Gives the motion at times [s] that count from the beginning of an arc."""
 
 MAX_STEP = 0.5
 """Largest step in 1 / w: about a twelfth of a period, so that no step hides two turns."""
@@ -67,6 +95,22 @@ STIFF_RTOL = 1e-11
 """Tolerance of the implicit method, whose order (5, its error estimate's 3) affords no less."""
 
 
+class SpeedLimitError(RuntimeError):
+    """The mass slips faster than its friction law holds.
+
+    Parameters
+    ----------
+    speed, limit : float
+        Speed of the mass, and the speed up to which the law holds [m/s].
+    """
+
+    def __init__(self, speed: float, limit: float) -> None:
+        super().__init__(
+            f"the mass reaches {speed:.6g} m/s, but the friction law holds up to {limit:.6g} m/s; "
+            "change the law's parameters, or what makes the slip so fast"
+        )
+
+
 @dataclass(frozen=True)
 class Slip:
     """A piece of slip; times count from its beginning.
@@ -84,8 +128,7 @@ class Slip:
     uncertainty : float
         What the integration leaves open of z at a stop [m].
     sample : callable
-        Takes times [s], gives the fall of z so far [m], x_dot [m/s], the integral of z so far
-        [m s] and the heat so far [J] at each.
+        The motion along it.
     """
 
     duration: float
@@ -103,6 +146,7 @@ def integrate_slip(
     z: float,
     x_dot: float,
     net_force: float,
+    state: State,
     duration: float,
     rtol: float,
 ) -> Slip:
@@ -113,7 +157,7 @@ def integrate_slip(
     p : Parameters
         Numbers only.
     law : FrictionLaw
-        Break-away is not its business here; slip friction is.
+        A law with a stick.
     s : int
         +1 or -1, the direction of slip.
     z, x_dot : float
@@ -121,6 +165,8 @@ def integrate_slip(
     net_force : float
         ``k z + F_ext - s slip_friction(0)`` [N] at the beginning. Taken apart from ``z`` because
         at break-away it is a difference known more exactly than its terms.
+    state : tuple of float
+        The law's own state at the beginning.
     duration : float
         How long at most [s], > 0.
     rtol : float
@@ -130,8 +176,10 @@ def integrate_slip(
     ------
     RuntimeError
         If the integration fails; the message gives SciPy's reason.
+    SpeedLimitError
+        If the mass slips faster than the friction law holds.
     """
-    problem = _Problem(p, law, s, z, x_dot, net_force)
+    problem = _Problem(p, law, s, z, x_dot, net_force, state)
     tau_end = duration * problem.w
     pieces: list[tuple[float, Any]] = []
     tau, y, from_rest, first_step = 0.0, problem.start, x_dot == 0.0, None
@@ -143,6 +191,7 @@ def integrate_slip(
             break
         span = min(tau_end - tau, SPAN)
         solution = _solve(problem, y, span, from_rest, first_step, rtol)
+        _check_speed(problem, solution)
         pieces.append((tau, solution.sol))
         peak = s * max(s * u for u in (peak, *(problem.u(at) for at in solution.y_events[1])))
         stop, grazes = _stop(problem, solution, rtol)
@@ -169,7 +218,14 @@ class _Problem:
     """The scaled initial value problem of one slip."""
 
     def __init__(
-        self, p: Parameters, law: FrictionLaw, s: int, z: float, x_dot: float, net_force: float
+        self,
+        p: Parameters,
+        law: FrictionLaw,
+        s: int,
+        z: float,
+        x_dot: float,
+        net_force: float,
+        state: State,
     ) -> None:
         k, v = float(p.k), float(p.v)
         self.p, self.law, self.s, self.v = p, law, s, v
@@ -181,9 +237,11 @@ class _Problem:
         self.scale = max(abs(deviation), abs(v) / self.w, abs(x_dot) / self.w) or 1.0
         self.beta = v / self.w / self.scale
         self.start = np.array(
-            [deviation / self.scale, x_dot / self.w / self.scale - self.beta, 0.0, 0.0]
+            [deviation / self.scale, x_dot / self.w / self.scale - self.beta, 0.0, 0.0, *state]
         )
-        self.at_zero_speed = law.slip_friction(p, 0.0)
+        self.at_zero_speed = law.slip_friction(p, 0.0, state)
+        self.state_scale = law.state_scale(p)
+        self.speed_limit = law.speed_limit(p)
 
     @property
     def stiff(self) -> bool:
@@ -208,28 +266,38 @@ class _Problem:
         """Velocity of the mass in units of w L."""
         return float(y[1]) + self.beta
 
-    def extra(self, u: float) -> float:
-        """Dry friction beyond that at zero speed, over k L."""
-        force = self.law.slip_friction(self.p, abs(u) * self.w * self.scale)
+    def speed(self, u: float) -> float:
+        """Speed of the mass [m/s]."""
+        return abs(u) * self.w * self.scale
+
+    def extra(self, u: float, state: State) -> float:
+        """Dry friction beyond that at zero speed and the first state, over k L."""
+        force = self.law.slip_friction(self.p, self.speed(u), state)
         return (force - self.at_zero_speed) / (float(self.p.k) * self.scale)
 
     def acceleration(self, y: Any) -> float:
         """Acceleration of the mass in units of w^2 L."""
         value = float(y[0]) - self.two_zeta * float(y[1])
-        return value if self.law.constant_in_slip else value - self.s * self.extra(self.u(y))
+        return (
+            value
+            if self.law.constant_in_slip
+            else value - self.s * self.extra(self.u(y), tuple(y[4:]))
+        )
 
-    def rates(self, tau: float, y: Floats) -> tuple[float, float, float, float]:
+    def rates(self, tau: float, y: Floats) -> tuple[float, ...]:
         """Right-hand side of the scaled equations."""
-        a, b, _, _ = y.tolist()
+        a, b, _, _, *own = y.tolist()
         u = b + self.beta
         if self.law.constant_in_slip:
             return -b, a - self.two_zeta * b, a, self.two_zeta * u * u
-        extra = self.extra(u)
+        state = tuple(own)
+        extra = self.extra(u, state)
         return (
             -b,
             a - self.two_zeta * b - self.s * extra,
             a,
             self.two_zeta * u * u + extra * abs(u),
+            *(rate / self.w for rate in self.law.rates(self.p, self.speed(u), state)),
         )
 
     def never_ends(self, y: Any) -> bool:
@@ -276,6 +344,9 @@ def _solve(
     s = problem.s
     never_ends = problem.never_ends(y)
 
+    def within(tau: float, y: Floats) -> float:
+        return problem.speed_limit - problem.speed(problem.u(y))
+
     def velocity(tau: float, y: Floats) -> float:
         return 1.0 if from_rest and tau == 0.0 else s * problem.u(y)
 
@@ -287,6 +358,8 @@ def _solve(
     velocity.terminal, velocity.direction = not never_ends, -1  # type: ignore[attr-defined]
     # Where s x_dot grows, its first turn is a maximum, its second the minimum that is looked for.
     turn.terminal = False if never_ends else 1 + grows_first  # type: ignore[attr-defined]  # same
+    within.terminal, within.direction = True, -1  # type: ignore[attr-defined]  # same
+    limited = math.isfinite(problem.speed_limit)
     stiff = problem.stiff
     rtol = problem.tolerance(rtol)
     atol = max(ATOL * min(1.0, abs(problem.beta)), LEAST_ATOL)
@@ -296,15 +369,21 @@ def _solve(
         y,
         method="Radau" if stiff else "DOP853",
         dense_output=True,
-        events=(velocity, turn),
+        events=(velocity, turn, *((within,) if limited else ())),
         rtol=rtol,
-        atol=[atol, atol, rtol, rtol],
+        atol=[atol, atol, rtol, rtol, *(rtol * size for size in problem.state_scale)],
         max_step=np.inf if never_ends or stiff else MAX_STEP,
         first_step=None if first_step is None else min(first_step, tau_end),
     )
     if solution.status < 0:
         raise RuntimeError(f"the integration of a slip failed: {solution.message}")
     return solution
+
+
+def _check_speed(problem: _Problem, solution: Any) -> None:
+    """Refuse a slip that has met the speed limit of the friction law."""
+    if any(event.size for event in solution.t_events[2:]):
+        raise SpeedLimitError(problem.speed(problem.u(solution.y[:, -1])), problem.speed_limit)
 
 
 def _stop(problem: _Problem, solution: Any, rtol: float) -> tuple[float | None, bool]:
@@ -326,9 +405,7 @@ def _stop(problem: _Problem, solution: Any, rtol: float) -> tuple[float | None, 
     return float(brentq(velocity, begin, end, xtol=1e-300, rtol=4.0 * np.finfo(float).eps)), False
 
 
-def _sample(
-    problem: _Problem, pieces: list[tuple[float, Any]], times: Floats
-) -> tuple[Floats, ...]:
+def _sample(problem: _Problem, pieces: list[tuple[float, Any]], times: Floats) -> Samples:
     taus = times * problem.w
     begins = np.array([begin for begin, _ in pieces])
     which = np.maximum(np.searchsorted(begins, taus, side="right") - 1, 0)
@@ -345,4 +422,4 @@ def _sample(
         problem.at_zero_speed * np.abs(problem.v * times + relief)
         + float(problem.p.k) * scale * scale * y[3]
     )
-    return relief, x_dot, integral_z, heat
+    return Samples(relief, x_dot, integral_z, heat, y[4:])

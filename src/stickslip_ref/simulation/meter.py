@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from .trajectory import EventKind, MeasuredCycle
+from ..trajectory import EventKind, MeasuredCycle
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .friction import FrictionLaw
+from ..laws import FrictionLaw
 from .motion import Arc
+from .slip import Samples
 
 Floats = NDArray[np.float64]
 
@@ -94,30 +95,54 @@ class Sampler:
         local = np.where(
             elapsed < arc.end, np.clip(elapsed - arc.begin, 0.0, arc.duration), arc.duration
         )
-        relief, x_dot, integral_z, heat = arc.sample(local)
-        z = arc.z - relief
-        step = v * local + relief if arc.mode else np.zeros_like(local)
+        motion = arc.sample(local)
+        z = arc.z - motion.relief
+        step = np.zeros_like(local) if arc.mode == 0 else v * local + motion.relief
         x = arc.x + step
         # Subtracted from 0.0, no force at all is 0.0 and not -0.0.
-        friction = 0.0 - (k * z + F_ext if arc.mode == 0 else self._resistance(arc, x_dot))
+        friction = 0.0 - (k * z + F_ext if arc.mode == 0 else self._resistance(arc, motion))
         rows = (
-            *(elapsed, x, x_dot, x + z, z, k * z, friction),
-            *(self._law.break_away_force(p), arc.mode, p.mu_k_used),
-            account.W_pull + k * v * integral_z,
+            *(elapsed, x, motion.x_dot, x + z, z, k * z, friction),
+            self._hold(arc, local, motion),
+            np.sign(motion.x_dot) if arc.mode is None else arc.mode,
+            p.mu_k_used,
+            account.W_pull + k * v * motion.integral_z,
             account.W_k,
             account.W_ext + F_ext * step,
-            account.Q_friction + heat,
+            account.Q_friction + motion.heat,
             arc.n_events,
         )
         return np.stack([np.broadcast_to(np.asarray(row, float), elapsed.shape) for row in rows])
 
-    def _resistance(self, arc: Arc, x_dot: Floats) -> Floats:
-        """Return friction and damping of the slipping mass [N], along x."""
-        if self._law.constant_in_slip:
-            dry = np.full_like(x_dot, self._law.slip_friction(arc.p, 0.0))
+    def _hold(self, arc: Arc, local: Floats, motion: Samples) -> Floats | float:
+        """Return the break-away force [N], in slip that of a stick at age 0."""
+        law, sticks = self._law, arc.mode == 0
+        if not (law.ages and sticks) and not motion.state.size:
+            return law.break_away_force(arc.p, arc.age)
+        ages = arc.age + local if sticks else np.zeros_like(local)
+        states = motion.state.T.tolist() if motion.state.size else [()] * local.size
+        return np.array(
+            [
+                law.break_away_force(arc.p, age, tuple(state))
+                for age, state in zip(ages.tolist(), states, strict=True)
+            ]
+        )
+
+    def _resistance(self, arc: Arc, motion: Samples) -> Floats:
+        """Return friction and damping of the moving mass [N], along x."""
+        law, x_dot = self._law, motion.x_dot
+        if law.constant_in_slip:
+            dry = np.full_like(x_dot, law.slip_friction(arc.p, 0.0))
         else:
-            dry = np.array([self._law.slip_friction(arc.p, abs(each)) for each in x_dot])
-        return arc.mode * dry + float(arc.p.c) * x_dot
+            speeds = (x_dot if arc.mode is None else np.abs(x_dot)).tolist()
+            states = motion.state.T.tolist() if motion.state.size else [()] * len(speeds)
+            dry = np.array(
+                [
+                    law.slip_friction(arc.p, speed, tuple(state))
+                    for speed, state in zip(speeds, states, strict=True)
+                ]
+            )
+        return (1 if arc.mode is None else arc.mode) * dry + float(arc.p.c) * x_dot
 
 
 def _check_times(times: Floats, start_time: float, stop_time: float) -> None:

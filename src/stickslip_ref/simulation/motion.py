@@ -1,7 +1,7 @@
-"""The block moving from event to event; docs/theory.md (1), (4), (15).
+"""The motion of the block from event to event; docs/theory.md (1), (4), (15).
 
-Stick is linear and evaluated as such; slip is integrated. What happens between them - break-away,
-re-stick, reversal, a change of input - is decided here, at rest, and nowhere else.
+Stick is linear and evaluated as such; slip is integrated. Break-away, re-stick, reversal and the
+effect of a change of input are decided here and nowhere else.
 """
 
 from __future__ import annotations
@@ -12,16 +12,21 @@ from dataclasses import asdict, dataclass, replace
 from functools import partial
 
 import numpy as np
+from scipy.optimize import brentq
 
-from .friction import FrictionLaw, breaks_away
+from ..laws import FrictionLaw
+from ..parameters import Parameters
+from ..trajectory import Event, EventKind
 from .inputs import Segment
 from .meter import Phase
-from .parameters import Parameters
-from .slip import Floats, Sampling, integrate_slip
-from .trajectory import Event, EventKind
+from .slip import Floats, Samples, Sampling, integrate_slip
+from .whole import integrate_whole
 
 MAX_SIMULTANEOUS = 100
 """Events at one time. Re-stick, break-away and a reversal may follow each other, more may not."""
+
+REST_SLACK = 8.0 * 2.0**-52
+"""Rounding slack of the rest test, relative to the sum of the forces it compares; theory (4)."""
 
 
 @dataclass(frozen=True)
@@ -40,14 +45,16 @@ class Arc:
 
     ``begin`` and ``end`` count from the start of the run [s]; ``end`` is a number of its own since
     ``begin + duration`` may round past it. ``closed`` says that the arc ends with its segment, at
-    the segment's very end, and not with an event. ``sample`` is as in `slip.Slip`, for sticks too.
+    the segment's very end, and not with an event. ``mode`` is None where the motion of a law
+    without a stick is taken whole. ``age`` is the age of the stick at the beginning [s].
     """
 
     begin: float
     end: float
     duration: float
     closed: bool
-    mode: int
+    mode: int | None
+    age: float
     p: Parameters
     x: float
     z: float
@@ -90,6 +97,7 @@ class Motion:
         self.rtol, self.max_events = rtol, max_events
         self.now = 0.0
         self.x, self.z, self.x_dot = float(p.x_start), float(p.z_start), float(p.x_dot_start)
+        self.state = law.state_start(p)
         self.mode = int(np.sign(self.x_dot))
         self.account = Account()
         self.phases: list[Phase] = []
@@ -98,7 +106,7 @@ class Motion:
         self._simultaneous = 0
         # k z + F_ext - s slip_friction(0) [N], where an event gives it more exactly than z does.
         self._net_force: float | None = None
-        if self.mode == 0:
+        if law.sticks and self.mode == 0:
             self._test_rest()
 
     def change(self, p: Parameters) -> None:
@@ -107,6 +115,8 @@ class Motion:
         self.account = replace(self.account, W_k=self.account.W_k + work)
         self.p = p
         self._net_force = None
+        if not self.law.sticks:
+            return
         if self.mode == 0:
             self._test_rest()
         elif self.x_dot == 0.0 and not (self._beyond() and self.mode * self._pull > 0.0):
@@ -122,14 +132,15 @@ class Motion:
         """
         while True:
             left = max(segment.end - self.now, 0.0)
-            duration, sample, event = self._slip(left) if self.mode else self._stick(left)
+            duration, sample, event = self._move(left)
             end = min(self.now + duration, segment.end) if event else segment.end
             yield Arc(
                 begin=self.now,
                 end=end,
                 duration=duration,
                 closed=event is None,
-                mode=self.mode,
+                mode=self.mode if self.law.sticks else None,
+                age=self._age,
                 p=self.p,
                 x=self.x,
                 z=self.z,
@@ -142,6 +153,13 @@ class Motion:
                 return
             event()
 
+    def _move(self, left: float) -> tuple[float, Sampling, Callable[[], None] | None]:
+        """Return the next arc: its duration, motion, and the event that ends it if one does."""
+        if not self.law.sticks:
+            z, x_dot, state = self.z, self.x_dot, self.state
+            return left, integrate_whole(self.p, self.law, z, x_dot, state, left), None
+        return self._slip(left) if self.mode else self._stick(left)
+
     def _stick(self, left: float) -> tuple[float, Sampling, Callable[[], None] | None]:
         """Let the pulled end move until break-away, or for the time that is left."""
         z, v = self.z, float(self.p.v)
@@ -149,10 +167,15 @@ class Motion:
         if rate != 0.0:
             reach = math.copysign(self._hold, v) - float(self.p.F_ext) - float(self.p.k) * z
             wait = max(reach / rate, 0.0)
+            if self.law.ages:
+                wait = self._aged_wait(abs(reach), abs(rate), left) if wait < left else wait
+        p, law, state = self.p, self.law, self.state
 
-        def sample(times: Floats) -> tuple[Floats, ...]:
+        def sample(times: Floats) -> Samples:
             none = np.zeros_like(times)
-            return -v * times, none, (z + 0.5 * v * times) * times, none
+            rested = [law.rested(p, time, state) for time in times.tolist()] if state else []
+            own = np.array(rested, dtype=np.float64).reshape(len(rested), len(state)).T
+            return Samples(-v * times, none, (z + 0.5 * v * times) * times, none, own)
 
         # A break-away that falls on the end of the segment is left to what acts from then on.
         return (wait, sample, self._break_away) if wait < left else (left, sample, None)
@@ -160,10 +183,11 @@ class Motion:
     def _slip(self, left: float) -> tuple[float, Sampling, Callable[[], None] | None]:
         """Let the mass slip until it stops, or for the time that is left."""
         net_force = self._net_force
+        p, state = self.p, self.state
         if net_force is None:
-            net_force = self._pull - self.mode * self.law.slip_friction(self.p, 0.0)
+            net_force = self._pull - self.mode * self._sliding
         slip = integrate_slip(
-            self.p, self.law, self.mode, self.z, self.x_dot, net_force, left, self.rtol
+            p, self.law, self.mode, self.z, self.x_dot, net_force, state, left, self.rtol
         )
         self._open.x_dot_peak = max(self._open.x_dot_peak, slip.x_dot_peak, key=self._along)
         if not slip.stopped:
@@ -174,9 +198,11 @@ class Motion:
 
     def _advance(self, duration: float, end: float, sample: Sampling) -> None:
         """Take over the state at the end of an arc. In stick, x keeps every bit."""
-        relief, x_dot, integral_z, heat = (float(each[0]) for each in sample(np.array([duration])))
+        *numbers, state = sample(np.array([duration]))
+        relief, x_dot, integral_z, heat = (float(each[0]) for each in numbers)
         p, account = self.p, self.account
-        step = float(p.v) * duration + relief if self.mode else 0.0
+        sticks = self.law.sticks and self.mode == 0
+        step = 0.0 if sticks else float(p.v) * duration + relief
         self.account = Account(
             W_pull=account.W_pull + float(p.k) * float(p.v) * integral_z,
             W_k=account.W_k,
@@ -186,6 +212,7 @@ class Motion:
         self.z -= relief
         self.x += step
         self.x_dot = x_dot
+        self.state = tuple(state[:, 0].tolist()) if self.state else self.state
         self._net_force = None
         self._open.duration += duration
         self._open.delta_x += step
@@ -200,7 +227,7 @@ class Motion:
         if self._open.duration > 0.0:
             self.z = (s * self._hold - float(self.p.F_ext)) / float(self.p.k)
         self._transit("break-away", s)
-        self._net_force = s * max(self._hold - self.law.slip_friction(self.p, 0.0), 0.0)
+        self._net_force = s * max(self._hold - self._sliding, 0.0)
 
     def _test_rest(self) -> None:
         """Break away at once if the mass rests beyond F_s."""
@@ -225,7 +252,7 @@ class Motion:
         With F_s = 0 the direction of the next slip hangs on the last bit of z, so z is taken from
         the balance of forces and not from the integration.
         """
-        balance = self.mode * self.law.slip_friction(self.p, 0.0)
+        balance = self.mode * self._sliding
         self.z = (balance - float(self.p.F_ext)) / float(self.p.k)
         self._stop_slip()
 
@@ -261,6 +288,57 @@ class Motion:
         return float(self.p.k) * self.z + float(self.p.F_ext)
 
     @property
+    def _age(self) -> float:
+        """Age of the stick [s]; 0 in slip."""
+        return 0.0 if self.mode else self._open.duration
+
+    @property
     def _hold(self) -> float:
-        """Break-away force [N]."""
-        return self.law.break_away_force(self.p)
+        """Break-away force now [N]."""
+        return self.law.break_away_force(self.p, self._age, self.state)
+
+    @property
+    def _sliding(self) -> float:
+        """Friction at the smallest speed now [N]."""
+        return self.law.slip_friction(self.p, 0.0, self.state)
+
+    def _aged_wait(self, reach: float, rate: float, left: float) -> float:
+        """Return how long [s] a stick lasts whose break-away force grows with its age.
+
+        ``reach`` [N] is what the force lacks to break-away now, ``rate`` [N/s] its growth. The
+        break-away force is concave in the age, so what is lacking changes its sign only once.
+        """
+        age, hold = self._age, self._hold
+
+        def lacking(time: float) -> float:
+            state = self.law.rested(self.p, time, self.state)
+            grown = self.law.break_away_force(self.p, age + time, state) - hold
+            return reach + grown - rate * time
+
+        if lacking(left) >= 0.0:
+            return math.inf
+        low = min(reach / rate, left)
+        if lacking(low) <= 0.0:
+            return low
+        return float(brentq(lacking, low, left, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
+
+
+def breaks_away(spring_force: float, F_ext: float, F_s: float, uncertainty: float = 0.0) -> bool:
+    """Tell whether a mass at rest is pulled by more than friction holds; docs/theory.md (4).
+
+    Parameters
+    ----------
+    spring_force, F_ext : float
+        Spring force ``k z`` and external force [N].
+    F_s : float
+        Break-away force [N].
+    uncertainty : float
+        What is not known of the spring force [N], where it comes from an integration.
+
+    Notes
+    -----
+    Equality sticks, and "more" means by more than rounding: ``8 * 2**-52`` of
+    ``|k z| + |F_ext| + F_s``.
+    """
+    slack = REST_SLACK * (abs(spring_force) + abs(F_ext) + F_s)
+    return abs(spring_force + F_ext) - F_s > slack + uncertainty

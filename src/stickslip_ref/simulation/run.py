@@ -1,20 +1,20 @@
-"""A run of the block, from its parameters to a trajectory."""
+"""A run of the block: parameters and changes in, trajectory out."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .friction import COULOMB, FrictionLaw
+from ..laws import COULOMB, FrictionLaw, friction_law
+from ..parameters import Parameters
+from ..trajectory import Trajectory
 from .inputs import Change, segments
 from .meter import Reading, measured_cycles, readings
 from .motion import Motion
-from .parameters import Parameters
 from .sampling import Sampler
-from .trajectory import Trajectory
 
 RTOL = 3e-14
 """Default tolerance of a step: near the least that SciPy takes; a slip then costs 2 to 3 ms."""
@@ -35,7 +35,8 @@ def simulate(
     changes: Iterable[Change] = (),
     times: ArrayLike | None = None,
     rtol: float = RTOL,
-    law: FrictionLaw = COULOMB,
+    law: FrictionLaw | str = COULOMB,
+    own: Mapping[str, float] | None = None,
     max_events: int = 1_000_000,
 ) -> Trajectory:
     """Simulate the block with SciPy; docs/theory.md (1), (3) to (5), (15), (16).
@@ -56,8 +57,11 @@ def simulate(
         intervals of the run and 32 of each slip.
     rtol : float, optional
         Relative tolerance of an integration step, 2.3e-14 to 1e-3.
-    law : FrictionLaw, optional
-        The friction law; Coulomb's by default.
+    law : FrictionLaw or str, optional
+        The friction law, or its dotted name ``"module:NAME"`` as `friction_law` takes it; Coulomb's
+        by default.
+    own : mapping of str to float, optional
+        Values of the law's own parameters by name, SI; what is missing takes the law's start value.
     max_events : int, optional
         How many events to allow.
 
@@ -69,10 +73,12 @@ def simulate(
     Raises
     ------
     ValueError
-        If ``p`` holds arrays, a time or tolerance is out of range, or a change is not allowed.
+        If ``p`` holds arrays, a time or tolerance is out of range, a change is not allowed, or the
+        law or one of its own parameters is not usable.
     RuntimeError
-        If there are more than ``max_events`` events, more than 100 at one time, or the integration
-        of a slip fails; the message gives the number, the time and the reason.
+        If there are more than ``max_events`` events, more than 100 at one time, the integration of
+        a slip fails, or the mass slips faster than the friction law holds; the message gives the
+        numbers and the reason.
 
     Notes
     -----
@@ -85,7 +91,8 @@ def simulate(
     1e-11.
     """
     _check_run(p, start_time, stop_time, rtol)
-    parts = segments(p, changes, start_time, stop_time)
+    law = friction_law(law) if isinstance(law, str) else law
+    parts = segments(law.complete(p, own or {}), changes, start_time, stop_time, law)
     sampler = Sampler(law, start_time, stop_time, times)
     motion = Motion(parts[0].p, law, start_time, rtol, max_events)
     for number, part in enumerate(parts):

@@ -11,8 +11,8 @@ import pytest
 from stickslip_score import Curve, CurveError, Score, as_json, score
 from stickslip_verification import truth
 from stickslip_verification.truth import Step
-from tests.verification import curve_makers as makers
-from tests.verification.curve_makers import Made
+from tests.score import curve_makers as makers
+from tests.score.curve_makers import Made
 
 QUANTITIES = ("period", "t_stick", "t_slip", "delta_x")
 ROUNDING = 1e-11

@@ -1,6 +1,4 @@
-"""One slip in closed form: how fast, how far, how hot, and when it ends.
-
-docs/theory.md (3), (5), (15).
+"""Coulomb's friction law: its slip in closed form. docs/theory.md (3), (5), (15).
 
 Everything is counted along the slip: a slip backward is the mirror image of one forward, so the
 pulling speed V = s v carries the sign and the speed of the mass is never negative.
@@ -8,9 +6,12 @@ pulling speed V = s v carries the sign and the speed of the mass is never negati
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
+from stickslip_verification.truth.law import FrictionLaw
 from stickslip_verification.truth.parameters import Context, Number, Numbers, root_tolerance
+from stickslip_verification.truth.series import Series
 
 
 class Fall(NamedTuple):
@@ -239,6 +240,21 @@ class Slip:
             self.decided_after = self.duration
         return True
 
+    def reach(self, t: Number) -> None:
+        """Do nothing: `duration` is known from the start."""
+
+    def decision(self, t: Number) -> Number | None:
+        """Return `margin` if the decision has been met by the time t [s], else None."""
+        return self.margin if self.margin is not None and t >= self.decided_after else None
+
+    def dry_friction(self, t: Number) -> Number:
+        """Return mu_k N [N] at any time."""
+        return self._numbers.F_k
+
+    def state(self, t: Number) -> tuple[Number, ...]:
+        """Return nothing: the law has no state of its own."""
+        return ()
+
     def _relative_velocity(self) -> RelativeVelocity:
         context, n = self._context, self._numbers
         alpha = n.c / (2 * n.m)
@@ -400,3 +416,30 @@ class Slip:
         if rise_end is not None and rise_end <= t:
             top = max(top, self._V + self._velocity.at(rise_end)[0])
         return top
+
+
+class Coulomb(FrictionLaw):
+    """Coulomb's law: mu_s N holds at rest, mu_k N drags in slip. docs/theory.md (1)."""
+
+    def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
+        """Return mu_k N [N] at any speed."""
+        return Series(speed.context, [n.F_k])
+
+    def gap(self, n: Numbers, hold: Number, sliding: Number) -> Number:
+        """Return (mu_s - mu_k) N [N], rounded once."""
+        return n.gap
+
+    def slip(
+        self,
+        context: Context,
+        n: Numbers,
+        direction: int,
+        speed: Number,
+        acceleration: Number,
+        state: tuple[Number, ...],
+    ) -> Slip:
+        """Return the slip in closed form."""
+        return Slip(context, n, direction, speed, acceleration)
+
+
+COULOMB = Coulomb()

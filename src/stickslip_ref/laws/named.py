@@ -1,0 +1,53 @@
+"""A friction law given by one dotted name."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from .law import FrictionLaw
+
+EXAMPLE = "'my_laws.stribeck:STRIBECK'"
+
+
+def friction_law(name: str) -> FrictionLaw:
+    """Return the reference's side of the friction law that a dotted name gives.
+
+    Parameters
+    ----------
+    name : str
+        ``"module:NAME"``, an object whose attribute ``reference`` is in turn the dotted name of a
+        `FrictionLaw`.
+
+    Raises
+    ------
+    ValueError
+        If the name is not of this form, a module or an attribute is missing, or the object found
+        is no `FrictionLaw`; the message gives the reason and an example.
+    """
+    inner = getattr(_found(name), "reference", None)
+    if not isinstance(inner, str):
+        raise ValueError(
+            f"the friction law {name!r} has no attribute 'reference' with the dotted name of the "
+            "reference's side, such as 'my_laws.stribeck.reference:LAW'"
+        )
+    law = _found(inner)
+    if not isinstance(law, FrictionLaw):
+        raise ValueError(
+            f"{inner!r} is a {type(law).__name__}; the reference's side of a friction law is an "
+            "object of a subclass of stickslip_ref.FrictionLaw"
+        )
+    return law
+
+
+def _found(name: str) -> Any:
+    module, colon, attribute = name.partition(":")
+    if not (module and colon and attribute):
+        raise ValueError(f"{name!r} is no dotted name module:NAME, such as {EXAMPLE}")
+    try:
+        return getattr(import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise ValueError(
+            f"the friction law {name!r} was not found ({error}); expected module:NAME, such as "
+            f"{EXAMPLE}, of a module that Python can import"
+        ) from None

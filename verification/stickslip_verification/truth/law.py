@@ -1,0 +1,194 @@
+"""The contract of a friction law in the truth, and the law's side of a dotted name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any, Protocol
+
+from stickslip_verification.truth.march import Friction, March
+from stickslip_verification.truth.parameters import Context, Number, Numbers, Parameter
+from stickslip_verification.truth.series import Series
+
+_EXAMPLE = "'my_laws.stribeck:STRIBECK'"
+
+
+class Slip(Protocol):
+    """What a run asks of a slip; all times count from its start. See `March` for each of these."""
+
+    speed: Number
+    duration: Number | None
+    end_acceleration: Number | None
+
+    def reach(self, t: Number) -> None:
+        """Follow the slip up to the time `t` [s], or to its end if that is earlier."""
+        ...
+
+    def stays(self, changed: Numbers, t: Number) -> bool:
+        """Return whether the slip under way at `t` is the same with `changed` numbers."""
+        ...
+
+    def decision(self, t: Number) -> Number | None:
+        """Return how clearly the slip has ended or gone on up to `t`; None if nothing decided."""
+        ...
+
+    def motion(self, t: Number) -> tuple[Number, Number]:
+        """Return speed s x_dot [m/s] and distance s (x - x_0) [m] at `t`."""
+        ...
+
+    def dry_friction(self, t: Number) -> Number:
+        """Return the friction [N] against the slip at `t`, viscous damping not included."""
+        ...
+
+    def state(self, t: Number) -> tuple[Number, ...]:
+        """Return the friction law's own state at `t`."""
+        ...
+
+    def work_and_heat(self, t: Number, speed: Number, distance: Number) -> tuple[Number, Number]:
+        """Return work done by the pulled end and heat [J] from the start to `t`."""
+        ...
+
+    def top_speed(self, t: Number) -> Number:
+        """Return the largest speed [m/s] between the start and `t`."""
+        ...
+
+
+class FrictionLaw:
+    """Base class of a friction law of the truth.
+
+    To add a law, subclass `FrictionLaw` and give `run` an object of the subclass, or a dotted name
+    that `friction_law` resolves to it. Nothing else is registered anywhere. ``n`` is always a
+    `Numbers`: the parameters in force as exact numbers, the law's own in ``n.own``. Forces are in
+    newtons. Results carry the digits that `run` was asked for if the law computes with the numbers
+    it is given and with integers only, never with floats.
+
+    A law brings:
+
+    1. Its own parameters in `parameters`, rows as those of the model's own table.
+    2. The break-away force, `hold`, given the age of the stick as a series. If it depends on the
+       age, set ``ages = True``; it must then be a non-decreasing, concave function of the age. At
+       age 0 it is at least the friction at speed 0.
+    3. The friction in slip, `kinetic`: from the series of the speed the series of the friction, an
+       analytic function of the speed. It is written as an expression in ``speed`` with the
+       operations of `Series`. Instead, a law with a closed form returns a `Slip` of its own from
+       `slip`, and from `kinetic` the friction at the value of the series.
+    4. Where the law ends at some speed, that speed: `speed_limit`. The expression of `kinetic` is
+       evaluated a little beyond it. A run that passes it is refused with speed and limit.
+    5. If it has state variables of its own: their values at the start of a run, `state_start`;
+       the series of their rates in slip, `rates`; and their values after a time at rest, `rested`.
+    6. Where the mass never sticks: ``sticks = False``. Then `hold` shows as the output F_s only,
+       ``speed`` is the signed velocity and `kinetic` the signed friction, analytic through 0. There
+       are no events, the meter stays at its starts, and the mode is the sign of the velocity.
+
+    A law may assume:
+
+    7. Inputs and parameters are constant along an arc. After a change `rested` starts anew from
+       the state at the change, and the age of a stick goes on.
+    8. The speed is >= 0 in `kinetic` and `rates` of a law with a stick.
+
+    A law must leave alone:
+
+    9. The viscous damping c, the spring and F_ext: the march adds them.
+    10. Events, meter, energies and outputs. The law's methods have no side effect.
+    """
+
+    parameters: Sequence[Parameter] = ()
+    """The law's own parameters."""
+
+    ages: bool = False
+    """Whether the break-away force depends on the age of the stick."""
+
+    sticks: bool = True
+    """Whether the mass can stick."""
+
+    def hold(self, n: Numbers, age: Series, state: Sequence[Number]) -> Series | Number:
+        """Return the break-away force [N] at an age of the stick [s]; mu_s N by default."""
+        return n.F_s
+
+    def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
+        """Return the dry friction [N] on a mass that slips at ``speed`` [m/s]."""
+        raise NotImplementedError(f"{type(self).__name__} does not say its friction in slip")
+
+    def gap(self, n: Numbers, hold: Number, sliding: Number) -> Number:
+        """Return ``hold - sliding`` [N], exactly 0 where a law makes the two forces equal."""
+        return hold - sliding
+
+    def speed_limit(self, n: Numbers) -> Number | None:
+        """Return the speed [m/s] up to which the law holds; None, the default, without a limit."""
+        return None
+
+    def state_start(self, n: Numbers) -> tuple[Number, ...]:
+        """Return the own state at the start of a run; none by default."""
+        return ()
+
+    def rates(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Sequence[Series]:
+        """Return the rates [1/s] of the own state at ``speed`` [m/s]; none by default."""
+        return ()
+
+    def rested(self, n: Numbers, duration: Number, state: tuple[Number, ...]) -> tuple[Number, ...]:
+        """Return the own state after ``duration`` [s] at rest; unchanged by default."""
+        return state
+
+    def slip(
+        self,
+        context: Context,
+        n: Numbers,
+        direction: int,
+        speed: Number,
+        acceleration: Number,
+        state: tuple[Number, ...],
+    ) -> Slip:
+        """Return the slip that starts at ``speed`` [m/s] with s x_ddot = ``acceleration`` [m/s2].
+
+        By default it is marched by Taylor series.
+        """
+        friction = Friction(
+            force=lambda u, own: self.kinetic(n, u, own),
+            rates=lambda u, own: self.rates(n, u, own),
+            limit=self.speed_limit(n),
+            signed=not self.sticks,
+        )
+        return March(context, n, friction, direction, speed, acceleration, state)
+
+
+def friction_law(name: str) -> FrictionLaw:
+    """Return the truth's side of the friction law that a dotted name gives.
+
+    Parameters
+    ----------
+    name
+        ``"module:NAME"``, an object whose attribute ``truth`` is in turn the dotted name of a
+        `FrictionLaw`.
+
+    Raises
+    ------
+    ValueError
+        If the name is not of this form, a module or an attribute is missing, or the object found
+        is no `FrictionLaw`; the message gives the reason and an example.
+    """
+    inner = getattr(_found(name), "truth", None)
+    if not isinstance(inner, str):
+        raise ValueError(
+            f"the friction law {name!r} has no attribute 'truth' with the dotted name of the "
+            "truth's side, such as 'my_laws.stribeck.truth:LAW'"
+        )
+    law = _found(inner)
+    if not isinstance(law, FrictionLaw):
+        raise ValueError(
+            f"{inner!r} is a {type(law).__name__}; the truth's side of a friction law is an "
+            "object of a subclass of stickslip_verification.truth.FrictionLaw"
+        )
+    return law
+
+
+def _found(name: str) -> Any:
+    module, colon, attribute = name.partition(":")
+    if not (module and colon and attribute):
+        raise ValueError(f"{name!r} is no dotted name module:NAME, such as {_EXAMPLE}")
+    try:
+        return getattr(import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise ValueError(
+            f"the friction law {name!r} was not found ({error}); expected module:NAME, such as "
+            f"{_EXAMPLE}, of a module that Python can import"
+        ) from None

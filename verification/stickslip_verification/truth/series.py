@@ -1,0 +1,203 @@
+"""Arithmetic of Taylor series in high precision, coefficient by coefficient.
+
+A `Series` computes a coefficient when it is asked for, from coefficients of no higher order of the
+series that it is made of. So a differential equation can be solved by recurrence: the coefficients
+of the unknown are appended as they become known, and those of any expression in it follow.
+Formulas: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
+Springer 1993, section I.8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from stickslip_verification.truth.parameters import Context, Number
+
+Rule = Callable[[int], Number]
+
+
+class Series:
+    """A power series in the time since the point of expansion.
+
+    Supports ``+ - * /`` with series and numbers, ``**`` with a number, `exp` and `log`.
+
+    Parameters
+    ----------
+    context
+        High-precision context.
+    terms
+        The first coefficients.
+    rule
+        Gives the coefficient of an order >= ``len(terms)``; by default 0.
+    parts
+        The series that the rule reads.
+    """
+
+    def __init__(
+        self,
+        context: Context,
+        terms: Sequence[Number],
+        rule: Rule | None = None,
+        parts: tuple[Series, ...] = (),
+    ) -> None:
+        self.context = context
+        self.terms = list(terms)
+        self._rule = rule or (lambda order: context.zero)
+        self._parts = parts
+
+    @classmethod
+    def unknown(cls, context: Context, start: Number) -> Series:
+        """Return the series of an unknown that starts at `start`; append to its ``terms``."""
+
+        def missing(order: int) -> Number:
+            raise LookupError(f"the coefficient of order {order} is not known yet")
+
+        return cls(context, [start], missing)
+
+    @classmethod
+    def variable(cls, context: Context, start: Number) -> Series:
+        """Return the series of ``start + t``."""
+        return cls(context, [start, context.one])
+
+    def term(self, order: int) -> Number:
+        """Return the coefficient of t^order."""
+        while len(self.terms) <= order:
+            self.terms.append(self._rule(len(self.terms)))
+        return self.terms[order]
+
+    def all_parts(self) -> Iterator[Series]:
+        """Yield this series and every series that it is made of."""
+        yield self
+        for part in self._parts:
+            yield from part.all_parts()
+
+    def exp(self) -> Series:
+        """Return e to this series."""
+        result = self._made(self.context.exp(self.term(0)))
+
+        def rule(n: int) -> Number:
+            return self._weighted(result, n, lambda i: i) / n
+
+        result._rule = rule
+        return result
+
+    def log(self) -> Series:
+        """Return the natural logarithm of this series; its value must be > 0."""
+        self._check(self.term(0) > 0, "the logarithm")
+        result = self._made(self.context.log(self.term(0)))
+
+        def rule(n: int) -> Number:
+            inner = sum((i * result.terms[i] * self.term(n - i) for i in range(1, n)), start=0)
+            return (self.term(n) - inner / n) / self.term(0)
+
+        result._rule = rule
+        return result
+
+    def __pow__(self, exponent: Number) -> Series:
+        if exponent == int(exponent) and exponent >= 0:
+            return self._whole_power(int(exponent))
+        self._check(self.term(0) > 0 or exponent == int(exponent), "a power")
+        self._check(self.term(0) != 0, "a power")
+        result = self._made(self.term(0) ** self.context.mpf(exponent))
+
+        def rule(n: int) -> Number:
+            weighted = self._weighted(result, n, lambda i: (exponent + 1) * i - n)
+            return weighted / (n * self.term(0))
+
+        result._rule = rule
+        return result
+
+    def __add__(self, other: Series | Number) -> Series:
+        if isinstance(other, Series):
+            return self._of(other, lambda n: self.term(n) + other.term(n))
+        return self._of(None, lambda n: self.term(n) if n else self.term(0) + other)
+
+    def __neg__(self) -> Series:
+        return self._of(None, lambda n: -self.term(n))
+
+    def __sub__(self, other: Series | Number) -> Series:
+        return self + -other
+
+    def __rsub__(self, other: Number) -> Series:
+        result: Series = -self + other
+        return result
+
+    def __mul__(self, other: Series | Number) -> Series:
+        if not isinstance(other, Series):
+            return self._of(None, lambda n: self.term(n) * other)
+
+        def rule(n: int) -> Number:
+            other.term(n)
+            self.term(n)
+            return self.context.fdot(self.terms[: n + 1], other.terms[n::-1])
+
+        return self._of(other, rule)
+
+    def __truediv__(self, other: Series | Number) -> Series:
+        if not isinstance(other, Series):
+            return self._of(None, lambda n: self.term(n) / other)
+        inverse: Series = other.__rtruediv__(self.context.one)
+        return self * inverse
+
+    def __rtruediv__(self, other: Number) -> Series:
+        self._check(self.term(0) != 0, "a quotient")
+        result = self._made(other / self.term(0))
+
+        def rule(n: int) -> Number:
+            self.term(n)
+            return -self.context.fdot(self.terms[1 : n + 1], result.terms[n - 1 :: -1]) / self.term(
+                0
+            )
+
+        result._rule = rule
+        return result
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def _of(self, other: Series | None, rule: Rule) -> Series:
+        parts = (self,) if other is None else (self, other)
+        return Series(self.context, [], rule, parts)
+
+    def _made(self, value: Number) -> Series:
+        return Series(self.context, [value], None, (self,))
+
+    def _weighted(self, result: Series, n: int, weight: Callable[[int], Number]) -> Number:
+        """Return the sum over i = 1 .. n of weight(i) a_i r_(n-i), r being `result`."""
+        return self.context.fsum(
+            weight(i) * self.term(i) * result.terms[n - i] for i in range(1, n + 1)
+        )
+
+    def _whole_power(self, exponent: int) -> Series:
+        result = Series(self.context, [self.context.one])
+        for _ in range(exponent):
+            result = result * self
+        return result
+
+    def _check(self, good: bool, what: str) -> None:
+        if not good:
+            raise ValueError(f"{what} has no Taylor series at the value {self.term(0)}")
+
+
+def value_at(terms: Sequence[Number], t: Number) -> Number:
+    """Return the polynomial with these coefficients at `t`."""
+    value = terms[-1]
+    for term in reversed(terms[:-1]):
+        value = value * t + term
+    return value
+
+
+def derivative(terms: Sequence[Number]) -> list[Number]:
+    """Return the coefficients of the derivative."""
+    return [n * term for n, term in enumerate(terms)][1:]
+
+
+def polynomial(terms: Sequence[Number]) -> Callable[[Number], tuple[Number, Number]]:
+    """Return the function that gives value and derivative of the polynomial."""
+    slopes = derivative(terms)
+    return lambda t: (value_at(terms, t), value_at(slopes, t))
+
+
+def integral(terms: Sequence[Number]) -> list[Number]:
+    """Return the coefficients of the integral that is 0 at 0."""
+    return [0 * terms[0], *(term / (n + 1) for n, term in enumerate(terms))]
