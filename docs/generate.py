@@ -32,10 +32,10 @@ from stickslip_verification.suite.schemas import FILES
 HERE = Path(__file__).parent
 
 KINDS = {
-    Kind.CLOSED_FORM: "the exact motion in high precision, and named closed forms",
-    Kind.INVARIANT: "on the samples, energy, mirror, scaling, splitting, rollback, interface",
+    Kind.CLOSED_FORM: "the exact motion in high precision, and closed forms of the cycle",
+    Kind.INVARIANT: "stick, slip, events, energy, mirror, scaling, splitting, rollback, interface",
     Kind.CONVERGENCE: "the observed order of the reference, in its asymptotic range",
-    Kind.CROSS_CODE: "the FMU against the reference: the weaker kind, alone it makes nothing green",
+    Kind.CROSS_CODE: "the FMU against the reference; both may be wrong alike, so it gives no pass",
 }
 
 
@@ -86,14 +86,22 @@ def document(lines: Iterator[str]) -> str:
 
 def interface() -> Iterator[str]:
     """Give the lines of the interface page: the variable table."""
-    yield "# The FMU's interface"
-    yield ""
-    yield "FMI 2.0 co-simulation, model identifier `StickSlip`. SI units; tools may show mm, mm/s"
-    yield "and N/mm instead. Fixed parameters are set before the start, tunable ones and inputs at"
-    yield "any time: they act from the next step on."
-    yield ""
-    yield "| variable | type | unit | causality | variability | start | range | what it is |"
-    yield "|---|---|---|---|---|---|---|---|"
+    yield from """\
+# The FMU's interface
+
+For everybody who connects the FMU in a system simulator. This page lists its variables:
+name, unit, range, and when each may be set. It is made from the variable table of the FMU.
+
+- The standard is FMI 2.0 co-simulation, the model identifier `StickSlip`.
+- All values are in SI units. Tools may show mm, mm/s and N/mm instead.
+- A fixed parameter is set before the start.
+- A tunable parameter or an input is set at any time and acts from the next step on.
+- An input holds its value over a step.
+- The equations behind the variables are in [theory.md](theory.md).
+
+| variable | type | unit | causality | variability | start | range | what it is |
+|---|---|---|---|---|---|---|---|
+""".splitlines()
     for row in TABLE.rows:
         start = "" if row.start is None else f"{row.start:g}"
         cells = (
@@ -122,53 +130,72 @@ def verdict(fmu: Path) -> Iterator[str]:
     cases = load_cases()
     result = verify(fmu, cases)
     counts = result.summary
-    yield "# The verdict"
-    yield ""
-    yield f"**{counts['passed']} passed, {counts['failed']} failed**, in {len(cases)} cases."
-    yield ""
-    yield "Code and solution verification, in the terms of ASME V&V 10: that the FMU and the"
-    yield "reference solve the equations of [theory.md](theory.md), and how exactly. Whether these"
-    yield "equations describe a machine is validation: it needs experiments and is not done here."
-    yield ""
-    yield "| kind of truth | what it is | passed | failed |"
-    yield "|---|---|---|---|"
+    yield from f"""\
+# The verdict
+
+For everybody who must decide whether to trust the FMU. This page counts what was checked,
+in which cases, and with what result.
+
+**{counts["passed"]} passed, {counts["failed"]} failed**, in {len(cases)} cases.
+
+This is code and solution verification in the terms of ASME V&V 10. It shows that the FMU
+and the reference solve the equations of [theory.md](theory.md), and how exactly. Whether
+these equations describe a real machine is validation. Validation needs experiments; none
+were made here.
+
+| kind of truth | what it is | passed | failed |
+|---|---|---|---|
+""".splitlines()
     for kind, of_kind in result.by_kind.items():
         yield f"| `{kind}` | {KINDS[kind]} | {of_kind['passed']} | {of_kind['failed']} |"
-    yield ""
-    yield "What each check means when it fails stands in [checks.md](checks.md). `stickslip verify`"
-    yield "writes every comparison with its truth, error, tolerance and reason to"
-    yield "`report/index.html`; `stickslip verify --mutants` tries the suite itself on"
-    yield f"{len(load_mutants())} planted faults, each of which must fail a check named in advance."
-    yield ""
-    yield "| case | what | FMU | reference |"
-    yield "|---|---|---|---|"
+    yield from f"""\
+
+- [checks.md](checks.md) says what the failure of each check means.
+- `stickslip verify` writes `report/index.html`: every comparison with its truth, error,
+  tolerance and reason.
+- `stickslip verify --mutants` tests the suite itself: it runs
+  {len(load_mutants())} planted faults, and each must fail a check that was named in advance.
+
+The table counts, for each case, the checks that passed on the FMU and on the reference.
+
+| case | what | FMU | reference |
+|---|---|---|---|
+""".splitlines()
     for case in cases:
         of_case = [each for each in result.checks if each.case == case.id]
         sides = " | ".join(_holding(of_case, side) for side in ("fmu", "reference"))
         yield f"| `{case.id}` | {case.title} | {sides} |"
     of_fmu = [each for each in result.checks if not each.case]
-    yield f"| | the FMU itself: what it declares, refuses and says | {_holding(of_fmu, 'fmu')} | |"
+    held = _holding(of_fmu, "fmu")
+    yield f"| | the FMU itself: its declarations, refusals and messages | {held} | |"
 
 
 def checks() -> Iterator[str]:
-    """Give the lines of the catalogue: what each check is, means, and where to look."""
+    """Give the lines of the catalogue: each check, its meaning and the likeliest bug."""
     cases, invariants, faults = load_cases(), load_invariants(), load_mutants()
     known = meanings(cases, invariants)
     detected: dict[str, int] = {}
     for fault in faults:
         for check in fault.detected_by:
             detected[check] = detected.get(check, 0) + 1
-    yield "# The checks"
-    yield ""
-    yield "What the failure of a check means, and where to look then. Checks of class `physics`"
-    yield "have a tolerance and decide for every FMU; those of class `contract` decide for ours,"
-    yield "and for a foreign one with `--strict`. The last column counts the planted faults that"
-    yield "name the check as one which detects them."
-    yield ""
-    yield "## Invariants, tried on every case"
-    yield ""
-    yield "| check | statement | kind, class | (eq.) | it fails: this means | look at | faults |"
-    yield "|---|---|---|---|---|---|---|"
+    yield from """\
+# The checks
+
+For everybody whose FMU failed a check. For each check this page says what its failure
+means for a user of the FMU, and which bug is the likeliest.
+
+- Numbers in brackets are the equations of [theory.md](theory.md).
+- A check of class `physics` has a tolerance and decides for every FMU.
+- A check of class `contract` decides for the exact block, the FMU of `stickslip build`. For
+  any other FMU it is noted, and decides with `--strict`.
+- The last column counts the planted faults whose description names this check. A planted
+  fault must fail at least one of the checks that it names.
+
+## Invariants, checked in every case
+
+| check | statement | kind, class | (eq.) | a failure means | likeliest bug | faults |
+|---|---|---|---|---|---|---|
+""".splitlines()
     for invariant in invariants:
         cells = (
             f"`{invariant.id}`",
@@ -180,14 +207,16 @@ def checks() -> Iterator[str]:
             str(detected.get(invariant.id, "")),
         )
         yield "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
-    yield ""
-    yield "## Checks of single cases"
-    yield ""
-    yield "Each holds one quantity against the exact motion (`-course`, at every communication"
-    yield "point), or against a closed form."
-    yield ""
-    yield "| check | cases | it fails: this means | look at | faults |"
-    yield "|---|---|---|---|---|"
+    yield from """\
+
+## Checks of single cases
+
+Each check compares one quantity with the exact motion or with a closed form. A name that
+ends in `-course` is compared at every communication point.
+
+| check | cases | a failure means | likeliest bug | faults |
+|---|---|---|---|---|
+""".splitlines()
     counted: dict[str, int] = {}
     for case in cases:
         for each in case.checks:

@@ -165,7 +165,7 @@ def test_only_tunable_own_parameters_change() -> None:
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("falling", r"'falling' is no dotted name module:NAME, such as"),
+        ("falling", r"'falling' is no friction law: 'coulomb', or module:NAME such as"),
         ("no_such_module:LAW", r"'no_such_module:LAW' was not found \(No module named"),
         ("math:LAW", r"'math:LAW' was not found \(module 'math' has no attribute 'LAW'\)"),
         ("math:pi", r"'math:pi' has no attribute 'reference'"),

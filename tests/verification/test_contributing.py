@@ -111,7 +111,7 @@ def test_a_fault_is_planted_as_contributing_says(suite: Suite, fmu_path: Path) -
         )
         code, said = suite.run(line)
         assert code == 0, said
-        assert "1 of 1 planted faults caught as foretold" in said
+        assert "1 of 1 planted faults detected by a check named in advance" in said
 
     before = {file.name for file in suite.faults.iterdir()}
     for name in names:

@@ -194,8 +194,8 @@ def test_the_clamp_of_mu_k_is_told_once(command: Command, engine: str) -> None:
 
 def test_what_the_fmu_says_reaches_the_person(command: Command, fmu_path: Path) -> None:
     """A failing call of the FMU ends in its own message."""
-    from stickslip.engines import experiment, simulate_fmu
     from stickslip.errors import CommandError
+    from stickslip.simulate.engines import experiment, simulate_fmu
     from stickslip_fmu.spec import TABLE
 
     values = {**TABLE.start_values(), "k": -1.0}

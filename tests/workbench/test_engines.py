@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.engines import Experiment, experiment, simulate_fmu, simulate_reference
+from stickslip.simulate.engines import Experiment, experiment, simulate_fmu, simulate_reference
 from stickslip_fmu.spec import TABLE
 
 RUNS = {

@@ -1,23 +1,27 @@
-"""A friction law given by one dotted name."""
+"""A friction law given by its name."""
 
 from __future__ import annotations
 
 from importlib import import_module
 from typing import Any
 
+from .coulomb import COULOMB
 from .law import FrictionLaw
 
-EXAMPLE = "'my_laws.stribeck:STRIBECK'"
+COULOMB_NAME = "coulomb"
+"""The name of the law that comes along; any other is a dotted one."""
+
+_EXAMPLE = "'my_laws.stribeck:STRIBECK'"
 
 
 def friction_law(name: str) -> FrictionLaw:
-    """Return the reference's side of the friction law that a dotted name gives.
+    """Return the reference's side of the friction law of this name.
 
     Parameters
     ----------
     name : str
-        ``"module:NAME"``, an object whose attribute ``reference`` is in turn the dotted name of a
-        `FrictionLaw`.
+        ``"coulomb"``, or ``"module:NAME"``: an object whose attribute ``reference`` is in turn the
+        dotted name of a `FrictionLaw`.
 
     Raises
     ------
@@ -25,11 +29,13 @@ def friction_law(name: str) -> FrictionLaw:
         If the name is not of this form, a module or an attribute is missing, or the object found
         is no `FrictionLaw`; the message gives the reason and an example.
     """
+    if name == COULOMB_NAME:
+        return COULOMB
     inner = getattr(_found(name), "reference", None)
     if not isinstance(inner, str):
         raise ValueError(
-            f"the friction law {name!r} has no attribute 'reference' with the dotted name of the "
-            "reference's side, such as 'my_laws.stribeck.reference:LAW'"
+            f"the friction law {name!r} has no attribute 'reference' with the dotted name of "
+            "the reference's side, such as 'my_laws.stribeck.reference:LAW'"
         )
     law = _found(inner)
     if not isinstance(law, FrictionLaw):
@@ -43,11 +49,13 @@ def friction_law(name: str) -> FrictionLaw:
 def _found(name: str) -> Any:
     module, colon, attribute = name.partition(":")
     if not (module and colon and attribute):
-        raise ValueError(f"{name!r} is no dotted name module:NAME, such as {EXAMPLE}")
+        raise ValueError(
+            f"{name!r} is no friction law: {COULOMB_NAME!r}, or module:NAME such as {_EXAMPLE}"
+        )
     try:
         return getattr(import_module(module), attribute)
     except (ImportError, AttributeError) as error:
         raise ValueError(
             f"the friction law {name!r} was not found ({error}); expected module:NAME, such as "
-            f"{EXAMPLE}, of a module that Python can import"
+            f"{_EXAMPLE}, of a module that Python can import"
         ) from None

@@ -58,8 +58,7 @@ def simulate(
     rtol : float, optional
         Relative tolerance of an integration step, 2.3e-14 to 1e-3.
     law : FrictionLaw or str, optional
-        The friction law, or its dotted name ``"module:NAME"`` as `friction_law` takes it; Coulomb's
-        by default.
+        The friction law, or its name as `friction_law` takes it; Coulomb's by default.
     own : mapping of str to float, optional
         Values of the law's own parameters by name, SI; what is missing takes the law's start value.
     max_events : int, optional

@@ -11,7 +11,6 @@ from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case, follow
 from stickslip_verification.suite.tolerances import Facts, facts_of
-from stickslip_verification.truth.parameters import complete
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,7 @@ class Exact:
 
 def exact_motion(case: Case) -> Exact:
     """Compute the exact motion of a case in high precision, rounded to double once."""
-    run = follow(case.parameters, case.steps)
+    run = follow(case.parameters, case.steps, case.law)
     outputs = {
         name: np.array([float(sample[name]) for sample in run.samples]) for name in OUTPUT_NAMES
     }
@@ -48,7 +47,7 @@ def exact_motion(case: Case) -> Exact:
             outputs=outputs,
             initial={name: float(run.initial[name]) for name in OUTPUT_NAMES},
         ),
-        start=complete(case.parameters),
+        start=case.start,
         event_times=[float(event.time) for event in run.events],
         facts=facts_of(run),
     )

@@ -21,6 +21,7 @@ from typing import Any, TypeVar
 import stickslip_ref
 from stickslip_verification.model.whole_file import write_whole
 from stickslip_verification.suite.cases import Case
+from stickslip_verification.truth.named import COULOMB_NAME
 
 FOLDER = "STICKSLIP_KEPT"
 """The environment variable that names the folder. Its files are pickles: it must be one's own."""
@@ -34,10 +35,11 @@ def kept(function: Callable[..., T], case: Case, *arguments: Any) -> T:
     """Call `function(case, *arguments)`, or give what it gave earlier in this session.
 
     An earlier result counts if the source of both packages, the libraries, the motion that the case
-    describes and the other arguments are what they were.
+    describes and the other arguments are what they were. Of a friction law from elsewhere, whose
+    source is not looked at, nothing is kept.
     """
     folder = os.environ.get(FOLDER)
-    if not folder:
+    if not folder or case.law != COULOMB_NAME:
         return function(case, *arguments)
     asked = repr((function.__qualname__, case.id, case.parameters, case.steps, arguments))
     file = Path(folder) / f"{_digest(_made_from(), asked)}.pickle"

@@ -16,6 +16,7 @@ from stickslip_verification.drive.stepping import (
     Driver,
     NotApplicableError,
     Setting,
+    lacking,
     may_change,
     run,
     setting_of,
@@ -25,7 +26,6 @@ from stickslip_verification.model.run import Run
 from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.experiment import CommunicationStep
-from stickslip_verification.truth.parameters import START_VALUES, complete
 
 OtherRun = Callable[[FmuFile, Case], Run]
 """Runs a case in another way. Raises `FmuError`, or `NotApplicableError` with what is lacking."""
@@ -41,14 +41,14 @@ _REPEATED = 20
 def _symmetric(symmetry: Symmetry) -> OtherRun:
     def symmetric(fmu: FmuFile, case: Case) -> Run:
         plain = setting_of(fmu, case)
-        values = symmetry.scaled(complete(case.parameters))
-        absent = [n for n in values if not fmu.has(n) and values[n] != START_VALUES[n]]
+        values = symmetry.scaled(case.start, case.own)
+        absent = lacking(fmu, values)
         if absent:
             raise NotApplicableError(f"it has no variable {', '.join(absent)}")
         scaled = Setting(
             {name: value for name, value in values.items() if fmu.has(name)},
             [
-                CommunicationStep(step.h * symmetry.pace, symmetry.scaled(step.changes))
+                CommunicationStep(step.h * symmetry.pace, symmetry.scaled(step.changes, case.own))
                 for step in plain.steps
             ],
         )

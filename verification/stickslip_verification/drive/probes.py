@@ -14,6 +14,7 @@ from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.drive.fmu.names import INPUT_UNITS, UNITS
+from stickslip_verification.drive.fmu.variables import Variable
 from stickslip_verification.drive.stepping import NotApplicableError
 from stickslip_verification.model import formulas
 from stickslip_verification.model.quantities import OUTPUT_NAMES
@@ -78,15 +79,20 @@ def declared_units(fmu: FmuFile) -> list[str]:
     """Find variables whose declared unit is not that of the interface."""
     return [
         f"{name} is declared in {variable.unit or 'no unit'}, not {INTERFACE[name].unit or 'none'}"
-        for name, variable in fmu.variables.items()
+        for name, variable in _ours(fmu)
         if (variable.unit or "") != INTERFACE[name].unit
     ]
+
+
+def _ours(fmu: FmuFile) -> list[tuple[str, Variable]]:
+    """Give the variables of the interface, without a friction law's own parameters."""
+    return [(name, fmu.variables[name]) for name in INTERFACE if fmu.has(name)]
 
 
 def declared_types(fmu: FmuFile) -> list[str]:
     """Find variables of another type, causality or variability than the interface's."""
     complaints = []
-    for name, variable in fmu.variables.items():
+    for name, variable in _ours(fmu):
         wanted = INTERFACE[name]
         if name == "mode" and fmu.fmi_version == "3.0":
             wanted = replace(wanted, kind="Enumeration")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
@@ -70,18 +70,28 @@ class ReferenceSide:
 
 def reference_run(case: Case, rtol: float | None = None) -> stickslip_ref.Trajectory:
     """Simulate a case with the reference, at its own tolerance of a step or at `rtol`."""
+    base, own = _split(case, case.parameters)
     changes = [
-        stickslip_ref.Change(time, dict(step.changes))
+        stickslip_ref.Change(time, *_split(case, step.changes))
         for step, time in zip(case.steps, (0.0, *case.times), strict=False)
         if step.changes
     ]
     return stickslip_ref.simulate(
-        stickslip_ref.Parameters(**case.parameters),
+        stickslip_ref.Parameters(**base),
         case.stop_time,
         changes=changes,
         times=np.array((0.0, *case.times)),
         rtol=stickslip_ref.RTOL if rtol is None else rtol,
+        law=case.law,
+        own=own,
     )
+
+
+def _split(case: Case, values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+    """Divide values into the model's and those of the friction law's own parameters."""
+    names = {each.name for each in case.own}
+    own = {name: value for name, value in values.items() if name in names}
+    return {name: value for name, value in values.items() if name not in names}, own
 
 
 def _columns(

@@ -15,7 +15,7 @@ from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.experiment import CommunicationStep, points
-from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, complete
+from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, Parameter, changeable
 
 OUR_IDENTIFIER = "StickSlip"
 
@@ -70,24 +70,41 @@ def setting_of(fmu: FmuFile, case: Case) -> Setting:
         The FMU lacks a variable that the case gives another value than our default, or cannot
         change one on the way.
     """
+    require_law(fmu, case)
     if is_ours(fmu):
         return Setting(case.parameters, case.steps)
-    values = complete(case.parameters)
-    absent = [n for n in values if not fmu.has(n) and values[n] != START_VALUES[n]]
+    values = case.start
+    absent = lacking(fmu, values)
     changed = {name for step in case.steps for name in step.changes}
     absent += sorted(name for name in changed if not fmu.has(name))
     if absent:
         raise NotApplicableError(f"it has no variable {', '.join(dict.fromkeys(absent))}")
-    fixed = sorted(name for name in changed if not may_change(fmu, name))
+    fixed = sorted(name for name in changed if not may_change(fmu, name, case.own))
     if fixed:
         raise NotApplicableError(f"it cannot change {', '.join(fixed)} on the way")
     return Setting({n: value for n, value in values.items() if fmu.has(n)}, case.steps)
 
 
-def may_change(fmu: FmuFile, name: str) -> bool:
-    """Whether a variable may be set between two steps."""
+def require_law(fmu: FmuFile, case: Case) -> None:
+    """Raise `FmuError` if an FMU lacks a parameter of the friction law of a case."""
+    fmu.look_for(case.own)
+    absent = [each.name for each in case.own if not fmu.has(each.name)]
+    if absent:
+        raise FmuError(
+            f"{fmu.path}: has no variable {', '.join(absent)}, which the friction law {case.law} "
+            f"of the case {case.id} needs; build the FMU with this law"
+        )
+
+
+def lacking(fmu: FmuFile, values: Mapping[str, float]) -> list[str]:
+    """Return the names that an FMU has no variable for and whose value is not our default."""
+    return [n for n in values if not fmu.has(n) and values[n] != START_VALUES[n]]
+
+
+def may_change(fmu: FmuFile, name: str, own: Sequence[Parameter] = ()) -> bool:
+    """Whether a variable, maybe one of a friction law's `own`, may be set between two steps."""
     variable = fmu.variables[name]
-    return name in CHANGEABLE and (
+    return name in CHANGEABLE | changeable(own) and (
         variable.causality == "input" or variable.variability == "tunable"
     )
 
@@ -177,7 +194,9 @@ __all__ = [
     "NotApplicableError",
     "Setting",
     "is_ours",
+    "lacking",
     "may_change",
+    "require_law",
     "run",
     "run_case",
     "setting_of",

@@ -5,8 +5,9 @@ Every factor is a power of two or a sign, so it changes no digit of a double.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from stickslip_verification.model.quantities import OUTPUTS, Quantity
 from stickslip_verification.model.units import spelled
@@ -29,41 +30,41 @@ ENERGIES = outputs_in("J")
 class Symmetry:
     """A change of everything that is set, under which the motion is the same but for factors.
 
-    ``values`` are the factors on parameters and inputs, ``pace`` that on the lengths of steps,
-    ``outputs`` those on outputs; a name that is absent has the factor 1.
+    Attributes
+    ----------
+    name
+        What is changed, in words.
+    mass, pace
+        Factors on the units of mass and time; ``pace`` is also that on the lengths of steps.
+    mirrored
+        Whether what is directed changes its sign.
     """
 
     name: str
-    values: Mapping[str, float]
-    pace: float
-    outputs: Mapping[str, float]
+    mass: float = 1.0
+    pace: float = 1.0
+    mirrored: bool = False
 
-    def scaled(self, setting: Mapping[str, float]) -> dict[str, float]:
-        """Return `setting` with its factors."""
-        return {name: value * self.values.get(name, 1.0) for name, value in setting.items()}
-
-
-def _scaling(name: str, mass: float = 1.0, time: float = 1.0) -> Symmetry:
-    """Return the change of the units of mass and time by these factors."""
-
-    def factor(of: Parameter | Quantity) -> float:
+    def factor(self, of: Parameter | Quantity) -> float:
+        """Return the factor on a parameter, an input or an output."""
         unit = spelled(of.unit)
         assert unit is not None
-        return float(mass ** unit.dimension[0] * time ** unit.dimension[2])
+        sign = -1.0 if self.mirrored and of.directed else 1.0
+        return sign * float(self.mass ** unit.dimension[0] * self.pace ** unit.dimension[2])
 
-    return Symmetry(
-        name,
-        {each.name: factor(each) for each in PARAMETERS if factor(each) != 1.0},
-        time,
-        {each.name: factor(each) for each in OUTPUTS if factor(each) != 1.0},
-    )
+    @cached_property
+    def outputs(self) -> Mapping[str, float]:
+        """The factors on outputs by name."""
+        return {each.name: self.factor(each) for each in OUTPUTS}
+
+    def scaled(
+        self, setting: Mapping[str, float], own: Sequence[Parameter] = ()
+    ) -> dict[str, float]:
+        """Return `setting` with its factors; `own` are the friction law's parameters in it."""
+        factors = {each.name: self.factor(each) for each in (*PARAMETERS, *own)}
+        return {name: value * factors[name] for name, value in setting.items()}
 
 
-MIRROR = Symmetry(
-    "mirror",
-    {each.name: -1.0 for each in PARAMETERS if each.directed},
-    1.0,
-    {each.name: -1.0 for each in OUTPUTS if each.directed},
-)
-HEAVIER = _scaling("m, k, c, load, F_ext times 4", mass=4.0)
-QUICKER = _scaling("k, g, load, F_ext times 4, v, c, x_dot_start times 2, time halved", time=0.5)
+MIRROR = Symmetry("mirror", mirrored=True)
+HEAVIER = Symmetry("m, k, c, load, F_ext times 4", mass=4.0)
+QUICKER = Symmetry("k, g, load, F_ext times 4, v, c, x_dot_start times 2, time halved", pace=0.5)

@@ -137,11 +137,11 @@ def _reasons(verdict: Verdict) -> list[str]:
     if verdict.passed:
         return reasons
     if not verdict.checks:
-        reasons.append("Nothing was compared, and nothing compared is nothing proven.")
+        reasons.append("Nothing was compared, so nothing is verified.")
     elif not verdict.proven:
         reasons.append("No comparison of the FMU with a closed form or an invariant passed.")
     if verdict.kills is not None and not verdict.kills.passed:
-        reasons.append("The suite did not see all planted faults as foretold.")
+        reasons.append("A planted fault survived, or an idle check has no reason to stay.")
     return reasons
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from stickslip_verification.model.verdict import Detection, KillMatrix
 
-CAUGHT, SURVIVED, NOT_JUDGED = "caught", "survived", "not judged"
+CAUGHT, SURVIVED, NOT_JUDGED = "detected", "survived", "not judged"
 
 
 @dataclass(frozen=True)

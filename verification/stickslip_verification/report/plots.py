@@ -87,6 +87,7 @@ def draw_case(motion: Motion, tolerances: Mapping[str, float]) -> str:
             1.0 - _RIGHT / _SIZE[0], 5.0 / _SIZE[1], _what_is_marked(motion, drawn), ha="right",
             fontsize=8.0, color=SOFT,
         )  # fmt: skip
+        svg.thin(page)
         return as_svg(page, f"plot-{motion.case}", f"{motion.case}: motion, force and errors")
 
 
@@ -157,9 +158,8 @@ def _draw_errors(panel: Axes, motion: Motion, tolerances: Mapping[str, float], t
                 continue
             times = motion.exact.times[: len(errors)] / time
             seen = np.clip(errors, NOTHING, 1e3 * HOPELESS)
-            kept = svg.columns(*svg.in_points(panel, times, seen))
             marker = ("o" if quantity == "x" else "s") if few else ""
-            panel.plot(times[kept], seen[kept], color=color, lw=0.9, ls=look,
+            panel.plot(times, seen, color=color, lw=0.9, ls=look,
                        label=f"{name} {quantity}", marker=marker, ms=3.0)  # fmt: skip
         if side in tolerances and tolerances[side] > 0.0:
             panel.axhline(tolerances[side], color=color, lw=1.0, ls=(0, (5, 3)))
@@ -201,9 +201,7 @@ def _line(
     panel: Axes, drawn: curve.Curve, y: Series, time: float, color: str, width: float, name: str
 ) -> None:
     if drawn.joined:
-        t = drawn.t / time
-        kept = svg.thinned(*svg.in_points(panel, t, y))
-        panel.plot(t[kept], y[kept], color=color, lw=width, label=name, solid_joinstyle="miter")
+        panel.plot(drawn.t / time, y, color=color, lw=width, label=name, solid_joinstyle="miter")
     else:
         size = width + (2.6 if len(y) <= 300 else 1.0)
         panel.plot(

@@ -1,4 +1,4 @@
-"""What the report says in words, and what others give it to say."""
+"""Texts of the report, and sections that its caller adds."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ KINDS: Final[dict[str, str]] = {
 
 WORTH: Final[dict[str, str]] = {
     Kind.CLOSED_FORM: "Code verification against the exact solution of the equations, by a formula "
-    "or in high precision, written apart from both sides. The strongest kind.",
-    Kind.INVARIANT: "Code verification against an invariant of every exact motion, such as the "
+    "or in high precision. Its code is independent of FMU and reference. The strongest kind.",
+    Kind.INVARIANT: "Code verification against what every exact motion satisfies, such as the "
     "energy balance or the mirror. It needs no solution, so it also judges motions without a "
     "formula.",
     Kind.CONVERGENCE: "Solution verification: the numerical error must fall with the tolerance or "
     "the step at the order that the method promises.",
-    Kind.CROSS_CODE: "Two programs held against each other. The weaker class: both may be wrong "
-    "alike, so it alone makes nothing green.",
+    Kind.CROSS_CODE: "Two programs compared with each other. The weaker kind: both may be wrong "
+    "alike, so it alone gives no pass.",
 }
 """What each kind of truth is worth; in the terms of ASME V&V 10."""
 

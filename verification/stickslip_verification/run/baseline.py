@@ -46,7 +46,7 @@ def compute(
         (case, invariant)
         for case in cases
         for invariant in invariants.orders
-        if case.id in invariant.cases
+        if case.id in invariant.cases and invariant.holds_for(case.law)
     ]
     with workers.Pool(jobs, TIME_LIMIT) as pool:
         # Long runs first, so that no process is left alone with one at the end.
@@ -72,8 +72,7 @@ def compute(
 
 
 def _about(case: Case, exact: Answer[Exact], invariants: Invariants) -> list[ResidualInvariant]:
+    holding = [each for each in invariants.residuals if each.holds_for(case.law)]
     if exact.value is None:
-        return list(invariants.residuals)
-    return [
-        invariant for invariant in invariants.residuals if applies(invariant, case, exact.value)
-    ]
+        return holding
+    return [invariant for invariant in holding if applies(invariant, case, exact.value)]

@@ -113,7 +113,8 @@ def _judge_case(
         for side, answer in sides:
             yield _judge_invariant(baseline, invariant, answer, side)
     for run in invariants.runs:
-        yield _judge_run(baseline, run, answers, contract)
+        if run.holds_for(case.law):
+            yield _judge_run(baseline, run, answers, contract)
     yield from _judge_against_reference(
         baseline, invariants, answers, contract, reference=reference
     )
@@ -185,7 +186,7 @@ def _judge_against_reference(
     records = {"fmu": answers.plain[case.id], "reference": baseline.reference}
     for invariant in invariants.agreements:
         check = invariant_checks.agreeing(invariant, case)
-        if check is not None:
+        if check is not None and invariant.holds_for(case.law):
             yield invariant_checks.judge_agreement(
                 invariant, case, check, contract, baseline.exact, records
             )

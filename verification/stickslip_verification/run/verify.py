@@ -9,7 +9,7 @@ from stickslip_verification.drive import workers
 from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.stepping import is_ours
+from stickslip_verification.drive.stepping import is_ours, require_law
 from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT, STRICT_CONTRACT
 from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Verdict
@@ -66,14 +66,17 @@ def verify(
     Raises
     ------
     FmuError
-        The file cannot be driven at all, lacks what every case needs, or is to carry planted
-        faults and is not ours; whatever else the FMU does wrong is a failed check.
+        The file cannot be driven at all, lacks what every case or the friction law of one needs,
+        or is to carry planted faults and is not ours; whatever else the FMU does wrong is a failed
+        check.
     MutantError
         Faults are to be planted, and no case is short enough.
     """
     file = FmuFile(fmu, names)
     try:
         require(file)
+        for case in cases:
+            require_law(file, case)
         contract = (
             EXACT_CONTRACT if is_ours(file) else STRICT_CONTRACT if strict else PHYSICS_CONTRACT
         )
@@ -83,7 +86,7 @@ def verify(
         origin = provenance.collect(file, command)
     finally:
         file.close()
-    invariants = load_invariants()
+    invariants = load_invariants().of_laws({case.law for case in cases})
     jobs = workers.jobs_here() if jobs is None else jobs
     baseline = compute(cases, invariants, jobs, progress)
     fresh = file.once_per_process

@@ -1,6 +1,6 @@
 """Verification cases: data files, read, checked and turned into frozen objects.
 
-A case is one TOML file under `schemas.CASE`. Everything that can be wrong with it is told
+A case is one TOML file under `schemas.case`. Everything that can be wrong with it is told
 with the file, the field and the reason before anything runs. Tolerances come from the rules in
 `tolerances`, but for those that a file states.
 """
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import fnmatch
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,8 @@ from stickslip_verification.suite.experiment import (
     points,
 )
 from stickslip_verification.suite.tolerances import Facts, Rules, Tolerance, facts_of
-from stickslip_verification.truth.parameters import complete
+from stickslip_verification.truth.named import COULOMB_NAME
+from stickslip_verification.truth.parameters import Parameter, complete
 
 HERE = Path(__file__).parent
 CASES_FOLDER = HERE / "cases"
@@ -83,7 +84,8 @@ class Case:
     ``parameters`` holds only what the case sets (SI); everything else stays at the default of
     each side, so that the defaults are verified too. ``klass`` is contract where what happens is
     our convention and not physics, such as the clamp. ``facts`` is what the file states of the
-    exact motion, None where it leaves that to the loading.
+    exact motion, None where it leaves that to the loading. ``law`` is the name of the friction law,
+    ``own`` its own parameters.
     """
 
     id: str
@@ -95,6 +97,13 @@ class Case:
     file: Path
     klass: Klass = Klass.PHYSICS
     facts: Facts | None = None
+    law: str = COULOMB_NAME
+    own: tuple[Parameter, ...] = ()
+
+    @property
+    def start(self) -> Mapping[str, float]:
+        """Every value at the start, the defaults included (SI)."""
+        return complete(self.parameters, self.own)
 
     @property
     def times(self) -> tuple[float, ...]:
@@ -143,12 +152,14 @@ def load_case(file: Path) -> Case:
     A file that states nothing of the exact motion (``motion``) costs the time to follow it.
     """
     data = read_toml(file, CaseError)
-    _validate(file, data)
+    law = data.get("law", COULOMB_NAME)
+    own = _own_parameters(file, law)
+    _validate(file, data, own)
     parameters = {name: float(value) for name, value in data.get("parameters", {}).items()}
     steps = communication_steps(file, data["experiment"])
-    values = _values(file, parameters, steps)
+    values = _values(file, parameters, steps, own)
     stated = _stated(file, data)
-    facts = facts_of(follow(parameters, steps)) if stated is None else stated
+    facts = facts_of(follow(parameters, steps, law)) if stated is None else stated
     rules = _own(file, Rules(values, facts), data.get("tolerances", {}))
     return Case(
         id=data["id"],
@@ -160,16 +171,29 @@ def load_case(file: Path) -> Case:
         file=file,
         klass=Klass(data.get("class", Klass.PHYSICS)),
         facts=stated,
+        law=law,
+        own=own,
     )
 
 
-def follow(parameters: Mapping[str, float], steps: Iterable[CommunicationStep]) -> truth.Run:
-    """Follow the exact motion through communication steps."""
-    return truth.run(parameters, [truth.Step(step.h, dict(step.changes)) for step in steps])
+def follow(
+    parameters: Mapping[str, float], steps: Iterable[CommunicationStep], law: str = COULOMB_NAME
+) -> truth.Run:
+    """Follow the exact motion under a friction law through communication steps."""
+    taken = [truth.Step(step.h, dict(step.changes)) for step in steps]
+    return truth.run(parameters, taken, law=law)
 
 
-def _validate(file: Path, data: Mapping[str, Any]) -> None:
-    found = objection(data, schemas.CASE)
+def _own_parameters(file: Path, law: Any) -> tuple[Parameter, ...]:
+    """Give the own parameters of a case's friction law."""
+    try:
+        return tuple(truth.friction_law(str(law)).parameters)
+    except ValueError as error:
+        raise CaseError(file, where_is(file, ("law",)), str(error)) from None
+
+
+def _validate(file: Path, data: Mapping[str, Any], own: Sequence[Parameter]) -> None:
+    found = objection(data, schemas.case(own))
     if found is not None:
         raise CaseError(file, where_is(file, found[0]), found[1])
     for path, number in _numbers(data, ()):
@@ -189,15 +213,18 @@ def _numbers(node: Any, path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str
 
 
 def _values(
-    file: Path, parameters: Mapping[str, float], steps: Iterable[CommunicationStep]
+    file: Path,
+    parameters: Mapping[str, float],
+    steps: Iterable[CommunicationStep],
+    own: Sequence[Parameter],
 ) -> tuple[Mapping[str, float], ...]:
     """Give all values in force at the start and after each change."""
     where = "parameters"
     try:
-        values = [complete(parameters)]
+        values = [complete(parameters, own)]
         for n, step in enumerate(step for step in steps if step.changes):
             where = f"experiment.changes[{n}].set"
-            values.append(complete({**values[-1], **step.changes}))
+            values.append(complete({**values[-1], **step.changes}, own))
     except ValueError as error:
         raise CaseError(file, where, str(error)) from None
     return tuple(values)
@@ -254,6 +281,7 @@ def _courses(file: Path, data: Mapping[str, Any]) -> list[str]:
 def _checks(file: Path, data: Mapping[str, Any], rules: Rules) -> tuple[Check, ...]:
     """Give the checks of a case: formulas of the cycle, courses, and those written out."""
     checks = []
+    _check_formulas(file, data)
     for quantity, formula, at in _cycle(file, data, rules):
         tolerance = rules.formula(formula)
         assert tolerance is not None, formula
@@ -271,6 +299,21 @@ def _checks(file: Path, data: Mapping[str, Any], rules: Rules) -> tuple[Check, .
     if not checks:
         raise CaseError(file, "", "it checks nothing: no courses, no cycle, no checks")
     return tuple(checks)
+
+
+def _check_formulas(file: Path, data: Mapping[str, Any]) -> None:
+    """Refuse formulas, which are those of Coulomb's law, in a case of another one."""
+    if data.get("law", COULOMB_NAME) == COULOMB_NAME:
+        return
+    paths: list[tuple[str | int, ...]] = [("cycle",)] if "cycle" in data else []
+    paths += [
+        ("checks", n, "formula")
+        for n, entry in enumerate(data.get("checks", []))
+        if "formula" in entry
+    ]
+    if paths:
+        reason = "the formulas are those of Coulomb's law; without one the exact motion counts"
+        raise CaseError(file, where_is(file, paths[0]), reason)
 
 
 def _check(name: str, quantity: str, formula: str | None, at: At, tolerance: Tolerance) -> Check:

@@ -1,4 +1,4 @@
-"""The catalogue: for each check what its failure means, and where to look then."""
+"""The catalogue of checks: for each the consequence of its failure, and the likeliest bug."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FILE = Path(__file__).parent / "meanings.toml"
 
 @dataclass(frozen=True)
 class Meaning:
-    """What the failure of a check means, and where to look for its cause."""
+    """The consequence of a check's failure for a user of the FMU, and the likeliest bug."""
 
     means: str
     look: str
@@ -35,7 +35,9 @@ def meanings(cases: Iterable[Case], invariants: Invariants) -> dict[str, Meaning
     found = {check.id: known[check.quantity] for case in cases for check in case.checks}
     found |= {invariant.id: Meaning(invariant.means, invariant.look) for invariant in invariants}
     asymptotic = Meaning(
-        "The order was not observed in the asymptotic range, so it says nothing.",
-        "The levels of tolerance: steps bound by a limit, or errors lost in rounding.",
+        "The error does not fall at one rate over all tolerances, so the observed order proves "
+        "nothing about the reference.",
+        "The coarsest tolerances, where a largest step limits the steps, or the finest, where "
+        "rounding hides the error.",
     )
     return found | {f"{invariant.id}-asymptotic": asymptotic for invariant in invariants.orders}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,8 @@ class Invariant:
         Equation number in docs/theory.md.
     means, look
         What it means when it fails, and where to look then.
+    laws
+        Names of the friction laws that it holds for; empty: all.
     """
 
     id: str
@@ -43,6 +45,11 @@ class Invariant:
     source: int
     means: str
     look: str
+    laws: Sequence[str] = field(default=(), kw_only=True)
+
+    def holds_for(self, law: str) -> bool:
+        """Whether it holds for the friction law of this name."""
+        return not self.laws or law in self.laws
 
 
 @dataclass(frozen=True)
@@ -131,6 +138,10 @@ class Invariants:
             }
         )
 
+    def of_laws(self, laws: Collection[str]) -> Invariants:
+        """Give those that hold for one of these friction laws."""
+        return self.only({each.id for each in self if any(each.holds_for(law) for law in laws)})
+
 
 _SHARED: Mapping[str, Mapping[str, Any]] = {
     "probes": {"kind": Kind.INVARIANT, "class": Klass.CONTRACT, "source": 1, "arguments": {}},
@@ -138,8 +149,8 @@ _SHARED: Mapping[str, Mapping[str, Any]] = {
         "kind": Kind.CROSS_CODE,
         "class": Klass.PHYSICS,
         "source": 3,
-        "means": "The two codes give different motions; which is wrong, the stronger checks say.",
-        "look": "The checks of the same case against the exact motion, on both sides.",
+        "means": "FMU and reference give different values: one of them is wrong, or both are.",
+        "look": "The bug is on the side that fails the case's checks against the exact motion.",
     },
     "orders": {"kind": Kind.CONVERGENCE, "class": Klass.PHYSICS},
     "runs": {"tolerance": None},

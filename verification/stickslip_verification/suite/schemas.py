@@ -5,12 +5,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import copy
+from collections.abc import Iterable, Mapping, Sequence
 from enum import StrEnum
 from typing import Any
 
 from stickslip_verification.model.verdict import Kind, Klass, Measure
-from stickslip_verification.truth.parameters import CHANGEABLE, PARAMETERS, Parameter
+from stickslip_verification.truth.parameters import CHANGEABLE, PARAMETERS, Parameter, changeable
 
 Schema = Mapping[str, Any]
 
@@ -137,6 +138,7 @@ CASE: Schema = _file(
             ),
         },
         {
+            "law": _text("the friction law by its name, module:NAME; absent: Coulomb's"),
             "class": _one_of(
                 Klass, "contract where the result is a convention and not physics; else physics"
             ),
@@ -189,9 +191,27 @@ CASE: Schema = _file(
     ),
 )
 
+
+def case(own: Sequence[Parameter]) -> Schema:
+    """Return the schema of a case whose friction law has these parameters of its own."""
+    if not own:
+        return CASE
+    extended: dict[str, Any] = copy.deepcopy(dict(CASE))
+    parts = extended["properties"]
+    changes = parts["experiment"]["properties"]["changes"]["items"]["properties"]
+    parts["parameters"]["properties"] |= {each.name: _value(each) for each in own}
+    changes["set"]["properties"] |= {
+        each.name: _value(each) for each in own if each.name in changeable(own)
+    }
+    return extended
+
+
 _EQUATION = _whole(1, "number in docs/theory.md")
 _NAME = _text(pattern="^[a-z_]+$")
 _MEANING = {"means": _TEXT, "look": _TEXT}
+_LAWS = {
+    "laws": _list(_TEXT, "names of the friction laws that it holds for; absent: all", minItems=1)
+}
 
 
 def _by(names: Iterable[str], schema: Schema, description: str = "") -> dict[str, Any]:
@@ -224,7 +244,8 @@ INVARIANTS: Schema = _file(
                             "numerical solution",
                         ),
                         "because": _by(_SIDES, _TEXT),
-                    }
+                    },
+                    _LAWS,
                 ),
                 "residuals in the samples of a case, on each side",
             ),
@@ -232,22 +253,26 @@ INVARIANTS: Schema = _file(
                 _table(
                     {**_JUDGED, "kind": _kinds(Kind.INVARIANT), "run": _NAME, "because": _TEXT},
                     {
+                        **_LAWS,
                         "tolerance": _by(
                             ("fmu", "numerical"),
                             _AMOUNT,
                             "of each output's largest value, of the exact block and of a numerical "
                             "solution; absent: bit for bit",
-                        )
+                        ),
                     },
                 ),
                 "another run of the same FMU that must give the same motion",
             ),
             "probes": _list(
-                _table({**_ENTRY, "probe": _NAME, **_MEANING}, {"arguments": {"type": "object"}}),
+                _table(
+                    {**_ENTRY, "probe": _NAME, **_MEANING},
+                    {"arguments": {"type": "object"}, **_LAWS},
+                ),
                 "a question to the FMU as a whole, not to a motion",
             ),
             "agreements": _list(
-                _table({**_ENTRY, "quantity": _TEXT}),
+                _table({**_ENTRY, "quantity": _TEXT}, _LAWS),
                 "the FMU against the reference, within the sum of what the case allows each",
             ),
             "orders": _list(
@@ -268,7 +293,8 @@ INVARIANTS: Schema = _file(
                         ),
                         "because": _by(("order", "halves"), _TEXT),
                         **_MEANING,
-                    }
+                    },
+                    _LAWS,
                 ),
                 "the order in which the reference converges as its tolerance falls",
             ),

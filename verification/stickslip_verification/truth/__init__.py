@@ -8,8 +8,9 @@ Coulomb's cycle in closed form (damped: with one root), `critical_lambda` the ed
 from stickslip_verification.truth.coulomb import COULOMB, Coulomb
 from stickslip_verification.truth.course import Run, Step, run
 from stickslip_verification.truth.cycle import critical_lambda, steady_cycle
-from stickslip_verification.truth.law import FrictionLaw, Slip, friction_law
+from stickslip_verification.truth.law import FrictionLaw, Slip
 from stickslip_verification.truth.motion import Event
+from stickslip_verification.truth.named import COULOMB_NAME, friction_law
 from stickslip_verification.truth.parameters import (
     CHANGEABLE,
     PARAMETERS,
@@ -25,6 +26,7 @@ from stickslip_verification.truth.series import Series
 __all__ = [
     "CHANGEABLE",
     "COULOMB",
+    "COULOMB_NAME",
     "PARAMETERS",
     "START_VALUES",
     "Coulomb",

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from stickslip_verification.truth.coulomb import COULOMB
-from stickslip_verification.truth.law import FrictionLaw, friction_law
+from stickslip_verification.truth.law import FrictionLaw
 from stickslip_verification.truth.motion import Event, Motion
+from stickslip_verification.truth.named import friction_law
 from stickslip_verification.truth.parameters import (
     CHANGEABLE,
     Number,
@@ -88,7 +89,7 @@ def run(
     start_time
         Time of the start [s].
     law
-        The friction law, or its dotted name ``"module:NAME"`` as `friction_law` takes it.
+        The friction law, or its name as `friction_law` takes it.
 
     Raises
     ------

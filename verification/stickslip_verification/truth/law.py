@@ -1,16 +1,13 @@
-"""The contract of a friction law in the truth, and the law's side of a dotted name."""
+"""The contract of a friction law in the truth."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib import import_module
-from typing import Any, Protocol
+from typing import Protocol
 
 from stickslip_verification.truth.march import Friction, March
 from stickslip_verification.truth.parameters import Context, Number, Numbers, Parameter
 from stickslip_verification.truth.series import Series
-
-_EXAMPLE = "'my_laws.stribeck:STRIBECK'"
 
 
 class Slip(Protocol):
@@ -149,46 +146,3 @@ class FrictionLaw:
             signed=not self.sticks,
         )
         return March(context, n, friction, direction, speed, acceleration, state)
-
-
-def friction_law(name: str) -> FrictionLaw:
-    """Return the truth's side of the friction law that a dotted name gives.
-
-    Parameters
-    ----------
-    name
-        ``"module:NAME"``, an object whose attribute ``truth`` is in turn the dotted name of a
-        `FrictionLaw`.
-
-    Raises
-    ------
-    ValueError
-        If the name is not of this form, a module or an attribute is missing, or the object found
-        is no `FrictionLaw`; the message gives the reason and an example.
-    """
-    inner = getattr(_found(name), "truth", None)
-    if not isinstance(inner, str):
-        raise ValueError(
-            f"the friction law {name!r} has no attribute 'truth' with the dotted name of the "
-            "truth's side, such as 'my_laws.stribeck.truth:LAW'"
-        )
-    law = _found(inner)
-    if not isinstance(law, FrictionLaw):
-        raise ValueError(
-            f"{inner!r} is a {type(law).__name__}; the truth's side of a friction law is an "
-            "object of a subclass of stickslip_verification.truth.FrictionLaw"
-        )
-    return law
-
-
-def _found(name: str) -> Any:
-    module, colon, attribute = name.partition(":")
-    if not (module and colon and attribute):
-        raise ValueError(f"{name!r} is no dotted name module:NAME, such as {_EXAMPLE}")
-    try:
-        return getattr(import_module(module), attribute)
-    except (ImportError, AttributeError) as error:
-        raise ValueError(
-            f"the friction law {name!r} was not found ({error}); expected module:NAME, such as "
-            f"{_EXAMPLE}, of a module that Python can import"
-        ) from None

@@ -46,6 +46,9 @@ some hundred pieces, amplified; see `docs/theory.md (5)` for a slip that touches
 _LONGEST = 8
 """Longest piece in units of 1/w, for series that end after a few terms."""
 
+_MOST_HALVINGS = 40
+"""A piece that is still wrong at 1e-12 of the length that its series promise meets a kink."""
+
 _OVERLAP_BITS = 20
 """Turns are looked for up to 2^-20 of a piece beyond its end, so that none falls between two."""
 
@@ -154,11 +157,19 @@ class March:
         ValueError
             If the speed passes the limit of the friction law; the message names both.
         """
+        self._check_limit(t)
         while self.duration is None and self._reached() < t:
             self._go_on()
+            self._check_limit(t)
+
+    def _check_limit(self, t: Number) -> None:
+        """Refuse a slip that is known to pass the friction law's limit by the time `t` [s]."""
         limit = self._friction.limit
-        top = self.top_speed(t if self.duration is None else min(t, self.duration))
-        if limit is not None and top > limit:
+        if limit is None:
+            return
+        known = self._reached() if self.duration is None else self.duration
+        top = self.top_speed(min(t, known))
+        if top > limit:
             nstr = self._context.nstr
             raise ValueError(
                 f"the mass reaches {nstr(top, 6)} m/s, but the friction law holds up to "
@@ -327,7 +338,7 @@ class March:
         """Return `length`, halved until the equation of motion holds at its end."""
         context, n = self._context, self._numbers
         slope = derivative(u)
-        for _ in range(context.prec):
+        for _ in range(_MOST_HALVINGS):
             speed, force = value_at(u, length), value_at(P, length)
             own = [Series(context, [value_at(each, length)]) for each in state]
             dry = self._friction.force(Series(context, [speed]), own).term(0)

@@ -20,7 +20,7 @@ _NOISE_BITS = 12
 
 
 def polynomial_zeros(context: Context, terms: Sequence[Number], end: Number) -> list[Number]:
-    """Return the zeros of a polynomial in (0, end], in order.
+    """Return the zeros of a polynomial in (0, end), in order.
 
     Parameters
     ----------
@@ -32,7 +32,8 @@ def polynomial_zeros(context: Context, terms: Sequence[Number], end: Number) -> 
     Notes
     -----
     Two zeros nearer than half of the context's digits are told apart only if the polynomial
-    between them is more than rounding. A point where it touches zero may be returned or not.
+    between them is more than rounding. A point where it touches zero may be returned or not; a
+    zero where the interval is halved may be returned twice, and one at `end` be missing.
     """
     terms = list(terms)
     while terms and terms[0] == 0:

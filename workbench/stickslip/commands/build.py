@@ -1,4 +1,4 @@
-"""`stickslip build`: the FMU as a file, with its documentation and its evidence."""
+"""`stickslip build`: write the FMU with its documentation and its evidence."""
 
 from enum import StrEnum
 from pathlib import Path
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class FmiVersion(StrEnum):
-    """The versions of FMI that there is a face for."""
+    """The versions of FMI that the FMU can be built for."""
 
     TWO = "2"
     THREE = "3"
@@ -35,20 +35,20 @@ def build(
             "--output",
             "-o",
             metavar="DIR|FILE.fmu",
-            help="Folder or file to write; in a folder, the file has the name of its kind.",
+            help="File to write, or folder for StickSlip.fmu or StickSlip_fmi3.fmu.",
         ),
     ] = DEFAULT_FMU.parent,
     fmi: Annotated[
         FmiVersion, typer.Option(help="The standard: 2.0, or 3.0 as StickSlip_fmi3.fmu.")
     ] = FmiVersion.TWO,
     bare: Annotated[
-        bool, typer.Option("--bare", help="Leave the evidence (extra/) out; a second faster.")
+        bool, typer.Option("--bare", help="Leave out the evidence (extra/); saves a second.")
     ] = False,
 ) -> None:
     """Build the FMU; print its path, size and SHA-256.
 
-    It carries its documentation, and as evidence the default experiment, its result and a report
-    on that; `stickslip verify --pack` puts in the report on every case.
+    The FMU contains its documentation and its evidence: the default experiment, its result and a
+    report on it. `stickslip verify --pack` replaces that report by the one on all cases.
     """
     fmu = build_fmu(output, "-o", fmi.major)
     failed = False
@@ -58,7 +58,7 @@ def build(
         pack_evidence(fmu, verdict, "-o")
     tell_of(fmu)
     if failed:
-        say("the default experiment fails its checks, and the FMU says so: see stickslip verify")
+        say("the default experiment fails its checks; for details run stickslip verify")
         raise typer.Exit(1)
 
 

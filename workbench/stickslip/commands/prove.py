@@ -1,4 +1,4 @@
-"""`stickslip prove`: the random sets of the specification."""
+"""`stickslip prove`: the random tests of the specification."""
 
 from pathlib import Path
 from typing import Annotated
@@ -13,16 +13,16 @@ def prove(
     fmu: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="The FMU to prove; default: build/StickSlip.fmu, built anew."
+            metavar="FILE", help="The FMU to test; default: build/StickSlip.fmu, built anew."
         ),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Names the random sets.")] = 1,
+    seed: Annotated[int, typer.Option(help="Seed of the random settings.")] = 1,
     fraction: Annotated[
-        float, typer.Option(help="Share of the full sets, above 0 and at most 1.")
+        float, typer.Option(help="Share of the full random sets, above 0, at most 1.")
     ] = 1.0,
 ) -> None:
-    """Hold FMU and reference against random sets; exit 0 if every statement holds, 1 if not."""
-    from stickslip.random_test_table import random_test_table
+    """Check FMU and reference on random settings; exit 0 if all statements hold, else 1."""
+    from stickslip.show.random_test_table import random_test_table
     from stickslip_verification import FmuError
     from stickslip_verification import prove as prove_all
 
@@ -30,7 +30,7 @@ def prove(
         raise CommandError(f"--fraction {fraction!r}: must be above 0 and at most 1")
     if fmu is None:
         fmu = current_fmu()
-    with long_work("Proving", here=True) as progress:
+    with long_work("Running random tests", here=True) as progress:
         try:
             results = prove_all(fmu, seed, fraction, progress)
         except FmuError as error:

@@ -1,13 +1,13 @@
-"""`stickslip score`: anybody's curve against the exact cycle."""
+"""`stickslip score`: a curve from any tool against the exact cycle."""
 
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from stickslip.commands.quantities import help_text, option_name, read_values
 from stickslip.commands.shared import console
 from stickslip.errors import CommandError
-from stickslip.quantities import help_text, option_name, read_values
 
 
 def _parameter(name: str, *spellings: str) -> Any:
@@ -46,7 +46,7 @@ def score(
     force: Annotated[str | None, _column("--force", "the spring force")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON for machines.")] = False,
 ) -> None:
-    """Say how a curve from any tool compares with the exact cycle, and why it differs."""
+    """Compare a curve from any tool with the exact cycle, and say why it differs."""
     from stickslip_score import CurveError, as_json, read_curve
     from stickslip_score import score as judge
 
@@ -63,6 +63,6 @@ def score(
 
         print(dumps(as_json(result), indent=2, ensure_ascii=False, allow_nan=False))
         return
-    from stickslip.score_table import score_table
+    from stickslip.show.score_table import score_table
 
     console().print(score_table(result))

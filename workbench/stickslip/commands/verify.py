@@ -1,4 +1,4 @@
-"""`stickslip verify`: an FMU and the reference judged, and the report of it."""
+"""`stickslip verify`: judge an FMU and the reference, and write the report."""
 
 import os
 import shlex
@@ -34,10 +34,10 @@ def verify(
     ] = None,
     names: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.toml", help="Our names to the FMU's, where they differ."),
+        typer.Option(metavar="FILE.toml", help="Names file: the FMU's names of the variables."),
     ] = None,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Let the contract decide for a foreign FMU too.")
+        bool, typer.Option("--strict", help="Contract checks decide for any FMU.")
     ] = False,
     cases: Annotated[
         str | None,
@@ -48,39 +48,39 @@ def verify(
     ] = None,
     list_: Annotated[bool, typer.Option("--list", help="List the cases and exit.")] = False,
     all_: Annotated[
-        bool, typer.Option("--all", help="Print every comparison, not one row a case.")
+        bool, typer.Option("--all", help="Print every comparison, not one row per case.")
     ] = False,
     jobs: Annotated[
         int | None,
-        typer.Option(min=1, help="Processes at work at once; default: one per processor."),
+        typer.Option(min=1, help="Number of parallel processes; default: one per processor."),
     ] = None,
     time_limit: Annotated[
-        float, typer.Option(metavar="SECONDS", help="For one run of a case by the FMU.")
+        float, typer.Option(metavar="SECONDS", help="Limit for one run of the FMU.")
     ] = 60.0,
     mutants: Annotated[
         bool,
-        typer.Option("--mutants", help="Every planted fault on every check. Takes some minutes."),
+        typer.Option("--mutants", help="Run every planted fault on every check; some minutes."),
     ] = False,
     fault: Annotated[
         str | None,
         typer.Option(
             metavar="PATTERN|FILE.toml",
-            help="Plant the faults of this pattern, or your own, each on the checks it foretells.",
+            help="Plant the faults of this pattern, or your own; run the checks that each names.",
         ),
     ] = None,
     baseline: Annotated[
         Path | None,
-        typer.Option(metavar="OLD.json", help="Show how margins moved since this report."),
+        typer.Option(metavar="OLD.json", help="Show how margins changed since this report."),
     ] = None,
     accept: Annotated[
-        bool, typer.Option("--accept", help="Keep what came out as second values of the suite.")
+        bool, typer.Option("--accept", help="Store the results as second values of the suite.")
     ] = False,
     pack: Annotated[
         bool,
-        typer.Option("--pack", help="Put the verdict into our FMU, as its evidence (extra/)."),
+        typer.Option("--pack", help="Put the report into the FMU as evidence (extra/)."),
     ] = False,
     pdf: Annotated[
-        Path | None, typer.Option(metavar="FILE.pdf", help="Write the report here as well.")
+        Path | None, typer.Option(metavar="FILE.pdf", help="Write the report as PDF too.")
     ] = None,
     output: Annotated[
         Path,
@@ -89,8 +89,8 @@ def verify(
         ),
     ] = DEFAULT_REPORT,
 ) -> None:
-    """Hold an FMU and the reference against the truth; exit 0 if all is well, 1 if not."""
-    from stickslip import verdict_table as tables
+    """Check an FMU and the reference against the truth; exit 0 if all checks pass, else 1."""
+    from stickslip.show import verdict_table as tables
 
     chosen = _cases(cases)
     if list_:
@@ -109,11 +109,11 @@ def verify(
     if all_:
         screen.print(tables.verdict_table(verdict, screen.width))
     else:
-        from stickslip.verdict_summary import verdict_summary
+        from stickslip.show.verdict_summary import verdict_summary
 
         screen.print(verdict_summary(verdict, _meanings(chosen)))
     if earlier is not None:
-        from stickslip.earlier_table import earlier_table
+        from stickslip.show.earlier_table import earlier_table
         from stickslip_verification import compare
 
         screen.print(earlier_table(compare(earlier, verdict)))
@@ -151,25 +151,25 @@ def _meanings(cases: "Sequence[Case]") -> "Mapping[str, Meaning]":
 def _check_accept(
     accept: bool, names: Path | None, wanted: str | None, cases: "Sequence[Case]"
 ) -> None:
-    """Refuse to accept what is not of the suite."""
+    """Refuse to accept results of another FMU or of cases outside the suite."""
     from stickslip_verification.suite.cases import CASES_FOLDER
 
     if accept and names is not None:
-        raise CommandError("--accept does not go with --names: only our own FMU is accepted")
+        raise CommandError("--accept does not go with --names: only the exact block is accepted")
     if accept and any(case.file.parent != CASES_FOLDER for case in cases):
-        raise CommandError(f"--accept does not go with --cases {wanted}: those are not the suite's")
+        raise CommandError(f"--accept does not go with --cases {wanted}: not cases of the suite")
 
 
 def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | None) -> None:
-    """Refuse to pack what is no evidence of our own FMU, or cannot be put into it."""
+    """Refuse to pack a report that is not on all cases, or into a file that cannot take it."""
     from stickslip.files import check_writable
 
     if not pack:
         return
     if names is not None:
-        raise CommandError("--pack does not go with --names: evidence is packed into our own FMU")
+        raise CommandError("--pack does not go with --names: only the exact block takes evidence")
     if wanted is not None:
-        raise CommandError("--pack does not go with --cases: the FMU carries the verdict on all")
+        raise CommandError("--pack does not go with --cases: the report in the FMU is on all cases")
     if fmu is None:
         return
     from stickslip_verification.drive.fmu.archive import FmuFile
@@ -182,7 +182,7 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
         raise CommandError(str(error)) from error
     file.close()
     if not is_ours(file):
-        raise CommandError(f"--pack: {fmu} is not one of ours")
+        raise CommandError(f"--pack: {fmu} is not the exact block, by its model identifier")
     check_writable(fmu, "--pack")
     if not os.access(fmu, os.W_OK):
         raise CommandError(f"--pack {fmu}: it is write-protected")
@@ -192,7 +192,7 @@ def _check(fmu: Path | None, names: Path | None, time_limit: float) -> None:
     if fmu is not None and not fmu.is_file():
         raise CommandError(f"--fmu {fmu}: {'not a file' if fmu.exists() else 'no such file'}")
     if names is not None and fmu is None:
-        raise CommandError("--names goes with --fmu: our own FMU needs no map")
+        raise CommandError("--names goes with --fmu: the default FMU has the standard names")
     if not 0.0 < time_limit < float("inf"):
         raise CommandError(f"--time-limit {time_limit!r}: must be above 0 s and finite")
 
@@ -225,7 +225,7 @@ def _mutants(every: bool, wanted: str | None) -> "Sequence[Mutant]":
 
     if every and wanted is not None:
         raise CommandError(
-            "--fault does not go with --mutants: that tries every fault of the suite"
+            "--fault does not go with --mutants, which runs every fault of the suite"
         )
     if not every and wanted is None:
         return ()
@@ -298,8 +298,8 @@ def _write(
     pdf: Path | None,
 ) -> list[Path]:
     """Write the report, and give the files that a person may want to open."""
-    from stickslip import verdict_report
     from stickslip.progress import Meter
+    from stickslip.show import verdict_report
 
     with Meter("Writing the report"):
         return verdict_report.write(verdict, cases, earlier, output, pdf)

@@ -61,12 +61,12 @@ def examine(claim: Claim) -> Finding:
     most = {level: threshold(of_zeta, level, low, high) for level in levels}
     reached = spoken([f"{100 * level:g} % up to ζ = {figure(most[level], 2)}" for level in levels])
     sentence = (
-        f"The familiar formula is always high, at most by {reached}; it is "
-        f"{_high_by(of_zeta(0.01))} high at ζ = 0.01, {_high_by(of_zeta(0.1))} at 0.1 and gives "
-        f"{figure(1 + of_zeta(0.5), 2)} times the exact value at 0.5. The error is on the safe "
-        f"side for whoever pulls faster to get rid of stick-slip. From ζ = 1 on there is no cycle "
-        f"at any speed, which the formula does not know, and without damping there is no critical "
-        f"velocity at all."
+        f"The familiar formula is always too high: at most by {reached}. It is "
+        f"{_high_by(of_zeta(0.01))} high at ζ = 0.01 and {_high_by(of_zeta(0.1))} high at 0.1; at "
+        f"0.5 it gives {figure(1 + of_zeta(0.5), 2)} times the exact value. The error is on the "
+        f"safe side for a designer who raises the speed to end stick-slip. From ζ = 1 on there is "
+        f"no cycle at any speed, but the formula still gives a critical velocity. Without damping "
+        f"there is no critical velocity."
     )
     return claim.found(
         verdict=f"holds to {100 * levels[-1]:g} % for ζ ≤ {figure(most[levels[-1]], 2)}",

@@ -13,23 +13,31 @@ PLOTS = "claims"
 def markdown(findings: Iterable[Finding]) -> Iterator[str]:
     """Give the lines of the page: every claim with its verdict, its numbers and its plot."""
     found = tuple(findings)
-    yield "# What designers are told, in numbers"
-    yield ""
-    yield "Rules of thumb for stick-slip, each tried against the exact solution of the block (a"
-    yield "mass on a dry way, pulled through a spring at the speed v) in high precision. The"
-    yield "formulas are derived in docs/theory.md; the data files in"
-    yield "`verification/stickslip_verification/claims` say where each claim is tried. Figures are"
-    yield "rounded, deviations are relative to the exact value."
-    yield ""
-    yield "Without damping one number decides how well the rules hold:"
-    yield ""
-    yield "    λ = w Δ / v      w = sqrt(k / m)      Δ = (mu_s - mu_k) m g / k"
-    yield ""
-    yield "It compares the speed that the gap between the two frictions can give the mass with the"
-    yield "speed of the pull: large λ is slow pull, small λ fast pull. Put your own m in kg, k in"
-    yield "N/m, g in m/s² and v in m/s; `stickslip simulate` prints the exact cycle beside the"
-    yield "formulas. With damping the damping ratio ζ = c / (2 m w) counts as well."
-    yield ""
+    yield from """\
+# Rules of thumb for stick-slip, in numbers
+
+For designers who use rules of thumb for stick-slip. For each rule this page says where it
+holds to 10 %, and how wrong it is elsewhere.
+
+The rules are compared with the exact solution of the block in high precision. The block is a
+mass on a dry way that a spring pulls at the speed v.
+
+- Deviations are relative to the exact value. Figures are rounded.
+- The formulas are derived in [theory.md](theory.md). Numbers in brackets are its equations.
+- The data files in `verification/stickslip_verification/claims` list the settings of each
+  comparison.
+
+To use a rule, compute λ from your own m in kg, k in N/m, g in m/s² and v in m/s:
+
+    λ = w Δ / v      w = sqrt(k / m)      Δ = (mu_s - mu_k) m g / k
+
+Without damping, λ alone decides how well the rules for jump and slip time hold. λ is the ratio
+of two speeds: the speed that the gap between static and kinetic friction can give the mass,
+and the speed of the pull. Large λ is slow pull, small λ fast pull. With damping, the damping
+ratio ζ = c / (2 m w) counts too. `stickslip simulate` prints the exact cycle beside the
+formulas.
+
+""".splitlines()
     yield "| claim | verdict |"
     yield "|---|---|"
     for each in found:
@@ -53,7 +61,7 @@ def _section(finding: Finding) -> Iterator[str]:
     for row in finding.rows:
         yield "| " + " | ".join(row) + " |"
     yield ""
-    yield f"Tried with {finding.block}."
+    yield f"Parameters of the comparison: {finding.block}."
     yield ""
     yield f"![{finding.title}: {finding.verdict}]({PLOTS}/{finding.id}.svg)"
 

@@ -124,7 +124,7 @@ def examine(claim: Claim) -> Finding:
         )
         for name, quantity in _QUANTITIES.items()
     ]
-    for words, flag in (("sticks missed", "missed"), ("sticks made up", "made_up")):
+    for words, flag in (("sticks missed", "missed"), ("sticks invented", "made_up")):
         counts = [f"{getattr(each, flag).sum()} of {each.k.size}" for each in found.values()]
         rows.append((words, *(cell for count in counts for cell in ("", count))))
     main, *others = found.values()
@@ -157,13 +157,14 @@ def _sentence(claim: Claim, main: Errors, others: list[Errors]) -> str:
         for level in sorted(grid["within"], reverse=True)
     ]
     text = (
-        f"Velocity Verlet with both events seen at the end of the step they fall in, on "
-        f"{main.k.size} blocks from k = {min(grid['k']):g} to {max(grid['k']):g} N/m and v = "
-        f"{1000 * min(grid['v']):g} to {1000 * max(grid['v']):g} mm/s, the largest error of "
-        f"{grid['cycles'][0]:g} cycles: up to {most['t_slip']} in the slip time, {most['delta_x']} "
-        f"in the jump, {most['T']} in the period, but {most['break_away']} in the first break-away "
-        f"and {most['t_stick']} in the stick time, which are off by about a step however "
-        f"short they are. All five are {', '.join(shares)} of the blocks."
+        f"The script is velocity Verlet; it finds break-away and re-stick at the end of the step "
+        f"in which they fall. It ran on {main.k.size} blocks, k = {min(grid['k']):g} to "
+        f"{max(grid['k']):g} N/m and v = {1000 * min(grid['v']):g} to {1000 * max(grid['v']):g} "
+        f"mm/s, {grid['cycles'][0]:g} cycles each. The largest error is {most['t_slip']} in the "
+        f"slip time, {most['delta_x']} in the jump and {most['T']} in the period, but "
+        f"{most['break_away']} in the first break-away and {most['t_stick']} in the stick time: "
+        f"these two are off by about one step, however short they are. All five are "
+        f"{', '.join(shares)} of the blocks."
     )
     for mu_k, each in zip(grid["mu_k"][1:], others, strict=True):
         text += (

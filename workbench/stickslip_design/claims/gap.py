@@ -59,9 +59,9 @@ def examine(claim: Claim) -> Finding:
     sentence = (
         f"Twice the gap makes {figure(growth({**block, 'v': slow}))} times the jump at "
         f"{1000 * slow:g} mm/s and {figure(growth({**block, 'v': fast}))} times at "
-        f"{1000 * fast:g} mm/s. The factor misses 2 by at most {reached} on (λ before doubling); "
-        f"towards fast pull it goes to 1: there the gap hardly matters to the jump. The relief of "
-        f"the spring, 2Δ, does double at every speed."
+        f"{1000 * fast:g} mm/s. The factor is below 2 by at most {reached} on (λ of the single "
+        f"gap). Towards fast pull the factor goes to 1: there the gap hardly changes the jump. "
+        f"The relief of the spring, 2Δ, doubles at every speed."
     )
     return claim.found(
         verdict=f"holds to {100 * levels[0]:g} % for λ ≥ {figure(least[levels[0]])}",

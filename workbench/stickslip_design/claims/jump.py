@@ -55,11 +55,11 @@ def examine(claim: Claim) -> Finding:
     real = formulas.delta_x(default)
     reached = spoken([f"{100 * level:g} % from λ = {figure(least[level])}" for level in levels])
     sentence = (
-        f"The formula gives the relief of the spring, which is always less than the jump, because "
-        f"the pulled end runs on while the mass jumps. It is short by at most {reached} on; at "
-        f"λ = 1 it gives {percent(1 - of_lambda(mpf(1)))} of the jump. The block as it comes has "
-        f"λ = {figure(lambda_of(default))}: the formula gives {figure(1000 * ours, 4)} mm, and the "
-        f"mass jumps {figure(1000 * real, 4)} mm."
+        f"The formula gives the relief of the spring. The jump is always larger, because the "
+        f"pulled end moves on while the mass slips. The formula is short by at most {reached} on; "
+        f"at λ = 1 it gives {percent(1 - of_lambda(mpf(1)))} of the jump. With the default "
+        f"parameters λ = {figure(lambda_of(default))}: the formula gives "
+        f"{figure(1000 * ours, 4)} mm, and the mass jumps {figure(1000 * real, 4)} mm."
     )
     return claim.found(
         verdict=f"holds to {100 * levels[0]:g} % for λ ≥ {figure(least[levels[0]])}",

@@ -45,9 +45,10 @@ def examine(claim: Claim) -> Finding:
     reached = spoken([f"{100 * level:g} % from λ = {figure(least[level])}" for level in levels])
     slowest = 1 / (1 - of_lambda(low))
     sentence = (
-        f"Half a period is the limit for slow pull and always too short: by at most {reached} on. "
-        f"At λ = 1 the slip takes {figure(1 / (1 - of_lambda(mpf(1))))} times as long, at "
-        f"λ = {low:g} {figure(slowest)} times, and towards fast pull twice as long."
+        f"Half a period is the limit for slow pull. It is always too short, by at most {reached} "
+        f"on. The slip takes {figure(1 / (1 - of_lambda(mpf(1))))} times half a period at λ = 1 "
+        f"and {figure(slowest)} times at λ = {low:g}; towards fast pull it takes twice "
+        f"half a period."
     )
     times = [1 / (1 - of_lambda(each)) for each in grid["lambda_"]]
     panel = Panel(

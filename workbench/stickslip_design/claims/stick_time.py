@@ -62,13 +62,13 @@ def examine(claim: Claim) -> Finding:
     of_worst = [runs[largest, v].in_cycle for v in speeds]
     default = truth.START_VALUES
     sentence = (
-        f"The formula is the first load-up of a relaxed spring, exactly and at any speed. In the "
+        f"The formula is exact for the first load-up of a relaxed spring, at any speed. In the "
         f"cycle a slip relieves the spring by 2Δ only, so the formula is off by the factor "
-        f"mu_s / (2 (mu_s − mu_k)), again at any speed: "
-        f"{figure(formulas.load_up_over_stick(default))} for the block as it comes, "
-        f"{_one_or_span(of_worst)[0]} at mu_k = {largest:g} mu_s. It is right to "
-        f"{percent(within)} only for mu_k between {figure(low)} and {figure(high)} mu_s; below "
-        f"that it is too short, above it too long."
+        f"mu_s / (2 (mu_s − mu_k)), at any speed too. The factor is "
+        f"{figure(formulas.load_up_over_stick(default))} with the default parameters and "
+        f"{_one_or_span(of_worst)[0]} at mu_k = {largest:g} mu_s. In the cycle the formula is "
+        f"right to {percent(within)} only for mu_k between {figure(low)} and {figure(high)} mu_s; "
+        f"below this range it is too short, above it too long."
     )
     return claim.found(
         verdict=_verdict(list(runs.values())),

@@ -20,8 +20,9 @@ from stickslip_verification.drive.fmu.hooks import hooked
 from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.fmu.unpacking import new_folder
-from stickslip_verification.drive.fmu.variables import Variable, collect, extra_outputs
+from stickslip_verification.drive.fmu.variables import Variable, collect, collect_own, extra_outputs
 from stickslip_verification.suite.faults import Hook
+from stickslip_verification.truth.parameters import Parameter
 
 _FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
 
@@ -82,6 +83,7 @@ class FmuFile:
         self.can_serialize_state: bool = interface.canSerializeFMUstate
         self.once_per_process: bool = interface.canBeInstantiatedOnlyOncePerProcess
         self.variables: Mapping[str, Variable] = collect(path.name, description, self.names)
+        self._description = description
         self.extra_outputs: tuple[str, ...] = extra_outputs(description, self.variables)
         self.folder = new_folder()
         self.close = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
@@ -93,6 +95,13 @@ class FmuFile:
     def has(self, name: str) -> bool:
         """Whether the FMU has this variable of ours."""
         return name in self.variables
+
+    def look_for(self, parameters: Iterable[Parameter]) -> None:
+        """Add what the FMU has of the parameters of a friction law to its variables."""
+        units = {each.name: each.unit for each in parameters if not self.has(each.name)}
+        if units:
+            added = collect_own(self.path.name, self._description, units)
+            self.variables = {**self.variables, **added}
 
     def instantiate(self) -> FmuInstance:
         """Make a new instance; `FmuError` if the FMU refuses."""

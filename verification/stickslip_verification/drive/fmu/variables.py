@@ -9,6 +9,7 @@ from typing import Any
 
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import INPUT_UNITS, NOT_THERE, UNITS, NameMap, Target
+from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.units import Conversion, Unit, conversion, defined, spelled
 
 SETTABLE = frozenset({"parameter", "input"})
@@ -88,8 +89,22 @@ def collect(label: str, description: Any, names: NameMap) -> dict[str, Variable]
             target = Target(ours)
         elif target.name == NOT_THERE:
             continue
-        found[ours] = _variable(label, ours, target, theirs[target.name], units)
+        found[ours] = _variable(label, ours, target, theirs[target.name], units, UNITS[ours])
     return found
+
+
+def collect_own(label: str, description: Any, wanted: Mapping[str, str]) -> dict[str, Variable]:
+    """Find parameters of a friction law, by name and unit, in a model description of FMPy.
+
+    They are looked for by their own names, among parameters and inputs; raises as `collect` does.
+    """
+    theirs = {variable.name: variable for variable in description.modelVariables}
+    units = _units(description)
+    return {
+        name: _variable(label, name, Target(name), theirs[name], units, unit)
+        for name, unit in wanted.items()
+        if name in theirs and theirs[name].causality in SETTABLE
+    }
 
 
 def extra_outputs(description: Any, variables: Mapping[str, Variable]) -> tuple[str, ...]:
@@ -116,10 +131,10 @@ def _looks_like(ours: str, variable: Any) -> bool:
 
 
 def _variable(
-    label: str, ours: str, target: Target, theirs: Any, units: Mapping[str, Unit]
+    label: str, ours: str, target: Target, theirs: Any, units: Mapping[str, Unit], expected: str
 ) -> Variable:
     called = ours if ours == theirs.name else f"{ours} ({theirs.name!r})"
-    to_set = ours in INPUT_UNITS
+    to_set = ours not in QUANTITIES
     if theirs.causality not in (SETTABLE if to_set else READABLE) or (
         to_set and theirs.variability == "constant"
     ):
@@ -135,7 +150,8 @@ def _variable(
         declared_type = theirs.declaredType
         unit_name = theirs.unit or (declared_type.unit if declared_type else None)
     change = conversion(
-        _unit(label, ours, called, unit_name, units, given=target.unit is not None), target.sign
+        _unit(label, ours, called, unit_name, units, expected, given=target.unit is not None),
+        target.sign,
     )
     return Variable(
         name=ours,
@@ -151,9 +167,16 @@ def _variable(
 
 
 def _unit(
-    label: str, ours: str, called: str, name: str | None, units: Mapping[str, Unit], *, given: bool
+    label: str,
+    ours: str,
+    called: str,
+    name: str | None,
+    units: Mapping[str, Unit],
+    wanted: str,
+    *,
+    given: bool,
 ) -> Unit:
-    expected = spelled(UNITS[ours])
+    expected = spelled(wanted)
     assert expected is not None
     if name is None:
         return expected
@@ -162,11 +185,11 @@ def _unit(
     if unit is None:
         raise FmuError(
             f"{label}: the unit {name!r} of {called} is not known; give one in the names file: "
-            f'{ours} = {{ name = "...", unit = "{UNITS[ours]}" }}'
+            f'{ours} = {{ name = "...", unit = "{wanted}" }}'
         )
     if unit.dimension != expected.dimension:
         raise FmuError(
-            f"{label}: {called} is in {name!r}, which is not a unit like {UNITS[ours]!r}; if it is "
+            f"{label}: {called} is in {name!r}, which is not a unit like {wanted!r}; if it is "
             f'another quantity, leave it out in the names file: {ours} = ""'
         )
     return unit

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stickslip_verification.model import symmetries
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.truth.parameters import complete, used_mu_k
+from stickslip_verification.truth.parameters import used_mu_k
 
 Mask = NDArray[np.bool_]
 
@@ -78,7 +78,7 @@ class Course:
     @cached_property
     def settings(self) -> Mapping[str, Series]:
         """What acts during each step, by name: the twelve values, mu_k clamped as (1) says."""
-        values = complete(self.case.parameters)
+        values = dict(self.case.start)
         rows = []
         for step in self.case.steps:
             values = {**values, **step.changes}

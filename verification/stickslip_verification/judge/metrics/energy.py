@@ -7,7 +7,6 @@ import numpy as np
 from stickslip_verification.judge.metrics.course import Course
 from stickslip_verification.judge.metrics.residual import Residual, everywhere
 from stickslip_verification.model.run import Series
-from stickslip_verification.truth.parameters import complete
 
 
 def balance(course: Course) -> Residual:
@@ -16,7 +15,7 @@ def balance(course: Course) -> Residual:
     pushed = np.cumsum(np.asarray(s["F_ext"] * course.change("x"), np.longdouble))
     supplied = course.after("W_pull") + course.after("W_k") + pushed - course.after("Q_friction")
     stored = _stored(course, course.after("z"), course.after("x_dot"), s["k"])
-    before = complete(course.case.parameters)
+    before = course.case.start
     z, x_dot = (course.before(name)[0] for name in ("z", "x_dot"))
     at_start = 0.5 * before["k"] * z**2 + 0.5 * before["m"] * x_dot**2
     left = np.asarray(supplied - (stored - at_start), np.float64)

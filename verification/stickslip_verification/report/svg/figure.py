@@ -23,20 +23,29 @@ def as_svg(figure: Figure, title: str) -> str:
     """
     # Distances are seen on the page: ranges and layout are there once it is drawn.
     figure.draw_without_rendering()
-    for panel in figure.axes:
-        for line in panel.lines:
-            x, y = (np.asarray(values) for values in line.get_data())
-            # A marker at each point shows the points themselves.
-            if len(x) > 2 and line.get_marker() == "None":
-                kept = thinned(*in_points(panel, x, y))
-                line.set_data(x[kept], y[kept])
+    thin(figure)
     text = io.StringIO()
     nothing = {"Creator": None, "Date": None, "Format": None, "Type": None}
     figure.savefig(text, format="svg", metadata=nothing)
     return standalone(text.getvalue(), title)
 
 
-def in_points(panel: Axes, x: Series, y: Series) -> tuple[Series, Series]:
+def thin(figure: Figure) -> None:
+    """Leave of each line the points that tell its shape on the page; see `thinned`.
+
+    Ranges and places of the panels must be settled. Lines of markers and of steps stay whole: their
+    points are seen themselves.
+    """
+    for panel in figure.axes:
+        for line in panel.lines:
+            x, y = (np.asarray(values) for values in line.get_data())
+            plain = line.get_marker() in ("None", "") and line.get_drawstyle() == "default"
+            if len(x) > 2 and plain:
+                kept = thinned(*_in_points(panel, x, y))
+                line.set_data(x[kept], y[kept])
+
+
+def _in_points(panel: Axes, x: Series, y: Series) -> tuple[Series, Series]:
     """Return where on the page a line in the units of the panel is drawn [pt]."""
     dpi = panel.get_figure(root=True).dpi  # type: ignore[union-attr]
     drawn = panel.transData.transform(np.column_stack((x, y))) * 72.0 / dpi

@@ -56,18 +56,3 @@ def _mark(x: Series, y: Series, keep: NDArray[np.bool_], first: int, last: int) 
             middle = a + 1 + furthest
             keep[middle] = True
             waiting += [(a, middle), (middle, b)]
-
-
-def columns(x: Series, y: Series) -> Chosen:
-    """Choose the lowest and the highest point of each column one point [pt] wide, in their order.
-
-    What is left covers what the full line covers; gaps (NaN) are dropped with their points.
-    """
-    told = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
-    if not len(told):
-        return told
-    starts = np.flatnonzero(np.diff(np.floor(x[told]), prepend=-np.inf))
-    keep: set[int] = {int(told[0]), int(told[-1])}
-    for part in np.split(told, starts[1:]):
-        keep |= {int(part[np.argmin(y[part])]), int(part[np.argmax(y[part])])}
-    return np.array(sorted(keep))

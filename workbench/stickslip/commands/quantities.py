@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from stickslip import units
+from stickslip.commands import units
 from stickslip.errors import CommandError
 from stickslip_fmu.spec import TABLE
 

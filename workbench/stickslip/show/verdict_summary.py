@@ -8,19 +8,19 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from stickslip.fitted import Fitted
+from stickslip.show.fitted import Fitted
 from stickslip_verification import CheckResult, KillMatrix, Meaning, Verdict, margin
 from stickslip_verification.model.verdict import Kind
 
 _KINDS: Final[dict[str, str]] = {
     Kind.CLOSED_FORM: "exact motion and closed forms",
-    Kind.INVARIANT: "invariants, other runs, interface",
+    Kind.INVARIANT: "samples, pairs of runs, interface",
     Kind.CONVERGENCE: "observed order of the reference",
-    Kind.CROSS_CODE: "FMU against reference: the weaker kind, it makes nothing green",
+    Kind.CROSS_CODE: "FMU against reference: the weaker kind, it alone gives no pass",
 }
 _SIDES: Final = ("fmu", "reference")
 _TOLD: Final = 12
-"""How many failed checks are told in full; the report tells them all."""
+"""How many failed checks are printed in full; the report lists all."""
 
 
 def verdict_summary(verdict: Verdict, meanings: Mapping[str, Meaning]) -> RenderableType:
@@ -57,8 +57,8 @@ def counts(verdict: Verdict) -> Text:
 
 def _why(verdict: Verdict) -> str:
     if verdict.kills is not None and not verdict.kills.passed:
-        return "the suite did not detect every planted fault, or has checks that kill nothing"
-    return "no check of the FMU against a truth passed"
+        return "a planted fault survived, or a check detects none and has no reason to stay"
+    return "no check of the FMU against the exact solution or an invariant passed"
 
 
 def _cases(verdict: Verdict, *, worst: bool) -> Table:
@@ -123,16 +123,16 @@ def _detections(kills: KillMatrix | None) -> Iterator[Text]:
     if kills is None:
         return
     caught = sum(row.caught for row in kills.rows)
-    style = "green" if kills.passed else "bold red"
-    yield Text(f"{caught} of {len(kills.rows)} planted faults caught as foretold", style=style)
+    count = f"{caught} of {len(kills.rows)} planted faults detected by a check named in advance"
+    yield Text(count, style="green" if kills.passed else "bold red")
     for row in kills.rows:
         if not row.caught:
-            why = row.broken or f"it fails {', '.join(row.failing) or 'nothing'}"
-            yield Text(f"SURVIVED {row.mutant} (wanted {', '.join(row.wanted)}): {why}", "red")
+            why = row.broken or f"failing checks: {', '.join(row.failing) or 'none'}"
+            yield Text(f"SURVIVED {row.mutant} (named: {', '.join(row.wanted)}): {why}", "red")
     for check, reason in kills.kills_nothing.items():
         if not reason:
             yield Text(
-                f"KILLS_NOTHING {check}: it kills nothing, and nothing says why it stays", "red"
+                f"UNUSED {check}: it detects no planted fault and has no reason to stay", "red"
             )
 
 
@@ -144,9 +144,9 @@ def _failures(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Iterator[Tex
         meaning = meanings.get(result.check)
         if meaning is not None and result.check not in told:
             told.add(result.check)
-            yield Text(f"     {meaning.means} Look at: {meaning.look}")
+            yield Text(f"     {meaning.means} Likeliest bug: {meaning.look}")
     if len(failed) > _TOLD:
-        yield Text(f"and {len(failed) - _TOLD} more; the report tells them all", "red")
+        yield Text(f"and {len(failed) - _TOLD} more; the report lists them all", "red")
 
 
 def _name(result: CheckResult) -> str:

@@ -9,7 +9,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from stickslip.fitted import Fitted
+from stickslip.show.fitted import Fitted
 from stickslip_verification import RandomTestResult
 
 _STATEMENT: Final = 48
@@ -68,7 +68,7 @@ def _short_table(results: Sequence[RandomTestResult]) -> Table:
 def _empty_table(results: Sequence[RandomTestResult]) -> Table:
     seeds = ", ".join(sorted({str(each.seed) for each in results}))
     return Table(
-        title=f"Random tests on random sets, seed {seeds}",
+        title=f"Random tests, seed {seeds}",
         title_justify="left",
         title_style="bold",
         box=SIMPLE_HEAD,
