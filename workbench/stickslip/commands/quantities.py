@@ -9,6 +9,7 @@ from typing import Final
 
 from stickslip.commands import units
 from stickslip.errors import CommandError
+from fmukit.table import Table
 from stickslip_fmu.spec import TABLE
 
 LARGEST_SAMPLE_COUNT: Final = 10_000_000
@@ -27,13 +28,15 @@ def help_text(name: str) -> str:
     return f"{variable.description}{unit}{limits}; default {variable.start:g}."
 
 
-def read_values(typed: Mapping[str, str | None]) -> dict[str, float]:
+def read_values(typed: Mapping[str, str | None], table: Table = TABLE) -> dict[str, float]:
     """Read what was typed for parameters and inputs; the rest takes its start value.
 
     Parameters
     ----------
     typed
         Name of a variable to the text given, None where none was.
+    table
+        The variable table, that of another friction law where there is one.
 
     Returns
     -------
@@ -45,11 +48,13 @@ def read_values(typed: Mapping[str, str | None]) -> dict[str, float]:
     CommandError
         If a text is no quantity of the variable's dimension or out of its range.
     """
-    values = TABLE.start_values()
+    values = table.start_values()
     for name, text in typed.items():
         if text is None:
             continue
-        variable = TABLE.by_name[name]
+        if name not in values:
+            raise CommandError(f"{option_name(name)} {text!r}: the friction law has no {name}")
+        variable = table.by_name[name]
         value = units.parse(text, variable.unit, option_name(name), f"({variable.range})")
         objection = variable.objection(value)
         if objection is not None:
