@@ -7,9 +7,9 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
+from fmukit.table import Table
 from stickslip.commands import units
 from stickslip.errors import CommandError
-from fmukit.table import Table
 from stickslip_fmu.spec import TABLE
 
 LARGEST_SAMPLE_COUNT: Final = 10_000_000
@@ -17,6 +17,8 @@ LARGEST_SAMPLE_COUNT: Final = 10_000_000
 
 def option_name(name: str) -> str:
     """Give the option of the command that sets the variable `name`: ``--mu-s`` for ``mu_s``."""
+    if name not in TABLE.by_name:
+        return f"--law-parameter {name}"
     return "--" + name.replace("_", "-")
 
 

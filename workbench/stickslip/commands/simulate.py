@@ -9,6 +9,7 @@ import typer
 from stickslip.commands.options import (
     Damping,
     ExternalForce,
+    FrictionLaw,
     Gravity,
     KineticFriction,
     Load,
@@ -21,10 +22,12 @@ from stickslip.commands.options import (
     Stiffness,
 )
 from stickslip.commands.quantities import read_experiment, read_values
-from stickslip.commands.shared import build_fmu, console, say
+from stickslip.commands.shared import build_fmu, console, here_on_path, say
 from stickslip.errors import CommandError
+from stickslip_fmu.spec import TABLE
 
 if TYPE_CHECKING:
+    from fmukit.table import Table
     from stickslip.simulate.run import Run
     from stickslip_ref import Parameters
 
@@ -101,15 +104,13 @@ def simulate(
     times = read_experiment(start_time, stop_time, output_interval)
     if fmu is not None and engine is not Engine.FMU:
         raise CommandError("--fmu goes with --engine fmu only")
-    if law is not None and engine is not Engine.FMU:
-        raise CommandError("--law goes with --engine fmu only")
     _check_targets(output_file, plot)
 
     from stickslip.show.cycle_table import cycle_table
 
     # The closed forms of the cycle are those of Coulomb's law.
     parameters = _checked_parameters(values) if law is None else None
-    run = _run(engine, fmu, law, values, times, drawn=plot is not None)
+    run = _run(engine, fmu, law, table, values, times, drawn=plot is not None)
     if output_file is not None:
         from stickslip.simulate.csv_file import write_csv
 
@@ -154,7 +155,7 @@ def _checked_parameters(values: dict[str, float]) -> "Parameters":
             raise CommandError(str(error)) from error
 
 
-def _table_of(law: str) -> Table:
+def _table_of(law: str) -> "Table":
     """Return the variable table of the block under a friction law."""
     from stickslip_fmu.interface import table_of
     from stickslip_fmu.laws.named import friction_law
@@ -166,7 +167,7 @@ def _table_of(law: str) -> Table:
         raise CommandError(f"--law: {error}") from error
 
 
-def _own_values(typed: list[str], table: Table) -> dict[str, str]:
+def _own_values(typed: list[str], table: "Table") -> dict[str, str]:
     """Return what was typed for parameters of the law, by name."""
     own = [row.name for row in table.rows if row.settable and row.name not in TABLE.by_name]
     values = dict(text.partition("=")[::2] for text in typed)
@@ -184,6 +185,7 @@ def _run(
     engine: Engine,
     fmu: Path | None,
     law: str | None,
+    table: "Table",
     values: dict[str, float],
     times: tuple[float, float, float | None],
     drawn: bool,
@@ -193,9 +195,9 @@ def _run(
     from stickslip.progress import Meter
     from stickslip.simulate import engines
 
-    experiment = engines.experiment(values, *times, drawn=drawn)
+    experiment = engines.experiment(values, *times, drawn=drawn, law=law, table=table)
     if engine is Engine.REFERENCE:
-        with Meter("Simulating the reference"):
+        with Meter("Simulating the reference"), here_on_path():
             run, notes = engines.simulate_reference(experiment)
     else:
         with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
