@@ -83,7 +83,7 @@ def test_a_case_knows_its_law_and_the_parameters_of_it(tmp_path: Path) -> None:
         (
             "motion =",
             "cycle = { at = { cycle = 1 } }\nmotion =",
-            "line 6, cycle: the formulas are those of Coulomb's law; without one the exact motion counts",
+            "line 6, cycle: the formulas are those of Coulomb's law; without one the exact motion",
         ),
         (
             "[parameters]",
