@@ -21,10 +21,9 @@ from benchmarks.empty_slave import build_empty_slave
 from benchmarks.page import NoBrowserError, measure_moves
 from benchmarks.plain_cycle import plain_steady_cycle
 from stickslip.page import page
-from stickslip_fmu.interface import TABLE
-from stickslip_fmu.model import Block
+from stickslip_fmu.block import Block
 from stickslip_fmu.packer import build
-from stickslip_fmu.settings import Settings
+from stickslip_fmu.spec import SPEC, TABLE
 from stickslip_ref import Parameters, simulate, steady_cycle
 
 ROUNDS = 15
@@ -131,7 +130,8 @@ def measure_import(ours: Path, empty: Path) -> Measurement:
 
 def measure_block() -> list[Measurement]:
     """Time the block alone: event to event, and a step within an arc."""
-    block = Block(Settings.at_start())
+    block = SPEC.start()
+    assert isinstance(block, Block)
     before = block.meter.n_slips
     begin = time.perf_counter()
     block.advance(0.0, 10_000.0)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from pythonfmu.builder import FmuBuilder
 
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 
 _SOURCE = """\
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real

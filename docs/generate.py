@@ -14,8 +14,8 @@ from typing import Any
 
 from fmukit.table import Variable
 from stickslip_design.claims import pages
-from stickslip_fmu.interface import TABLE
 from stickslip_fmu.packer import build
+from stickslip_fmu.spec import TABLE
 from stickslip_verification import (
     CheckResult,
     Meaning,

@@ -23,7 +23,7 @@ from textwrap import indent
 import pytest
 
 from stickslip.errors import CommandError
-from stickslip.host import prepare
+from stickslip.host.launch import prepare
 
 ROOT = Path(__file__).parents[1]
 HIDDEN_LIBPYTHON = "STICKSLIP_TESTS_WITHOUT_LIBPYTHON"

@@ -1,6 +1,6 @@
 """What the kit makes an FMU of: the protocol of a model, its error, and the specification."""
 
-from typing import Any, Dict, NamedTuple, Optional, Protocol, Type
+from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Protocol, Type
 
 from .table import Table, Values
 
@@ -11,6 +11,9 @@ class ModelError(ValueError):
 
 class Model(Protocol):
     """A model that an FMU runs.
+
+    A class that derives from this one may leave out `refresh`, `check`, `warning` and
+    `date_start`.
 
     Parameters
     ----------
@@ -69,11 +72,14 @@ class Model(Protocol):
         modules along that it imports.
     """
 
-    stale: bool
+    stale: bool = False
 
-    @property
-    def wanted(self) -> Any:
-        """The values as last set."""
+    # A class holds it as an attribute or as a property.
+    if TYPE_CHECKING:
+
+        @property
+        def wanted(self) -> Any:
+            """The values as last set."""
 
     def __init__(self, values: Any, start_time: float = 0.0) -> None: ...
 
@@ -98,9 +104,11 @@ class Model(Protocol):
 
     def refresh(self) -> None:
         """Compute the outputs where the model stands, and clear `stale`."""
+        self.stale = False
 
     def check(self) -> None:
         """Raise ModelError if the values in `wanted` do not go together."""
+        return
 
     def warning(self) -> Optional[str]:
         """Return what is unusual about the values in `wanted`, or None.
@@ -108,9 +116,11 @@ class Model(Protocol):
         The simulator is told at the end of the initialization and before the first step after a
         value was set, once for each text.
         """
+        return None
 
     def date_start(self, time: float) -> None:
         """Take `time` [s] for the start time if no step was made yet: FMI 3.0 tells it so late."""
+        return
 
     def freeze(self) -> Any:
         """Return the whole state for `thaw`."""

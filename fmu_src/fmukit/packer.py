@@ -158,18 +158,21 @@ def travelling(main: str, face: Literal[2, 3] = 2) -> Dict[str, bytes]:
     text = main.rstrip("\n") + "\n" + _SLAVE_CLASS.format(face=face)
     first = _Module("slave", Path("slave.py"), text.encode("utf-8"))
     files = {"__init__.py": _PACKAGE_TEXT, "slave.py": first.packed()}
-    waiting = first.imported()
-    # The wrapper's file imports this one itself.
-    waiting.append("fmukit.lifetime")
+    # The wrapper's file imports `lifetime` itself.
+    waiting = {"fmukit.lifetime": "slave", **dict.fromkeys(first.imported(), "slave")}
     seen = set()
     while waiting:
-        name = waiting.pop()
-        if name in seen:
-            continue
+        name, importer = waiting.popitem()
         seen.add(name)
-        module = _find(name)
+        file = _file_of(name)
+        if file is None:
+            raise PackError(
+                f"{name}, which {importer} imports, cannot be packed: "
+                "no Python source of this name is on the path"
+            )
+        module = _Module(name, file, file.read_bytes())
         files[module.path] = module.packed()
-        waiting += module.imported()
+        waiting.update(dict.fromkeys(sorted(set(module.imported()) - seen, reverse=True), name))
     return files
 
 
@@ -256,14 +259,6 @@ class _Module:
 
 def _at_hand(name: str) -> bool:
     return name.partition(".")[0] in _AT_HAND
-
-
-def _find(name: str) -> _Module:
-    """Return the module of a dotted name; raises PackError where there is no source."""
-    file = _file_of(name)
-    if file is None:
-        raise PackError(f"{name} cannot be packed: no Python source of this name is on the path")
-    return _Module(name, file, file.read_bytes())
 
 
 def _file_of(name: str) -> Optional[Path]:

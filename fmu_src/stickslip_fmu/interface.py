@@ -1,10 +1,11 @@
 """The interface of the block: units, quantities and variables, declared here alone on this side.
 
-The model descriptions, the record of values, the documentation and the tests are made from TABLE.
-A calculated output is one row here and one attribute of `block.Block`.
+A friction law adds its own rows (`Own`). The model descriptions, the record of values, the
+documentation and the tests are made from the table of both. A calculated output is one row here
+and one attribute of `block.Block`.
 """
 
-from typing import Dict, Optional, Tuple
+from typing import Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from fmukit.table import ABOVE_ZERO, Item, Quantity, Table, Unit, Variable
 
@@ -24,7 +25,7 @@ _UNITS: Dict[str, Unit] = {
     "1": Unit({}),
 }
 
-_QUANTITIES: Tuple[Quantity, ...] = (
+_TYPES: Tuple[Quantity, ...] = (
     Quantity("Mass", "Real", "Mass", "kg", 1.0),
     Quantity("Acceleration", "Real", "Acceleration", "m/s2", 10.0),
     Quantity("Stiffness", "Real", "TranslationalSpringConstant", "N/m", 1000.0),
@@ -51,22 +52,59 @@ _QUANTITIES: Tuple[Quantity, ...] = (
     Quantity("Flag", "Boolean"),
 )
 
-_BY_NAME: Dict[str, Quantity] = {quantity.name: quantity for quantity in _QUANTITIES}
+QUANTITIES: Dict[str, Quantity] = {quantity.name: quantity for quantity in _TYPES}
 
 
-def _parameter(
+class Own(NamedTuple):
+    """What a friction law adds to the interface.
+
+    Attributes
+    ----------
+    model
+        Name and identifier of the model: a Python identifier, StickSlip for Coulomb's law alone.
+    description
+        What the model is.
+    rows
+        The law's parameters and outputs. Their numbers are 4, 5, 33, 34, 35 and so on, each once:
+        `mu_s`, `mu_k` and `mu_k_used` of Coulomb's law have the first three. An output of the law
+        is held at ``state.friction.<name>`` where it stays along an arc.
+    at_rest
+        Names of the parameters that the break-away force depends on at the start.
+    in_slip
+        Names of the parameters that the friction of a slip depends on too.
+    break_away
+        Description of the break-away force `F_s`.
+    units
+        Units that the interface has not.
+    """
+
+    model: str
+    description: str
+    rows: Tuple[Variable, ...]
+    at_rest: Tuple[str, ...]
+    in_slip: Tuple[str, ...]
+    break_away: str = "Break-away force mu_s N"
+    units: Mapping[str, Unit] = {}
+
+
+def _type(quantity: Union[str, Quantity]) -> Quantity:
+    return QUANTITIES[quantity] if isinstance(quantity, str) else quantity
+
+
+def parameter(
     number: int,
     name: str,
-    quantity: str,
+    quantity: Union[str, Quantity],
     variability: str,
     start: float,
     description: str,
     minimum: Optional[float] = None,
 ) -> Variable:
+    """Return the row of a parameter; `quantity` is a name in QUANTITIES or a law's own quantity."""
     return Variable(
         number,
         name,
-        _BY_NAME[quantity],
+        _type(quantity),
         "parameter",
         variability,
         start,
@@ -76,13 +114,13 @@ def _parameter(
 
 
 def _input(number: int, name: str, quantity: str, description: str, start: float = 0.0) -> Variable:
-    return Variable(number, name, _BY_NAME[quantity], "input", "continuous", start, description)
+    return Variable(number, name, QUANTITIES[quantity], "input", "continuous", start, description)
 
 
-def _calculated(
+def calculated(
     number: int,
     name: str,
-    quantity: str,
+    quantity: Union[str, Quantity],
     description: str,
     depends: Tuple[str, ...],
     minimum: Optional[float] = None,
@@ -91,10 +129,11 @@ def _calculated(
     held_at: str = "",
     in_proportion: bool = False,
 ) -> Variable:
+    """Return the row of an output that follows from the state; see `Variable`."""
     return Variable(
         number,
         name,
-        _BY_NAME[quantity],
+        _type(quantity),
         "output",
         variability,
         None,
@@ -115,11 +154,11 @@ def _metered(
     minimum: Optional[float] = None,
     maximum: Optional[float] = None,
 ) -> Variable:
-    start = 0.0 if _BY_NAME[quantity].kind == "Real" else 0
+    start = 0.0 if QUANTITIES[quantity].kind == "Real" else 0
     return Variable(
         number,
         name,
-        _BY_NAME[quantity],
+        QUANTITIES[quantity],
         "output",
         "discrete",
         start,
@@ -134,7 +173,7 @@ def _account(number: int, name: str, description: str, minimum: Optional[float] 
     return Variable(
         number,
         name,
-        _BY_NAME["Energy"],
+        QUANTITIES["Energy"],
         "output",
         "continuous",
         0.0,
@@ -143,98 +182,80 @@ def _account(number: int, name: str, description: str, minimum: Optional[float] 
     )
 
 
-_WEIGHT = ("m", "g", "load")
-_REST_TEST = (*_WEIGHT, "k", "mu_s", "x_dot_start", "z_start", "F_ext")
-
-_ROWS: Tuple[Variable, ...] = (
-    _parameter(0, "m", "Mass", "fixed", 1.0, "Mass", ABOVE_ZERO),
-    _parameter(1, "g", "Acceleration", "fixed", 9.81, "Gravity", ABOVE_ZERO),
-    _parameter(2, "k", "Stiffness", "tunable", 1000.0, "Spring stiffness", ABOVE_ZERO),
-    _parameter(3, "c", "Damping", "tunable", 0.0, "Viscous damping between mass and way", 0.0),
-    _parameter(
-        4, "mu_s", "FrictionCoefficient", "tunable", 0.5, "Static friction coefficient", 0.0
-    ),
-    _parameter(
-        5,
-        "mu_k",
-        "FrictionCoefficient",
-        "tunable",
-        0.3,
-        "Kinetic friction coefficient; above mu_s it is clamped, see mu_k_used",
-        0.0,
-    ),
-    _parameter(6, "x_start", "Position", "fixed", 0.0, "Initial position of the mass"),
-    _parameter(7, "x_dot_start", "Velocity", "fixed", 0.0, "Initial velocity of the mass"),
-    _parameter(8, "z_start", "Length", "fixed", 0.0, "Initial spring extension"),
-    _input(9, "v", "Velocity", "Velocity of the pulled end, held over a step", 0.02),
-    _input(10, "load", "Force", "Normal force on top of m g, at least -m g, held over a step"),
-    _input(11, "F_ext", "Force", "External force on the mass along the way, held over a step"),
-    _calculated(12, "x", "Position", "Position of the mass", ("x_start",), in_proportion=True),
-    _calculated(
-        13, "x_dot", "Velocity", "Velocity of the mass", ("x_dot_start",), in_proportion=True
-    ),
-    _calculated(
-        14,
-        "x_pull",
-        "Position",
-        "Position of the pulled end",
-        ("x_start", "z_start"),
-        in_proportion=True,
-    ),
-    _calculated(15, "z", "Length", "Spring extension x_pull - x", ("z_start",), in_proportion=True),
-    _calculated(16, "F", "Force", "Spring force k z", ("k", "z_start")),
-    _calculated(
-        17,
-        "F_friction",
-        "Force",
-        "Friction on the mass, with its viscous part",
-        (*_REST_TEST, "c", "mu_k"),
-    ),
-    _calculated(18, "F_s", "Force", "Break-away force mu_s N", (*_WEIGHT, "mu_s"), 0.0),
-    _calculated(
-        19, "sticking", "Flag", "Whether the mass sticks", _REST_TEST, variability="discrete"
-    ),
-    _calculated(
-        20,
-        "mode",
-        "SlipDirection",
-        "-1 slips backward, 0 sticks, +1 slips forward",
-        _REST_TEST,
-        -1,
-        1,
-        variability="discrete",
-    ),
-    _metered(21, "delta_x", "Length", "Displacement of the mass in the last completed slip"),
-    _metered(22, "spring_drop", "Length", "Fall of z over the last completed slip"),
-    _metered(23, "t_stick", "Duration", "Length of the last completed stick", 0.0),
-    _metered(24, "t_slip", "Duration", "Length of the last completed slip", 0.0),
-    _metered(25, "T", "Duration", "Time between the last two break-aways", 0.0),
-    _metered(26, "f", "Frequency", "Frequency 1/T of the stick-slip cycle", 0.0),
-    _metered(27, "x_dot_peak", "Velocity", "Extreme velocity of the last completed slip"),
-    _metered(28, "n_slips", "Count", "Completed slips", 0, MOST_SLIPS),
-    # Calculated and not from zero: before the first transition it shows the start time.
-    _calculated(
-        29,
-        "t_event",
-        "Time",
-        "Time of the last transition",
-        (),
-        variability="discrete",
-        held_at="meter.t_event",
-    ),
-    _account(30, "W_pull", "Work done by the pulling end"),
-    _account(31, "W_k", "Energy put in by changing k"),
-    _account(32, "Q_friction", "Heat made by friction and damping", 0.0),
-    _calculated(
-        33,
-        "mu_k_used",
-        "FrictionCoefficient",
-        "Kinetic friction coefficient after the clamp",
-        ("mu_s", "mu_k"),
-        0.0,
-        variability="discrete",
-        held_at="state.friction.mu_k_used",
-    ),
-)
-
-TABLE = Table(_UNITS, _QUANTITIES, _ROWS)
+def table_of(own: Own) -> Table:
+    """Return the table of the block under a friction law with these rows of its own."""
+    weight = ("m", "g", "load")
+    rest_test = (*weight, "k", *own.at_rest, "x_dot_start", "z_start", "F_ext")
+    rows = (
+        parameter(0, "m", "Mass", "fixed", 1.0, "Mass", ABOVE_ZERO),
+        parameter(1, "g", "Acceleration", "fixed", 9.81, "Gravity", ABOVE_ZERO),
+        parameter(2, "k", "Stiffness", "tunable", 1000.0, "Spring stiffness", ABOVE_ZERO),
+        parameter(3, "c", "Damping", "tunable", 0.0, "Viscous damping between mass and way", 0.0),
+        parameter(6, "x_start", "Position", "fixed", 0.0, "Initial position of the mass"),
+        parameter(7, "x_dot_start", "Velocity", "fixed", 0.0, "Initial velocity of the mass"),
+        parameter(8, "z_start", "Length", "fixed", 0.0, "Initial spring extension"),
+        _input(9, "v", "Velocity", "Velocity of the pulled end, held over a step", 0.02),
+        _input(10, "load", "Force", "Normal force on top of m g, at least -m g, held over a step"),
+        _input(11, "F_ext", "Force", "External force on the mass along the way, held over a step"),
+        calculated(12, "x", "Position", "Position of the mass", ("x_start",), in_proportion=True),
+        calculated(
+            13, "x_dot", "Velocity", "Velocity of the mass", ("x_dot_start",), in_proportion=True
+        ),
+        calculated(
+            14,
+            "x_pull",
+            "Position",
+            "Position of the pulled end",
+            ("x_start", "z_start"),
+            in_proportion=True,
+        ),
+        calculated(
+            15, "z", "Length", "Spring extension x_pull - x", ("z_start",), in_proportion=True
+        ),
+        calculated(16, "F", "Force", "Spring force k z", ("k", "z_start")),
+        calculated(
+            17,
+            "F_friction",
+            "Force",
+            "Friction on the mass, with its viscous part",
+            (*rest_test, "c", *own.in_slip),
+        ),
+        calculated(18, "F_s", "Force", own.break_away, (*weight, *own.at_rest), 0.0),
+        calculated(
+            19, "sticking", "Flag", "Whether the mass sticks", rest_test, variability="discrete"
+        ),
+        calculated(
+            20,
+            "mode",
+            "SlipDirection",
+            "-1 slips backward, 0 sticks, +1 slips forward",
+            rest_test,
+            -1,
+            1,
+            variability="discrete",
+        ),
+        _metered(21, "delta_x", "Length", "Displacement of the mass in the last completed slip"),
+        _metered(22, "spring_drop", "Length", "Fall of z over the last completed slip"),
+        _metered(23, "t_stick", "Duration", "Length of the last completed stick", 0.0),
+        _metered(24, "t_slip", "Duration", "Length of the last completed slip", 0.0),
+        _metered(25, "T", "Duration", "Time between the last two break-aways", 0.0),
+        _metered(26, "f", "Frequency", "Frequency 1/T of the stick-slip cycle", 0.0),
+        _metered(27, "x_dot_peak", "Velocity", "Extreme velocity of the last completed slip"),
+        _metered(28, "n_slips", "Count", "Completed slips", 0, MOST_SLIPS),
+        # Calculated and not from zero: before the first transition it shows the start time.
+        calculated(
+            29,
+            "t_event",
+            "Time",
+            "Time of the last transition",
+            (),
+            variability="discrete",
+            held_at="meter.t_event",
+        ),
+        _account(30, "W_pull", "Work done by the pulling end"),
+        _account(31, "W_k", "Energy put in by changing k"),
+        _account(32, "Q_friction", "Heat made by friction and damping", 0.0),
+        *own.rows,
+    )
+    types = dict.fromkeys((*_TYPES, *(row.type for row in own.rows)))
+    return Table({**_UNITS, **own.units}, types, rows)

@@ -3,11 +3,12 @@
 from fmukit.model import ModelError
 from fmukit.table import Values
 
-from .interface import TABLE
 
+class Settings(Values):
+    """Parameters, inputs and start values of the block [SI units]: docs/theory.md (1).
 
-class Settings(Values, table=TABLE):
-    """Parameters, inputs and start values of the block [SI units]: docs/theory.md (1)."""
+    A subclass names the table; that of a friction law has the law's parameters too.
+    """
 
     def normal_force(self) -> float:
         """Return m g + load [N]; raises ModelError where the load would lift the mass."""

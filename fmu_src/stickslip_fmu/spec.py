@@ -1,22 +1,39 @@
-"""What the kit makes the FMU of: the block with its name, release and default experiment."""
+"""Specifications for the kit: the block under a friction law, with name, release and experiment."""
 
 from fmukit.model import Experiment, Spec
 
-from .model import Block
+from .block import Block
+from .interface import table_of
+from .laws.coulomb.law import COULOMB
+from .laws.law import Law
 from .release import DATE, VERSION
 from .settings import Settings
 
-SPEC = Spec(
-    name="StickSlip",
-    description=(
-        "A mass pulled over dry friction through a spring: sticks, breaks away, slips, sticks "
-        "again. Solved exactly from event to event, so no result depends on the communication step."
-    ),
-    author="The stickslip engineers",
-    version=VERSION,
-    date=DATE,
-    licence="MIT",
-    values=Settings,
-    model=Block,
-    experiment=Experiment(0.0, 10.0, 0.01),
-)
+
+def spec_of(friction_law: Law) -> Spec:
+    """Return the specification of the block under a friction law."""
+    own = friction_law.interface
+
+    class LawSettings(Settings, table=table_of(own)):
+        """Parameters, inputs and start values, those of the friction law among them."""
+
+    class LawBlock(Block):
+        """The block under the friction law."""
+
+        law = friction_law
+
+    return Spec(
+        name=own.model,
+        description=own.description,
+        author="The stickslip engineers",
+        version=VERSION,
+        date=DATE,
+        licence="MIT",
+        values=LawSettings,
+        model=LawBlock,
+        experiment=Experiment(0.0, 10.0, 0.01),
+    )
+
+
+SPEC = spec_of(COULOMB)
+TABLE = SPEC.table

@@ -10,14 +10,7 @@ from examples.feed_axis.axis import Axis
 from examples.feed_axis.servo_drive.controller import Controller, Gains
 from examples.feed_axis.servo_drive.drive import Drive
 from examples.feed_axis.servo_drive.setpoint import SetPoint
-from stickslip_fmu.interface import TABLE
-from stickslip_fmu.model import Block
-from stickslip_fmu.settings import Settings
-
-
-def make_block(**values: float) -> Block:
-    """Return a block with these values and the table's start values for the others."""
-    return Block(Settings({**TABLE.start_values(), **values}))
+from tests.fmu.blocks import make_block
 
 
 def make_drive(axis: Axis) -> tuple[Drive, Controller]:

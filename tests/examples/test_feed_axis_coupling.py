@@ -18,8 +18,9 @@ from examples.feed_axis.estimates import coupling_damping
 from examples.feed_axis.monolithic import solve
 from examples.feed_axis.study import rows_of
 from stickslip_ref import Parameters, steady_cycle
+from tests.fmu.blocks import make_block
 
-from .in_process import couple, make_block
+from .in_process import couple
 from .running import ROOT, output_of, run_all
 
 Array = NDArray[np.float64]

@@ -2,19 +2,26 @@
 
 import math
 import random
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from stickslip_fmu.interface import TABLE
-from stickslip_fmu.model import Block
-from stickslip_fmu.settings import Settings
+from fmukit.model import Spec
+from stickslip_fmu.block import Block
+from stickslip_fmu.spec import SPEC, TABLE
 
 OUTPUTS = [each for each in TABLE.rows if each.causality == "output"]
 
 
 def make_block(**values: float) -> Block:
     """Return a block with these values and the table's start values for the others."""
-    return Block(Settings({**TABLE.start_values(), **values}))
+    return block_of(SPEC, values)
+
+
+def block_of(spec: Spec, values: Mapping[str, float]) -> Block:
+    """Return a block as of a specification, with these values and start values for the others."""
+    block = spec.model(spec.values({**spec.table.start_values(), **values}))
+    assert isinstance(block, Block)
+    return block
 
 
 def outputs(block: Block) -> dict[str, float]:

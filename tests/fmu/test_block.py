@@ -7,7 +7,7 @@ import random
 import pytest
 
 from fmukit.model import ModelError
-from stickslip_fmu.model import Block
+from stickslip_fmu.block import Block
 
 from .blocks import Segment, draw, drive, log_uniform, make_block, outputs, uneven, whole
 

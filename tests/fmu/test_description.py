@@ -12,9 +12,7 @@ import fmpy
 import pytest
 
 from stickslip_fmu import packer
-from stickslip_fmu.interface import TABLE
-from stickslip_fmu.model import Block
-from stickslip_fmu.settings import Settings
+from stickslip_fmu.spec import TABLE
 from tests.needs import needs
 
 from .blocks import make_block, outputs
@@ -221,11 +219,11 @@ def test_initial_values_depend_on_what_the_description_says(fmu_path: Path) -> N
             "F_ext": generator.uniform(-5.0, 5.0),
             "c": 1.0,
         }
-        before = outputs(Block(Settings(base)))
+        before = outputs(make_block(**base))
         for name in base:
             shift = shifts.get(name, 0.0) * generator.uniform(-1.0, 1.0)
             other = {**base, name: base[name] * generator.uniform(0.2, 3.0) + shift}
-            after = outputs(Block(Settings(other)))
+            after = outputs(make_block(**other))
             for output in named:
                 if after[output] != before[output]:
                     seen[output].add(name)

@@ -8,7 +8,7 @@ import fmpy
 import pytest
 
 from stickslip_fmu import packer
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 from tests.needs import needs
 
 from .conformity import CHECKERS, by_fmpy, by_schema, by_toolbox, spoilt

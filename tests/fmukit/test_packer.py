@@ -8,7 +8,7 @@ import pytest
 
 from fmukit.packer import write_archive
 from stickslip_fmu import packer
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 from stickslip_ref import Parameters
 
 

@@ -4,7 +4,7 @@ import itertools
 from operator import attrgetter
 
 from fmukit.readers import References
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 from tests.fmu.blocks import make_block
 
 

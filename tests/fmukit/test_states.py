@@ -8,8 +8,6 @@ import pytest
 from fmukit import states
 from fmukit.model import ModelError
 from fmukit.states import Handle, State, from_bytes, held
-from stickslip_fmu.model import Block
-from stickslip_fmu.settings import Settings
 from stickslip_fmu.spec import SPEC
 from tests.fmu.blocks import make_block, outputs
 
@@ -24,8 +22,8 @@ def release(address: int) -> None:
 
 def state_of_some_block() -> State:
     """Return the state of a block at the start."""
-    settings = Settings.at_start()
-    return State(Block, make_block().freeze(), settings, 0.0, "stepping", True)
+    settings = SPEC.values.at_start()
+    return State(SPEC.model, make_block().freeze(), settings, 0.0, "stepping", True)
 
 
 def test_a_frozen_block_is_never_written_to() -> None:
@@ -51,7 +49,7 @@ def test_bytes_hold_the_whole_state() -> None:
     block = make_block(c=0.5)
     for _ in range(40):
         block.advance(0.0, 0.0173)
-        state = State(Block, block.freeze(), block.wanted, 0.5, "stepping", True)
+        state = State(SPEC.model, block.freeze(), block.wanted, 0.5, "stepping", True)
         again = from_bytes(SPEC, state.to_bytes())
         assert again.to_bytes() == state.to_bytes()
     for content in (b"{}", b"[]", b"null", b"0.5"):

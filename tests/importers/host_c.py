@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.errors import CommandError
-from stickslip.host import ask, find_library, prepare
-from stickslip_fmu.interface import TABLE
+from stickslip.host.launch import ask, find_library, prepare
+from stickslip_fmu.spec import TABLE
 
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "examples" / "importing" / "host.c"

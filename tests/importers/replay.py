@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 from tests.importers.host_c import Host, line
 from tests.importers.record import Call
 from tests.importers.running import ask

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from stickslip.host import prepare
+from stickslip.host.launch import prepare
 from tests.importers.cases import CASES
 
 IMPORTERS = ("fmpy", "libcosimpy", "ecospy", "proxyfmu", "fmucontainer", "fmpy_container")

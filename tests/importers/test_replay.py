@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 from tests.needs import each, needs
 
 from . import record, replay

@@ -17,7 +17,7 @@ from fmpy.util import read_csv
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
-from stickslip.quantities import read_values
+from stickslip.commands.quantities import read_values
 from tests.page.browser import opened
 from tests.page.settings import block, corner, presets, wide, with_damping
 from tests.page.using import drawn, pause, set_values, setting, text_of

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from stickslip.earlier_table import earlier_table
+from stickslip.show.earlier_table import earlier_table
 from stickslip_verification import Verdict, write_json
 from stickslip_verification.report.earlier import (
     FLOOR,

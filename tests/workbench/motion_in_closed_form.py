@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.run import Run
+from stickslip.simulate.run import Run
 from stickslip_verification import Event, Transition
 
 _REALS = ("x", "x_dot", "x_pull", "z", "F", "F_s", "delta_x", "t_stick", "t_slip", "T", "t_event")

@@ -15,8 +15,8 @@ from fmpy.util import read_csv
 
 from stickslip import cli
 from stickslip.commands import simulate
-from stickslip_fmu.interface import TABLE
 from stickslip_fmu.release import VERSION
+from stickslip_fmu.spec import TABLE
 from tests.interrupting import HEARING, wait_for_work
 
 from .running import PROGRAM, Command
@@ -194,9 +194,9 @@ def test_the_clamp_of_mu_k_is_told_once(command: Command, engine: str) -> None:
 
 def test_what_the_fmu_says_reaches_the_person(command: Command, fmu_path: Path) -> None:
     """A failing call of the FMU ends in its own message."""
-    from stickslip.engines import experiment, simulate_fmu
     from stickslip.errors import CommandError
-    from stickslip_fmu.interface import TABLE
+    from stickslip.simulate.engines import experiment, simulate_fmu
+    from stickslip_fmu.spec import TABLE
 
     values = {**TABLE.start_values(), "k": -1.0}
     with pytest.raises(CommandError, match=r"k = -1\.0 N/m is out of range"):

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.engines import Experiment, experiment, simulate_fmu, simulate_reference
-from stickslip_fmu.interface import TABLE
+from stickslip.simulate.engines import Experiment, experiment, simulate_fmu, simulate_reference
+from stickslip_fmu.spec import TABLE
 
 RUNS = {
     "default": {},

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from fmpy.util import read_csv
 
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 from stickslip_ref import Parameters, simulate
 from stickslip_verification.drive.fmu.digest import content_digest
 

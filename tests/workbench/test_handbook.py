@@ -13,7 +13,7 @@ from PIL import Image
 from stickslip.handbook import parts
 from stickslip.handbook.icon import icon
 from stickslip.page import page
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 
 # Elements that end where they begin.
 VOID = {"meta", "br", "link", "img", "input", "hr"}

@@ -15,9 +15,9 @@ from typing import Any
 
 import pytest
 
-from stickslip.elf import needed_libraries
 from stickslip.errors import CommandError
-from stickslip.host import ask, find_library, prepare
+from stickslip.host.elf import needed_libraries
+from stickslip.host.launch import ask, find_library, prepare
 from tests.needs import needs
 
 from .running import PROGRAM, Answer, Command

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stickslip.curve import curve, stick_phases
 from stickslip.errors import CommandError
-from stickslip.plot import figure, write_plot
-from stickslip.run import Run, sample_times
-from stickslip.scales import FORCES, LENGTHS, scale_for
+from stickslip.show.curve import curve, stick_phases
+from stickslip.show.plot import figure, write_plot
+from stickslip.show.scales import FORCES, LENGTHS, scale_for
+from stickslip.simulate.run import Run, sample_times
 from stickslip_verification import events_between
 
 from .motion_in_closed_form import ClosedForm

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip.run import fitting_interval, sample_times
+from stickslip.simulate.run import fitting_interval, sample_times
 from stickslip_verification import events_between
 
 from .motion_in_closed_form import ClosedForm

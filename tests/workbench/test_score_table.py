@@ -5,7 +5,7 @@ import io
 import pytest
 from rich.console import Console
 
-from stickslip.score_table import score_table
+from stickslip.show.score_table import score_table
 from stickslip_score import Cause, Compared, Score
 
 SCORE = Score(

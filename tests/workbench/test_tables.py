@@ -7,11 +7,11 @@ import pytest
 from rich.console import Console, RenderableType
 
 import stickslip_ref
-from stickslip.cycle_table import cycle_table
-from stickslip.engines import experiment, simulate_reference
-from stickslip.random_test_table import random_test_table
-from stickslip.verdict_table import verdict_table
-from stickslip_fmu.interface import TABLE
+from stickslip.show.cycle_table import cycle_table
+from stickslip.show.random_test_table import random_test_table
+from stickslip.show.verdict_table import verdict_table
+from stickslip.simulate.engines import experiment, simulate_reference
+from stickslip_fmu.spec import TABLE
 from stickslip_verification import CheckResult, RandomTestResult, Verdict
 from stickslip_verification.model.verdict import Kind
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stickslip.commands.units import kind_of, parse
 from stickslip.errors import CommandError
-from stickslip.units import kind_of, parse
 
 UNITS = ("kg", "m", "s", "m/s", "m/s2", "N", "N/m", "N.s/m", "1")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fmukit.model import Experiment, ModelError, Spec
+from fmukit.model import Experiment, Model, ModelError, Spec
 from fmukit.plain import check, values
 
 from .controller import Controller, Gains
@@ -14,7 +14,7 @@ from .setpoint import SetPoint
 from .table import TABLE, Settings
 
 
-class ServoDrive:
+class ServoDrive(Model):
     """The drive, at rest at the start.
 
     Parameters
@@ -30,7 +30,7 @@ class ServoDrive:
         If the sample time is too long for the motion.
     """
 
-    stale = False
+    wanted: Settings
 
     def __init__(self, settings: Settings, start_time: float = 0.0) -> None:
         self._begin(settings)
@@ -63,18 +63,6 @@ class ServoDrive:
         self.drive.advance(step, self.wanted.F, self.wanted.x)
         self._time += step
 
-    def refresh(self) -> None:
-        """Do nothing: every output is up to date."""
-
-    def check(self) -> None:
-        """Accept all inputs."""
-
-    def warning(self) -> None:
-        """Warn of nothing."""
-
-    def date_start(self, time: float) -> None:
-        """Do nothing: no output shows the start time."""
-
     def freeze(self) -> tuple[Settings, float, tuple[float, ...]]:
         """Return the whole state for `thaw`."""
         return self.wanted, self._time, self.drive.memory
@@ -93,7 +81,7 @@ class ServoDrive:
     def restore(self, saved: Any) -> None:
         """Take up a state that `save` returned; raises ModelError for anything else."""
         check(saved, self.save())
-        settings = values(Settings, saved["settings"])
+        settings = values(type(self.wanted), saved["settings"])
         self.thaw((settings, saved["time"], tuple(saved["memory"])))
 
 

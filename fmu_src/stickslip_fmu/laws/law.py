@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple, Optional, Protocol, Tuple
 
+from ..interface import Own
 from ..settings import Settings
 
 Motion = Tuple[float, float, float, Optional[float]]
@@ -140,7 +141,7 @@ class Law(Protocol):
 
     An implementer does the following:
 
-    1. Name its parameters as rows of the table. They come after the rows of the interface.
+    1. Name the model, and the law's parameters and outputs as rows of the table: `interface.Own`.
     2. Answer for given settings, as `Friction` asks: what a stick of a given age holds; where the
        mass stands at rest or in motion, which arc begins; which arc follows the end of an arc.
        `sticking.Sticking` answers for every law whose mass sticks, breaks away at a force and
@@ -165,6 +166,10 @@ class Law(Protocol):
     9. the sums of displacement, work and heat, which the block adds up arc by arc;
     10. the faces, the steps of the simulator, and any object that was made before: all are shared.
     """
+
+    @property
+    def interface(self) -> Own:
+        """What the law adds to the interface of the block."""
 
     def warning(self, settings: Settings) -> Optional[str]:
         """Return what is unusual about these settings, or None."""

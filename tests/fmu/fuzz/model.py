@@ -12,9 +12,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fmukit.model import ModelError
-from stickslip_fmu.interface import TABLE
-from stickslip_fmu.model import Block
-from stickslip_fmu.settings import Settings
+from stickslip_fmu.block import Block
+from stickslip_fmu.spec import SPEC, TABLE
 from tests.fmu.fuzz.sequences import MODERATE, NAMES, Call
 from tests.fmu.inside import SKIPPED
 
@@ -353,8 +352,8 @@ class Model:
     def _block(self, instance: Instance) -> Block:
         """Return the block that starts from what is set."""
         self._must_not_lift(instance)
-        settings = Settings(instance.settings)
-        block = self._of_block(instance, True, lambda: Block(settings, instance.start_time))
+        settings = SPEC.values(instance.settings)
+        block = self._of_block(instance, True, lambda: SPEC.model(settings, instance.start_time))
         assert isinstance(block, Block)
         return block
 

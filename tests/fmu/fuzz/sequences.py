@@ -9,7 +9,7 @@ import random
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 
 Call = list[Any]
 

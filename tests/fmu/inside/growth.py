@@ -89,7 +89,7 @@ def left(importer: Importer, count: int) -> Any:
 
 def _objects() -> int:
     """Return the number of slaves, blocks and what they are made of."""
-    names = ("Packed", "Block", "CycleMeter", "StickArc", "SlipArc")
+    names = ("Packed", "LawBlock", "State", "CycleMeter", "StickArc", "SlipArc")
     return sum(type(each).__name__ in names for each in gc.get_objects())
 
 

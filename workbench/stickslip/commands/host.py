@@ -37,7 +37,7 @@ def host(
     """
     import os
 
-    from stickslip.host import prepare
+    from stickslip.host.launch import prepare
 
     if not command:
         raise CommandError("give the program to start after two dashes: stickslip host -- COMMAND")

@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
-from stickslip.quantities import help_text, option_name
+from stickslip.commands.quantities import help_text, option_name
 
 _PARAMETERS = "Parameters (a number in SI, or with a unit: 1kN/m, 0.5 N/um, 2 kg)"
 _INPUTS = "Inputs, held over the run (20mm/s, 5 N)"

@@ -14,9 +14,9 @@ from stickslip.commands.options import (
     StaticFriction,
     Stiffness,
 )
+from stickslip.commands.quantities import option_name, read_values
 from stickslip.commands.shared import say
 from stickslip.errors import CommandError
-from stickslip.quantities import option_name, read_values
 
 DEFAULT_PAGE = Path("stick-slip.html")
 

@@ -22,7 +22,7 @@ def prove(
     ] = 1.0,
 ) -> None:
     """Check FMU and reference on random settings; exit 0 if all statements hold, else 1."""
-    from stickslip.random_test_table import random_test_table
+    from stickslip.show.random_test_table import random_test_table
     from stickslip_verification import FmuError
     from stickslip_verification import prove as prove_all
 

@@ -5,9 +5,9 @@ from typing import Annotated, Any
 
 import typer
 
+from stickslip.commands.quantities import help_text, option_name, read_values
 from stickslip.commands.shared import console
 from stickslip.errors import CommandError
-from stickslip.quantities import help_text, option_name, read_values
 
 
 def _parameter(name: str, *spellings: str) -> Any:
@@ -63,6 +63,6 @@ def score(
 
         print(dumps(as_json(result), indent=2, ensure_ascii=False, allow_nan=False))
         return
-    from stickslip.score_table import score_table
+    from stickslip.show.score_table import score_table
 
     console().print(score_table(result))

@@ -85,7 +85,7 @@ def tell_of(fmu: Path) -> None:
 def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
     """Put the evidence into the FMU that was judged, which `option` named."""
     from fmukit.packer import add
-    from stickslip.evidence import evidence
+    from stickslip.handbook.evidence import evidence
     from stickslip_verification.drive.fmu.digest import content_digest
 
     if content_digest(fmu) != verdict.provenance["fmu"]["content"]:

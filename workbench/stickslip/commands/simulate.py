@@ -20,12 +20,12 @@ from stickslip.commands.options import (
     StaticFriction,
     Stiffness,
 )
+from stickslip.commands.quantities import read_experiment, read_values
 from stickslip.commands.shared import build_fmu, console, say
 from stickslip.errors import CommandError
-from stickslip.quantities import read_experiment, read_values
 
 if TYPE_CHECKING:
-    from stickslip.run import Run
+    from stickslip.simulate.run import Run
     from stickslip_ref import Parameters
 
 
@@ -95,16 +95,16 @@ def simulate(
         raise CommandError("--fmu goes with --engine fmu only")
     _check_targets(output_file, plot)
 
-    from stickslip.cycle_table import cycle_table
+    from stickslip.show.cycle_table import cycle_table
 
     parameters = _checked_parameters(values)
     run = _run(engine, fmu, values, times, drawn=plot is not None)
     if output_file is not None:
-        from stickslip.csv_file import write_csv
+        from stickslip.simulate.csv_file import write_csv
 
         write_csv(run.samples, output_file, "--output-file")
     if plot is not None:
-        from stickslip.plot import write_plot
+        from stickslip.show.plot import write_plot
 
         write_plot(run, plot, "--plot")
         if run.hidden_events:
@@ -122,7 +122,7 @@ def _check_targets(output_file: Path | None, plot: Path | None) -> None:
     if output_file is not None:
         check_writable(output_file, "--output-file")
     if plot is not None:
-        from stickslip.plot import check_format
+        from stickslip.show.plot import check_format
 
         check_format(plot, "--plot")
         check_writable(plot, "--plot")
@@ -152,8 +152,8 @@ def _run(
 ) -> "Run":
     import tempfile
 
-    from stickslip import engines
     from stickslip.progress import Meter
+    from stickslip.simulate import engines
 
     experiment = engines.experiment(values, *times, drawn=drawn)
     if engine is Engine.REFERENCE:

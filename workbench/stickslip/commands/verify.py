@@ -90,7 +90,7 @@ def verify(
     ] = DEFAULT_REPORT,
 ) -> None:
     """Check an FMU and the reference against the truth; exit 0 if all checks pass, else 1."""
-    from stickslip import verdict_table as tables
+    from stickslip.show import verdict_table as tables
 
     chosen = _cases(cases)
     if list_:
@@ -109,11 +109,11 @@ def verify(
     if all_:
         screen.print(tables.verdict_table(verdict, screen.width))
     else:
-        from stickslip.verdict_summary import verdict_summary
+        from stickslip.show.verdict_summary import verdict_summary
 
         screen.print(verdict_summary(verdict, _meanings(chosen)))
     if earlier is not None:
-        from stickslip.earlier_table import earlier_table
+        from stickslip.show.earlier_table import earlier_table
         from stickslip_verification import compare
 
         screen.print(earlier_table(compare(earlier, verdict)))
@@ -298,8 +298,8 @@ def _write(
     pdf: Path | None,
 ) -> list[Path]:
     """Write the report, and give the files that a person may want to open."""
-    from stickslip import verdict_report
     from stickslip.progress import Meter
+    from stickslip.show import verdict_report
 
     with Meter("Writing the report"):
         return verdict_report.write(verdict, cases, earlier, output, pdf)

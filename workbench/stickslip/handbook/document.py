@@ -4,8 +4,8 @@ from importlib.resources import files
 from typing import Any, Final
 
 from fmukit.table import Variable
-from stickslip_fmu.interface import TABLE
 from stickslip_fmu.release import DATE, VERSION
+from stickslip_fmu.spec import TABLE
 
 _SOURCES: Final = files("stickslip.handbook")
 _TITLES: Final = {

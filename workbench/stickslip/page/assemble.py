@@ -9,8 +9,8 @@ from importlib.resources import files
 from typing import Any, Final
 
 from stickslip.page.script import joined
-from stickslip_fmu.interface import TABLE
 from stickslip_fmu.release import VERSION
+from stickslip_fmu.spec import TABLE
 
 _ENTRY: Final = "view/main.js"
 # End tags that HTML lets one leave out wherever the next element or the parent's end follows.

@@ -169,7 +169,7 @@ class SlipArc:
     def _squared_velocity(self, tau: float, displacement: float) -> float:
         """Return the integral of x_dot^2 up to `tau` [m2/s]: (15)."""
         oscillator = self._oscillator
-        end = _SHORT / max(oscillator.w, oscillator.fast)
+        end = _SHORT / oscillator.quickest
         if tau <= end:
             return integral(self._velocity_squared, 0.0, tau)
         if oscillator.overdamped and oscillator.slow * tau < _EARLY:

@@ -2,6 +2,7 @@
 
 from typing import Optional, Tuple
 
+from ...interface import Own, calculated, parameter
 from ...numerics.finite import finite
 from ...settings import Settings
 from ..law import Arc, Friction
@@ -62,6 +63,41 @@ class CoulombFriction(Sticking):
 
 class Coulomb:
     """Coulomb's friction law."""
+
+    interface = Own(
+        model="StickSlip",
+        description=(
+            "A mass pulled over dry friction through a spring: sticks, breaks away, slips, sticks "
+            "again. Solved exactly from event to event, so no result depends on the communication "
+            "step."
+        ),
+        rows=(
+            parameter(
+                4, "mu_s", "FrictionCoefficient", "tunable", 0.5, "Static friction coefficient", 0.0
+            ),
+            parameter(
+                5,
+                "mu_k",
+                "FrictionCoefficient",
+                "tunable",
+                0.3,
+                "Kinetic friction coefficient; above mu_s it is clamped, see mu_k_used",
+                0.0,
+            ),
+            calculated(
+                33,
+                "mu_k_used",
+                "FrictionCoefficient",
+                "Kinetic friction coefficient after the clamp",
+                ("mu_s", "mu_k"),
+                0.0,
+                variability="discrete",
+                held_at="state.friction.mu_k_used",
+            ),
+        ),
+        at_rest=("mu_s",),
+        in_slip=("mu_k",),
+    )
 
     def warning(self, settings: Settings) -> Optional[str]:
         """Return that the kinetic coefficient is clamped; None if it is not."""

@@ -1,4 +1,4 @@
-"""The mass on its spring, with any damping: its two responses. docs/theory.md (3)."""
+"""The mass on its spring, with any damping, also a negative one. docs/theory.md (3)."""
 
 import math
 from typing import Iterator, Tuple
@@ -22,7 +22,8 @@ class Oscillator:
 
     ``E = exp(-a tau)``, ``K = E sin(b tau)/b``, ``G = 1 - E cos(b tau) - a K``
 
-    for ``a < w``, with the hyperbolic functions beyond.
+    for ``abs(a) < w``, with the hyperbolic functions beyond. The damping may be negative, as of a
+    friction that falls with speed: the motion grows.
 
     Parameters
     ----------
@@ -38,14 +39,16 @@ class Oscillator:
     b
         Damped angular frequency, or half the distance of the two rates of decay [1/s].
     fast, slow
-        The two rates of decay where a >= w; else a and a.
+        The two rates of decay ``a + b`` and ``a - b`` where abs(a) >= w; else a and a.
     overdamped
-        Whether a >= w.
+        Whether abs(a) >= w.
+    quickest
+        The largest of all rates [1/s].
 
     Raises
     ------
     ModelError
-        If a rate is not a double-precision number above zero.
+        If a rate is not a double-precision number other than zero.
     """
 
     __slots__ = (
@@ -59,6 +62,7 @@ class Oscillator:
         "k",
         "m",
         "overdamped",
+        "quickest",
         "slow",
         "w",
         "w2",
@@ -72,20 +76,26 @@ class Oscillator:
         self.w = math.sqrt(self.w2)
         self.a = self.fast = self.slow = 0.5 * c / m
         self.b = math.sqrt(abs((self.w - self.a) * (self.w + self.a)))
-        self.overdamped = self.a >= self.w
-        self._far_apart = self.a > _FAR_APART * self.w
+        self.overdamped = abs(self.a) >= self.w
+        self._far_apart = abs(self.a) > _FAR_APART * self.w
         self._later = self._undamped if c == 0.0 else self._swinging
         if self.overdamped:
-            self.fast = self.a + self.b
-            self.slow = self.w2 / self.fast if self.fast > 0.0 else 0.0
+            # The larger of the two has all its digits as a sum; their product is w^2.
+            if self.a > 0.0:
+                self.fast = self.a + self.b
+                self.slow = self.w2 / self.fast
+            else:
+                self.slow = self.a - self.b
+                self.fast = self.w2 / self.slow if self.slow < 0.0 else 0.0
             self._later = self._decaying
-        quickest = max(self.w, self.fast)
-        if not (self.w2 > 0.0 and quickest < math.inf and (self.slow > 0.0 or c == 0.0)):
+        self.quickest = max(self.w, self.fast, -self.slow)
+        still = self.slow == 0.0 or self.fast == 0.0
+        if not (self.w2 > 0.0 and self.quickest < math.inf and (c == 0.0 or not still)):
             raise ModelError(
                 f"k = {k!r} N/m, m = {m!r} kg, c = {c!r} N.s/m are out of range together: "
                 "their rates leave the range of double-precision numbers"
             )
-        self._beginning = _BEGINNING / quickest
+        self._beginning = _BEGINNING / self.quickest
 
     @property
     def constants(self) -> Tuple[float, float, float]:
@@ -111,7 +121,7 @@ class Oscillator:
     def squares(self, tau: float) -> Tuple[float, float]:
         """Return the integrals of (1 - G)^2 [s] and K^2 [s^3] up to `tau`: docs/theory.md (15).
 
-        For a > 0. Both lose digits where G is small all the way, that is for a short `tau`.
+        For a other than 0. Both lose digits where G is small all the way, for a short `tau`.
         """
         a, w2 = self.a, self.w2
         step, impulse, _ = self.responses(tau)
@@ -156,7 +166,7 @@ class Oscillator:
         return step, 2.0 * sine * math.cos(half) / self.w, 1.0 - step
 
     def _swinging(self, tau: float) -> Tuple[float, float, float]:
-        """Return the responses for 0 < a < w."""
+        """Return the responses for 0 < abs(a) < w."""
         half = 0.5 * self.b * tau
         sine = math.sin(half)
         decay = math.exp(-self.a * tau)
@@ -167,7 +177,7 @@ class Oscillator:
         return fallen - math.expm1(-self.a * tau) - along, impulse, decay - fallen - along
 
     def _decaying(self, tau: float) -> Tuple[float, float, float]:
-        """Return the responses for a >= w."""
+        """Return the responses for abs(a) >= w."""
         slow, fast, apart = self.slow, self.fast, 2.0 * self.b
         rise = -math.expm1(-apart * tau) / apart if apart > 0.0 else tau
         impulse = math.exp(-slow * tau) * rise

@@ -10,9 +10,8 @@ from rich.table import Table
 from rich.text import Text
 
 import stickslip_ref
-from stickslip.fitted import Fitted
-from stickslip.run import Run
-from stickslip.scales import (
+from stickslip.show.fitted import Fitted
+from stickslip.show.scales import (
     FORCES,
     FREQUENCIES,
     LENGTHS,
@@ -21,6 +20,7 @@ from stickslip.scales import (
     Scales,
     scale_for,
 )
+from stickslip.simulate.run import Run
 
 _ROWS: tuple[tuple[str, str, Scales], ...] = (
     ("F_s", "break-away force", FORCES),

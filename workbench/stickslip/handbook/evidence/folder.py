@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from stickslip.evidence.experiment import experiment_file, result_file
-from stickslip.evidence.manifest import FOLDER, MANIFEST, Related, manifest
+from stickslip.handbook.evidence.experiment import experiment_file, result_file
+from stickslip.handbook.evidence.manifest import FOLDER, MANIFEST, Related, manifest
 from stickslip_verification import packed_report
 
 if TYPE_CHECKING:

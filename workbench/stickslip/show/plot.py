@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from stickslip.curve import Curve, curve, points, stick_phases
 from stickslip.errors import CommandError
 from stickslip.files import writing
-from stickslip.run import Run
-from stickslip.scales import FORCES, LENGTHS, STIFFNESSES, TIMES, VELOCITIES, Scale, scale_for
+from stickslip.show.curve import Curve, curve, points, stick_phases
+from stickslip.show.scales import FORCES, LENGTHS, STIFFNESSES, TIMES, VELOCITIES, Scale, scale_for
+from stickslip.simulate.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -17,8 +17,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from stickslip.elf import needed_libraries
 from stickslip.errors import CommandError
+from stickslip.host.elf import needed_libraries
 
 OLDEST = (3, 8)
 """The first Python that what is packed in the FMU runs on."""

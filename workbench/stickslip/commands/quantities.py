@@ -7,9 +7,9 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from stickslip import units
+from stickslip.commands import units
 from stickslip.errors import CommandError
-from stickslip_fmu.interface import TABLE
+from stickslip_fmu.spec import TABLE
 
 LARGEST_SAMPLE_COUNT: Final = 10_000_000
 

@@ -9,8 +9,8 @@ from rich.constrain import Constrain
 from rich.table import Table
 from rich.text import Text
 
-from stickslip.fitted import Fitted
-from stickslip.verdict_summary import counts
+from stickslip.show.fitted import Fitted
+from stickslip.show.verdict_summary import counts
 from stickslip_verification import Case, CheckResult, Verdict, margin
 
 _PAIRS: Final = ("error\nFMU", "error\nref.", "tol.\nFMU", "tol.\nref.")

@@ -8,8 +8,8 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from stickslip.fitted import Fitted
-from stickslip.scales import LENGTHS, TIMES, Scale, Scales, scale_for
+from stickslip.show.fitted import Fitted
+from stickslip.show.scales import LENGTHS, TIMES, Scale, Scales, scale_for
 from stickslip_score import Compared, Score
 
 _QUANTITIES: Final[tuple[tuple[str, str, Scales], ...]] = (

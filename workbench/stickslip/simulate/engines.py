@@ -17,8 +17,8 @@ import stickslip_ref
 from fmukit.table import Variable
 from stickslip.errors import CommandError
 from stickslip.progress import deferred_interrupt
-from stickslip.run import Run, drawable_interval, fitting_interval, sample_times
-from stickslip_fmu.interface import TABLE
+from stickslip.simulate.run import Run, drawable_interval, fitting_interval, sample_times
+from stickslip_fmu.spec import TABLE
 from stickslip_verification import Event, Transition, drive, events_between
 
 Progress = Callable[[float, float], None]

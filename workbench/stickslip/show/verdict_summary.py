@@ -8,7 +8,7 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from stickslip.fitted import Fitted
+from stickslip.show.fitted import Fitted
 from stickslip_verification import CheckResult, KillMatrix, Meaning, Verdict, margin
 from stickslip_verification.model.verdict import Kind
 

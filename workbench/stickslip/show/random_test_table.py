@@ -9,7 +9,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from stickslip.fitted import Fitted
+from stickslip.show.fitted import Fitted
 from stickslip_verification import RandomTestResult
 
 _STATEMENT: Final = 48

@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import Final
 from xml.etree.ElementTree import Element, SubElement
 
-from stickslip.csv_file import csv_bytes
-from stickslip.engines import DEFAULT_STEP, experiment, simulate_fmu
-from stickslip.evidence.xml_file import xml_file
-from stickslip_fmu.interface import TABLE
+from stickslip.handbook.evidence.xml_file import xml_file
+from stickslip.simulate.csv_file import csv_bytes
+from stickslip.simulate.engines import DEFAULT_STEP, experiment, simulate_fmu
+from stickslip_fmu.spec import TABLE
 
 STOP_TIME: Final = 10.0
 TOLERANCE: Final = 1e-9

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Final, NamedTuple
 from xml.etree.ElementTree import Element, SubElement, register_namespace
 
-from stickslip.evidence.xml_file import xml_file
+from stickslip.handbook.evidence.xml_file import xml_file
 
 FOLDER: Final = "extra/org.fmi-standard.fmi-ls-ref/"
 MANIFEST: Final = "fmi-ls-manifest.xml"

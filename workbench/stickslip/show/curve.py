@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from stickslip.run import Floats, Run
+from stickslip.simulate.run import Floats, Run
 
 _POINTS_PER_STEP: Final = 8
 

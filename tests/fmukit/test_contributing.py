@@ -1,0 +1,49 @@
+"""The section "A model of your own" of CONTRIBUTING.md, done as it says."""
+
+import csv
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.verification.test_contributing import blocks
+
+SECTION = "A model of your own"
+HERE = Path(__file__).parent
+
+
+def test_the_parts_of_the_section_are_the_pendulum() -> None:
+    """The three parts are the file that the other tests try, to the letter."""
+    text = "\n\n\n".join(part.rstrip("\n") for part in blocks(SECTION, "python")) + "\n"
+    assert text == (HERE / "pendulum.py").read_text(encoding="utf-8")
+    assert len(text.splitlines()) < 80
+
+
+def test_a_model_is_built_as_contributing_says(tmp_path: Path) -> None:
+    """Its file and its commands lead to an FMU without findings that swings as it should."""
+    text = "\n\n\n".join(blocks(SECTION, "python"))
+    (tmp_path / "pendulum.py").write_text(text, encoding="utf-8")
+    (commands,) = blocks(SECTION, "bash")
+    folder = Path(sys.executable).parent
+    done = subprocess.run(
+        ["/bin/sh", "-e", "-c", commands],
+        cwd=tmp_path,
+        env={**os.environ, "PATH": f"{folder}{os.pathsep}{os.environ['PATH']}"},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "No problems found" in done.stdout
+    with (tmp_path / "swing.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == 1001
+    w = math.sqrt(9.81 - 0.1**2)
+    for row in rows:
+        t = float(row["time"])
+        phi = 0.1 * math.exp(-0.1 * t) * (math.cos(w * t) + 0.1 / w * math.sin(w * t))
+        # A thousand steps, each with roundings of 0.1.
+        assert float(row["phi"]) == pytest.approx(phi, abs=1e-13)
