@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from stickslip_fmu.packer import build
 from stickslip_verification import CaseError, load_cases
 from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
@@ -140,3 +141,36 @@ def test_nothing_is_kept_of_a_law_whose_source_is_not_looked_at(
     monkeypatch.setenv(FOLDER, str(tmp_path))
     kept(exact_motion, load_cases("falling", CASES)[0])
     assert not list(tmp_path.iterdir())
+
+
+@pytest.fixture(scope="module")
+def falling_fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return an FMU of the falling friction law."""
+    return build(tmp_path_factory.mktemp("falling"), law="tests.laws.falling:FALLING")
+
+
+def test_the_fmu_of_the_law_passes_its_cases_at_the_tolerances_of_the_exact_block(
+    falling_fmu: Path,
+) -> None:
+    """Courses, invariants, other runs and the reference: every check of both cases passes."""
+    verdict = verify(falling_fmu, load_cases(folder=CASES), strict=True, jobs=1)
+    assert [r for r in verdict.checks if not r.passed] == []
+    assert all(result.decides for result in verdict.checks)
+    sides = {(result.case, result.side) for result in verdict.checks if result.case}
+    assert sides == {
+        (case, side)
+        for case in ("falling", "falling-changes")
+        for side in ("fmu", "reference", "both")
+    }
+    names = {result.check for result in verdict.checks}
+    assert {"x-course", "Q_friction-course", "time-scales-to-the-bit", "splitting"} <= names
+
+
+def test_the_fmu_of_the_law_fails_as_an_fmu_of_coulombs(falling_fmu: Path, tmp_path: Path) -> None:
+    """Its slope of 0.1 s/m changes the period by 2 %, which a case of Coulomb's law tells."""
+    text = (CASES / "falling.toml").read_text(encoding="utf-8")
+    case = _read(tmp_path, text.replace('law = "tests.laws.falling:FALLING"\n', ""))
+    verdict = verify(falling_fmu, [case], jobs=1)
+    failed = {(result.check, result.side) for result in verdict.checks if not result.passed}
+    assert {("T-course", "fmu"), ("slip-propagates", "fmu"), ("agree-on-x", "both")} <= failed
+    assert not any(side == "reference" for _, side in failed)
