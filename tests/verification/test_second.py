@@ -178,7 +178,7 @@ def test_a_drift_is_what_accepting_is_for(tmp_path: Path) -> None:
 def test_a_foreign_verdict_is_not_accepted(tmp_path: Path) -> None:
     """Second values are our own FMU's."""
     file = tmp_path / "accepted.json"
-    with pytest.raises(AcceptError, match="only our own FMU"):
+    with pytest.raises(AcceptError, match="only the exact block"):
         accept(Verdict(checks=[result()], ours=False), file)
     assert not file.exists()
 

@@ -82,7 +82,7 @@ def verify(
         )
         inside = next((mutant for mutant in mutants if mutant.changes_the_fmu), None)
         if inside is not None and not contract.ours:
-            raise FmuError(f"{fmu}: the fault {inside.id} is planted in our own FMU only")
+            raise FmuError(f"{fmu}: the fault {inside.id} can be planted in the exact block only")
         origin = provenance.collect(file, command)
     finally:
         file.close()

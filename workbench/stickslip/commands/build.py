@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from stickslip.commands.options import FrictionLaw
 from stickslip.commands.shared import DEFAULT_FMU, build_fmu, long_work, pack_evidence, say, tell_of
 
 if TYPE_CHECKING:
@@ -44,15 +45,17 @@ def build(
     bare: Annotated[
         bool, typer.Option("--bare", help="Leave out the evidence (extra/); saves a second.")
     ] = False,
+    law: FrictionLaw = None,
 ) -> None:
     """Build the FMU; print its path, size and SHA-256.
 
     The FMU contains its documentation and its evidence: the default experiment, its result and a
-    report on it. `stickslip verify --pack` replaces that report by the one on all cases.
+    report on it. `stickslip verify --pack` replaces that report by the one on all cases. The FMU of
+    a --law is named by the law's model and contains neither: both are about Coulomb's law.
     """
-    fmu = build_fmu(output, "-o", fmi.major)
+    fmu = build_fmu(output, "-o", fmi.major, law)
     failed = False
-    if not bare:
+    if not bare and law is None:
         verdict = _verdict(fmu)
         failed = not verdict.passed
         pack_evidence(fmu, verdict, "-o")

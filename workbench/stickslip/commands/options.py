@@ -22,6 +22,14 @@ def _quantity(name: str, panel: str, *spellings: str) -> Any:
     )
 
 
+FrictionLaw = Annotated[
+    str | None,
+    typer.Option(
+        "--law",
+        metavar="MODULE:NAME",
+        help="Friction law by its dotted name; default: Coulomb's.",
+    ),
+]
 Mass = Annotated[str | None, _quantity("m", _PARAMETERS)]
 Gravity = Annotated[str | None, _quantity("g", _PARAMETERS)]
 Stiffness = Annotated[str | None, _quantity("k", _PARAMETERS)]

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
+from fmukit.table import Table
 from stickslip.commands import units
 from stickslip.errors import CommandError
 from stickslip_fmu.spec import TABLE
@@ -16,6 +17,8 @@ LARGEST_SAMPLE_COUNT: Final = 10_000_000
 
 def option_name(name: str) -> str:
     """Give the option of the command that sets the variable `name`: ``--mu-s`` for ``mu_s``."""
+    if name not in TABLE.by_name:
+        return f"--law-parameter {name}"
     return "--" + name.replace("_", "-")
 
 
@@ -27,13 +30,15 @@ def help_text(name: str) -> str:
     return f"{variable.description}{unit}{limits}; default {variable.start:g}."
 
 
-def read_values(typed: Mapping[str, str | None]) -> dict[str, float]:
+def read_values(typed: Mapping[str, str | None], table: Table = TABLE) -> dict[str, float]:
     """Read what was typed for parameters and inputs; the rest takes its start value.
 
     Parameters
     ----------
     typed
         Name of a variable to the text given, None where none was.
+    table
+        The variable table, that of another friction law where there is one.
 
     Returns
     -------
@@ -45,11 +50,13 @@ def read_values(typed: Mapping[str, str | None]) -> dict[str, float]:
     CommandError
         If a text is no quantity of the variable's dimension or out of its range.
     """
-    values = TABLE.start_values()
+    values = table.start_values()
     for name, text in typed.items():
         if text is None:
             continue
-        variable = TABLE.by_name[name]
+        if name not in values:
+            raise CommandError(f"{option_name(name)} {text!r}: the friction law has no {name}")
+        variable = table.by_name[name]
         value = units.parse(text, variable.unit, option_name(name), f"({variable.range})")
         objection = variable.objection(value)
         if objection is not None:

@@ -34,8 +34,14 @@ def console() -> "Console":
     return Console(width=width, markup=False, highlight=False)
 
 
-def build_fmu(target: Path, option: str, fmi_version: Literal[2, 3] = 2) -> Path:
-    """Build the FMU into a file or a folder, which `option` named; `CommandError` if it cannot."""
+def build_fmu(
+    target: Path, option: str, fmi_version: Literal[2, 3] = 2, law: str | None = None
+) -> Path:
+    """Build the FMU into a file or a folder, which `option` named; `CommandError` if it cannot.
+
+    `law` is the dotted name of a friction law. Its FMU has no documentation: the texts are about
+    Coulomb's law.
+    """
     from stickslip.files import check_writable, make_folder
     from stickslip.progress import Meter
 
@@ -44,17 +50,29 @@ def build_fmu(target: Path, option: str, fmi_version: Literal[2, 3] = 2) -> Path
         check_writable(target, option)
     else:
         make_folder(target, option)
-    from stickslip.handbook import parts
+    from stickslip.handbook import parts, parts_of_law
     from stickslip_fmu.packer import build
 
     with Meter("Building the FMU"):
         try:
-            return build(target, parts(fmi_version), fmi_version)
+            with here_on_path():
+                files = parts(fmi_version) if law is None else parts_of_law(fmi_version)
+                return build(target, files, fmi_version, law)
         except OSError as error:
             reason = error.strerror or str(error)
             raise CommandError(f"{option} {target}: cannot write the FMU: {reason}") from error
         except ValueError as error:
             raise CommandError(str(error)) from error
+
+
+@contextlib.contextmanager
+def here_on_path() -> Iterator[None]:
+    """Let Python import from the folder that the command runs in, as `python -m` does."""
+    sys.path.append(str(Path.cwd()))
+    try:
+        yield
+    finally:
+        sys.path.remove(str(Path.cwd()))
 
 
 def current_fmu() -> Path:

@@ -9,6 +9,7 @@ import typer
 from stickslip.commands.options import (
     Damping,
     ExternalForce,
+    FrictionLaw,
     Gravity,
     KineticFriction,
     Load,
@@ -21,10 +22,12 @@ from stickslip.commands.options import (
     Stiffness,
 )
 from stickslip.commands.quantities import read_experiment, read_values
-from stickslip.commands.shared import build_fmu, console, say
+from stickslip.commands.shared import build_fmu, console, here_on_path, say
 from stickslip.errors import CommandError
+from stickslip_fmu.spec import TABLE
 
 if TYPE_CHECKING:
+    from fmukit.table import Table
     from stickslip.simulate.run import Run
     from stickslip_ref import Parameters
 
@@ -54,6 +57,11 @@ def simulate(
     v: PullingVelocity = None,
     load: Load = None,
     F_ext: ExternalForce = None,
+    law: FrictionLaw = None,
+    law_parameter: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="A parameter of the --law; may be repeated."),
+    ] = None,
     start_time: Annotated[str, typer.Option(metavar="TIME", help="First time [s].")] = "0",
     stop_time: Annotated[str, typer.Option(metavar="TIME", help="Last time [s].")] = "10",
     output_interval: Annotated[
@@ -74,8 +82,10 @@ def simulate(
     ] = None,
 ) -> None:
     """Simulate one run and print its cycle beside the exact and the simplified one."""
+    table = TABLE if law is None else _table_of(law)
     values = read_values(
         {
+            **_own_values(law_parameter or [], table),
             "m": m,
             "g": g,
             "k": k,
@@ -88,7 +98,8 @@ def simulate(
             "v": v,
             "load": load,
             "F_ext": F_ext,
-        }
+        },
+        table,
     )
     times = read_experiment(start_time, stop_time, output_interval)
     if fmu is not None and engine is not Engine.FMU:
@@ -97,8 +108,9 @@ def simulate(
 
     from stickslip.show.cycle_table import cycle_table
 
-    parameters = _checked_parameters(values)
-    run = _run(engine, fmu, values, times, drawn=plot is not None)
+    # The closed forms of the cycle are those of Coulomb's law.
+    parameters = _checked_parameters(values) if law is None else None
+    run = _run(engine, fmu, law, table, values, times, drawn=plot is not None)
     if output_file is not None:
         from stickslip.simulate.csv_file import write_csv
 
@@ -143,9 +155,37 @@ def _checked_parameters(values: dict[str, float]) -> "Parameters":
             raise CommandError(str(error)) from error
 
 
+def _table_of(law: str) -> "Table":
+    """Return the variable table of the block under a friction law."""
+    from stickslip_fmu.interface import table_of
+    from stickslip_fmu.laws.named import friction_law
+
+    try:
+        with here_on_path():
+            return table_of(friction_law(law).law.interface)
+    except ValueError as error:
+        raise CommandError(f"--law: {error}") from error
+
+
+def _own_values(typed: list[str], table: "Table") -> dict[str, str]:
+    """Return what was typed for parameters of the law, by name."""
+    own = [row.name for row in table.rows if row.settable and row.name not in TABLE.by_name]
+    values = dict(text.partition("=")[::2] for text in typed)
+    unknown = [name for name in values if name not in own]
+    if unknown:
+        known = f"it has {', '.join(own)}" if own else "it has none"
+        raise CommandError(
+            f"--law-parameter {unknown[0]!r}: the friction law has no such parameter; {known}; "
+            "expected NAME=VALUE"
+        )
+    return values
+
+
 def _run(
     engine: Engine,
     fmu: Path | None,
+    law: str | None,
+    table: "Table",
     values: dict[str, float],
     times: tuple[float, float, float | None],
     drawn: bool,
@@ -155,13 +195,13 @@ def _run(
     from stickslip.progress import Meter
     from stickslip.simulate import engines
 
-    experiment = engines.experiment(values, *times, drawn=drawn)
+    experiment = engines.experiment(values, *times, drawn=drawn, law=law, table=table)
     if engine is Engine.REFERENCE:
-        with Meter("Simulating the reference"):
+        with Meter("Simulating the reference"), here_on_path():
             run, notes = engines.simulate_reference(experiment)
     else:
         with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-            file = fmu or build_fmu(Path(folder), "--fmu")
+            file = fmu or build_fmu(Path(folder), "--fmu", law=law)
             with Meter("Simulating the FMU") as meter:
                 run, notes = engines.simulate_fmu(experiment, file, meter.advance)
     for note in notes:

@@ -90,7 +90,8 @@ def parse(text: str, unit: str, option: str, within: str = "") -> float:
         If the text is not a finite number, or its unit is unknown or of another dimension; the
         message names the option, the text and what is expected.
     """
-    kind = kind_of(unit)
+    # A friction law may have a parameter of any unit.
+    kind = _KINDS.get(unit) or Kind("a quantity", unit, f"0.5 {unit}")
     expected = _expected(kind, within)
     stripped = text.strip()
     number = _NUMBER.match(stripped)

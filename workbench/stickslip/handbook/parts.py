@@ -21,15 +21,22 @@ def parts(fmi_version: Literal[2, 3] = 2) -> dict[str, bytes]:
     dict of bytes
         ``documentation/index.html`` and what it leads to, the icon, the licences.
     """
+    return {
+        "documentation/index.html": document(fmi_version).encode(),
+        "documentation/explore.html": page().encode(),
+        "documentation/fmi-ls-ref.html": notes_on_references().encode(),
+        **parts_of_law(fmi_version),
+    }
+
+
+def parts_of_law(fmi_version: Literal[2, 3] = 2) -> dict[str, bytes]:
+    """Give the icon and the licences: the files of an FMU whatever its friction law."""
     licence_folder, icon_file = (
         ("licenses", "model.png")
         if fmi_version == 2
         else ("documentation/licenses", "terminalsAndIcons/icon.png")
     )
     return {
-        "documentation/index.html": document(fmi_version).encode(),
-        "documentation/explore.html": page().encode(),
-        "documentation/fmi-ls-ref.html": notes_on_references().encode(),
         icon_file: icon(),
         **{f"{licence_folder}/{name}": text for name, text in licences(fmi_version).items()},
     }

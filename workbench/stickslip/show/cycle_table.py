@@ -46,9 +46,14 @@ class Row:
     simplified: float
 
 
-def cycle_rows(run: Run, p: stickslip_ref.Parameters) -> Iterator[Row]:
-    """Give the rows of the table: the last cycle of the run, and both columns of the theory."""
-    exact, designers = stickslip_ref.steady_cycle(p), stickslip_ref.simplified(p)
+def cycle_rows(run: Run, p: stickslip_ref.Parameters | None) -> Iterator[Row]:
+    """Give the rows of the table: the last cycle of the run, and both columns of the theory.
+
+    Without parameters, under a friction law without such formulas, both columns are empty.
+    """
+    exact = designers = None
+    if p is not None:
+        exact, designers = stickslip_ref.steady_cycle(p), stickslip_ref.simplified(p)
     seen = _measured_names(run)
     for name, meaning, scales in _ROWS:
         measured = float(run.last[name]) if name in seen else math.nan
@@ -57,18 +62,20 @@ def cycle_rows(run: Run, p: stickslip_ref.Parameters) -> Iterator[Row]:
             meaning,
             scales,
             measured,
-            float(getattr(exact, name)),
+            float(getattr(exact, name, math.nan)),
             float(getattr(designers, name, math.nan)),
         )
 
 
-def cycle_table(run: Run, p: stickslip_ref.Parameters) -> RenderableType:
+def cycle_table(run: Run, p: stickslip_ref.Parameters | None) -> RenderableType:
     """Make the table of the cycle, with a line that says so where there is none.
 
     Where the line is short, what the quantities mean is left out; where it is shorter still, the
-    deviations are too.
+    deviations are too. Without parameters there is one column, that of the run.
     """
     rows = list(cycle_rows(run, p))
+    if p is None:
+        return _table(_title(run), rows, explained=True, compared=False, theory=False)
     forms = [
         _table(_title(run), rows, explained=explained, compared=compared)
         for explained, compared in ((True, True), (False, True), (False, False))
@@ -83,13 +90,16 @@ def cycle_table(run: Run, p: stickslip_ref.Parameters) -> RenderableType:
     return Fitted(forms, *(Text(note) for note in notes))
 
 
-def _table(title: str, rows: Sequence[Row], *, explained: bool, compared: bool) -> Table:
+def _table(
+    title: str, rows: Sequence[Row], *, explained: bool, compared: bool, theory: bool = True
+) -> Table:
     table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
     if explained:
         table.add_column("quantity", overflow="fold")
     table.add_column("" if explained else "quantity", overflow="fold")
     table.add_column("unit", overflow="fold")
-    for heading, style in (("measured", "bold"), ("exact", ""), ("simplified", "dim")):
+    columns = (("measured", "bold"), ("exact", ""), ("simplified", "dim"))
+    for heading, style in columns if theory else columns[:1]:
         table.add_column(heading, justify="right", style=style, overflow="fold")
         if compared and heading != "exact":
             table.add_column("from exact", justify="right", style=style, overflow="fold")
@@ -102,8 +112,8 @@ def _table(title: str, rows: Sequence[Row], *, explained: bool, compared: bool) 
             scale.symbol,
             _number(row.measured / scale.size),
             *([_deviation(row.measured, row.exact)] if compared else []),
-            _number(row.exact / scale.size),
-            _number(row.simplified / scale.size),
+            *([_number(row.exact / scale.size)] if theory else []),
+            *([_number(row.simplified / scale.size)] if theory else []),
             *([_deviation(row.simplified, row.exact)] if compared else []),
         )
     return table

@@ -14,12 +14,12 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 import stickslip_ref
-from fmukit.table import Variable
+from fmukit.table import Table, Variable
 from stickslip.errors import CommandError
 from stickslip.progress import deferred_interrupt
 from stickslip.simulate.run import Run, drawable_interval, fitting_interval, sample_times
 from stickslip_fmu.spec import TABLE
-from stickslip_verification import Event, Transition, drive, events_between
+from stickslip_verification import Event, Transition, drive, events_between, truth
 
 Progress = Callable[[float, float], None]
 """Called with the time simulated and the time to simulate [s]."""
@@ -31,12 +31,22 @@ _COLUMN_TYPES: Final = {"Real": np.float64, "Integer": np.int32, "Boolean": np.b
 
 
 class Experiment(NamedTuple):
-    """What is simulated: every parameter and input by name (SI), and the times [s]."""
+    """What is simulated: every parameter and input by name (SI), and the times [s].
+
+    `law` is the dotted name of the friction law, None for Coulomb's; `table` its variable table.
+    """
 
     parameters: Mapping[str, float]
     start_time: float
     stop_time: float
     output_interval: float
+    law: str | None = None
+    table: Table = TABLE
+
+    @property
+    def own(self) -> list[Variable]:
+        """The parameters of the friction law that Coulomb's law has not."""
+        return [row for row in self.table.rows if row.settable and row.name not in TABLE.by_name]
 
     @property
     def duration(self) -> float:
@@ -51,6 +61,8 @@ def experiment(
     output_interval: float | None = None,
     *,
     drawn: bool = False,
+    law: str | None = None,
+    table: Table = TABLE,
 ) -> Experiment:
     """Make an experiment; where no interval is given, choose one.
 
@@ -63,7 +75,7 @@ def experiment(
         if drawn:
             w = math.sqrt(parameters["k"] / parameters["m"])
             output_interval = drawable_interval(duration, output_interval, w)
-    return Experiment(parameters, start_time, stop_time, output_interval)
+    return Experiment(parameters, start_time, stop_time, output_interval, law, table)
 
 
 def simulate_reference(what: Experiment) -> tuple[Run, list[str]]:
@@ -80,14 +92,19 @@ def simulate_reference(what: Experiment) -> tuple[Run, list[str]]:
         If the reference refuses the values or cannot finish.
     """
     times = sample_times(what.start_time, what.stop_time, what.output_interval)
+    own = {row.name: what.parameters[row.name] for row in what.own}
+    others = {name: value for name, value in what.parameters.items() if name not in own}
+    law = stickslip_ref.COULOMB if what.law is None else what.law
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             trajectory = stickslip_ref.simulate(
-                stickslip_ref.Parameters(**what.parameters),
+                stickslip_ref.Parameters(**others),
                 what.stop_time,
                 start_time=what.start_time,
                 times=times,
+                law=law,
+                own=own,
             )
         except (ValueError, RuntimeError) as error:
             raise CommandError(_one_line(error)) from error
@@ -95,25 +112,25 @@ def simulate_reference(what: Experiment) -> tuple[Run, list[str]]:
         Event(event.time, Transition(event.kind), event.mode, event.x, event.z)
         for event in trajectory.events
     )
-    columns = {output.name: getattr(trajectory, output.name) for output in _outputs()}
+    columns = {output.name: getattr(trajectory, output.name) for output in _outputs(TABLE)}
     samples = _samples(columns, times)
     run = Run("reference", dict(what.parameters), samples, events)
     return run, [str(warning.message) for warning in caught]
 
 
-def _outputs() -> list[Variable]:
+def _outputs(table: Table) -> list[Variable]:
     """Return the outputs in the order of fmpy's results: Reals, then Integers, then Booleans."""
     return [
         variable
         for kind in _COLUMN_TYPES
-        for variable in TABLE.rows
+        for variable in table.rows
         if variable.causality == "output" and variable.kind == kind
     ]
 
 
 def _samples(columns: Mapping[str, Any], times: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     """Return samples as fmpy gives them: a structured array of the time and every output."""
-    outputs = _outputs()
+    outputs = [output for output in _outputs(TABLE) if output.name in columns]
     types = [("time", np.float64), *((o.name, _COLUMN_TYPES[o.kind]) for o in outputs)]
     samples = np.empty(len(times), dtype=types)
     samples["time"] = times
@@ -146,7 +163,11 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, 
         message.
     """
     times = sample_times(what.start_time, what.stop_time, what.output_interval)
-    file = _opened(fmu)
+    file = _opened(fmu, what.table)
+    file.look_for(
+        truth.Parameter(row.name, row.unit, what.parameters[row.name], truth.Kind.TUNABLE)
+        for row in what.own
+    )
     setting = drive.Setting(
         {name: value for name, value in what.parameters.items() if file.has(name)},
         [drive.CommunicationStep(float(h), {}) for h in np.diff(times)],
@@ -177,7 +198,7 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, 
     return Run("fmu", dict(what.parameters), samples, events, hidden), messages
 
 
-def _opened(fmu: Path) -> drive.FmuFile:
+def _opened(fmu: Path, table: Table) -> drive.FmuFile:
     if not fmu.is_file():
         reason = "it is not a file" if fmu.exists() else "there is no such file"
         raise CommandError(f"--fmu {fmu}: {reason}")
@@ -187,7 +208,8 @@ def _opened(fmu: Path) -> drive.FmuFile:
         raise CommandError(f"--fmu {error}") from error
     if file.problems:
         raise CommandError(f"--fmu {fmu}: not an FMU: {file.problems[0]}")
-    missing = [output.name for output in _outputs() if not file.has(output.name)]
+    common = (output for output in _outputs(table) if output.name in TABLE.by_name)
+    missing = [output.name for output in common if not file.has(output.name)]
     if missing:
         raise CommandError(f"--fmu {fmu}: the FMU has no output {', '.join(missing)}")
     return file
