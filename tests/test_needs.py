@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -9,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests import bare, needs
-from tests.importers.running import IMPORTERS
+from tests.importers.running import IMPORTERS, INSIDE
 
 
 @pytest.fixture
@@ -101,9 +103,17 @@ def test_what_nobody_knows_cannot_be_needed() -> None:
         needs.needs("ecos")
 
 
-def test_every_importer_but_the_core_is_asked_for() -> None:
-    """Of the importers only FMPy comes with the core; the values of a parameter bear the mark."""
-    assert set(IMPORTERS) - set(needs.NEEDS) == {"fmpy", "fmpy_container"}
+@pytest.mark.parametrize("importer", IMPORTERS)
+def test_an_importer_beyond_the_core_is_a_need(importer: str) -> None:
+    """An importer has a need exactly if it imports more than FMPy and NumPy."""
+    text = (INSIDE / f"by_{importer}.py").read_text(encoding="utf-8")
+    packages = set(re.findall(r"^(?:from|import) (\w+)", text, re.MULTILINE))
+    beyond = packages - sys.stdlib_module_names - {"fmpy", "numpy"}
+    assert bool(beyond) == (importer in needs.NEEDS), beyond
+
+
+def test_values_of_a_parameter_bear_the_mark() -> None:
+    """What may be missing is marked with its need; FMPy comes with the core."""
     plain, marked = needs.each(["fmpy", "ecospy"])
     assert plain == "fmpy"
     assert isinstance(marked, type(pytest.param()))

@@ -14,12 +14,14 @@ from typing import Any
 from stickslip.host.launch import prepare
 from tests.importers.cases import CASES
 
-IMPORTERS = ("fmpy", "libcosimpy", "ecospy", "proxyfmu", "fmucontainer", "fmpy_container")
-"""Importers by the name of their module in `inside/`."""
+INSIDE = Path(__file__).with_name("inside")
+IMPORTERS = tuple(sorted(file.stem.removeprefix("able_") for file in INSIDE.glob("able_*.py")))
+"""Importers by name: each has the modules `by_NAME.py` and `able_NAME.py` in `inside/`."""
+CONTAINERS = ("fmucontainer", "fmpy_container")
+"""Those that run two blocks at once."""
 NOT_PYTHON = ("proxyfmu",)
 """Those in which the FMU runs in a process that is not Python."""
 
-_INSIDE = Path(__file__).with_name("inside")
 _LIMIT = 120.0
 """Seconds after which a process counts as hung; the longest takes two."""
 
@@ -125,7 +127,7 @@ def ask(
     order = folder / "order.json"
     answer = folder / "answer.json"
     order.write_text(json.dumps(argument), encoding="utf-8")
-    process = [sys.executable, "-I", str(_INSIDE / "process.py"), module, what]
+    process = [sys.executable, "-I", str(INSIDE / "process.py"), module, what]
     done = subprocess.run(
         [*process, str(fmu), str(order), str(answer)],
         cwd=folder,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Callable
 from functools import cache
 from importlib.metadata import version
@@ -12,9 +13,10 @@ import pytest
 
 from tests.importers import kinds
 from tests.importers.running import IMPORTERS, ImporterError, Said, ask, preload
-from tests.needs import each, needs
+from tests.needs import NEEDS, each, needs
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "importing.md"
+ROOT = Path(__file__).parents[2]
+DOCUMENT = ROOT / "docs" / "importing.md"
 
 COLUMNS = {
     "Real": "Real",
@@ -73,8 +75,7 @@ REFUSED = table("When the block refuses a value")
 
 def test_the_tables_have_every_importer_and_column() -> None:
     """No importer that is tried is left out of a table, and no column is without a probe."""
-    assert tuple(WHAT_IT_CAN) == IMPORTERS
-    assert tuple(REFUSED) == IMPORTERS
+    assert sorted(WHAT_IT_CAN) == sorted(REFUSED) == list(IMPORTERS)
     columns = {"importer", "any folder", "messages", "a refused start value", *COLUMNS}
     assert all(set(row) == columns for row in WHAT_IT_CAN.values())
 
@@ -155,10 +156,11 @@ def _in_a_word(outcome: str) -> str:
     return "goes on" if outcome.startswith("goes on") else "stops"
 
 
-@needs("libcosimpy", "ecospy", "fmucontainer")
+@needs(*(name for name in IMPORTERS if name in NEEDS))
 def test_the_versions_are_those_that_were_tried() -> None:
-    """Each section names the version of the importer that the tests run."""
+    """The document names the version of FMPy and of each package of the extra `importers`."""
     text = DOCUMENT.read_text(encoding="utf-8")
-    for package in ("fmpy", "libcosimpy", "ecospy", "fmu-manipulation-toolbox"):
-        [named] = re.findall(rf"`pip install {package}`, tried with ([\d.]+\d)", text)
-        assert named == version(package)
+    named = re.findall(r"`pip install ([\w-]+)`, tried with ([\d.]+\d)", text)
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extra = re.findall(r"[\w-]+(?=>=)", " ".join(project["optional-dependencies"]["importers"]))
+    assert sorted(named) == sorted((package, version(package)) for package in ["fmpy", *extra])

@@ -12,7 +12,15 @@ import pytest
 
 from tests.importers.cases import CASES
 from tests.importers.judging import EXACT, deviations, nested_deviations
-from tests.importers.running import IMPORTERS, ImporterError, Rows, ask, run, run_pair
+from tests.importers.running import (
+    CONTAINERS,
+    IMPORTERS,
+    ImporterError,
+    Rows,
+    ask,
+    run,
+    run_pair,
+)
 from tests.needs import each, needs
 
 KEPT = 1e-12
@@ -23,7 +31,6 @@ KEPT_BY_ECOS = 1e-11
 acceleration, 20 peak velocities per second, the mass is then 4e-12 of its speed off."""
 
 OF_ECOS = ("ecospy", "proxyfmu")
-CONTAINERS = ("fmucontainer", "fmpy_container")
 
 Ran = Callable[[str, str], Rows]
 
@@ -104,14 +111,13 @@ def test_an_importer_finds_nothing_to_warn_of(
     assert not re.findall(r".*(?:warn|error|fail|invalid).*", said.out + said.err, re.IGNORECASE)
 
 
-@needs("libcosimpy", "ecospy", "proxyfmu", "fmucontainer")
-def test_importers_kinds_of_numbers_are_kept(ran: Ran) -> None:
-    """Booleans come as bool, Integers as int and Reals as float from every importer."""
-    for importer in IMPORTERS:
-        outputs = ran(importer, "inputs").outputs
-        assert {type(value) for value in outputs["sticking"]} == {bool}
-        assert {type(value) for value in outputs["mode"] + outputs["n_slips"]} == {int}
-        assert {type(value) for value in outputs["x"] + outputs["T"]} == {float}
+@pytest.mark.parametrize("importer", each(IMPORTERS))
+def test_importers_kinds_of_numbers_are_kept(ran: Ran, importer: str) -> None:
+    """Booleans come as bool, Integers as int and Reals as float."""
+    outputs = ran(importer, "inputs").outputs
+    assert {type(value) for value in outputs["sticking"]} == {bool}
+    assert {type(value) for value in outputs["mode"] + outputs["n_slips"]} == {int}
+    assert {type(value) for value in outputs["x"] + outputs["T"]} == {float}
 
 
 @pytest.mark.parametrize("name", ["x", "t_slip", "F", "t_event", "W_pull", "f", "x_dot_peak"])

@@ -16,10 +16,7 @@ from . import record, replay
 from .cases import CASES
 from .host_c import Host, compile_host, unpack, with_libpython
 from .record import Call
-from .running import IMPORTERS, Rows, run
-
-CONTAINERS = ("fmucontainer", "fmpy_container")
-"""Importers that run two blocks at once."""
+from .running import CONTAINERS, IMPORTERS, Rows, run
 
 
 @dataclass(frozen=True)
