@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 from tests.verification.test_contributing import blocks
@@ -32,26 +33,41 @@ def applied(diff: str, root: Path) -> list[Path]:
     return changed
 
 
+def copied(names: Iterable[str], target: Path) -> None:
+    """Copy files and folders of the project to the same places below `target`."""
+    for name in names:
+        (target / name).parent.mkdir(parents=True, exist_ok=True)
+        if (ROOT / name).is_dir():
+            ignored = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(ROOT / name, target / name, ignore=ignored)
+        else:
+            shutil.copy(ROOT / name, target / name)
+
+
+def walk(commands: str, folder: Path, **environment: str) -> str:
+    """Run lines of the shell, all of which must succeed, in a folder; return what they print."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["/bin/sh", "-e", "-c", commands],
+        cwd=folder,
+        env={**os.environ, "PATH": path, **environment},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
 def test_an_output_is_added_as_contributing_says(tmp_path: Path) -> None:
     """Its changes and its case lead to an FMU whose new output is held against the truth."""
-    for floor in FLOORS:
-        ignored = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(ROOT / floor, tmp_path / floor, ignore=ignored)
+    copied(FLOORS, tmp_path)
     (diff,) = blocks("Add an output", "diff")
     assert len(applied(diff, tmp_path)) == 7
     (case,) = blocks("Add an output", "toml")
     (tmp_path / "z-dot.toml").write_text(case, encoding="utf-8")
     (commands,) = blocks("Add an output", "bash")
     search = os.pathsep.join(str(tmp_path / floor) for floor in FLOORS)
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        ["/bin/sh", "-e", "-c", commands],
-        cwd=tmp_path,
-        env={**os.environ, "PATH": path, "PYTHONPATH": search, "COLUMNS": "120"},
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    walk(commands, tmp_path, PYTHONPATH=search, COLUMNS="120")
     report = (tmp_path / "report" / "report.json").read_text(encoding="utf-8")
     assert '"check": "z_dot-course"' in report
