@@ -1,7 +1,5 @@
 """Records with a planted fault, and the invariants that see it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache

@@ -1,7 +1,5 @@
 """A side made of the exact motion itself, whole or with a planted fault."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Facts about the rules that give the tolerances, and about what they are told of a motion."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The observed order of the reference: how its error falls as its tolerance does."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import warnings

@@ -1,7 +1,5 @@
 """The two sides of a case: an FMU through FMI, and the SciPy reference. Both give a `Run`."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path

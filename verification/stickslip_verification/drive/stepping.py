@@ -1,7 +1,5 @@
 """An FMU driven through a setting: values before the start, steps, changes between them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

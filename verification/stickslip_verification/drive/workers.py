@@ -4,8 +4,6 @@ Two sorts: one computes the truth and runs the reference, the other holds an FMU
 gives back is an `Answer`, whatever happened to it.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import multiprocessing

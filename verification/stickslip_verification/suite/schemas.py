@@ -3,8 +3,6 @@
 `docs/generate.py` writes them to `docs/schemas/`, where editors find them.
 """
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Iterable, Mapping, Sequence
 from enum import StrEnum
