@@ -12,7 +12,7 @@ from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES
 from stickslip_verification.suite.tolerances import Facts, Rules, rounded_up
 from stickslip_verification.truth.parameters import complete
 
-from .standing_in import exact_of
+from .records import exact_of
 
 DEFAULT = complete({})
 SLIPS = Facts(slips=3)
