@@ -1,7 +1,5 @@
 """The section "Add an output" of CONTRIBUTING.md, done as it says in a copy of the project."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """What a machine may lack: found by trying, told with the line that installs it."""
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Iterator

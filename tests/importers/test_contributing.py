@@ -1,7 +1,5 @@
 """The section "Add an importer" of CONTRIBUTING.md, done as it says in a copy of the tests."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The contract of a friction law: what each of its answers does to the motion."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from types import SimpleNamespace

@@ -16,7 +16,7 @@ from stickslip_verification.run.baseline import Baseline, compute
 from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.suite.faults import Mutant, Override, reasons_to_stay
 
-from .standing_in import named
+from .records import named
 
 CASES = [named("default"), named("reversals")]
 

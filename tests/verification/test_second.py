@@ -1,7 +1,5 @@
 """Second values: a drift above rounding is told, and only what passed is accepted."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -5,8 +5,6 @@ of other laws, derived here. Fifty digits are promised. A tolerance of 1e-45 lea
 shallow end of a slip amplifies; where the end is shallower, the tolerance says so.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping, Sequence
 from types import SimpleNamespace

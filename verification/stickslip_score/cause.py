@@ -1,7 +1,5 @@
 """The most likely cause of a curve, and the sentence that says what was seen."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The most likely cause of a curve at parameters without a cycle: one break-away, then sliding."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -7,8 +7,6 @@ The FMU is known as a file alone. Python runs one code per module name in a proc
 package gets a name of its own; then a mutant loads beside the original and beside other mutants.
 """
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import re
@@ -18,7 +16,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from stickslip_verification.model.whole_file import replacing
-from stickslip_verification.suite.faults import MASTER, Mutant, MutantError, bindings
+from stickslip_verification.suite.faults import MASTER, Mutant, MutantError, bindings, parsed
 
 DESCRIPTION = "modelDescription.xml"
 RESOURCES = "resources/"
@@ -118,7 +116,7 @@ def _apply(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
         entries[name] = entries[name].replace(change.find.encode(), change.replace.encode())
     for module in sorted(changed):
         try:
-            ast.parse(entries[module])
+            parsed(entries[module])
         except SyntaxError as error:
             reason = f"line {error.lineno} is not Python any more: {error.msg}"
             raise MutantError(mutant.file, module.removeprefix(folder), reason) from None
@@ -177,7 +175,7 @@ class _Source:
             return None
         text = self._entries[file].decode()
         first, *inner = names
-        found = bindings(ast.parse(text).body).get(first)
+        found = bindings(parsed(text).body).get(first)
         if isinstance(found, ast.ImportFrom) and found.level:
             name = next(each.name for each in found.names if first in (each.asname, each.name))
             module = "/".join(file.split("/")[: -found.level]) + f"/{found.module or ''}"
@@ -196,7 +194,7 @@ class _Source:
 
 def _lines(text: str, part: ast.stmt | None = None) -> Counter[str]:
     """Count the lines of a text, or of a part: without blanks, comments, docstrings, signatures."""
-    tree = ast.parse(text) if part is None else part
+    tree = parsed(text) if part is None else part
     lines = text.splitlines()
     first, last = (1, len(lines)) if part is None else (part.lineno, part.end_lineno or part.lineno)
     left = set(range(first, last + 1))

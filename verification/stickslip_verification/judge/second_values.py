@@ -4,8 +4,6 @@ A drift far below a tolerance is still a change that somebody should know of. On
 writes them, `stickslip verify --accept`; a value that misses its truth is never accepted.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence

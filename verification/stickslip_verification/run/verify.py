@@ -1,7 +1,5 @@
 """The suite as a whole: an FMU and the reference judged, faults planted, a verdict."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

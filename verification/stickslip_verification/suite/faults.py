@@ -5,15 +5,15 @@ FMU or in the calls that the suite makes to it, and which checks must detect it.
 adding a file.
 """
 
-from __future__ import annotations
-
 import ast
 import fnmatch
 import textwrap
+import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from stickslip_verification.model.data_file import (
     DataError,
@@ -39,6 +39,18 @@ MASTER = "master"
 
 PYTHON = (3, 8)
 """The oldest Python that loads the FMU, and so every fault."""
+
+
+# CPython 3.11 counts the depth of its parser for all threads at once, and faults are planted in
+# several: without the lock `ast.parse` now and then ends in a SystemError.
+_PARSING = threading.Lock()
+
+
+def parsed(text: str | bytes, **options: Any) -> ast.Module:
+    """Return the syntax tree of a Python source; raises as `ast.parse` does."""
+    with _PARSING:
+        tree: ast.Module = ast.parse(text, **options)
+    return tree
 
 
 class MutantError(DataError):
@@ -207,7 +219,7 @@ def _override(file: Path, here: str, entry: Mapping[str, str]) -> Override:
             raise MutantError(file, field, "a call of the master is replaced by code")
     text, mode = (override.code, "exec") if override.code else (f"({override.value}\n)", "eval")
     try:
-        tree = ast.parse(text, mode=mode, feature_version=PYTHON)
+        tree = parsed(text, mode=mode, feature_version=PYTHON)
         # What a syntax tree may hold, and a module or a function may not.
         for whole, how in ((text, mode), (override.function("made"), "exec")):
             compile(whole, here, how)

@@ -191,11 +191,11 @@ class Oscillator:
 def _lag(rate: float, tau: float) -> float:
     """Return the integral of ``1 - exp(-rate t)`` from 0 to `tau`."""
     x = rate * tau
-    if x > _BEGINNING:
+    if abs(x) > _BEGINNING:
         return tau + math.expm1(-x) / rate
     total = 0.0
     term, power = 0.5 * x, 2
-    while abs(term) > _NEGLIGIBLE * total:
+    while abs(term) > _NEGLIGIBLE * abs(total):
         total += term
         power += 1
         term *= -x / power
