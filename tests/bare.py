@@ -5,8 +5,6 @@ pytest, such as ``tests`` for all of them. No chromium, C compiler and node are 
 libatomic and Pango are empty files, the shared libpython counts as missing. No test may fail.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

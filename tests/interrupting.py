@@ -1,7 +1,5 @@
 """Processes that a test sends Ctrl-C to."""
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Iterator

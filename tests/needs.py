@@ -6,8 +6,6 @@ A test says what it needs with ``@needs("ecospy", "cc")``; a parametrized one ta
 installs it. ``pytest -m needs`` selects the tests that ask, `tests.bare` runs them without all.
 """
 
-from __future__ import annotations
-
 import fcntl
 import os
 import shutil

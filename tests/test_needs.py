@@ -1,7 +1,5 @@
 """What a machine may lack: found by trying, told with the line that installs it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What the model descriptions of all FMI versions share: identity, date, units, elements."""
+"""Parts that the model descriptions of all FMI versions have: identity, date, units, elements."""
 
 import hashlib
 import os
@@ -47,11 +47,11 @@ def root_element(spec: Spec, version: str, identifier: Tuple[str, str], generato
     spec
         The model.
     version
-        Of FMI.
+        FMI version.
     identifier
-        The attribute that identifies the FMU, and its value; no binary compares it.
+        Name and value of the attribute that identifies the FMU; no binary compares it.
     generator
-        Name and version of what wraps the slave.
+        Name and version of the wrapper.
     """
     return Element(
         "fmiModelDescription",
@@ -154,7 +154,7 @@ def value_attributes(variable: Variable) -> Dict[str, str]:
 
 
 def outputs(table: Table) -> Iterator[Variable]:
-    """Give the outputs. What is set acts from the next step on, so none depends on an input."""
+    """Give the outputs. A value that is set acts from the next step on, so none feeds through."""
     return (variable for variable in table.rows if variable.causality == "output")
 
 

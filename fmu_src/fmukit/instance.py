@@ -1,4 +1,4 @@
-"""What the faces of all FMI versions share: phases, values, outputs, states, failures, messages.
+"""The part of a face that all FMI versions have: phases, values, outputs, states, failures.
 
 A face is called by a wrapper in the host's own language. The wrapper turns every exception into a
 fatal status and releases references that it does not own (`lifetime`). So each method that the
@@ -72,7 +72,7 @@ class Instance:
         # Whether a step may go straight to the model.
         self._ready = False
         self._model = self._spec.model(self._values)
-        # Whether the model shows what is set, and no call has failed.
+        # Whether the outputs follow the values that are set, and no call has failed.
         self._settled = True
 
     @entry
@@ -91,13 +91,13 @@ class Instance:
 
     @entry
     def enter_initialization_mode(self) -> None:
-        """Let the outputs follow what is set."""
+        """Let the outputs follow the values that are set."""
         self._require("instantiated", "enterInitializationMode")
         self._phase = "initialization"
 
     @entry
     def exit_initialization_mode(self) -> None:
-        """Start the model from what was set; refuse values that do not go together."""
+        """Start the model with the values set; refuse values that do not go together."""
         self._require("initialization", "exitInitializationMode")
         self._make_model()
         self._phase = "stepping"
@@ -183,7 +183,7 @@ class Instance:
             return Handle(None)
 
     def _make_model(self) -> None:
-        """Make the model anew from what is set."""
+        """Make a new model with the values set."""
         self._model = self._spec.model(self._values, self._time)
         self._settled = True
 
@@ -234,7 +234,7 @@ class Instance:
         return variable
 
     def _prepare_step(self) -> None:
-        """Check what only a call can change that comes between two steps."""
+        """Check the phase and warn; no call but another one between two steps can change either."""
         if self._fault is not None:
             raise ModelError(self._fault)
         self._require("stepping", "doStep")

@@ -1,13 +1,13 @@
-"""What the wrappers release without owning it, made up for.
+"""References that the wrappers release without owning them, and their end with the process.
 
-At every exception that escapes to it, a wrapper releases its instance, its class and its log
-queue and yet keeps using them; pythonfmu's releases the globals of the slave's module too, at every
-instantiation. Each release is met here by one more reference, so that the counts stay true: nothing
-is freed too early, and nothing is kept for ever. Both wrappers also put the FMU's folder on the
-module search path at every instantiation, where once is enough.
+At every exception that reaches it, a wrapper releases its instance, its class and its log queue
+and goes on using them. pythonfmu's wrapper also releases the globals of the slave's module at every
+instantiation. For each release one reference is added here, so that reference counts stay true:
+no object is freed too early, and none is kept for ever. Both wrappers also put the FMU's folder on
+the module search path at every instantiation; one entry is kept.
 
-At the end of the process a wrapper releases its hold on the interpreter twice, the second time in
-freed memory, if it is still loaded then. So it is made to let go before, while that is still sound.
+A wrapper that is still loaded at the end of the process releases the interpreter twice, the second
+time from freed memory. Therefore it is made to release it earlier, at Python's exit.
 """
 
 import atexit
@@ -24,14 +24,13 @@ except ImportError:  # an embedded Python may come without it
 else:
     _counts_can_be_raised = True
 
-# How a loader is asked for what it has and no more; None where that cannot be.
+# Flag of the loader: return a library only if it is loaded. None where there is no such flag.
 _ONLY_IF_LOADED = getattr(os, "RTLD_NOLOAD", None)
 
-# Where counts cannot be raised, what was given is kept alive instead, for good.
+# Objects kept alive for good, where reference counts cannot be raised.
 _kept: List[Any] = []
 
-# By its folder of resources, what the binary of an FMU may have been loaded as; each has a wrapper
-# of its own.
+# Names under which the binary of an FMU, its wrapper, may be loaded, by its folder of resources.
 _binaries: Dict[str, Set[str]] = {}
 
 
@@ -44,13 +43,13 @@ def give_reference(lost: Any) -> None:
 
 
 def hold(module_globals: Dict[str, Any]) -> None:
-    """Make up for one more execution of the slave's module, whose globals these are."""
+    """Add the reference for one execution of the slave's module, whose globals these are."""
     give_reference(module_globals)
     settle(str(Path(module_globals["__file__"]).parent))
 
 
 def settle(resources: str) -> None:
-    """Make up for one more instance of the FMU whose resources are in this folder."""
+    """Keep one entry of the search path for the FMU whose resources are in this folder."""
     while sys.path.count(resources) > 1:
         sys.path.remove(resources)
     if resources not in _binaries:
@@ -60,8 +59,8 @@ def settle(resources: str) -> None:
 def _names(resources: str) -> Set[str]:
     """Return the names under which the binaries beside this folder may have been loaded.
 
-    A simulator may delete the folder before its process ends. Then a loaded binary is found by
-    the name it was loaded as and by no other; a folder from a URI may begin with more slashes.
+    A simulator may delete the folder before its process ends. Then only the name that it was
+    loaded as finds a binary; a folder from a URI may begin with more slashes.
     """
     if _ONLY_IF_LOADED is None:
         return set()
@@ -77,12 +76,12 @@ def _names(resources: str) -> Set[str]:
 def _let_go() -> None:
     """Make every wrapper that is still loaded release the interpreter, once and now.
 
-    Where the wrapper itself started the interpreter this runs inside that very release, and
-    leaves nothing for the second.
+    Where the wrapper itself started the interpreter, this runs within its first release, and the
+    second has no effect.
     """
     if _ONLY_IF_LOADED is None or not _counts_can_be_raised:
         return
     for name in set().union(*_binaries.values()):
-        # It may be unloaded, or another wrapper without that function.
+        # The library may be unloaded, or be another one without that function.
         with contextlib.suppress(OSError, AttributeError):
             ctypes.CDLL(name, mode=_ONLY_IF_LOADED).finalizePythonInterpreter()

@@ -1,4 +1,4 @@
-"""What the kit makes an FMU of: the protocol of a model, its error, and the specification."""
+"""The protocol of a model, its error, and the specification that an FMU is made of."""
 
 from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Protocol, Type
 
@@ -37,17 +37,16 @@ class Model(Protocol):
 
     1. **Construction.** A model is made from values that are within their ranges one by one, and
        shows the outputs of its initial state. It raises `ModelError` for values that do not go
-       together. Until the first step it is made anew whenever a value was set, so it has no
-       effects outside itself.
+       together. Until the end of the initialization a new one is made after a value was set,
+       so the constructor has no effects outside the model.
     2. **Outputs.** The value of a row is found under the row's `attribute`, a float, int or bool
-       of its kind. Where `stale` is true, `refresh` is called before any is read. An attribute
-       that is read changes nothing.
+       of its kind. Where `stale` is true, `refresh` is called before any is read. Reading
+       an attribute changes nothing. Both may raise `ModelError`, for a value that is not finite.
     3. **Values.** `set` replaces `wanted` by a changed copy and does nothing that an output shows.
-       What is set acts from the start of the next step. Parameters of variability ``fixed`` are
-       never set.
+       The value acts from the start of the next step. Parameters of variability ``fixed`` keep
+       their values.
     4. **Steps.** `advance` moves on by a step of any length above 0 and raises `ModelError` for
-       any other. A result that depends on the step size is the model's own affair. Every call
-       that raises is followed by a new model, so the state it leaves behind does not matter.
+       any other. A model whose call raised gets no further call.
     5. **States.** `freeze` returns the whole state, `wanted` included, as an object that is never
        written to again; `thaw` takes it up, in this model or another one of the class, and what
        follows is the same to the bit. Both are called at every step of an iterating simulator.
@@ -66,8 +65,8 @@ class Model(Protocol):
 
     A model must leave alone:
 
-    11. Standard output, standard error, the log, files, threads and global state: what the user
-        must know is raised, or returned by `warning`.
+    11. Standard output, standard error, the log, files, threads and global state: a message
+        for the user is raised, or returned by `warning`.
     12. Everything but Python's standard library, at version 3.8; a model that is packed brings the
         modules along that it imports.
     """
@@ -111,7 +110,7 @@ class Model(Protocol):
         return
 
     def warning(self) -> Optional[str]:
-        """Return what is unusual about the values in `wanted`, or None.
+        """Return a warning about the values in `wanted`, or None.
 
         The simulator is told at the end of the initialization and before the first step after a
         value was set, once for each text.
@@ -151,7 +150,7 @@ class Spec(NamedTuple):
     name
         Name and identifier of the model: a Python identifier.
     description
-        What the model is.
+        One or two sentences on the model.
     author, licence
         Names.
     version

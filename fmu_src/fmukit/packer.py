@@ -96,13 +96,13 @@ def build_fmu(
     Parameters
     ----------
     main
-        Text of a module that defines SPEC, a `model.Spec`: ``from pendulum import SPEC``. What it
-        imports, directly or not, must be importable in this process.
+        Text of a module that defines SPEC, a `model.Spec`: ``from pendulum import SPEC``. The
+        modules that it imports, directly or not, must be importable in this process.
     target
-        The file to write, ending in .fmu. Folders are made. What was there stays until the new file
-        is whole.
+        The file to write, ending in .fmu. Folders are made. An old file stays until the new one is
+        whole.
     prefix
-        What the name of the packed package begins with; the rest is a digest of the content.
+        Beginning of the name of the packed package; the rest is a digest of the content.
     parts
         Files that travel beside the model, such as documentation/index.html, by their path in the
         FMU.
@@ -138,7 +138,7 @@ def pack(main: str, prefix: str, face: Literal[2, 3] = 2) -> Dict[str, bytes]:
             file.write_bytes(content)
         slave = workshop / f"{package}_slave.py"
         slave.write_text(chosen.slave.format(package=package), encoding="utf-8")
-        with _imports_apart(prefix):
+        with _imports_apart(package):
             raw = chosen.builder.build_FMU(
                 slave, workshop / "raw", project_files=[workshop / package]
             )
@@ -279,9 +279,9 @@ def _file_of(name: str) -> Optional[Path]:
 
 
 def add(fmu: Path, parts: Mapping[str, bytes]) -> None:
-    """Put files into an FMU built here, by their path in it; those already there are replaced.
+    """Put files into an FMU built here, by their path in it; files of the same path are replaced.
 
-    Raises OSError if it cannot be written; what was there stays then.
+    Raises OSError if it cannot be written; an old file stays then.
     """
     write_archive({**_entries(fmu), **parts}, fmu)
 
@@ -289,7 +289,7 @@ def add(fmu: Path, parts: Mapping[str, bytes]) -> None:
 def write_archive(entries: Mapping[str, bytes], target: Path) -> None:
     """Write an archive whose bytes depend on its entries alone, or nothing at all.
 
-    Raises OSError if it cannot be written; what was there stays then.
+    Raises OSError if it cannot be written; an old file stays then.
     """
     handle, name = tempfile.mkstemp(dir=target.parent, prefix=".", suffix=".part")
     part = Path(name)
@@ -309,7 +309,7 @@ def write_archive(entries: Mapping[str, bytes], target: Path) -> None:
 
 
 def _umask() -> int:
-    # A temporary file is private; what was asked for is not.
+    # A temporary file is private, the FMU is not.
     mask = os.umask(0)
     os.umask(mask)
     return mask
@@ -324,30 +324,30 @@ def _digest(wrapper: str, slave: str, sources: Mapping[str, bytes]) -> str:
 
 
 @contextmanager
-def _imports_apart(prefix: str) -> Iterator[None]:
-    """Let pythonfmu's builder import what it packs, apart from what this process has loaded.
+def _imports_apart(package: str) -> Iterator[None]:
+    """Keep the builder's imports apart from the modules that this process has loaded.
 
-    It imports the slave by name and leaves it, and its folder, in the import system; and where
-    the same FMU runs in this process, that name is taken by files that may be gone.
+    The builder imports the slave by name and leaves it, and its folder, in the import system. Where
+    the same FMU runs in this process, that name belongs to files that may be gone.
     """
     path = list(sys.path)
-    loaded = {name: module for name, module in sys.modules.items() if name.startswith(prefix)}
-    _unload(prefix)
+    loaded = {name: module for name, module in sys.modules.items() if name.startswith(package)}
+    _unload(package)
     try:
         yield
     finally:
         sys.path[:] = path
-        _unload(prefix)
+        _unload(package)
         sys.modules.update(loaded)
 
 
-def _unload(prefix: str) -> None:
-    for name in [name for name in sys.modules if name.startswith(prefix)]:
+def _unload(package: str) -> None:
+    for name in [name for name in sys.modules if name.startswith(package)]:
         del sys.modules[name]
 
 
 def _entries(archive: Path) -> Dict[str, bytes]:
-    """Return the files of an archive by name, but for sources that nobody could build."""
+    """Return the files of an archive by name, without the wrapper's sources."""
     with zipfile.ZipFile(archive) as source:
         return {
             name: source.read(name) for name in source.namelist() if not name.startswith("sources/")

@@ -32,7 +32,7 @@ class State:
     kind
         Class of the model.
     model
-        What `Model.freeze` returned.
+        The state that `Model.freeze` returned.
     values
         The values as last set.
     time
@@ -40,7 +40,7 @@ class State:
     phase
         One of PHASES.
     settled
-        Whether the model shows what is set.
+        Whether the outputs follow the values that are set.
     """
 
     __slots__ = ("_bytes", "kind", "model", "phase", "settled", "time", "values")

@@ -100,7 +100,7 @@ class Variable(NamedTuple):
     start
         Start value in the unit of the type; None for an output that is calculated.
     description
-        What the variable is.
+        The meaning of the variable, in words.
     held_at
         Attribute of the model that holds the value, such as ``meter.T``; "" for the attribute of
         the variable's own name, which of a settable variable is in ``wanted``.
@@ -224,7 +224,7 @@ class Table:
         return {row.name: row.start for row in self.rows if row.settable and row.start is not None}
 
     def _objection(self, row: Variable, position: int) -> Optional[str]:
-        """Return what is wrong with the row at `position`; None if nothing is."""
+        """Return the error of the row at `position`, or None."""
         if row.number != position:
             return f"number {row.number} where {position} is due; numbers are 0 to n - 1, each once"
         if self.by_name[row.name] is not row:

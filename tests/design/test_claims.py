@@ -3,8 +3,6 @@
 What a plot shows is rounded to six digits, so 1e-5 of the value is the bound for it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The marching script of a claim: what kind of method it is, and what it gets wrong."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,6 +1,7 @@
 """The servo drive: set point, controller, and ServoDrive.fmu as an importer meets it."""
 
 import ast
+import json
 import math
 import subprocess
 import sys
@@ -16,7 +17,10 @@ from examples.feed_axis.axis import Axis
 from examples.feed_axis.document import exact_axis
 from examples.feed_axis.monolithic import solve
 from examples.feed_axis.servo_drive.drive import Drive
+from examples.feed_axis.servo_drive.model import ServoDrive
 from examples.feed_axis.servo_drive.setpoint import SetPoint
+from examples.feed_axis.servo_drive.table import Settings
+from fmukit.model import ModelError
 from tests.test_architecture import imports_in, modules_of, newer_than_3_8
 
 from .in_process import couple, make_drive
@@ -171,6 +175,35 @@ def test_a_sample_too_long_for_the_motion_is_refused() -> None:
     for pitch in (1e-300, 1e300):
         with pytest.raises(ValueError, match=r"m_d = .* is out of range"):
             Axis(pitch=pitch)
+
+
+def test_a_state_of_the_drive_goes_on_to_the_bit() -> None:
+    """Set in another drive, or from plain data, a state gives the same outputs at every step."""
+
+    def go_on(model: ServoDrive) -> list[tuple[float, ...]]:
+        shown = []
+        for step in range(1, 40):
+            model.set("F", 10.0 * step)
+            model.set("x", 1e-7 * step)
+            model.advance(0.0, 1.7e-4 * step)
+            shown.append((model.drive.output, model.drive.x, model.x_command, *model.drive.memory))
+        return shown
+
+    settings = Settings.at_start().changed("K_v", 60.0).changed("distance", 1e-4)
+    model = ServoDrive(settings)
+    go_on(model)
+    frozen, saved = model.freeze(), json.loads(json.dumps(model.save()))
+    expected = go_on(model)
+    assert go_on(model) != expected
+    other = ServoDrive(Settings.at_start())
+    other.thaw(frozen)
+    assert go_on(other) == expected
+    other = ServoDrive(Settings.at_start())
+    other.restore(saved)
+    assert go_on(other) == expected
+    for bad in ({}, {**saved, "time": None}, {**saved, "memory": saved["memory"][1:]}):
+        with pytest.raises(ModelError):
+            other.restore(bad)
 
 
 def test_the_description_has_no_findings(fmus: Path) -> None:

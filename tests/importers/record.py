@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 _WATCHER = Path(__file__).with_name("record_calls.py")
-_WATCH = "\nfrom record_calls import watch\n\nwatch(StickSlip)\n"
+_WATCH = "\nfrom record_calls import watch\n\nwatch(Packed)\n"
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """Random points of the block, drawn from fixed seeds."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 

@@ -1,7 +1,5 @@
 """Corners of the rest test, of stiff slips and of what happens at one instant."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from random import Random

@@ -1,7 +1,5 @@
 """The edge of existence of the damped cycle."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

@@ -1,7 +1,5 @@
 """Inputs and tunable parameters that change during a run, and what they do to the block."""
 
-from __future__ import annotations
-
 import math
 import warnings
 

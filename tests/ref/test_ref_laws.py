@@ -1,15 +1,15 @@
 """The contract of a friction law: what each of its answers does to the motion."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
 from stickslip_ref import (
+    COULOMB,
     Bound,
     Change,
     Coulomb,
@@ -20,6 +20,9 @@ from stickslip_ref import (
     friction_law,
     simulate,
 )
+
+NO_LAW = SimpleNamespace(reference="math:pi")
+"""A record that leads to no friction law."""
 
 
 class _Ageing(Coulomb):
@@ -169,9 +172,15 @@ def test_only_tunable_own_parameters_change() -> None:
         ("no_such_module:LAW", r"'no_such_module:LAW' was not found \(No module named"),
         ("math:LAW", r"'math:LAW' was not found \(module 'math' has no attribute 'LAW'\)"),
         ("math:pi", r"'math:pi' has no attribute 'reference'"),
+        (f"{__name__}:NO_LAW", r"'math:pi' is a float; the .* an object of a subclass of"),
     ],
 )
 def test_a_law_that_is_not_found_is_told_with_an_example(name: str, message: str) -> None:
     """The error for a dotted name says what was wrong and shows a good one."""
     with pytest.raises(ValueError, match=message):
         friction_law(name)
+
+
+def test_coulombs_law_has_a_name_too() -> None:
+    """The law that comes along is called coulomb."""
+    assert friction_law("coulomb") is COULOMB

@@ -1,7 +1,5 @@
 """The cycle meter and the energy account."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Parameters are checked where they are made."""
 
-from __future__ import annotations
-
 import math
 import warnings
 

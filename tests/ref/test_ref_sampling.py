@@ -1,7 +1,5 @@
 """Samples: as many as asked for, and on the right side of what happens at their time."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 

@@ -1,7 +1,5 @@
 """The simulation against the closed form, and against itself under the symmetries."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The steady cycle in closed form."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """Slips without kinetic friction, which end exactly where equality sticks: docs/theory.md (4)."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 

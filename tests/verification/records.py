@@ -1,7 +1,5 @@
 """Records with a planted fault, and the invariants that see it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -9,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from stickslip_verification.drive.exact import Exact, exact_motion
-from stickslip_verification.judge.checks import EXACT_CONTRACT, Contract
+from stickslip_verification.judge.checks import EXACT_CONTRACT, Contract, judge
 from stickslip_verification.judge.invariant_checks import applies, judge_residual
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import CheckResult
@@ -95,6 +93,13 @@ def seen(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> set[str
     return {
         invariant for invariant, r in results.items() if not r.passed and r.not_applicable is None
     }
+
+
+def failures(name: str, record: Run) -> dict[str, CheckResult]:
+    """Return the checks of a case that a record fails as our FMU, by check id."""
+    case, exact = named(name), exact_of(name)
+    results = [judge(case, check, EXACT_CONTRACT, exact, record) for check in case.checks]
+    return {result.check: result for result in results if not result.passed}
 
 
 def value(name: str, number: float, at: int) -> Fault:

@@ -15,7 +15,7 @@ from stickslip_verification.model.quantities import GROUPS
 from stickslip_verification.model.verdict import Kind
 from stickslip_verification.suite.cases import At, Case, Truth
 
-from .standing_in import exact_of
+from .records import exact_of
 
 THEORY = Path(__file__).parents[2] / "docs" / "theory.md"
 CASES = load_cases()

@@ -1,7 +1,5 @@
 """The catalogue: what the failure of each check means."""
 
-from __future__ import annotations
-
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.run.lint import SHORTEST, VAGUE
 from stickslip_verification.suite.cases import load_cases

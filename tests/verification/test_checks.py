@@ -12,76 +12,62 @@ from stickslip_verification.judge.checks import (
     judge,
 )
 from stickslip_verification.model.run import Run
-from stickslip_verification.suite.cases import Case
 
-from .standing_in import Columns, Fault, StandIn, exact_of, failures, named
+from .records import (
+    Draft,
+    Fault,
+    believed,
+    copied,
+    exact_of,
+    failures,
+    named,
+    planted,
+    scaled,
+    value,
+    without,
+)
 
 DEFAULT = named("default")
+EXACT = exact_of("default").record
 
 
-def scaled(name: str, factor: float) -> Fault:
-    """Multiply one output."""
-
-    def fault(columns: Columns) -> None:
-        columns[name] = columns[name] * factor
-
-    return fault
-
-
-def replaced(name: str, value: float, at: int = -1) -> Fault:
-    """Put one value in one place."""
-
-    def fault(columns: Columns) -> None:
-        columns[name][at] = value
-
-    return fault
-
-
-def lagging(columns: Columns) -> None:
+def lagging(draft: Draft) -> None:
     """Show every output one step late."""
-    for samples in columns.values():
-        samples[1:] = samples[:-1].copy()
+    for name in draft.outputs:
+        draft.lag(name)
 
 
-def creeping(columns: Columns) -> None:
+def creeping(draft: Draft) -> None:
     """Let the mass creep by a nanometre a second while it sticks."""
-    columns["x"] += np.where(columns["mode"] == 0, 1e-11 * np.arange(len(columns["x"])), 0.0)
+    x = draft.outputs["x"]
+    x += np.where(draft.outputs["mode"] == 0, 1e-11 * np.arange(len(x)), 0.0)
 
 
-def inverted(columns: Columns) -> None:
+def inverted(draft: Draft) -> None:
     """Say slip for stick."""
-    columns["sticking"] = 1.0 - columns["sticking"]
+    draft.outputs["sticking"] = 1.0 - draft.outputs["sticking"]
 
 
-def dropped(columns: Columns) -> None:
-    """Leave out the frequency."""
-    del columns["f"]
-
-
-def short(columns: Columns) -> None:
+def short(draft: Draft) -> None:
     """Lose the last sample of the period."""
-    columns["T"] = columns["T"][:-1]
+    draft.outputs["T"] = draft.outputs["T"][:-1]
 
 
-def one_more(columns: Columns) -> None:
+def one_more(draft: Draft) -> None:
     """Count one slip too many from the middle on."""
-    columns["n_slips"][500:] += 1
+    draft.outputs["n_slips"][500:] += 1
 
 
-def half_period(columns: Columns) -> None:
+def half_period(draft: Draft) -> None:
     """Use the designers' pi/w for the slip time."""
-    columns["t_slip"] = np.where(columns["t_slip"] > 0, math.pi / math.sqrt(1000.0), 0.0)
+    t_slip = draft.outputs["t_slip"]
+    t_slip[t_slip > 0] = math.pi / math.sqrt(1000.0)
 
 
-def simplified_jump(columns: Columns) -> None:
-    """Use the spring's relief for the jump."""
-    columns["delta_x"] = columns["spring_drop"].copy()
-
-
-@pytest.mark.parametrize("case", [named("default"), named("tuned"), named("reversals")])
-def test_the_exact_motion_passes(case: Case) -> None:
+@pytest.mark.parametrize("case", ["default", "tuned", "reversals"])
+def test_the_exact_motion_passes(case: str) -> None:
     """A side that gives the exact motion, rounded to double, fails no check."""
-    assert failures(case, StandIn()) == {}
+    assert failures(case, exact_of(case).record) == {}
 
 
 @pytest.mark.parametrize(
@@ -94,12 +80,12 @@ def test_the_exact_motion_passes(case: Case) -> None:
         (scaled("F", 1.0 + 1e-10), "F-course"),
         (scaled("W_pull", 1.01), "W_pull-course"),
         (scaled("Q_friction", 1.01), "Q_friction-course"),
-        (replaced("W_k", 1e-9), "W_k-course"),
+        (value("W_k", 1e-9, -1), "W_k-course"),
         (scaled("t_event", 1.0 + 1e-9), "t_event-course"),
         (inverted, "sticking-course"),
         (one_more, "n_slips-course"),
         (half_period, "t_slip-exact"),
-        (simplified_jump, "simplified-jump-leaves-out"),
+        (copied("delta_x", "spring_drop"), "simplified-jump-leaves-out"),
         (scaled("t_stick", 1.0 + 1e-11), "simplified-stick-too-long-by"),
         (scaled("spring_drop", 1000.0), "spring_drop-exact"),
         (scaled("x_dot_peak", 1.0 + 1e-11), "x_dot_peak-exact"),
@@ -108,14 +94,14 @@ def test_the_exact_motion_passes(case: Case) -> None:
 )
 def test_a_planted_fault_is_seen(fault: Fault, check: str) -> None:
     """Each fault fails the check made for it, with the values that show it."""
-    result = failures(DEFAULT, StandIn(fault))[check]
+    result = failures("default", planted(EXACT, fault))[check]
     assert result.failure is None
     assert result.error is not None
     assert result.error > result.tolerance
 
 
 @pytest.mark.parametrize(
-    ("believed", "check"),
+    ("wrong", "check"),
     [
         ({"mu_s": 0.5005}, "first-load-up"),
         ({"mu_s": 0.5005}, "break-away-force"),
@@ -126,25 +112,25 @@ def test_a_planted_fault_is_seen(fault: Fault, check: str) -> None:
         ({"v": 0.02002}, "x_pull-course"),
     ],
 )
-def test_a_wrong_constant_is_seen(believed: dict[str, float], check: str) -> None:
+def test_a_wrong_constant_is_seen(wrong: dict[str, float], check: str) -> None:
     """A side that calculates with another constant fails the check which names it."""
-    assert check in failures(DEFAULT, StandIn(believed=believed))
+    assert check in failures("default", believed("default", *wrong.items()))
 
 
 @pytest.mark.parametrize(
     ("fault", "check", "reason"),
     [
-        (dropped, "f-exact", "no output f"),
+        (without("f"), "f-exact", "no output f"),
         (short, "T-exact", "999 samples of T at 1000 points"),
-        (replaced("x", math.nan, 7), "x-course", "x is nan at t = 0.08 s"),
-        (replaced("x", math.inf, 7), "x-course", "x is inf at t = 0.08 s"),
+        (value("x", math.nan, 7), "x-course", "x is nan at t = 0.08 s"),
+        (value("x", math.inf, 7), "x-course", "x is inf at t = 0.08 s"),
     ],
 )
 def test_what_cannot_be_compared_fails_with_its_reason(
     fault: Fault, check: str, reason: str
 ) -> None:
     """A missing output, a missing sample, NaN and infinity are failures, and say what is wrong."""
-    result = failures(DEFAULT, StandIn(fault))[check]
+    result = failures("default", planted(EXACT, fault))[check]
     assert result.failure == reason
     assert result.got is None
     assert result.error is None
@@ -153,13 +139,13 @@ def test_what_cannot_be_compared_fails_with_its_reason(
 
 def test_a_nan_anywhere_fails_even_where_the_end_is_judged() -> None:
     """NaN at the one place a check looks at is a failure of that check alone."""
-    failed = failures(named("one-step"), StandIn(replaced("T", math.nan)))
+    failed = failures("one-step", planted(exact_of("one-step").record, value("T", math.nan, -1)))
     assert set(failed) == {"T-course"}
 
 
 def test_a_foreign_fmu_is_held_to_a_numerical_solution() -> None:
     """An error of 1e-10 fails the exact block and a strict foreign one, not a foreign one."""
-    record = StandIn(scaled("F", 1.0 + 1e-10)).run(DEFAULT)
+    record = planted(EXACT, scaled("F", 1.0 + 1e-10))
     check = next(check for check in DEFAULT.checks if check.id == "F-course")
     passed = {
         contract: judge(DEFAULT, check, contract, exact_of("default"), record).passed
@@ -170,7 +156,7 @@ def test_a_foreign_fmu_is_held_to_a_numerical_solution() -> None:
 
 def test_an_output_that_a_foreign_fmu_lacks_is_no_failure_and_no_pass() -> None:
     """Without the output the check is not applicable to a foreign FMU, and a failure of ours."""
-    record = StandIn(dropped).run(DEFAULT)
+    record = planted(EXACT, without("f"))
     check = next(check for check in DEFAULT.checks if check.id == "f-exact")
     foreign = judge(DEFAULT, check, PHYSICS_CONTRACT, exact_of("default"), record)
     assert foreign.verdict == "not applicable"
@@ -182,7 +168,7 @@ def test_an_output_that_a_foreign_fmu_lacks_is_no_failure_and_no_pass() -> None:
 def test_a_convention_does_not_decide_for_a_foreign_fmu() -> None:
     """A block that clamps otherwise than ours is noted, and fails only if judged strictly."""
     case = named("clamp")
-    record = StandIn(scaled("mu_k_used", 0.9)).run(case)
+    record = planted(exact_of("clamp").record, scaled("mu_k_used", 0.9))
     check = next(check for check in case.checks if check.id == "mu_k_used-course")
 
     def verdict(contract: object) -> str:
@@ -196,21 +182,18 @@ def test_a_convention_does_not_decide_for_a_foreign_fmu() -> None:
 
 def test_too_few_samples_fail_where_they_end() -> None:
     """A record that stops early fails every check that looks beyond its end."""
-    whole = StandIn().run(DEFAULT)
-    early = Run(whole.times[:10], {n: s[:10] for n, s in whole.outputs.items()}, whole.initial)
-    results = [
-        judge(DEFAULT, c, EXACT_CONTRACT, exact_of("default"), early) for c in DEFAULT.checks
-    ]
-    assert not any(result.passed for result in results)
+    early = Run(EXACT.times[:10], {n: s[:10] for n, s in EXACT.outputs.items()}, EXACT.initial)
+    assert set(failures("default", early)) == {check.id for check in DEFAULT.checks}
 
 
 def test_no_mass_moves_the_other_way_unseen() -> None:
     """The mirror image of the motion fails the reversed pull's checks: direction is judged."""
-    failed = failures(named("reversed-pull"), StandIn(believed={"v": 0.02}))
+    failed = failures("reversed-pull", believed("reversed-pull", ("v", 0.02)))
     assert {"delta_x-exact", "spring_drop-exact", "x_dot_peak-exact"} <= set(failed)
     assert "t_slip-exact" not in failed
 
 
 def test_a_missing_clamp_is_seen() -> None:
     """A side that does not clamp mu_k above mu_s shows it."""
-    assert "mu_k_used-course" in failures(named("clamp"), StandIn(scaled("mu_k_used", 0.6 / 0.49)))
+    unclamped = planted(exact_of("clamp").record, scaled("mu_k_used", 0.6 / 0.49))
+    assert "mu_k_used-course" in failures("clamp", unclamped)

@@ -1,7 +1,5 @@
 """CONTRIBUTING.md done as it says: a case and two faults added to a copy of the suite."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """The observed order: a planted one is found, and what is no order is told."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

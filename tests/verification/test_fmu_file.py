@@ -1,7 +1,5 @@
 """An FMU as a file: what can be opened, and what is said of what cannot."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Instances of FMUs that are not ours: the same numbers in SI behind any face."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import subprocess

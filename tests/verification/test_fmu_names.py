@@ -1,7 +1,5 @@
 """The names file: what it may say, and what is said when it says something else."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

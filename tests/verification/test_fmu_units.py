@@ -1,7 +1,5 @@
 """Units: what a number of a foreign FMU is in SI."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

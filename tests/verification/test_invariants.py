@@ -1,7 +1,5 @@
 """The invariants as data: what is read, and what a broken file is told."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from pathlib import Path

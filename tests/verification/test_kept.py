@@ -13,11 +13,11 @@ import pytest
 from stickslip_verification.drive import kept as module
 from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.drive.kept import FOLDER, kept
-from stickslip_verification.drive.sides import ReferenceSide
+from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 
-from .standing_in import named
+from .records import named
 
 
 def refused(case: Case) -> float:
@@ -93,10 +93,10 @@ def test_what_is_kept_is_what_was_computed_to_the_bit(
     def bits(record: Run) -> dict[str, bytes]:
         return {name: np.asarray(each).tobytes() for name, each in record.outputs.items()}
 
-    computed = [bits(exact_motion(case).record), bits(ReferenceSide().run(case))]
+    computed = [bits(exact_motion(case).record), bits(run_reference(case))]
     monkeypatch.setenv(FOLDER, str(tmp_path))
     for _ in range(2):
-        exact, reference = kept(exact_motion, case), kept(ReferenceSide().run, case)
+        exact, reference = kept(exact_motion, case), kept(run_reference, case)
         assert [bits(exact.record), bits(reference)] == computed
     assert len(list(tmp_path.iterdir())) == 2
 

@@ -1,7 +1,5 @@
 """The suite lints itself: what it ships is sound, and each kind of flaw is found."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Invariants on samples: the exact motion keeps them all, a fault breaks those it is about."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

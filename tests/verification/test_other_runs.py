@@ -1,7 +1,5 @@
 """Other runs of an FMU: the same motion from ours, and what a foreign one lacks is told."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Questions to an FMU as a whole: ours answers them all, a doctored one shows where it was cut."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The linear motion over a step, against a matrix exponential and against the exact motion."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

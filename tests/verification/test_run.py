@@ -11,10 +11,12 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification import CheckResult, FmuError, NameMap, Verdict, load_invariants, verify
-from stickslip_verification.drive.sides import FmuSide, ReferenceSide
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.reference import run_reference
+from stickslip_verification.drive.stepping import run_case
 from stickslip_verification.model.verdict import Kind
 
-from .standing_in import named
+from .records import named
 
 # A few cases that try everything once: a cycle, changes, reversals, damping.
 FEW = [named(name) for name in ("one-step", "tuned", "reversals", "damped-cycle", "slow-pull")]
@@ -98,7 +100,7 @@ def test_an_fmu_without_the_variables_is_refused_by_their_names(foreign_fmu: Pat
 def test_a_refusal_is_told_in_the_words_of_the_fmu(fmu_path: Path) -> None:
     """A stiffness below zero fails the case with the FMU's own message."""
     with pytest.raises(FmuError, match=r"k = -1"):
-        FmuSide(fmu_path).run(replace(named("one-step"), parameters={"k": -1.0}))
+        run_case(FmuFile(fmu_path), replace(named("one-step"), parameters={"k": -1.0}))
 
 
 def test_an_honest_foreign_fmu_passes(slider_mm: Path, slider_mm_names: NameMap) -> None:
@@ -178,8 +180,9 @@ def test_a_foreign_fmu_that_fails_takes_only_its_case_with_it(
 
 def test_the_clamp_warns_on_both_sides(fmu_path: Path) -> None:
     """A clamped mu_k is told by the FMU and by the reference, with both names."""
-    for side in (FmuSide(fmu_path), ReferenceSide()):
-        (message, *_) = side.run(named("clamp")).messages
+    clamp = named("clamp")
+    for run in (run_case(FmuFile(fmu_path), clamp), run_reference(clamp)):
+        (message, *_) = run.messages
         assert "mu_k" in message
         assert "mu_s" in message
 

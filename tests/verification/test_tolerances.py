@@ -1,7 +1,5 @@
 """Facts about the rules that give the tolerances, and about what they are told of a motion."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping
@@ -14,7 +12,7 @@ from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES
 from stickslip_verification.suite.tolerances import Facts, Rules, rounded_up
 from stickslip_verification.truth.parameters import complete
 
-from .standing_in import exact_of
+from .records import exact_of
 
 DEFAULT = complete({})
 SLIPS = Facts(slips=3)

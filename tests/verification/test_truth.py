@@ -4,8 +4,6 @@ Tolerances of 1e-40 leave ten of the fifty digits asked for to the conditioning 
 dozen arcs; where no arithmetic comes between, equality is asked for.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping
 from typing import Any

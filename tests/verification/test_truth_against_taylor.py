@@ -5,8 +5,6 @@ energies (15) forward by Taylor series in short steps and finds events on the se
 of working precision and series cut below 1e-60 leave agreement to 1e-40 no room for an accident.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any

@@ -5,10 +5,9 @@ of other laws, derived here. Fifty digits are promised. A tolerance of 1e-45 lea
 shallow end of a slip amplifies; where the end is shallower, the tolerance says so.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -32,6 +31,10 @@ MP = high_precision(50)
 TOLERANCE = MP.mpf("1e-45")
 
 Real = Any
+
+
+NO_LAW = SimpleNamespace(truth="math:pi")
+"""A record that leads to no friction law."""
 
 
 class _Marched(FrictionLaw):
@@ -348,9 +351,15 @@ def test_own_parameters_are_rows_like_the_others(
         ("no_such_module:LAW", r"'no_such_module:LAW' was not found \(No module named"),
         ("math:LAW", r"'math:LAW' was not found \(module 'math' has no attribute 'LAW'\)"),
         ("math:pi", r"'math:pi' has no attribute 'truth'"),
+        (f"{__name__}:NO_LAW", r"'math:pi' is a float; the .* an object of a subclass of"),
     ],
 )
 def test_a_law_that_is_not_found_is_told_with_an_example(name: str, message: str) -> None:
     """The error for a dotted name says what was wrong and shows a good one."""
     with pytest.raises(ValueError, match=message):
         truth.run({}, [Step(0.1)], law=name)
+
+
+def test_coulombs_law_has_a_name_too() -> None:
+    """The law that comes along is called coulomb."""
+    assert truth.friction_law("coulomb") is truth.COULOMB

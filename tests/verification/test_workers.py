@@ -1,7 +1,5 @@
 """Processes that hold an FMU: what crashes, hangs or prints there stays there."""
 
-from __future__ import annotations
-
 import multiprocessing.util
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """`stickslip host`: the right libpython in a program that is not Python, and nothing else new."""
 
-from __future__ import annotations
-
 import json
 import os
 import shlex

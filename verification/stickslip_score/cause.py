@@ -1,7 +1,5 @@
 """The most likely cause of a curve, and the sentence that says what was seen."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -117,7 +115,7 @@ def _another_stiffness(e: Evidence, creeping: list[Stick]) -> str:
     seen = e.p["k"] * (e.law.v - float(np.median([stick.creep or 0.0 for stick in creeping])))
     return (
         f"in stick the spring force rises at {seen:.4g} N/s, where k v is {rise:.4g} N/s: "
-        "k or v is not what was given"
+        "k or v differs from the given value"
     )
 
 
@@ -131,8 +129,8 @@ def _another_speed(e: Evidence) -> str:
     if abs(drift) * float(times[-1] - times[0]) < _HIGHS_OF_A_DRIFT * scatter:
         return ""
     return (
-        f"the mass advances at {speed(e.law.v - drift)} on average, where the pulled end is said "
-        f"to move at {speed(e.law.v)}"
+        f"the mass advances at {speed(e.law.v - drift)} on average, but the given speed of the "
+        f"pulled end is {speed(e.law.v)}"
     )
 
 
@@ -248,7 +246,7 @@ def _unlawful(e: Evidence) -> Judgement:
         return _too_few(e)
     late = e.measured.values["period"][0] - e.exact["period"]
     if _solver_step(e) < _LEAST_STEP * e.exact["period"]:
-        return Cause.EXACT, "what is left is less than any solver's step: the digits of the curve"
+        return Cause.EXACT, "the deviation is smaller than a solver's step: digits of the curve"
     resolution = e.measured.values["period"][1]
     step = float(np.max(np.diff(e.motion.t)))
     jumps = e.measured.jumps
@@ -258,15 +256,15 @@ def _unlawful(e: Evidence) -> Judgement:
         f"{signed_length(e.measured.values['delta_x'][0] - e.exact['delta_x'])}"
     )
     if abs(late) - resolution > _LATE_STEPS * step:
-        return Cause.OTHER, f"{said}: more than events at the wrong steps of the solver can do"
+        return Cause.OTHER, f"{said}: more than late events at solver steps can cause"
     alike = (
-        f"slips differ by up to {length(uneven)}, where exact ones are all alike"
+        f"slips differ by up to {length(uneven)}, where exact ones are all the same"
         if uneven > 8.0 * e.motion.allowed
         else "its slips are no arc of the exact motion"
     )
     return Cause.FIXED_STEP, (
         f"fixed steps: the mass rests in stick, but events wait for the next step of the solver; "
-        f"{said}, as steps of about {time(_solver_step(e))} make it; {alike}"
+        f"{said}, as from steps of about {time(_solver_step(e))}; {alike}"
     )
 
 
@@ -301,7 +299,7 @@ def _too_few(e: Evidence) -> Judgement:
     if near is not None and near.worst < 0.25 * swing:
         return Cause.FIXED_STEP, (
             "the samples are too few to tell the events; they scatter about the exact motion by "
-            f"{length(near.worst)}, as events at the steps of a solver make them"
+            f"{length(near.worst)}, as from events at the steps of a solver"
         )
     return (
         Cause.OTHER,

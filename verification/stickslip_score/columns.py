@@ -1,7 +1,5 @@
 """Which column is which: names as the tools write them, and their units."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A curve from a CSV file of any tool: separators, units and names as they come."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -5,8 +5,6 @@ extension of steady sliding (c v > (mu_s - mu_k) N, say), so that no turn of the
 break-away; the samples at rest before it do.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """All that is known of a curve when its cause is decided."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

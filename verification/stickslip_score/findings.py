@@ -1,7 +1,5 @@
 """What is worth saying of a curve beside its cause."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

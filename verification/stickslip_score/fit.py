@@ -1,7 +1,5 @@
 """Whether a curve lies on the law of the block, with which gap, and how surely."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A curve held against the law: as it should be, and as it might be instead."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The score of a curve: what it shows, beside the exact cycle, and the most likely cause."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

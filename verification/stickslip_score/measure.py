@@ -1,7 +1,5 @@
 """What a curve's own cycles come to, with the resolution that its samples allow."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

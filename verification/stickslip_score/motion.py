@@ -1,7 +1,5 @@
 """A curve as the motion of a mass that is pulled forward: position, spring, what digits allow."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

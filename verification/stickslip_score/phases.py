@@ -5,8 +5,6 @@ each direction however the friction is modelled. Between a lowest and the next h
 the mass is slowest; there it either rests, to the digits of the samples, or creeps.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

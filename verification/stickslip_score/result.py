@@ -1,7 +1,5 @@
 """The verdict on a curve: four quantities beside the exact ones, the cause, what else was seen."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any

@@ -6,8 +6,6 @@ extension and its rate at the first sample, so that least squares need no search
 docs/theory.md (3).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The most likely cause of a curve at parameters without a cycle: one break-away, then sliding."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -48,7 +46,7 @@ def _on_the_exact_slide(e: Evidence) -> Judgement:
         seen = e.p["k"] * e.slide.z_steady
         return Cause.OTHER, (
             f"the motion is exact sliding, but the spring force tends to {seen:.6g} N instead of "
-            f"{e.p['k'] * due:.6g} N: another force acts, or mu_k is another"
+            f"{e.p['k'] * due:.6g} N: another force acts, or mu_k is wrong"
         )
     return Cause.EXACT, (
         "no steady cycle exists at these parameters, and the curve slides as the exact solution "

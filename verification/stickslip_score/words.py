@@ -1,7 +1,5 @@
 """Figures in words: units in which a value is neither tiny nor huge."""
 
-from __future__ import annotations
-
 import math
 
 

@@ -39,7 +39,7 @@ def model_description(spec: Spec, identity: str, generator: str) -> Element:
     identity
         The GUID.
     generator
-        Name and version of what wraps the slave.
+        Name and version of the wrapper.
     """
     root = root_element(spec, "2.0", ("guid", identity), generator)
     SubElement(root, "CoSimulation", {"modelIdentifier": spec.name, **_CAPABILITIES})

@@ -51,7 +51,7 @@ def model_description(spec: Spec, identity: str, generator: str) -> Element:
     identity
         The instantiation token.
     generator
-        Name and version of what wraps the slave.
+        Name and version of the wrapper.
     """
     root = root_element(spec, "3.0", ("instantiationToken", identity), generator)
     SubElement(root, "CoSimulation", {"modelIdentifier": spec.name, **_CAPABILITIES})

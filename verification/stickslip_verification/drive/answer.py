@@ -1,7 +1,5 @@
 """What comes back from a task that was done elsewhere: a value, or why there is none."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 

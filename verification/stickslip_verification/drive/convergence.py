@@ -1,7 +1,5 @@
 """The observed order of the reference: how its error falls as its tolerance does."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import warnings
@@ -9,7 +7,7 @@ import warnings
 import numpy as np
 
 from stickslip_verification.drive.exact import exact_motion
-from stickslip_verification.drive.sides import reference_run
+from stickslip_verification.drive.reference import simulate_reference
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.invariants import Order
@@ -28,7 +26,7 @@ def observe(case: Case, invariant: Order) -> ObservedOrder:
     for tolerance in tolerances:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            got = getattr(reference_run(case, tolerance), invariant.quantity)[1:]
+            got = getattr(simulate_reference(case, tolerance), invariant.quantity)[1:]
         errors.append(float(np.sqrt(np.mean((got - expected) ** 2))) / scale)
     pairs = itertools.pairwise(zip(tolerances, errors, strict=True))
     return ObservedOrder(

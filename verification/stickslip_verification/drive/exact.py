@@ -1,7 +1,5 @@
 """The exact motion of a case: the truth, followed in high precision and rounded once."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

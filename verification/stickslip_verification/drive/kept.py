@@ -5,8 +5,6 @@ the environment, each is computed once and read from there afterwards; without i
 so a verdict outside a session never rests on an old file.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import os

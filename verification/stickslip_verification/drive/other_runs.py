@@ -3,8 +3,6 @@
 Each gives a record that is to equal the plain one: outputs of a scaled run are scaled back.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -7,8 +7,6 @@ The FMU is known as a file alone. Python runs one code per module name in a proc
 package gets a name of its own; then a mutant loads beside the original and beside other mutants.
 """
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import re

@@ -3,8 +3,6 @@
 A probe gives its complaints, one line each; none if all is well.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence

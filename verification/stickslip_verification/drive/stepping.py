@@ -1,7 +1,5 @@
 """An FMU driven through a setting: values before the start, steps, changes between them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,7 +12,8 @@ from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.experiment import CommunicationStep, points
+from stickslip_verification.suite.experiment import CommunicationStep as CommunicationStep
+from stickslip_verification.suite.experiment import points
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, Parameter, changeable
 
 OUR_IDENTIFIER = "StickSlip"
@@ -185,19 +184,3 @@ def run(fmu: FmuFile, setting: Setting, after_step: AfterStep | None = None) -> 
 def run_case(fmu: FmuFile, case: Case) -> Run:
     """Drive a fresh instance of an FMU through a case; raises as `setting_of` and `run` do."""
     return run(fmu, setting_of(fmu, case))
-
-
-__all__ = [
-    "CommunicationStep",
-    "Driver",
-    "FmuError",
-    "NotApplicableError",
-    "Setting",
-    "is_ours",
-    "lacking",
-    "may_change",
-    "require_law",
-    "run",
-    "run_case",
-    "setting_of",
-]

@@ -4,8 +4,6 @@ Two sorts: one computes the truth and runs the reference, the other holds an FMU
 gives back is an `Answer`, whatever happened to it.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import multiprocessing
@@ -31,7 +29,7 @@ from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes import PROBES
-from stickslip_verification.drive.sides import ReferenceSide
+from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.drive.stepping import NotApplicableError, run_case
 from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import ObservedOrder
@@ -65,7 +63,7 @@ def exact(case: Case) -> Answer[Exact]:
 
 def reference(case: Case) -> Answer[Run]:
     """Run the reference on a case."""
-    return _answer(kept, ReferenceSide().run, case)
+    return _answer(kept, run_reference, case)
 
 
 def observed_order(case: Case, invariant: Order) -> Answer[ObservedOrder]:

@@ -3,8 +3,6 @@
 How a side is judged, `Contract`, is here too: which tolerances are its own, and what decides.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 

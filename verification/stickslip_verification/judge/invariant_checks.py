@@ -1,7 +1,5 @@
 """Judgement of the invariants: residuals, other runs, agreement, observed orders, probes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

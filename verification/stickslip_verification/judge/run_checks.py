@@ -1,7 +1,5 @@
 """Pure functions that judge other runs of an FMU: whether they gave the motion of the plain one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

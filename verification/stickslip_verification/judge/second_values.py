@@ -4,8 +4,6 @@ A drift far below a tolerance is still a change that somebody should know of. On
 writes them, `stickslip verify --accept`; a value that misses its truth is never accepted.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -82,7 +80,7 @@ def accept(verdict: Verdict, file: Path = FILE) -> int:
         The FMU is not ours, a check failed against its truth, or a planted fault survived.
     """
     if not verdict.ours:
-        raise AcceptError("only our own FMU is accepted; this one is judged as foreign")
+        raise AcceptError("only the exact block is accepted, and this FMU is another one")
     if verdict.kills is not None and not verdict.kills.passed:
         raise AcceptError("the suite did not catch every planted fault")
     wrong = [r for r in verdict.checks if not r.passed and r.not_applicable is None]

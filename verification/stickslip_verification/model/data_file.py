@@ -1,7 +1,5 @@
 """Data files that people write: TOML, under a JSON schema, refused with file, place and reason."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Transitions between stick and slip, recovered from the samples of a run."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import StrEnum
 

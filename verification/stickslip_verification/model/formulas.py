@@ -6,8 +6,6 @@ and share nothing with the block or the reference. `|v|` gives durations, the si
 directions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """How much of its tolerance an error uses up, and how numbers are written for people."""
 
-from __future__ import annotations
-
 import math
 
 from stickslip_verification.model.verdict import CheckResult

@@ -4,8 +4,6 @@ This is the suite's own list of the outputs, not a copy handed over by a side, s
 with a missing output or another unit is seen.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 

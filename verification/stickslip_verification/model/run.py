@@ -1,7 +1,5 @@
 """A run: every output at every communication point, from an FMU or from the reference."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 

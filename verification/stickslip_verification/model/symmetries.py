@@ -3,8 +3,6 @@
 Every factor is a power of two or a sign, so it changes no digit of a double.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

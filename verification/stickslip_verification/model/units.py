@@ -4,8 +4,6 @@ All factors are kept as the decimals that were written, so that 1 mm is a thousa
 not 0.001 as a double: a value then suffers one rounding on its way to SI and one on its way back.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What came out: one result per check and side, their counts, and what stands behind them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum

@@ -1,7 +1,5 @@
 """Random tests about the steady cycle: random points, damped points, and a million cycles."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Generator, Iterator, Mapping, Sequence

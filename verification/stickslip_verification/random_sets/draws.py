@@ -4,8 +4,6 @@ Every set is made by a `random.Random` that the caller seeds, so a seed names a 
 All values SI.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

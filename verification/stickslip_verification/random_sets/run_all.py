@@ -1,7 +1,5 @@
 """All random tests, in one call."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from pathlib import Path
 

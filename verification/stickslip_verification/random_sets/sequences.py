@@ -1,7 +1,5 @@
 """Random tests about input sequences: splitting of steps, exactness, energy, scaling and mirror."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path

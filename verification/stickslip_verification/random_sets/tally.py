@@ -1,7 +1,5 @@
 """The result of a random test, and how it is gathered."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The line through an exact motion: samples and events, straight in stick, curved in slip."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

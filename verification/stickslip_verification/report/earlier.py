@@ -1,7 +1,5 @@
 """An earlier report, and how the margins have moved since."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

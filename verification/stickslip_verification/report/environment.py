@@ -1,7 +1,5 @@
 """Where the pages of the report take their templates, style and script from."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Final
 

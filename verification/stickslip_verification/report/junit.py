@@ -1,7 +1,5 @@
 """The verdict as JUnit XML, in the layout that CI systems read."""
 
-from __future__ import annotations
-
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence

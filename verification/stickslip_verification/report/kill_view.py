@@ -1,7 +1,5 @@
 """The kill matrix as the page shows it: per fault what caught it, and the cells of the matrix."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The report that travels in the FMU: the verdict on one page, without plots, date or place."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

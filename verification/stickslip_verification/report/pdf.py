@@ -1,7 +1,5 @@
 """The report as a PDF, with the extra named pdf."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from pathlib import Path
 from typing import Any

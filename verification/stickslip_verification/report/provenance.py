@@ -1,7 +1,5 @@
 """Where a verdict comes from: the FMU's bytes, versions, platform, revision of the source."""
 
-from __future__ import annotations
-
 import hashlib
 import platform
 import shutil

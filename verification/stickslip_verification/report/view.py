@@ -1,7 +1,5 @@
 """The verdict as the page shows it: cases in order, rows as text, reasons as numbered notes."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

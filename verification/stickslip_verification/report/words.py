@@ -1,7 +1,5 @@
 """Texts of the report, and sections that its caller adds."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

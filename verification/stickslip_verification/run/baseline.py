@@ -3,8 +3,6 @@
 It is computed once, in several processes, and serves every FMU of a run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The run of an FMU: everything it is asked, and the result of every check, invariant and probe."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The kill matrix: each planted fault must fail a check that was named in advance."""
 
-from __future__ import annotations
-
 import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The suite linted: what its data files must say beyond their schemas, and what nothing uses."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections import Counter

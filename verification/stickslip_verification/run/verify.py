@@ -1,7 +1,5 @@
 """The suite as a whole: an FMU and the reference judged, faults planted, a verdict."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -82,7 +80,7 @@ def verify(
         )
         inside = next((mutant for mutant in mutants if mutant.changes_the_fmu), None)
         if inside is not None and not contract.ours:
-            raise FmuError(f"{fmu}: the fault {inside.id} is planted in our own FMU only")
+            raise FmuError(f"{fmu}: the fault {inside.id} can be planted in the exact block only")
         origin = provenance.collect(file, command)
     finally:
         file.close()

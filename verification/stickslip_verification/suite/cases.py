@@ -5,8 +5,6 @@ with the file, the field and the reason before anything runs. Tolerances come fr
 `tolerances`, but for those that a file states.
 """
 
-from __future__ import annotations
-
 import fnmatch
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The catalogue of checks: for each the consequence of its failure, and the likeliest bug."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

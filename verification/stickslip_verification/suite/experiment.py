@@ -1,7 +1,5 @@
 """Experiments of the cases: communication steps, and what changes between them."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import random

@@ -5,8 +5,6 @@ FMU or in the calls that the suite makes to it, and which checks must detect it.
 adding a file.
 """
 
-from __future__ import annotations
-
 import ast
 import fnmatch
 import textwrap

@@ -3,8 +3,6 @@
 docs/theory.md, "Tolerances of the suite", states the same rules for people.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

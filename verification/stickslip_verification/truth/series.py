@@ -44,6 +44,7 @@ class Series:
         self.terms = list(terms)
         self._rule = rule or (lambda order: context.zero)
         self._parts = parts
+        self._scaled: list[Number] = []
 
     @classmethod
     def unknown(cls, context: Context, start: Number) -> Series:
@@ -76,7 +77,7 @@ class Series:
         result = self._made(self.context.exp(self.term(0)))
 
         def rule(n: int) -> Number:
-            return self._weighted(result, n, lambda i: i) / n
+            return self._dot_of_slope(result, n) / n
 
         result._rule = rule
         return result
@@ -87,7 +88,7 @@ class Series:
         result = self._made(self.context.log(self.term(0)))
 
         def rule(n: int) -> Number:
-            inner = sum((i * result.terms[i] * self.term(n - i) for i in range(1, n)), start=0)
+            inner = result._dot_of_slope(self, n, n - 1) if n > 1 else 0
             return (self.term(n) - inner / n) / self.term(0)
 
         result._rule = rule
@@ -101,8 +102,9 @@ class Series:
         result = self._made(self.term(0) ** self.context.mpf(exponent))
 
         def rule(n: int) -> Number:
-            weighted = self._weighted(result, n, lambda i: (exponent + 1) * i - n)
-            return weighted / (n * self.term(0))
+            weighted = (exponent + 1) * self._dot_of_slope(result, n)
+            plain = self.context.fdot(self.terms[1 : n + 1], result.terms[n - 1 :: -1])
+            return (weighted / n - plain) / self.term(0)
 
         result._rule = rule
         return result
@@ -162,15 +164,17 @@ class Series:
     def _made(self, value: Number) -> Series:
         return Series(self.context, [value], None, (self,))
 
-    def _weighted(self, result: Series, n: int, weight: Callable[[int], Number]) -> Number:
-        """Return the sum over i = 1 .. n of weight(i) a_i r_(n-i), r being `result`."""
-        return self.context.fsum(
-            weight(i) * self.term(i) * result.terms[n - i] for i in range(1, n + 1)
-        )
+    def _dot_of_slope(self, other: Series, n: int, last: int | None = None) -> Number:
+        """Return the sum over i = 1 .. last (n by default) of i a_i b_(n-i), b being `other`."""
+        last = n if last is None else last
+        for order in range(len(self._scaled), last + 1):
+            self._scaled.append(order * self.term(order))
+        others = [other.term(order) for order in range(n - 1, n - last - 1, -1)]
+        return self.context.fdot(self._scaled[1 : last + 1], others)
 
     def _whole_power(self, exponent: int) -> Series:
-        result = Series(self.context, [self.context.one])
-        for _ in range(exponent):
+        result = self if exponent else Series(self.context, [self.context.one])
+        for _ in range(exponent - 1):
             result = result * self
         return result
 

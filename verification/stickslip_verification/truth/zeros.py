@@ -38,7 +38,7 @@ def polynomial_zeros(context: Context, terms: Sequence[Number], end: Number) -> 
     terms = list(terms)
     while terms and terms[0] == 0:
         del terms[0]
-    if len(terms) < 2:
+    if len(terms) < 2 or abs(terms[0]) > end * value_at([abs(a) for a in terms[1:]], end):
         return []
     found: list[Number] = []
     narrowest = context.ldexp(1, -context.prec // 2)

@@ -1,7 +1,5 @@
 """The libraries that a program for Linux names, read from its ELF file."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator
 from pathlib import Path

@@ -4,8 +4,6 @@ The FMU's binary calls CPython and brings none: its functions must be in the pro
 binary is. On Linux that is what LD_PRELOAD does.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """All claims, tried one after the other."""
 
-from __future__ import annotations
-
 from functools import cache
 
 from stickslip_design.claims import critical, fixed_step, gap, jump, slip_time, stick_time

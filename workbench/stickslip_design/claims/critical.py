@@ -1,7 +1,5 @@
 """The critical velocity: its familiar formula against the exact one, docs/theory.md (13), (14)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from mpmath import mp, mpf

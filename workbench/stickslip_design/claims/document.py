@@ -1,7 +1,5 @@
 """The page of the claims, in Markdown."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 
 from stickslip_design.claims.finding import Finding

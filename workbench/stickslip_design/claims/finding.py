@@ -1,7 +1,5 @@
 """What came out when a claim was tried: a verdict, a sentence, a table and a plot, as data."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal

@@ -1,7 +1,5 @@
 """A fixed step against the exact events, docs/theory.md (6), (8), (9) and (10)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """What doubling the friction gap does to the jump, docs/theory.md (7) and (10)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from mpmath import mp, mpf

@@ -1,7 +1,5 @@
 """The jump by the designers' formula against the real one, docs/theory.md (10) and (12)."""
 
-from __future__ import annotations
-
 from mpmath import mpf
 
 from stickslip_design.claims.finding import Axis, Finding, Panel, Series, plotted

@@ -1,7 +1,5 @@
 """Roots and rounding that the claims share."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The slip time by the designers' formula against the exact one, docs/theory.md (8) and (12)."""
 
-from __future__ import annotations
-
 from mpmath import mpf
 
 from stickslip_design.claims.finding import Axis, Finding, Panel, Series, plotted

@@ -1,7 +1,5 @@
 """The designers' stick time against the first load-up and the cycle, docs/theory.md (6), (9)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The claims as they are told: data files, each with the grid that its claim is tried on."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass

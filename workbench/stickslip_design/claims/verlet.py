@@ -4,8 +4,6 @@ This is the method that a claim is about, not a truth. Only sums, products and o
 so its numbers are the same on every machine.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """An FMU as a file: extracted once, its description read, its variables found by our names."""
 
-from __future__ import annotations
-
 import shutil
 import weakref
 import xml.etree.ElementTree as ElementTree

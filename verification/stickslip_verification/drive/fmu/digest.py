@@ -1,7 +1,5 @@
 """A digest of what an FMU holds, which the evidence packed beside it leaves as it was."""
 
-from __future__ import annotations
-
 import hashlib
 import zipfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What is said when an FMU cannot be used."""
 
-from __future__ import annotations
-
 
 class FmuError(RuntimeError):
     """The FMU cannot be used or refused a call; one line with what it said itself."""

@@ -1,7 +1,5 @@
 """An instance through the co-simulation functions of FMI 2.0."""
 
-from __future__ import annotations
-
 import ctypes
 import weakref
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """An instance through the co-simulation functions of FMI 3.0."""
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Mapping
 from typing import Any, ClassVar

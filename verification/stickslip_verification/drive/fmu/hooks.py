@@ -1,7 +1,5 @@
 """Planted faults that act on the calls between the suite, as master, and an FMU."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

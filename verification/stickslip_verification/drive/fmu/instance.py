@@ -1,7 +1,5 @@
 """One instance of an FMU, whatever its FMI version: our names and SI on this side of it."""
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import itertools

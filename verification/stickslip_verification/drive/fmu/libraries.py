@@ -1,7 +1,5 @@
 """The shared libraries of FMUs that this process has loaded, and how to leave them at its end."""
 
-from __future__ import annotations
-
 import atexit
 import contextlib
 import ctypes

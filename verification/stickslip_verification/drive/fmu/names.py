@@ -1,7 +1,5 @@
 """The map from our names to those of a foreign FMU, and the file it is read from."""
 
-from __future__ import annotations
-
 import difflib
 import re
 import tomllib

@@ -1,7 +1,5 @@
 """A folder to unpack an FMU in, whose name every wrapper can read."""
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
 from typing import Final

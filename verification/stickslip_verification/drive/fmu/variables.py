@@ -1,7 +1,5 @@
 """The variables of an FMU by our names: which of its variables is ours, in what unit."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """One side's run of a case, step by step, beside what was set: what the residuals are made of."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

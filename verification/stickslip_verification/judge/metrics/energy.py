@@ -1,7 +1,5 @@
 """The energy account, (15)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from stickslip_verification.judge.metrics.course import Course

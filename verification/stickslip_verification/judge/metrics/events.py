@@ -1,7 +1,5 @@
 """The transitions, (1), (4), (5): where a slip begins, where it ends, and that both phases join."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from stickslip_verification.judge.metrics import propagation

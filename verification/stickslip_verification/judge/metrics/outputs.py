@@ -1,7 +1,5 @@
 """Outputs that say the same thing twice must agree: docs/theory.md (1), (2), (6), (10), (16)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,8 +5,6 @@ In the time ``tau = w t`` the extension z, measured from where the slip has its 
 the widest floating-point numbers there are, so that its own rounding is never what is seen.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

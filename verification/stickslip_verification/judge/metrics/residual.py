@@ -1,7 +1,5 @@
 """What an invariant leaves over: the residual of each step, its scale and its unit."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

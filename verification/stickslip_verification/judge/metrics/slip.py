@@ -1,7 +1,5 @@
 """The invariant of slip, (1) and (3): exact from sample to sample, friction against the motion."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from stickslip_verification.judge.metrics import propagation

@@ -1,7 +1,5 @@
 """The invariant of stick, (1): x constant, force within break-away, friction holds the balance."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from stickslip_verification.judge.metrics.course import SLACK, Course
