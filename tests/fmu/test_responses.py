@@ -64,3 +64,16 @@ def test_rates_out_of_range_are_refused(k: float, m: float, c: float) -> None:
     """Values whose rates are no double-precision numbers are refused by name."""
     with pytest.raises(ModelError, match=r"k = .* m = .* c = .* out of range together"):
         Oscillator(k, m, c)
+
+
+def test_responses_of_a_growing_motion_are_right() -> None:
+    """With a damping ratio down to -3 all are right to 1e-14 of what the motion has grown to."""
+    generator = random.Random(5)
+    near_critical = [-1.0 - generator.uniform(-1e-6, 1e-6) for _ in range(20)]
+    for zeta in [-1.0, *near_critical, *(-generator.uniform(1e-6, 3.0) for _ in range(300))]:
+        tau = 10.0 ** generator.uniform(-6.0, 0.8)
+        expected = exact_responses(zeta, tau)
+        # G, K and H of a short time are much smaller than 1, the slope of K is not.
+        grown = max(1.0, *(abs(value) for value in expected))
+        for got, right in zip(responses(zeta, tau), expected, strict=True):
+            assert got == pytest.approx(right, abs=1e-14 * grown, rel=0.0)
