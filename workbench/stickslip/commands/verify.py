@@ -13,6 +13,7 @@ from stickslip.commands.shared import (
     DEFAULT_FMU,
     console,
     current_fmu,
+    here_on_path,
     long_work,
     pack_evidence,
     tell_of,
@@ -133,11 +134,12 @@ def _cases(wanted: str | None) -> "list[Case]":
     from stickslip_verification import CaseError, load_case, load_cases
 
     try:
-        if wanted is not None and Path(wanted).is_dir():
-            return load_cases(folder=Path(wanted))
-        if wanted is not None and wanted.endswith(".toml"):
-            return [load_case(Path(wanted))]
-        return load_cases(wanted)
+        with here_on_path():
+            if wanted is not None and Path(wanted).is_dir():
+                return load_cases(folder=Path(wanted))
+            if wanted is not None and wanted.endswith(".toml"):
+                return [load_case(Path(wanted))]
+            return load_cases(wanted)
     except CaseError as error:
         raise CommandError(str(error)) from error
 
@@ -272,7 +274,8 @@ def _verdict(
 
     if fmu is None:
         fmu = current_fmu()
-    with long_work("Verifying", here=False) as progress:
+    # The friction law of a case may stand in a module here.
+    with here_on_path(), long_work("Verifying", here=False) as progress:
         try:
             return verify(
                 fmu,
