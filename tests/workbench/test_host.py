@@ -16,9 +16,10 @@ import pytest
 from stickslip.errors import CommandError
 from stickslip.host.elf import needed_libraries
 from stickslip.host.launch import ask, find_library, prepare
+from tests.interrupting import PROGRAM
 from tests.needs import needs
 
-from .running import PROGRAM, Answer, Command
+from .running import Answer, Command
 
 Fake = Callable[..., str]
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from mpmath import mp, mpf
 
-from stickslip_design.claims.finding import Axis, Finding, Panel, Series, plotted
+from stickslip_design.claims.finding import Axis, Finding, Panel, Series, mark, plotted
 from stickslip_design.claims.numbers import (
     Number,
     figure,
@@ -117,13 +117,7 @@ def _panels(claim: Claim, most: Mapping[float, Number]) -> tuple[Panel, ...]:
                 name_at=(0.0005, 25),
             ),
             *(
-                Series(
-                    f"ζ = {figure(at, 2)}",
-                    plotted([at]),
-                    plotted([100 * level]),
-                    kind="points",
-                    name_at=(1.4 * float(at), 70 * level),
-                )
+                mark(f"ζ = {figure(at, 2)}", at, 100 * level, name_at=(1.4 * float(at), 70 * level))
                 for level, at in most.items()
             ),
         ),
