@@ -32,7 +32,7 @@ class Counted:
         self.calls = 0
 
     def work(self, case: Case, tolerance: float = 1.0) -> tuple[str, float, int]:
-        """Give what was asked for, and the number of the call."""
+        """Return what was asked for, and the number of the call."""
         self.calls += 1
         return case.id, tolerance, self.calls
 

@@ -305,7 +305,7 @@ def test_letting_go_below_break_away_is_seen() -> None:
 
 
 def sinusoid(turns: float, depth: float, phase: float) -> tuple[Case, Run]:
-    """Give an undamped slip in two steps of so many turns whose speed goes `depth` below zero.
+    """Return an undamped slip in two steps of so many turns whose speed goes `depth` below zero.
 
     depth in parts of v. The friction keeps its direction, as it would if nobody looked.
     """
@@ -335,7 +335,7 @@ def sinusoid(turns: float, depth: float, phase: float) -> tuple[Case, Run]:
 
 
 def passed_unseen(turns: float, depth: float, phase: float = 0.4) -> float:
-    """Give how far below zero the invariant sees the velocity go, in parts of how far it goes."""
+    """Return how far below zero the invariant sees the velocity go, in parts of how far it goes."""
     case, record = sinusoid(turns, depth, phase)
     residual = METRICS["slip.never_past_rest"](Course(case, record, record, np.array([])))
     return float(np.max(residual.values) / (0.02 * depth))

@@ -65,7 +65,7 @@ def plain(ours: FmuFile) -> Callable[[str], Run]:
 
 
 def differing(one: Run, other: Run) -> set[str]:
-    """Give the outputs in which two records differ in a bit, at the start or later."""
+    """Return the outputs in which two records differ in a bit, at the start or later."""
     return {
         name
         for name in OUTPUT_NAMES
@@ -152,7 +152,7 @@ def test_a_run_shows_the_fault_it_is_there_for(fmu_path: Path, tmp_path: Path, m
 
 
 def answer(file: FmuFile, run: str, name: str) -> Answer[Run]:
-    """Give what a run of a case comes to."""
+    """Return what a run of a case comes to."""
     return Answer(RUNS[run](file, named(name)))
 
 
@@ -189,7 +189,7 @@ def test_what_cannot_change_on_the_way_is_named(slider_si: Path, slider_si_names
 
 
 def shortened(name: str, steps: int) -> Case:
-    """Give the first steps of a case."""
+    """Return the first steps of a case."""
     return replace(named(name), steps=named(name).steps[:steps])
 
 

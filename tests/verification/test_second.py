@@ -16,7 +16,7 @@ from .records import Draft, exact_of, named, planted
 
 
 def result(check: str = "t_slip-exact", mean: float = 0.125, side: str = "fmu") -> CheckResult:
-    """Give a check that passed, with what a second value is made of."""
+    """Return a check that passed, with what a second value is made of."""
     return CheckResult(
         case="default",
         check=check,
@@ -187,7 +187,7 @@ def test_there_may_be_no_accepted_values_yet(tmp_path: Path) -> None:
 
 
 def moved(by: float) -> Run:
-    """Give the exact motion of a case with its slip times moved by a part of them."""
+    """Return the exact motion of a case with its slip times moved by a part of them."""
 
     def fault(draft: Draft) -> None:
         draft.scale("t_slip", 1.0 + by)

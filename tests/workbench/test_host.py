@@ -41,7 +41,7 @@ def started(*arguments: str, **environment: str) -> Answer:
 
 @pytest.fixture
 def fake(tmp_path: Path) -> Fake:
-    """Give what makes an interpreter that describes itself as told; else it is this one."""
+    """Return what makes an interpreter that describes itself as told; else it is this one."""
 
     def make(**told: Any) -> str:
         portrait = {

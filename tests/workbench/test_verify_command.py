@@ -39,7 +39,7 @@ def slider(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def scratch() -> Iterator[Path]:
-    """Give a folder with a short name: sockets of processes in it may have 107 characters."""
+    """Yield a folder with a short name: sockets of processes in it may have 107 characters."""
     with tempfile.TemporaryDirectory(prefix="s") as folder:
         yield Path(folder)
 

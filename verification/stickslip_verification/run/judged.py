@@ -1,4 +1,4 @@
-"""The run of an FMU: everything it is asked, and the result of every check, invariant and probe."""
+"""Runs of an FMU in every case, and the result of every check, invariant and probe."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ FINISHES = "runs-to-the-end"
 
 @dataclass(frozen=True)
 class Answers:
-    """What an FMU did: its plain run and its other runs of each case, and the probes' answers."""
+    """Results of an FMU: plain run and other runs of each case, and the complaints of the probes."""
 
     plain: Mapping[str, Answer[Run]]
     runs: Mapping[tuple[str, str], Answer[Run]]

@@ -47,7 +47,7 @@ class Row:
 
 
 def cycle_rows(run: Run, p: stickslip_ref.Parameters | None) -> Iterator[Row]:
-    """Give the rows of the table: the last cycle of the run, and both columns of the theory.
+    """Yield the rows of the table: the last cycle of the run, and both columns of the theory.
 
     Without parameters, under a friction law without such formulas, both columns are empty.
     """

@@ -66,7 +66,7 @@ class Claim:
         rows: tuple[tuple[str, ...], ...],
         panels: tuple[Panel, ...],
     ) -> Finding:
-        """Give the claim as it is told with what came out; the arguments are those of `Finding`."""
+        """Return the finding of this claim; the arguments are those of `Finding`."""
         return Finding(
             id=self.id,
             title=self.title,

@@ -1,4 +1,4 @@
-"""One instance of an FMU, whatever its FMI version: our names and SI on this side of it."""
+"""One instance of an FMU of either FMI version, read and set by the suite's names in SI."""
 
 import contextlib
 import ctypes
@@ -15,7 +15,7 @@ from stickslip_verification.drive.fmu.errors import FmuError, one_line
 from stickslip_verification.drive.fmu.variables import Variable
 
 WARNING = 1
-"""The highest status of a call that still did what it was asked (FMI 2.0, section 2.1.3)."""
+"""The highest status of a call that succeeded (FMI 2.0, section 2.1.3)."""
 
 FATAL = 4
 """The status after which nothing may be called any more (FMI 2.0, section 2.1.3)."""
@@ -92,7 +92,7 @@ class FmuInstance(ABC):
 
     @abstractmethod
     def _sizes(self, count: int) -> tuple[int, ...]:
-        """Give what a get or set function takes after the values."""
+        """Return what a get or set function takes after the values."""
 
     def _failure(self, call: str, error: Exception) -> FmuError:
         said = " ".join(self.messages[-1].split()) if self.messages else "without a message"
@@ -148,7 +148,7 @@ class FmuInstance(ABC):
         return int(number)
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
-        """Give a function that reads these variables at once, in this order, in SI.
+        """Return a function that reads these variables at once, in this order, in SI.
 
         `FmuError` for a name that the FMU does not have.
         """
