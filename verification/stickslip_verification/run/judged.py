@@ -21,7 +21,7 @@ FINISHES = "runs-to-the-end"
 
 @dataclass(frozen=True)
 class Answers:
-    """Results of an FMU: plain run and other runs of each case, and the complaints of the probes."""
+    """Results of an FMU: plain run and other runs of each case, and complaints of the probes."""
 
     plain: Mapping[str, Answer[Run]]
     runs: Mapping[tuple[str, str], Answer[Run]]

@@ -21,7 +21,8 @@ roundings of 1e-16 along its arcs, and another mathematical library."""
 
 DISTURBED = 1e-10
 """What the exact block may lose under any sequence of inputs, as a part of the value: a change or a
-reversal starts an arc from a rounded state; a shallow re-stick amplifies that, docs/theory.md (17)."""
+reversal starts an arc from a rounded state, which a shallow re-stick amplifies,
+docs/theory.md (17)."""
 
 INTEGRATION = 1e-9
 """What a careful integration may lose in a slip, before conditioning."""

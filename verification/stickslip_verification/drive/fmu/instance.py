@@ -52,7 +52,10 @@ class FmuInstance(ABC):
     """Kind of a variable to the name in the FMI functions and the type in C."""
 
     PREFIX: ClassVar[str]
-    """What the names of the FMI functions begin with."""
+    """Prefix of the names of the FMI functions."""
+
+    SLAVE: ClassVar[Any]
+    """FMPy's class that loads the library."""
 
     def __init__(self, fmu: Unpacked) -> None:
         self.file = fmu
@@ -68,15 +71,16 @@ class FmuInstance(ABC):
         try:
             # FMPy stays in the folder of the library if it cannot be loaded.
             with contextlib.chdir(Path.cwd()):
-                self._slave = self._load()
+                self._slave = self.SLAVE(
+                    guid=fmu.token,
+                    modelIdentifier=fmu.model_identifier,
+                    unzipDirectory=str(fmu.folder),
+                    instanceName=self._name,
+                )
         except Exception as error:
             raise FmuError(f"{fmu.path.name}: {one_line(error)}") from None
         libraries.note(self._slave.dll._name)
         self._instantiate()
-
-    @abstractmethod
-    def _load(self) -> Any:
-        """Load the library."""
 
     @abstractmethod
     def _instantiate(self) -> None:
