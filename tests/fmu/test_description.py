@@ -200,14 +200,7 @@ def test_units_are_those_of_physics(fmu_path: Path) -> None:
         for unit in description.unitDefinitions
         for display in unit.displayUnits
     }
-    assert displays == {
-        "mm": 1e3,
-        "ms": 1e3,
-        "mm/s": 1e3,
-        "kN": 1e-3,
-        "N/mm": 1e-3,
-        "mJ": 1e3,
-    }
+    assert displays == {"mm": 1e3, "ms": 1e3, "mm/s": 1e3, "kN": 1e-3, "N/mm": 1e-3, "mJ": 1e3}
     shown = {each.name: each.displayUnit for each in description.modelVariables if each.displayUnit}
     assert shown["x"] == "mm"
     assert shown["v"] == "mm/s"

@@ -71,8 +71,7 @@ def invariants_of(name: str) -> tuple[ResidualInvariant, ...]:
 def planted(record: Run, fault: Fault) -> Run:
     """Return a copy of a record with a fault in it."""
     draft = Draft(
-        {name: np.array(samples) for name, samples in record.outputs.items()},
-        dict(record.initial),
+        {name: np.array(samples) for name, samples in record.outputs.items()}, dict(record.initial)
     )
     fault(draft)
     return Run(record.times, draft.outputs, draft.initial, record.messages)

@@ -82,11 +82,7 @@ def test_one_case_alone_leaves_things_unused(alone: set[str]) -> None:
             r"slips = 32\1stop_time = 9.8",
             r"default: motion.slips = 32; it is 30 or 31$",
         ),
-        (
-            "slips = 31",
-            "slips = 31, reversals = 1",
-            "default: motion.reversals = 1; it is 0",
-        ),
+        ("slips = 31", "slips = 31, reversals = 1", "default: motion.reversals = 1; it is 0"),
         (
             "slips = 31",
             'slips = 31, zero = ["x"]',

@@ -117,11 +117,7 @@ def half_turn(draft: Draft) -> None:
 
 
 FAULTS: list[tuple[str, Fault, str]] = [
-    (
-        "default",
-        creep,
-        "stick-holds-x stick-holds-x-to-the-bit extension-is-the-gap-of-the-ends",
-    ),
+    ("default", creep, "stick-holds-x stick-holds-x-to-the-bit extension-is-the-gap-of-the-ends"),
     ("default", bit_of_x, "stick-holds-x-to-the-bit"),
     ("default", speed_in_stick, "stick-has-no-speed"),
     (
@@ -140,11 +136,7 @@ FAULTS: list[tuple[str, Fault, str]] = [
     ("default", scaled("Q_friction", 1.01), "energy-balance heat-of-dry-friction"),
     ("default", scaled("W_pull", 1.01), "energy-balance work-of-the-pull"),
     ("default", heat_given_back, "heat-never-falls heat-of-dry-friction"),
-    (
-        "reversals",
-        lagging("T"),
-        "period-is-stick-and-slip jump-is-v-T frequency-is-1-over-T",
-    ),
+    ("reversals", lagging("T"), "period-is-stick-and-slip jump-is-v-T frequency-is-1-over-T"),
     ("default", period_of_before, "period-is-stick-and-slip jump-is-v-T"),
     ("default", half_turn, "period-is-stick-and-slip"),
     ("default", scaled("f", 2.0 * math.pi), "frequency-is-1-over-T"),

@@ -383,8 +383,7 @@ def test_any_member_of_a_class_can_be_overridden(fmu_path: Path, tmp_path: Path)
             "@staticmethod\ndef _fmu_state_to_bytes(handle):\n    return b'*' + original(handle)",
         ),
         Override(
-            "face.Slave._warn",
-            "def _warn(self):\n    original(self)\n    self.warned = True",
+            "face.Slave._warn", "def _warn(self):\n    original(self)\n    self.warned = True"
         ),
     )
     meter = imported(fmu_path, fault, tmp_path, "meter")

@@ -55,11 +55,7 @@ def split_and_truth(
         most_left_out=0.01,
     )
     exactness = Tally(
-        f"any input sequence{what}",
-        "fmu",
-        "1e-10 of the motion's scale",
-        seed,
-        most_left_out=0.01,
+        f"any input sequence{what}", "fmu", "1e-10 of the motion's scale", seed, most_left_out=0.01
     )
     with Mover(fmu, OUTPUT_NAMES) as mover:
         for n in range(_share(whole_set, fraction)):

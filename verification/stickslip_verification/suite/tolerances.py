@@ -264,9 +264,7 @@ def _tolerance(
 ) -> Tolerance:
     sides = ("fmu", "reference")
     return Tolerance(
-        measure,
-        dict(zip(sides, allowed, strict=True)),
-        dict(zip(sides, reasons, strict=True)),
+        measure, dict(zip(sides, allowed, strict=True)), dict(zip(sides, reasons, strict=True))
     )
 
 

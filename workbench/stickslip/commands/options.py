@@ -25,9 +25,7 @@ def _quantity(name: str, panel: str, *spellings: str) -> Any:
 FrictionLaw = Annotated[
     str | None,
     typer.Option(
-        "--law",
-        metavar="MODULE:NAME",
-        help="Friction law by its dotted name; default: Coulomb's.",
+        "--law", metavar="MODULE:NAME", help="Friction law by its dotted name; default: Coulomb's."
     ),
 ]
 Mass = Annotated[str | None, _quantity("m", _PARAMETERS)]

@@ -11,15 +11,7 @@ from rich.text import Text
 
 import stickslip_ref
 from stickslip.show.fitted import Fitted
-from stickslip.show.scales import (
-    FORCES,
-    FREQUENCIES,
-    LENGTHS,
-    TIMES,
-    VELOCITIES,
-    Scales,
-    scale_for,
-)
+from stickslip.show.scales import FORCES, FREQUENCIES, LENGTHS, TIMES, VELOCITIES, Scales, scale_for
 from stickslip.simulate.run import Run
 
 _ROWS: tuple[tuple[str, str, Scales], ...] = (

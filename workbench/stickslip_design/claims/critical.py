@@ -5,14 +5,7 @@ from collections.abc import Mapping
 from mpmath import mp, mpf
 
 from stickslip_design.claims.finding import Axis, Finding, Panel, Series, mark, plotted
-from stickslip_design.claims.numbers import (
-    Number,
-    figure,
-    percent,
-    pulled_at,
-    spoken,
-    threshold,
-)
+from stickslip_design.claims.numbers import Number, figure, percent, pulled_at, spoken, threshold
 from stickslip_design.claims.told import Claim
 from stickslip_verification import truth
 from stickslip_verification.model import formulas

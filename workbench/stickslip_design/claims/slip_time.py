@@ -3,13 +3,7 @@
 from mpmath import mpf
 
 from stickslip_design.claims.finding import Axis, Finding, Panel, Series, mark, plotted
-from stickslip_design.claims.numbers import (
-    Number,
-    figure,
-    pulled_at,
-    spoken,
-    threshold,
-)
+from stickslip_design.claims.numbers import Number, figure, pulled_at, spoken, threshold
 from stickslip_design.claims.told import Claim
 from stickslip_verification.model import formulas
 

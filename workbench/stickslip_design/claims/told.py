@@ -14,15 +14,7 @@ HERE = Path(__file__).parent
 
 _TEXTS = ("id", "title", "claim", "formula", "source")
 
-_UNITS = {
-    "m": "kg",
-    "g": "m/s²",
-    "k": "N/m",
-    "c": "N·s/m",
-    "v": "m/s",
-    "load": "N",
-    "F_ext": "N",
-}
+_UNITS = {"m": "kg", "g": "m/s²", "k": "N/m", "c": "N·s/m", "v": "m/s", "load": "N", "F_ext": "N"}
 
 # Points of a grid are written to so many digits, so that they are the same doubles everywhere.
 _GRID_DIGITS = 5
