@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree as ET
@@ -24,6 +23,7 @@ from stickslip_verification.drive.fmu.digest import content_digest
 from stickslip_verification.suite.cases import CASES_FOLDER
 from stickslip_verification.suite.faults import FAULTS_FOLDER
 from tests.interrupting import session, wait_for_work
+from tests.python import python
 from tests.verification.foreign import building
 
 from .running import Command
@@ -319,10 +319,7 @@ def test_a_later_run_leaves_the_evidence_in_the_fmu(command: Command, tmp_path: 
     judged = "from stickslip.commands.shared import current_fmu; print(current_fmu())"
 
     def found() -> str:
-        done = subprocess.run(
-            [sys.executable, "-c", judged], capture_output=True, text=True, check=True
-        )
-        return done.stdout.strip()
+        return python("-c", judged).stdout.strip()
 
     assert found() == "build/StickSlip.fmu"
     assert fmu.read_bytes() == before
