@@ -100,7 +100,7 @@ def modules_of(package: str) -> list[Path]:
 
 
 def name_of(package: str, file: Path) -> str:
-    """Give the module's dotted name inside its package, such as `fmi2` or `sides.fmu`."""
+    """Give the module's dotted name inside its package, such as `fmi2` or `drive.reference`."""
     return ".".join(file.relative_to(folder_of(package)).with_suffix("").parts)
 
 
