@@ -1,15 +1,37 @@
 """Processes that a test sends Ctrl-C to."""
 
 import os
+import sys
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from subprocess import Popen
+from subprocess import PIPE, Popen
 from typing import Any
+
+PROGRAM = "from stickslip.cli import main; main()"
 
 HEARING = ("env", "--default-signal=INT")
 """In front of a command: it hears Ctrl-C, even if the tests are run by what is deaf to it, as a
 shell makes what it starts in the background."""
+
+
+@contextmanager
+def session(*command: str, folder: Path, scratch: Path) -> Iterator[Popen[str]]:
+    """Run the command as the leader of a session in `folder`; killed at the end of the block."""
+    with Popen(
+        [*HEARING, sys.executable, "-c", PROGRAM, *command],
+        cwd=folder,
+        env={**os.environ, "TMPDIR": str(scratch)},
+        stdout=PIPE,
+        stderr=PIPE,
+        text=True,
+        start_new_session=True,
+    ) as running:
+        try:
+            yield running
+        finally:
+            running.kill()
 
 
 def wait_for_work(leader: Popen[Any], seconds: float) -> None:

@@ -171,13 +171,7 @@ def _typescript() -> None:
 
 def _run(command: list[str], said: str = "") -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        command,
-        input=said,
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=_LIMIT,
-        check=False,
+        command, input=said, cwd=ROOT, capture_output=True, text=True, timeout=_LIMIT, check=False
     )
 
 

@@ -5,7 +5,6 @@ The arrows between packages and rooms stand in `pyproject.toml`, for import-lint
 
 import ast
 import builtins
-import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ import pytest
 
 from fmukit.packer import travelling
 from stickslip_fmu.packer import MAIN
+from tests.python import python
 
 OURS = (
     "fmukit",
@@ -100,7 +100,7 @@ def modules_of(package: str) -> list[Path]:
 
 
 def name_of(package: str, file: Path) -> str:
-    """Give the module's dotted name inside its package, such as `fmi2` or `sides.fmu`."""
+    """Give the module's dotted name inside its package, such as `fmi2` or `drive.reference`."""
     return ".".join(file.relative_to(folder_of(package)).with_suffix("").parts)
 
 
@@ -410,7 +410,4 @@ def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
         "finally:\n"
         f"    print('loaded:', *[name for name in {HEAVY!r} if name in sys.modules])\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=True
-    )
-    assert done.stdout.splitlines()[-1] == "loaded:"
+    assert python("-c", program, *arguments).stdout.splitlines()[-1] == "loaded:"

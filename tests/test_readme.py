@@ -2,11 +2,11 @@
 
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.python import python
 
 README = Path(__file__).parents[1] / "README.md"
 EXAMPLES = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
@@ -22,13 +22,4 @@ def test_example_runs(example: str, fmu_path: Path, tmp_path: Path) -> None:
     """An example runs as printed, in a folder where the FMU was built, and says something."""
     (tmp_path / "build").mkdir()
     shutil.copy(fmu_path, tmp_path / "build")
-    done = subprocess.run(
-        [sys.executable, "-c", example],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.strip()
+    assert python("-c", example, cwd=tmp_path).stdout.strip()

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.python import python
+
 ROOT = Path(__file__).parents[1]
 PACKAGES = (
     "fmukit",
@@ -72,14 +74,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("wheel")
     # No isolated build: hatchling is among the tools that the tests are installed with.
     options = ["--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder)]
-    done = subprocess.run(
-        [sys.executable, "-m", "pip", "wheel", *options, str(ROOT)],
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    python("-m", "pip", "wheel", *options, ROOT, timeout=300)
     (wheel,) = folder.glob("*.whl")
     return wheel
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -14,6 +13,7 @@ import pytest
 
 from stickslip_design.claims import findings, markdown, write
 from stickslip_verification.report.svg import tidy
+from tests.python import python
 
 # In a process of its own, so that neither the cache nor the hash seed of this one helps.
 ELSEWHERE = """
@@ -43,14 +43,7 @@ def plots(files: list[Path]) -> dict[str, str]:
 
 def test_page_and_plots_are_the_same_in_another_process(plots: dict[str, str]) -> None:
     """Two processes write the same bytes, and only drawing needs the library that draws."""
-    done = subprocess.run(
-        [sys.executable, "-c", ELSEWHERE],
-        env={**os.environ, "PYTHONHASHSEED": "7"},
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=True,
-    )
+    done = python("-c", ELSEWHERE, env={**os.environ, "PYTHONHASHSEED": "7"}, timeout=300)
     at_import, while_trying, digest = done.stdout.splitlines()
     assert at_import == "[]"
     assert while_trying == "False"

@@ -1,14 +1,14 @@
 """Runs of the coupled FMUs in processes of their own."""
 
 import json
-import subprocess
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from tests.python import python
 
 ROOT = Path(__file__).parents[2]
 
@@ -26,13 +26,4 @@ def run_all(
 
 def output_of(program: str, *arguments: str, timeout: float = 120.0) -> str:
     """Return what a program of this folder prints."""
-    done = subprocess.run(
-        [sys.executable, "-m", f"tests.examples.{program}", *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=timeout,
-        cwd=ROOT,
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
-    return done.stdout
+    return python("-m", f"tests.examples.{program}", *arguments, timeout=timeout, cwd=ROOT).stdout

@@ -1,8 +1,6 @@
 """The SSP file in fmpy, ecos and libcosim: each in a process that cannot import the project."""
 
 import re
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 from xml.etree import ElementTree
@@ -16,6 +14,7 @@ from examples.feed_axis.axis import Axis
 from examples.feed_axis.run import run_in as run_apart
 from stickslip.errors import CommandError
 from tests.needs import needs
+from tests.python import python
 
 from .running import run_all
 
@@ -47,14 +46,7 @@ def run_in(master: str, file: Path, folder: Path, stop: float = STOP) -> Columns
     """Run a file in a master, in a process that cannot import the project."""
     table = folder / f"{master}.csv"
     words = [master, str(file), str(stop), str(STEP), str(table), *ssp.OUTPUTS]
-    done = subprocess.run(
-        [sys.executable, "-I", str(BARRED), masters.__file__, *words],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=120,
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
+    python("-I", BARRED, masters.__file__, *words)
     rows = np.genfromtxt(table, delimiter=",", skip_header=1)
     return dict(zip(("time", *ssp.OUTPUTS), rows.T, strict=True))
 

@@ -10,6 +10,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree  # type: ignore[import-untyped]
 
+from fmukit.table import Variable
 from tests.needs import needs
 
 _DESCRIPTION = "modelDescription.xml"
@@ -73,3 +74,9 @@ def spoilt(fmu: Path, folder: Path, old: str, new: str) -> Path:
     with zipfile.ZipFile(copy, "w") as archive:
         archive.writestr(_DESCRIPTION, text.replace(old, new, 1))
     return copy
+
+
+def starts_and_bounds(row: Variable) -> tuple[str | None, ...]:
+    """Return start, minimum and maximum of a row as a description must write them."""
+    values = (row.start, row.minimum, row.maximum)
+    return tuple(None if value is None else repr(value) for value in values)

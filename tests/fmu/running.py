@@ -1,10 +1,10 @@
 """Runs a function of `inside` in a fresh process that cannot import the project."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
+
+from tests.python import python
 
 PROCESS = Path(__file__).with_name("inside") / "process.py"
 _LIMIT = 300.0
@@ -30,14 +30,7 @@ def inside(
     """
     spoiling = ["-X", "dev"] if spoil_freed else []
     environment = {"MALLOC_PERTURB_": "165"} if spoil_freed else {}
-    done = subprocess.run(
-        [sys.executable, "-I", *spoiling, str(PROCESS), task, function, str(fmu)],
-        input=json.dumps(argument),
-        capture_output=True,
-        text=True,
-        timeout=_LIMIT,
-        check=False,
-        env={"TMPDIR": str(folder), **environment},
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
+    words = ("-I", *spoiling, PROCESS, task, function, fmu)
+    environment = {"TMPDIR": str(folder), **environment}
+    done = python(*words, input=json.dumps(argument), timeout=_LIMIT, env=environment)
     return json.loads(done.stdout.splitlines()[-1])

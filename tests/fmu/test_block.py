@@ -134,15 +134,7 @@ def scaled(values: dict[str, float], powers: dict[str, float]) -> dict[str, floa
 
 
 FOURFOLD = {"m": 4.0, "k": 4.0, "c": 4.0, "load": 4.0, "F_ext": 4.0}
-FASTER = {
-    "k": 4.0,
-    "g": 4.0,
-    "load": 4.0,
-    "F_ext": 4.0,
-    "v": 2.0,
-    "c": 2.0,
-    "x_dot_start": 2.0,
-}
+FASTER = {"k": 4.0, "g": 4.0, "load": 4.0, "F_ext": 4.0, "v": 2.0, "c": 2.0, "x_dot_start": 2.0}
 
 
 @pytest.mark.parametrize(("powers", "pace"), [(FOURFOLD, 1.0), (FASTER, 0.5)])

@@ -1,4 +1,4 @@
-"""The FMI 2.0 model description: complete, true, and what checkers say of it."""
+"""The FMI 2.0 model description: complete and true; what checkers say of it and of FMI 3.0's."""
 
 import math
 import random
@@ -16,39 +16,71 @@ from stickslip_fmu.spec import TABLE
 from tests.needs import needs
 
 from .blocks import make_block, outputs
-from .conformity import CHECKERS, by_fmpy, by_schema, by_toolbox, description_of, spoilt
+from .conformity import (
+    CHECKERS,
+    by_fmpy,
+    by_schema,
+    by_toolbox,
+    description_of,
+    spoilt,
+    starts_and_bounds,
+)
 
 Checker = Callable[[Path], list[str]]
 
 
+@pytest.fixture(params=["fmu_path", "fmi3_path"])
+def fmu(request: pytest.FixtureRequest) -> Path:
+    """Return the FMU of either version."""
+    path: Path = request.getfixturevalue(request.param)
+    return path
+
+
 @pytest.mark.parametrize("checker", CHECKERS)
-def test_checkers_find_nothing(fmu_path: Path, checker: Checker) -> None:
+def test_checkers_find_nothing(fmu: Path, checker: Checker) -> None:
     """The XML schema, fmpy and fmutool have nothing to say of the FMU."""
-    assert checker(fmu_path) == []
+    assert checker(fmu) == []
+
+
+FROZEN = ('variability="fixed"', 'variability="frozen"')
+IN_INCHES = ('displayUnit="mm" nominal="0.1" start', 'displayUnit="inch" nominal="0.1" start')
+SPOILT = {
+    "fmu_path": [
+        (by_schema, *FROZEN),
+        (by_schema, "<TypeDefinitions>", "<Types/><TypeDefinitions>"),
+        (by_fmpy, '<Unknown index="13" dependencies=""/>', ""),
+        (by_fmpy, *IN_INCHES),
+        (by_toolbox, *FROZEN),
+        (by_toolbox, '<Unknown index="13" dependencies=""/>', ""),
+        (by_toolbox, 'initial="exact"', 'initial="calculated"'),
+        (by_toolbox, 'name="g"', 'name="m"'),
+    ],
+    "fmi3_path": [
+        (by_schema, *FROZEN),
+        (by_schema, '<Item name="Sticks" value="0"', '<Item name="Sticks"'),
+        (by_fmpy, '<Output valueReference="12" dependencies=""/>', ""),
+        (by_fmpy, 'causality="independent"', 'causality="local"'),
+        (by_toolbox, *FROZEN),
+        (by_toolbox, '<Output valueReference="12" dependencies=""/>', ""),
+        (by_toolbox, 'name="g" valueReference="1"', 'name="g" valueReference="0"'),
+    ],
+}
 
 
 @pytest.mark.parametrize(
-    ("checker", "old", "new"),
+    ("fmu", "checker", "old", "new"),
     [
-        (by_schema, 'variability="fixed"', 'variability="frozen"'),
-        (by_schema, "<TypeDefinitions>", "<Types/><TypeDefinitions>"),
-        (by_fmpy, '<Unknown index="13" dependencies=""/>', ""),
-        (by_fmpy, 'displayUnit="mm" nominal="0.1" start', 'displayUnit="inch" nominal="0.1" start'),
-        pytest.param(
-            by_toolbox, 'variability="fixed"', 'variability="frozen"', marks=needs("fmutool")
-        ),
-        pytest.param(
-            by_toolbox, '<Unknown index="13" dependencies=""/>', "", marks=needs("fmutool")
-        ),
-        pytest.param(by_toolbox, 'initial="exact"', 'initial="calculated"', marks=needs("fmutool")),
-        pytest.param(by_toolbox, 'name="g"', 'name="m"', marks=needs("fmutool")),
+        pytest.param(fmu, *row, marks=[needs("fmutool")] if row[0] is by_toolbox else [])
+        for fmu, rows in SPOILT.items()
+        for row in rows
     ],
+    indirect=["fmu"],
 )
 def test_checkers_find_a_spoilt_description(
-    fmu_path: Path, tmp_path: Path, checker: Checker, old: str, new: str
+    fmu: Path, tmp_path: Path, checker: Checker, old: str, new: str
 ) -> None:
-    """Each checker, which is content with the FMU, convicts one spoilt in a single place."""
-    assert checker(spoilt(fmu_path, tmp_path, old, new))
+    """Each checker, which is content with the FMU, finds the fault of one spoilt in one place."""
+    assert checker(spoilt(fmu, tmp_path, old, new))
 
 
 def test_description_is_the_table(fmu_path: Path) -> None:
@@ -63,13 +95,7 @@ def test_description_is_the_table(fmu_path: Path) -> None:
         )
         assert (found.unit or "") == row.unit
         assert found.description == row.description
-        for text, value in (
-            (found.start, row.start),
-            (found.min, row.minimum),
-            (found.max, row.maximum),
-        ):
-            assert (text is None) == (value is None)
-            assert value is None or text == repr(value)
+        assert (found.start, found.min, found.max) == starts_and_bounds(row)
     assert all(unknown.dependencies == [] for unknown in description.outputs)
     initial = {each.variable.name: each.dependencies for each in description.initialUnknowns}
     assert {each.name for each in initial["x_pull"]} == {"x_start", "z_start"}
@@ -174,14 +200,7 @@ def test_units_are_those_of_physics(fmu_path: Path) -> None:
         for unit in description.unitDefinitions
         for display in unit.displayUnits
     }
-    assert displays == {
-        "mm": 1e3,
-        "ms": 1e3,
-        "mm/s": 1e3,
-        "kN": 1e-3,
-        "N/mm": 1e-3,
-        "mJ": 1e3,
-    }
+    assert displays == {"mm": 1e3, "ms": 1e3, "mm/s": 1e3, "kN": 1e-3, "N/mm": 1e-3, "mJ": 1e3}
     shown = {each.name: each.displayUnit for each in description.modelVariables if each.displayUnit}
     assert shown["x"] == "mm"
     assert shown["v"] == "mm/s"

@@ -1,26 +1,20 @@
 """The built FMU in a fresh process that cannot import the project."""
 
 import json
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.python import python
+
 IMPORTER = Path(__file__).with_name("importer.py")
 
 
 def imported(fmu: Path, task: str) -> tuple[Any, str]:
     """Run a task of `importer` and return its result and what it wrote to standard error."""
-    done = subprocess.run(
-        [sys.executable, "-I", str(IMPORTER), str(fmu), task],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
+    done = python("-I", IMPORTER, fmu, task)
     return json.loads(done.stdout.splitlines()[-1]), done.stderr
 
 

@@ -3,12 +3,13 @@
 import json
 import math
 import random
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.python import python
 
 IMPORTER = Path(__file__).with_name("importer3.py")
 
@@ -17,15 +18,7 @@ Script = list[list[Any]]
 
 def imported(task: str, argument: Any, *fmus: Path) -> tuple[Any, str]:
     """Run a task of `importer3` and return its result and what it wrote to standard error."""
-    done = subprocess.run(
-        [sys.executable, "-I", str(IMPORTER), task, *map(str, fmus)],
-        input=json.dumps(argument),
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
+    done = python("-I", IMPORTER, task, *fmus, input=json.dumps(argument))
     return json.loads(done.stdout.splitlines()[-1]), done.stderr
 
 

@@ -97,10 +97,7 @@ def test_versions_of_one_name_would_run_one_code(
     own, other = _package(fmu_path), _package(other_version)
     assert own != other
     named_alike = tmp_path / "alike.fmu"
-    with (
-        zipfile.ZipFile(other_version) as source,
-        zipfile.ZipFile(named_alike, "w") as target,
-    ):
+    with zipfile.ZipFile(other_version) as source, zipfile.ZipFile(named_alike, "w") as target:
         for name in source.namelist():
             content = source.read(name)
             if name.startswith("resources/"):

@@ -74,11 +74,7 @@ class ImporterError(RuntimeError):
 
 
 def run(
-    importer: str,
-    fmu: Path,
-    case: str,
-    folder: Path,
-    environment: Mapping[str, str] | None = None,
+    importer: str, fmu: Path, case: str, folder: Path, environment: Mapping[str, str] | None = None
 ) -> Rows:
     """Run a case of `cases.CASES` in an importer and return what it recorded.
 
@@ -139,8 +135,7 @@ def ask(
     )
     if done.returncode != 0:
         raise ImporterError(
-            f"{module} {what} ended with {done.returncode}\n{done.stdout}\n{done.stderr}",
-            done,
+            f"{module} {what} ended with {done.returncode}\n{done.stdout}\n{done.stderr}", done
         )
     return Said(json.loads(answer.read_text(encoding="utf-8")), done.stdout, done.stderr)
 

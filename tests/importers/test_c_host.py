@@ -244,9 +244,7 @@ def test_ctrl_c_ends_the_host(host: Host, tmp_path: Path) -> None:
     script = tmp_path / "long.txt"
     script.write_text(BEGIN + "get x\n" + "step 0 1e-3\n" * 2_000_000, encoding="utf-8")
     with subprocess.Popen(
-        [*HEARING, host.program, host.fmu, script],
-        env=host.environment,
-        stdout=subprocess.PIPE,
+        [*HEARING, host.program, host.fmu, script], env=host.environment, stdout=subprocess.PIPE
     ) as running:
         assert running.stdout is not None
         running.stdout.readline()

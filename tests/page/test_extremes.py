@@ -173,10 +173,7 @@ def test_a_force_that_is_constant_to_the_last_bit_has_an_axis(page: Page) -> Non
     for button, times in {"zoom-in": 9, "later": 60}.items():
         page.evaluate(
             "([id, n]) => { while (n--) document.getElementById(id).click(); }",
-            [
-                f"{button}",
-                times,
-            ],
+            [f"{button}", times],
         )
     start, end = page.evaluate(
         "[window.stickslip.view.from, window.stickslip.view.to].map(t => window.stickslip.at(t).F)"

@@ -103,13 +103,7 @@ def test_a_field_without_points_is_allowed() -> None:
 
 
 @pytest.mark.parametrize(
-    "values",
-    [
-        {"k": 1e308, "m": 1e-308},
-        {"k": 1e-300, "m": 1e300},
-        {"k": 1e-320},
-        {"c": 1e300},
-    ],
+    "values", [{"k": 1e308, "m": 1e-308}, {"k": 1e-300, "m": 1e300}, {"k": 1e-320}, {"c": 1e300}]
 )
 def test_rates_beyond_double_precision_are_refused(values: dict[str, float]) -> None:
     """Stiffness, mass and damping whose rates no double holds are refused, all three named."""

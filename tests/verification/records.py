@@ -41,26 +41,26 @@ Fault = Callable[[Draft], None]
 
 @cache
 def named(name: str) -> Case:
-    """Give the suite's case of this id."""
+    """Return the suite's case of this id."""
     return load_case(CASES_FOLDER / f"{name}.toml")
 
 
 @cache
 def exact_of(name: str) -> Exact:
-    """Give the exact motion of the suite's case of this id, rounded once."""
+    """Return the exact motion of the suite's case of this id, rounded once."""
     return exact_motion(named(name))
 
 
 @cache
 def believed(name: str, *values: tuple[str, float]) -> Run:
-    """Give the exact motion of a case in a world with other parameters."""
+    """Return the exact motion of a case in a world with other parameters."""
     case = named(name)
     return exact_motion(replace(case, parameters={**case.parameters, **dict(values)})).record
 
 
 @cache
 def invariants_of(name: str) -> tuple[ResidualInvariant, ...]:
-    """Give the invariants on samples that the exact motion of a case has a place for."""
+    """Return the invariants on samples that the exact motion of a case has a place for."""
     return tuple(
         invariant
         for invariant in INVARIANTS.values()
@@ -69,17 +69,16 @@ def invariants_of(name: str) -> tuple[ResidualInvariant, ...]:
 
 
 def planted(record: Run, fault: Fault) -> Run:
-    """Give a copy of a record with a fault in it."""
+    """Return a copy of a record with a fault in it."""
     draft = Draft(
-        {name: np.array(samples) for name, samples in record.outputs.items()},
-        dict(record.initial),
+        {name: np.array(samples) for name, samples in record.outputs.items()}, dict(record.initial)
     )
     fault(draft)
     return Run(record.times, draft.outputs, draft.initial, record.messages)
 
 
 def judged(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> dict[str, CheckResult]:
-    """Give the results of the invariants that the exact motion has a place for, by invariant."""
+    """Return the results of the invariants that the exact motion has a place for, by invariant."""
     case, exact = named(name), exact_of(name)
     return {
         invariant.id: judge_residual(invariant, case, contract, exact, record)
@@ -88,7 +87,7 @@ def judged(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> dict[
 
 
 def seen(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> set[str]:
-    """Give the invariants that a record breaks."""
+    """Return the invariants that a record breaks."""
     results = judged(name, record, contract)
     return {
         invariant for invariant, r in results.items() if not r.passed and r.not_applicable is None

@@ -20,7 +20,7 @@ COMMAND = Path(sys.executable).parent / "stickslip"
 
 
 def blocks(section: str, language: str) -> list[str]:
-    """Give the blocks of a section in a language, without their indentation."""
+    """Return the blocks of a section in a language, without their indentation."""
     text = TEXT[TEXT.index(f"## {section}\n") :].split("\n## ")[0]
     found = re.findall(rf"^( *)```{language}\n(.*?)^ *```$", text, re.DOTALL | re.MULTILINE)
     return [textwrap.dedent(block) for _, block in found]

@@ -21,12 +21,12 @@ LEVELS = np.geomspace(1e-9, 1e-13, 17)
 
 
 def observed(errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> ObservedOrder:
-    """Give errors at the levels of the suite."""
+    """Return errors at the levels of the suite."""
     return ObservedOrder("default", "z", LEVELS.tolist(), errors.tolist(), (), 1.0)
 
 
 def judged(seen: Answer[ObservedOrder]) -> dict[str, CheckResult]:
-    """Give both results of the invariant by their ids."""
+    """Return both results of the invariant by their ids."""
     return {r.check: r for r in judge_order(INVARIANT, "default", REFERENCE_CONTRACT, seen)}
 
 

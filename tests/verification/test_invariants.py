@@ -197,11 +197,7 @@ def test_physics_that_demands_every_bit_is_a_sign_or_a_count() -> None:
     }
     assert {
         invariant.id for invariant in INVARIANTS.residuals if invariant.klass == "physics"
-    } & strict == {
-        "finite",
-        "mode-and-sticking-agree",
-        "runs-to-the-end",
-    }
+    } & strict == {"finite", "mode-and-sticking-agree", "runs-to-the-end"}
     assert all(
         invariant.klass == "contract"
         for invariant in INVARIANTS.runs

@@ -2,8 +2,6 @@
 
 import json
 import os
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +14,7 @@ from stickslip_verification.drive.kept import FOLDER, kept
 from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
+from tests.python import python
 
 from .records import named
 
@@ -32,7 +31,7 @@ class Counted:
         self.calls = 0
 
     def work(self, case: Case, tolerance: float = 1.0) -> tuple[str, float, int]:
-        """Give what was asked for, and the number of the call."""
+        """Return what was asked for, and the number of the call."""
         self.calls += 1
         return case.id, tolerance, self.calls
 
@@ -108,13 +107,7 @@ def test_a_verdict_from_kept_results_is_the_same(fmu_path: Path, tmp_path: Path)
         target = tmp_path / f"{number}.json"
         arguments = ["verify", "--fmu", str(fmu_path), "--cases", "one-step", "-o", str(target)]
         code = "import sys; from stickslip.cli import main; main()"
-        subprocess.run(
-            [sys.executable, "-c", code, *arguments],
-            cwd=tmp_path,
-            env={**_environment(), **environment},
-            check=True,
-            capture_output=True,
-        )
+        python("-c", code, *arguments, cwd=tmp_path, env={**_environment(), **environment})
         reports.append(json.loads(target.read_text(encoding="utf-8"))["checks"])
     assert reports[0] == reports[1]
     assert len(list((tmp_path / "kept").iterdir())) == 2

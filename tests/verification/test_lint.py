@@ -2,9 +2,9 @@
 
 import re
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,7 +13,7 @@ from stickslip_verification.run import lint as linter
 from stickslip_verification.run.lint import lint
 from stickslip_verification.suite.cases import CASES_FOLDER
 from stickslip_verification.suite.faults import FAULTS_FOLDER, MutantError, load_mutants
-from stickslip_verification.suite.invariants import InvariantError, Invariants, load_invariants
+from stickslip_verification.suite.invariants import InvariantError, load_invariants
 
 INVARIANTS = load_invariants()
 
@@ -82,11 +82,7 @@ def test_one_case_alone_leaves_things_unused(alone: set[str]) -> None:
             r"slips = 32\1stop_time = 9.8",
             r"default: motion.slips = 32; it is 30 or 31$",
         ),
-        (
-            "slips = 31",
-            "slips = 31, reversals = 1",
-            "default: motion.reversals = 1; it is 0",
-        ),
+        ("slips = 31", "slips = 31, reversals = 1", "default: motion.reversals = 1; it is 0"),
         (
             "slips = 31",
             'slips = 31, zero = ["x"]',
@@ -165,93 +161,55 @@ def test_a_broken_case_does_not_hide_the_others(tmp_path: Path, alone: set[str])
     assert finding.startswith(f"{tmp_path / 'broken.toml'}: line 1")
 
 
-Flaw = Callable[[Invariants], Invariants]
+RESIDUALS, RUNS, PROBES = INVARIANTS.residuals, INVARIANTS.runs, INVARIANTS.probes
+ORDER, AGREEMENT = INVARIANTS.orders[0], INVARIANTS.agreements[0]
+MAGIC = "somehow it always was like that"
 
-FLAWS: list[tuple[Flaw, str]] = [
+FLAWS: list[tuple[dict[str, Any], str]] = [
+    ({"residuals": RESIDUALS[1:]}, f"metric {RESIDUALS[0].metric}: nothing uses it"),
     (
-        lambda invariants: replace(invariants, residuals=invariants.residuals[1:]),
-        f"metric {INVARIANTS.residuals[0].metric}: nothing uses it",
-    ),
-    (
-        lambda invariants: replace(
-            invariants,
-            residuals=(
-                *invariants.residuals,
-                replace(invariants.residuals[0], metric="stick.slides"),
-            ),
-        ),
+        {"residuals": (*RESIDUALS, replace(RESIDUALS[0], metric="stick.slides"))},
         "metric stick.slides: there is no such metric",
     ),
+    ({"runs": [each for each in RUNS if each.run != "reset"]}, "run reset: nothing uses it"),
+    ({"runs": (*RUNS, replace(RUNS[0], run="backward"))}, "run backward: there is no such run"),
+    ({"probes": [p for p in PROBES if p.probe != "warns"]}, "probe warns: nothing uses it"),
+    ({"probes": (*PROBES, replace(PROBES[0], probe="asks"))}, "probe asks: there is no such probe"),
     (
-        lambda invariants: replace(
-            invariants,
-            runs=[invariant for invariant in invariants.runs if invariant.run != "reset"],
-        ),
-        "run reset: nothing uses it",
-    ),
-    (
-        lambda invariants: replace(
-            invariants, runs=(*invariants.runs, replace(invariants.runs[0], run="backward"))
-        ),
-        "run backward: there is no such run",
-    ),
-    (
-        lambda invariants: replace(
-            invariants,
-            probes=[invariant for invariant in invariants.probes if invariant.probe != "warns"],
-        ),
-        "probe warns: nothing uses it",
-    ),
-    (
-        lambda invariants: replace(
-            invariants, probes=(*invariants.probes, replace(invariants.probes[0], probe="asks"))
-        ),
-        "probe asks: there is no such probe",
-    ),
-    (
-        lambda invariants: replace(
-            invariants,
-            agreements=(*invariants.agreements, replace(invariants.agreements[0], quantity="y")),
-        ),
+        {"agreements": (*INVARIANTS.agreements, replace(AGREEMENT, quantity="y"))},
         "quantity y: there is no such quantity",
     ),
     (
-        lambda invariants: replace(
-            invariants, orders=(replace(invariants.orders[0], cases=("default", "none")),)
-        ),
-        f"{INVARIANTS.orders[0].id}: there is no case none",
+        {"orders": (replace(ORDER, cases=("default", "none")),)},
+        f"{ORDER.id}: there is no case none",
     ),
     (
-        lambda invariants: replace(
-            invariants, probes=(replace(invariants.probes[0], means="It is bad."),)
-        ),
-        f"{INVARIANTS.probes[0].id}: means: 'It is bad.' says too little",
+        {"probes": (replace(PROBES[0], means="It is bad."),)},
+        f"{PROBES[0].id}: means: 'It is bad.' says too little",
     ),
     (
-        lambda invariants: replace(invariants, probes=(replace(invariants.probes[0], source=99),)),
-        f"{INVARIANTS.probes[0].id}: docs/theory.md has no equation (99)",
+        {"probes": (replace(PROBES[0], source=99),)},
+        f"{PROBES[0].id}: docs/theory.md has no equation (99)",
     ),
     (
-        lambda invariants: replace(
-            invariants,
-            runs=(replace(invariants.runs[0], because="somehow it always was like that"),),
-        ),
-        f"{INVARIANTS.runs[0].id}: because: 'somehow' is no reason",
+        {"runs": (replace(RUNS[0], because=MAGIC),)},
+        f"{RUNS[0].id}: because: 'somehow' is no reason",
     ),
-    (
-        lambda invariants: replace(invariants, residuals=invariants.residuals[:-1]),
-        f"there is no check {INVARIANTS.residuals[-1].id}",
-    ),
+    ({"residuals": RESIDUALS[:-1]}, f"there is no check {RESIDUALS[-1].id}"),
 ]
 
 
 @pytest.mark.parametrize(("flaw", "told"), FLAWS, ids=[told for _, told in FLAWS])
 def test_a_flaw_in_the_invariants_is_found(
-    tmp_path: Path, alone: set[str], monkeypatch: pytest.MonkeyPatch, flaw: Flaw, told: str
+    tmp_path: Path,
+    alone: set[str],
+    monkeypatch: pytest.MonkeyPatch,
+    flaw: dict[str, Any],
+    told: str,
 ) -> None:
     """What an invariant names but is missing, and what no invariant names, is one line."""
     shutil.copy(CASES_FOLDER / CASE, tmp_path)
-    monkeypatch.setattr(linter, "load_invariants", lambda: flaw(INVARIANTS))
+    monkeypatch.setattr(linter, "load_invariants", lambda: replace(INVARIANTS, **flaw))
     new = set(lint(tmp_path)) - alone
     assert [found for found in new if found.endswith(told)], new
 

@@ -117,11 +117,7 @@ def half_turn(draft: Draft) -> None:
 
 
 FAULTS: list[tuple[str, Fault, str]] = [
-    (
-        "default",
-        creep,
-        "stick-holds-x stick-holds-x-to-the-bit extension-is-the-gap-of-the-ends",
-    ),
+    ("default", creep, "stick-holds-x stick-holds-x-to-the-bit extension-is-the-gap-of-the-ends"),
     ("default", bit_of_x, "stick-holds-x-to-the-bit"),
     ("default", speed_in_stick, "stick-has-no-speed"),
     (
@@ -140,11 +136,7 @@ FAULTS: list[tuple[str, Fault, str]] = [
     ("default", scaled("Q_friction", 1.01), "energy-balance heat-of-dry-friction"),
     ("default", scaled("W_pull", 1.01), "energy-balance work-of-the-pull"),
     ("default", heat_given_back, "heat-never-falls heat-of-dry-friction"),
-    (
-        "reversals",
-        lagging("T"),
-        "period-is-stick-and-slip jump-is-v-T frequency-is-1-over-T",
-    ),
+    ("reversals", lagging("T"), "period-is-stick-and-slip jump-is-v-T frequency-is-1-over-T"),
     ("default", period_of_before, "period-is-stick-and-slip jump-is-v-T"),
     ("default", half_turn, "period-is-stick-and-slip"),
     ("default", scaled("f", 2.0 * math.pi), "frequency-is-1-over-T"),
@@ -305,7 +297,7 @@ def test_letting_go_below_break_away_is_seen() -> None:
 
 
 def sinusoid(turns: float, depth: float, phase: float) -> tuple[Case, Run]:
-    """Give an undamped slip in two steps of so many turns whose speed goes `depth` below zero.
+    """Return an undamped slip in two steps of so many turns whose speed goes `depth` below zero.
 
     depth in parts of v. The friction keeps its direction, as it would if nobody looked.
     """
@@ -335,7 +327,7 @@ def sinusoid(turns: float, depth: float, phase: float) -> tuple[Case, Run]:
 
 
 def passed_unseen(turns: float, depth: float, phase: float = 0.4) -> float:
-    """Give how far below zero the invariant sees the velocity go, in parts of how far it goes."""
+    """Return how far below zero the invariant sees the velocity go, in parts of how far it goes."""
     case, record = sinusoid(turns, depth, phase)
     residual = METRICS["slip.never_past_rest"](Course(case, record, record, np.array([])))
     return float(np.max(residual.values) / (0.02 * depth))

@@ -72,12 +72,12 @@ def read(folder: Path, text: str) -> Mutant:
 
 
 def named(name: str) -> Mutant:
-    """Give the planted fault of this id."""
+    """Return the planted fault of this id."""
     return next(mutant for mutant in MUTANTS if mutant.id == name)
 
 
 def texts(fmu: Path) -> dict[str, str]:
-    """Give the texts of an FMU by their names."""
+    """Return the texts of an FMU by their names."""
     with zipfile.ZipFile(fmu) as archive:
         return {
             name: archive.read(name).decode("utf-8")
@@ -87,7 +87,7 @@ def texts(fmu: Path) -> dict[str, str]:
 
 
 def touched(mutant: Mutant) -> set[str]:
-    """Give the files that a fault changes or brings along."""
+    """Return the files that a fault changes or brings along."""
     changed = {substitution.file for substitution in mutant.substitutions}
     changed |= {f"{each.module.rpartition('.')[2]}.py" for each in mutant.overrides}
     changed |= {addition.file for addition in mutant.additions}
@@ -95,12 +95,12 @@ def touched(mutant: Mutant) -> set[str]:
 
 
 def packages(fmu: Path) -> set[str]:
-    """Give every name of the packed package that stands anywhere in an FMU."""
+    """Return every name of the packed package that stands anywhere in an FMU."""
     return {found for entry in texts(fmu).items() for found in PACKAGE.findall(" ".join(entry))}
 
 
 def guid(fmu: Path) -> str:
-    """Give the GUID of an FMU."""
+    """Return the GUID of an FMU."""
     return str(fmpy.read_model_description(str(fmu)).guid)
 
 
@@ -383,8 +383,7 @@ def test_any_member_of_a_class_can_be_overridden(fmu_path: Path, tmp_path: Path)
             "@staticmethod\ndef _fmu_state_to_bytes(handle):\n    return b'*' + original(handle)",
         ),
         Override(
-            "face.Slave._warn",
-            "def _warn(self):\n    original(self)\n    self.warned = True",
+            "face.Slave._warn", "def _warn(self):\n    original(self)\n    self.warned = True"
         ),
     )
     meter = imported(fmu_path, fault, tmp_path, "meter")

@@ -15,18 +15,19 @@ from stickslip_verification.drive.fmu.names import NOT_THERE, NameMap, Target
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.drive.stepping import NotApplicableError, Setting, run, run_case
-from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT
+from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT, Contract
 from stickslip_verification.judge.run_checks import judge_run
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
+from stickslip_verification.model.verdict import CheckResult
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.experiment import CommunicationStep
 from stickslip_verification.suite.faults import load_mutants
 from stickslip_verification.suite.invariants import RunInvariant, load_invariants
 from stickslip_verification.truth.parameters import complete
 
-from .records import Draft, exact_of, named, planted
+from .records import Draft, exact_of, named, planted, without
 
 INVARIANTS = {invariant.id: invariant for invariant in load_invariants().runs}
 
@@ -64,7 +65,7 @@ def plain(ours: FmuFile) -> Callable[[str], Run]:
 
 
 def differing(one: Run, other: Run) -> set[str]:
-    """Give the outputs in which two records differ in a bit, at the start or later."""
+    """Return the outputs in which two records differ in a bit, at the start or later."""
     return {
         name
         for name in OUTPUT_NAMES
@@ -151,7 +152,7 @@ def test_a_run_shows_the_fault_it_is_there_for(fmu_path: Path, tmp_path: Path, m
 
 
 def answer(file: FmuFile, run: str, name: str) -> Answer[Run]:
-    """Give what a run of a case comes to."""
+    """Return what a run of a case comes to."""
     return Answer(RUNS[run](file, named(name)))
 
 
@@ -188,7 +189,7 @@ def test_what_cannot_change_on_the_way_is_named(slider_si: Path, slider_si_names
 
 
 def shortened(name: str, steps: int) -> Case:
-    """Give the first steps of a case."""
+    """Return the first steps of a case."""
     return replace(named(name), steps=named(name).steps[:steps])
 
 
@@ -223,105 +224,77 @@ TO_THE_BIT = INVARIANTS["reset-to-the-bit"]
 NEARLY = INVARIANTS["mirror"]
 
 
-def small() -> tuple[Case, Run]:
-    """Give a case and its exact motion."""
-    return named("grazing"), exact_of("grazing").record
+SMALL = exact_of("grazing").record
 
 
-def changed(record: Run, name: str, by: float, at: int = -1) -> Answer[Run]:
-    """Give a record with one value moved."""
+def judged(
+    invariant: RunInvariant, other: Answer[Run], contract: Contract = EXACT_CONTRACT
+) -> CheckResult:
+    """Return the result of a small case whose other run came to `other`."""
+    exact = exact_of("grazing")
+    return judge_run(invariant, named("grazing"), contract, exact, exact.record, other)
+
+
+def changed(name: str, by: float) -> Answer[Run]:
+    """Return the small case's record with the last value of an output moved."""
 
     def fault(draft: Draft) -> None:
-        draft.outputs[name][at] += by
+        draft.outputs[name][-1] += by
 
-    return Answer(planted(record, fault))
+    return Answer(planted(SMALL, fault))
 
 
 def test_one_bit_is_seen_and_named() -> None:
     """An invariant to the bit counts the values that differ and names the first output."""
-    case, record = small()
-    bit = float(np.spacing(record.outputs["z"][-1]))
-    result = judge_run(
-        TO_THE_BIT, case, EXACT_CONTRACT, exact_of(case.id), record, changed(record, "z", bit)
-    )
+    result = judged(TO_THE_BIT, changed("z", float(np.spacing(SMALL.outputs["z"][-1]))))
     assert (result.passed, result.got, result.error) == (False, 1.0, 1.0)
     assert result.quantity == "values that differ, z first"
-    same = judge_run(TO_THE_BIT, case, EXACT_CONTRACT, exact_of(case.id), record, Answer(record))
+    same = judged(TO_THE_BIT, Answer(SMALL))
     assert (same.passed, same.got, same.quantity) == (True, 0.0, "values that differ")
 
 
 def test_a_start_that_differs_is_seen() -> None:
     """What is shown after initialization belongs to the motion that a run must repeat."""
-    case, record = small()
-    other = replace(record, initial={**record.initial, "F_s": 1.0})
-    assert not judge_run(
-        TO_THE_BIT, case, EXACT_CONTRACT, exact_of(case.id), record, Answer(other)
-    ).passed
+    other = replace(SMALL, initial={**SMALL.initial, "F_s": 1.0})
+    assert not judged(TO_THE_BIT, Answer(other)).passed
 
 
 def test_a_motion_that_differs_is_seen_where_it_differs_most() -> None:
     """An invariant with a tolerance shows the worst output, in its unit and over its scale."""
-    case, record = small()
-    result = judge_run(
-        NEARLY, case, EXACT_CONTRACT, exact_of(case.id), record, changed(record, "t_slip", 1e-9)
-    )
+    result = judged(NEARLY, changed("t_slip", 1e-9))
     assert (result.passed, result.quantity, result.unit) == (False, "t_slip", "s")
-    assert result.error == pytest.approx(1e-9 / case.stop_time, rel=1e-6)
-    assert judge_run(
-        NEARLY, case, PHYSICS_CONTRACT, exact_of(case.id), record, changed(record, "t_slip", 1e-11)
-    ).passed
+    assert result.error == pytest.approx(1e-9 / named("grazing").stop_time, rel=1e-6)
+    assert judged(NEARLY, changed("t_slip", 1e-11), PHYSICS_CONTRACT).passed
 
 
 @pytest.mark.parametrize("invariant", [TO_THE_BIT, NEARLY], ids=lambda invariant: invariant.id)
 def test_a_count_is_right_or_wrong(invariant: RunInvariant) -> None:
     """One slip more is a failure whatever the number of slips."""
-    case, record = small()
-    result = judge_run(
-        invariant,
-        case,
-        PHYSICS_CONTRACT,
-        exact_of(case.id),
-        record,
-        changed(record, "n_slips", 1.0),
-    )
+    result = judged(invariant, changed("n_slips", 1.0), PHYSICS_CONTRACT)
     assert (result.passed, result.error) == (False, 1.0)
 
 
 def test_what_is_lost_in_the_other_run_is_a_failure() -> None:
     """An output that vanishes, a sample that is lost, a NaN: each fails, none raises."""
-    case, record = small()
-
-    def gone(draft: Draft) -> None:
-        del draft.outputs["T"]
 
     def short(draft: Draft) -> None:
         draft.outputs["T"] = draft.outputs["T"][:-1]
 
     for invariant in (TO_THE_BIT, NEARLY):
         for other in (
-            Answer(planted(record, gone)),
-            Answer(planted(record, short)),
-            changed(record, "T", np.nan),
+            Answer(planted(SMALL, without("T"))),
+            Answer(planted(SMALL, short)),
+            changed("T", np.nan),
         ):
-            result = judge_run(invariant, case, EXACT_CONTRACT, exact_of(case.id), record, other)
+            result = judged(invariant, other)
             assert not result.passed
             assert result.failure or result.error
 
 
 def test_why_there_is_no_other_run_is_kept() -> None:
     """A run that failed fails the invariant with its reason; one that is lacking does not count."""
-    case, record = small()
-    failed = judge_run(
-        TO_THE_BIT, case, EXACT_CONTRACT, exact_of(case.id), record, Answer(failure="it broke")
-    )
-    lacking = judge_run(
-        TO_THE_BIT,
-        case,
-        EXACT_CONTRACT,
-        exact_of(case.id),
-        record,
-        Answer(not_applicable="it cannot"),
-    )
+    failed = judged(TO_THE_BIT, Answer(failure="it broke"))
+    lacking = judged(TO_THE_BIT, Answer(not_applicable="it cannot"))
     assert (failed.verdict, failed.failure) == ("fail", "it broke")
     assert (lacking.verdict, lacking.not_applicable) == ("not applicable", "it cannot")
 

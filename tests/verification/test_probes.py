@@ -31,7 +31,7 @@ def ours(fmu_path: Path) -> Iterator[FmuFile]:
 
 
 def asked(invariant: str, file: FmuFile) -> list[str]:
-    """Give the complaints of a probe about an FMU."""
+    """Return the complaints of a probe about an FMU."""
     probe: Probe = INVARIANTS[invariant]
     return PROBES[probe.probe](file, **probe.arguments)
 

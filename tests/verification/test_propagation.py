@@ -26,30 +26,30 @@ Z, X_DOT = 0.0049, 0.013
 
 
 def wide(*values: float) -> Wide:
-    """Give numbers in the widest floating-point format."""
+    """Return numbers in the widest floating-point format."""
     return np.array(values, np.longdouble)
 
 
 def equation(zeta: float, count: int = 1) -> Slips:
-    """Give the equation of slip of a damping ratio, for so many steps."""
+    """Return the equation of slip of a damping ratio, for so many steps."""
     c = 2.0 * zeta * math.sqrt(M * K)
     return Slips(*(wide(*[value] * count) for value in (M, K, c, V, DRIVE)))
 
 
 def reach(zeta: float) -> float:
-    """Give the largest length in play [m]: the balance is far off where damping is strong."""
+    """Return the largest length in play [m]: the balance is far off where damping is strong."""
     w = math.sqrt(K / M)
     return max(abs(Z), abs(X_DOT) / w, (2.0 * zeta * w * M * V - DRIVE) / K)
 
 
 def number(value: np.longdouble) -> mpmath.mpf:
-    """Give a number of the widest format as it is."""
+    """Return a number of the widest format as it is."""
     high = float(value)
     return mpmath.mpf(high) + mpmath.mpf(float(value - np.longdouble(high)))
 
 
 def exponential(zeta: float, duration: float) -> tuple[mpmath.mpf, mpmath.mpf]:
-    """Give z and x_dot after a step from the matrix exponential of (z, x_dot, 1), at 50 digits."""
+    """Return z and x_dot after a step by the matrix exponential of (z, x_dot, 1), to 50 digits."""
     c = 2.0 * zeta * math.sqrt(M * K)
     rates = mpmath.matrix(
         [

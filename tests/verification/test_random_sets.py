@@ -31,11 +31,7 @@ OF_THE_FMU: dict[str, Callable[[Path, int, float], Running]] = {
 }
 
 
-@pytest.mark.parametrize(
-    "random_test",
-    OF_THE_FMU.values(),
-    ids=OF_THE_FMU,
-)
+@pytest.mark.parametrize("random_test", OF_THE_FMU.values(), ids=OF_THE_FMU)
 def test_the_fmu_holds_on_a_tenth_of_each_set(
     random_test: Callable[[Path, int, float], Running], fmu_path: Path
 ) -> None:
@@ -71,11 +67,7 @@ def test_all_random_tests_run_in_one_call(fmu_path: Path) -> None:
         prove(fmu_path, fraction=0.0)
 
 
-@pytest.mark.parametrize(
-    "random_test",
-    OF_THE_FMU.values(),
-    ids=OF_THE_FMU,
-)
+@pytest.mark.parametrize("random_test", OF_THE_FMU.values(), ids=OF_THE_FMU)
 def test_an_fmu_that_cannot_be_asked_is_refuted(
     random_test: Callable[[Path, int, float], Running], foreign_fmu: Path
 ) -> None:

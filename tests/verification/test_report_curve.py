@@ -17,7 +17,7 @@ from stickslip_verification.suite.cases import load_cases
 
 @cache
 def motion(case: str) -> Motion:
-    """Give the exact motion of a case, beside itself as the FMU."""
+    """Return the exact motion of a case, beside itself as the FMU."""
     chosen = load_cases(case)[0]
     exact = exact_motion(chosen)
     return Motion(

@@ -10,28 +10,16 @@ import pytest
 from stickslip_verification.judge.checks import EXACT_CONTRACT, judge
 from stickslip_verification.judge.second_values import Accepted, AcceptError, accept, load_accepted
 from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import CheckResult, Kind, Measured, Second, Verdict
+from stickslip_verification.model.verdict import CheckResult, Measured, Second, Verdict
 
 from .records import Draft, exact_of, named, planted
+from .test_report import result as plain
 
 
 def result(check: str = "t_slip-exact", mean: float = 0.125, side: str = "fmu") -> CheckResult:
-    """Give a check that passed, with what a second value is made of."""
-    return CheckResult(
-        case="default",
-        check=check,
-        quantity="t_slip",
-        unit="s",
-        truth=Kind.CLOSED_FORM,
-        side=side,
-        expected=0.125,
-        got=mean,
-        error=0.0,
-        tolerance=1e-12,
-        because="rounding",
-        passed=True,
-        measured=Measured(mean, 0.25, 1e-14),
-    )
+    """Return a check that passed, with what a second value is made of."""
+    measured = Measured(mean, 0.25, 1e-14)
+    return plain(check=check, side=side, expected=0.125, got=mean, measured=measured)
 
 
 KEY = ("default", "t_slip-exact", "fmu")
@@ -187,7 +175,7 @@ def test_there_may_be_no_accepted_values_yet(tmp_path: Path) -> None:
 
 
 def moved(by: float) -> Run:
-    """Give the exact motion of a case with its slip times moved by a part of them."""
+    """Return the exact motion of a case with its slip times moved by a part of them."""
 
     def fault(draft: Draft) -> None:
         draft.scale("t_slip", 1.0 + by)

@@ -241,8 +241,7 @@ def test_mirror_and_scaling_leave_the_motion(seed: int) -> None:
         assert abs(heavier[name] - 4 * base[name]) <= CLOSE * abs(4 * base[name]), name
 
     faster = changed(
-        {"k": 4.0, "g": 4.0, "load": 4.0, "F_ext": 4.0, "v": 2.0, "c": 2.0, "x_dot_start": 2.0},
-        0.5,
+        {"k": 4.0, "g": 4.0, "load": 4.0, "F_ext": 4.0, "v": 2.0, "c": 2.0, "x_dot_start": 2.0}, 0.5
     )
     for name in ("x", "z", "delta_x", "spring_drop"):
         assert abs(faster[name] - base[name]) <= CLOSE * abs(base[name]), name

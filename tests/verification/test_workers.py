@@ -36,17 +36,17 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def left_in(folder: Path) -> list[str]:
-    """Give what lies in a folder."""
+    """Return what lies in a folder."""
     return [entry.name for entry in folder.iterdir()]
 
 
 def short(steps: int) -> Case:
-    """Give the first steps of a case."""
+    """Return the first steps of a case."""
     return replace(named("default"), steps=named("default").steps[:steps])
 
 
 def plain(pool: workers.Pool, *cases: Case) -> list[Answer[Run]]:
-    """Give the answers to plain runs of cases."""
+    """Return the answers to plain runs of cases."""
     return list(pool.each(workers.plain_run, [(case,) for case in cases]))
 
 

@@ -14,6 +14,6 @@ def command(
     tmp_path: Path,
     fmu_path: Path,
 ) -> Command:
-    """Give the command in an empty working folder."""
+    """Return the command in an empty working folder."""
     monkeypatch.chdir(tmp_path)
     return Command(monkeypatch, capsys, fmu_path)

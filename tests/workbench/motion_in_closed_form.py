@@ -32,7 +32,7 @@ class ClosedForm:
         self.T = self.t_stick + self.t_slip
 
     def samples(self, times: NDArray[np.float64]) -> NDArray[np.void]:
-        """Give time, outputs and meter at `times` [s], shape (n,)."""
+        """Return time, outputs and meter at `times` [s], shape (n,)."""
         p = self.parameters
         out = np.zeros(
             len(times),
@@ -75,7 +75,7 @@ class ClosedForm:
         return out
 
     def events(self, stop_time: float) -> tuple[Event, ...]:
-        """Give the transitions until `stop_time` [s]."""
+        """Return the transitions until `stop_time` [s]."""
         found = []
         n = 0
         while (time := self.t_first + n * self.T) <= stop_time:
@@ -89,5 +89,5 @@ class ClosedForm:
         return tuple(found)
 
     def run(self, times: NDArray[np.float64]) -> Run:
-        """Give the run sampled at `times` [s]."""
+        """Return the run sampled at `times` [s]."""
         return Run("fmu", self.parameters, self.samples(times), self.events(float(times[-1])))

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from stickslip import cli
-
-PROGRAM = "from stickslip.cli import main; main()"
+from tests.interrupting import PROGRAM
 
 
 class Answer:

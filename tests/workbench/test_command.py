@@ -17,9 +17,9 @@ from stickslip import cli
 from stickslip.commands import simulate
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
-from tests.interrupting import HEARING, wait_for_work
+from tests.interrupting import PROGRAM, session, wait_for_work
 
-from .running import PROGRAM, Command
+from .running import Command
 
 
 @pytest.mark.parametrize(
@@ -263,23 +263,12 @@ def test_ctrl_c_ends_a_run_cleanly(tmp_path: Path, fmu_path: Path, engine: str) 
     of_fmu = ["--fmu", str(fmu_path)] if engine == "fmu" else []
     # Long enough that nobody waits for its end: a million steps or cycles.
     size = ["--stop-time", "10000", "--output-interval", "0.001"]
-    with subprocess.Popen(
-        [*HEARING, sys.executable, "-c", PROGRAM, "simulate", "--engine", engine, *of_fmu, *size,
-         "--output-file", "run.csv"],
-        cwd=work,
-        env={**os.environ, "TMPDIR": str(scratch)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    ) as running:  # fmt: skip
-        try:
-            # Loading takes less than one.
-            wait_for_work(running, 2.5)
-            running.send_signal(signal.SIGINT)
-            out, err = running.communicate(timeout=60)
-        finally:
-            running.kill()
+    command = ("simulate", "--engine", engine, *of_fmu, *size, "--output-file", "run.csv")
+    with session(*command, folder=work, scratch=scratch) as running:
+        # Loading takes less than one.
+        wait_for_work(running, 2.5)
+        running.send_signal(signal.SIGINT)
+        out, err = running.communicate(timeout=60)
     assert running.returncode == 130
     assert err == "stickslip: interrupted\n"
     assert out == ""

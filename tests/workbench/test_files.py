@@ -67,10 +67,7 @@ def test_a_failing_write_names_the_option_and_the_path(tmp_path: Path) -> None:
     """The temporary file is nobody's business, and it is gone."""
     target = tmp_path / "run.csv"
     target.write_bytes(b"old")
-    with (
-        pytest.raises(CommandError) as refusal,
-        writing(target, "--output-file") as stream,
-    ):
+    with pytest.raises(CommandError) as refusal, writing(target, "--output-file") as stream:
         raise OSError(f"cannot write {stream.name}")
     assert str(refusal.value) == f"--output-file {target}: cannot write the file: OSError"
     assert list(tmp_path.iterdir()) == [target]

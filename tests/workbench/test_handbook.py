@@ -77,7 +77,7 @@ def test_a_document_is_one_file_and_its_links_lead_somewhere(
 
 
 def resolved(document: str, link: str) -> str:
-    """Give the path in the FMU that a relative link of a document leads to."""
+    """Return the path in the FMU that a relative link of a document leads to."""
     parts_of: list[str] = list(PurePosixPath(document).parent.parts)
     for step in link.split("/"):
         if step == "..":

@@ -16,9 +16,10 @@ import pytest
 from stickslip.errors import CommandError
 from stickslip.host.elf import needed_libraries
 from stickslip.host.launch import ask, find_library, prepare
+from tests.interrupting import PROGRAM
 from tests.needs import needs
 
-from .running import PROGRAM, Answer, Command
+from .running import Answer, Command
 
 Fake = Callable[..., str]
 
@@ -40,7 +41,7 @@ def started(*arguments: str, **environment: str) -> Answer:
 
 @pytest.fixture
 def fake(tmp_path: Path) -> Fake:
-    """Give what makes an interpreter that describes itself as told; else it is this one."""
+    """Return what makes an interpreter that describes itself as told; else it is this one."""
 
     def make(**told: Any) -> str:
         portrait = {

@@ -16,7 +16,7 @@ MOTION = ClosedForm()
 
 
 def rounding(time: float) -> float:
-    """Give what a time found as a sum of three of its size may differ by."""
+    """Return what a time found as a sum of three of its size may differ by."""
     return 8.0 * math.ulp(time)
 
 

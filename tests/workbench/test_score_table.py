@@ -22,7 +22,7 @@ NOTHING = Compared(None, 0.3, None, None)
 
 
 def lines(score: Score, width: int) -> list[str]:
-    """Give what a console of this width prints."""
+    """Return what a console of this width prints."""
     said = io.StringIO()
     Console(file=said, width=width, markup=False, highlight=False).print(score_table(score))
     return said.getvalue().splitlines()

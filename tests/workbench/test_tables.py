@@ -37,7 +37,7 @@ PROOF = RandomTestResult(
 
 
 def lines(table: RenderableType, width: int) -> list[str]:
-    """Give what a console of this width prints."""
+    """Return what a console of this width prints."""
     said = io.StringIO()
     Console(file=said, width=width, markup=False, highlight=False).print(table)
     return said.getvalue().splitlines()

@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree as ET
@@ -23,10 +22,11 @@ from stickslip_verification import verify as judge
 from stickslip_verification.drive.fmu.digest import content_digest
 from stickslip_verification.suite.cases import CASES_FOLDER
 from stickslip_verification.suite.faults import FAULTS_FOLDER
-from tests.interrupting import HEARING, wait_for_work
+from tests.interrupting import session, wait_for_work
+from tests.python import python
 from tests.verification.foreign import building
 
-from .running import PROGRAM, Command
+from .running import Command
 
 NAMES = building.HERE / "slider_mm.toml"
 
@@ -39,7 +39,7 @@ def slider(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def scratch() -> Iterator[Path]:
-    """Give a folder with a short name: sockets of processes in it may have 107 characters."""
+    """Yield a folder with a short name: sockets of processes in it may have 107 characters."""
     with tempfile.TemporaryDirectory(prefix="s") as folder:
         yield Path(folder)
 
@@ -227,22 +227,12 @@ def test_ctrl_c_ends_the_run_and_its_processes(
     tmp_path: Path, fmu_path: Path, scratch: Path
 ) -> None:
     """Exit code 130, one line, and neither files nor processes are left."""
-    with subprocess.Popen(
-        [*HEARING, sys.executable, "-c", PROGRAM, "verify", "--fmu", str(fmu_path), "-o", "r.json"],
-        cwd=tmp_path,
-        env={**os.environ, "TMPDIR": str(scratch)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    ) as running:
-        try:
-            # To load takes less than two, the run a minute.
-            wait_for_work(running, 4.0)
-            os.killpg(running.pid, signal.SIGINT)
-            out, err = running.communicate(timeout=60)
-        finally:
-            running.kill()
+    command = ("verify", "--fmu", str(fmu_path), "-o", "r.json")
+    with session(*command, folder=tmp_path, scratch=scratch) as running:
+        # To load takes less than two, the run a minute.
+        wait_for_work(running, 4.0)
+        os.killpg(running.pid, signal.SIGINT)
+        out, err = running.communicate(timeout=60)
     assert (running.returncode, out, err) == (130, "", "stickslip: interrupted\n")
     assert not list(tmp_path.iterdir())
     assert not list(scratch.glob("stickslip*"))
@@ -329,10 +319,7 @@ def test_a_later_run_leaves_the_evidence_in_the_fmu(command: Command, tmp_path: 
     judged = "from stickslip.commands.shared import current_fmu; print(current_fmu())"
 
     def found() -> str:
-        done = subprocess.run(
-            [sys.executable, "-c", judged], capture_output=True, text=True, check=True
-        )
-        return done.stdout.strip()
+        return python("-c", judged).stdout.strip()
 
     assert found() == "build/StickSlip.fmu"
     assert fmu.read_bytes() == before

@@ -9,15 +9,7 @@ from stickslip_score.law import Law
 from stickslip_score.phases import NO_GAP, Stick
 from stickslip_score.result import Cause, Judgement
 from stickslip_score.sliding import judge_sliding
-from stickslip_score.words import (
-    force,
-    length,
-    percent,
-    signed_length,
-    signed_time,
-    speed,
-    time,
-)
+from stickslip_score.words import force, length, percent, signed_length, signed_time, speed, time
 
 _LEAST_STEP = 1e-6
 """Part of a period: no solver steps so finely, and no reader of its curve would mind."""

@@ -7,13 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip_score.columns import Column, find_columns
-from stickslip_score.curve import (
-    LEAST_SAMPLES,
-    Curve,
-    CurveError,
-    Floats,
-    with_rounding,
-)
+from stickslip_score.curve import LEAST_SAMPLES, Curve, CurveError, Floats, with_rounding
 
 _SAME = 1e-9
 """Of a column's largest value: rows of one time that differ by less are two sides of an event."""
@@ -60,10 +54,7 @@ def read_curve(path: Path | str, names: Mapping[str, str] | None = None) -> Curv
     }
     kept = _increasing(file, read, numbers)
     sizes = {column.quantity: column.unit for column in columns}
-    return with_rounding(
-        {quantity: read[quantity][kept] for quantity in sizes},
-        sizes,
-    )
+    return with_rounding({quantity: read[quantity][kept] for quantity in sizes}, sizes)
 
 
 def _lines(file: Path) -> list[str]:
@@ -103,11 +94,7 @@ def _separator(header: str) -> str:
 
 
 def _cells(
-    file: Path,
-    lines: Sequence[str],
-    header_number: int,
-    separator: str,
-    columns: Sequence[Column],
+    file: Path, lines: Sequence[str], header_number: int, separator: str, columns: Sequence[Column]
 ) -> tuple[list[int], list[list[str]]]:
     """Return the line numbers of the samples, and the texts of each wanted column."""
     numbers = [

@@ -67,12 +67,7 @@ class Law:
             return dict.fromkeys(("period", "t_stick", "t_slip", "delta_x"), math.nan)
         t_stick = self.relief / self.v
         period = t_stick + t_slip
-        return {
-            "period": period,
-            "t_stick": t_stick,
-            "t_slip": t_slip,
-            "delta_x": self.v * period,
-        }
+        return {"period": period, "t_stick": t_stick, "t_slip": t_slip, "delta_x": self.v * period}
 
     def position(self, after: Floats) -> Floats:
         """Return the position [m] at times after a break-away at 0, from where it was then."""

@@ -76,7 +76,7 @@ _UNITS = {"period": "s", "t_stick": "s", "t_slip": "s", "delta_x": "m"}
 
 
 def as_json(score: Score) -> dict[str, Any]:
-    """Give the score as what JSON can hold; null where a figure is missing."""
+    """Return the score as what JSON can hold; null where a figure is missing."""
     quantities = {name: asdict(getattr(score, name)) for name in _UNITS}
     return {
         **quantities,

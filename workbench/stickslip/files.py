@@ -91,7 +91,7 @@ def _obstacle(target: Path) -> str | None:
 
 
 def _own_descriptor(target: Path) -> int | None:
-    """Give the descriptor of this process that a name like /dev/stdout means, else None."""
+    """Return the descriptor of this process that a name like /dev/stdout means, else None."""
     descriptors = (Path(f"/proc/{os.getpid()}/fd"), Path("/dev/fd"))
     path = target
     for _ in range(_MOST_LINKS):

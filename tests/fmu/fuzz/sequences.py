@@ -356,12 +356,7 @@ def _usual(ways: dict[_Way, float]) -> tuple[list[_Way], list[float]]:
 
 _USUAL = {
     "instantiated": _usual(
-        {
-            _Master._set_up: 5,
-            _Master._enter: 15,
-            _Master._set: 6,
-            _Master._set_start_values: 0.5,
-        }
+        {_Master._set_up: 5, _Master._enter: 15, _Master._set: 6, _Master._set_start_values: 0.5}
     ),
     "initialization": _usual({_Master._set: 6, _Master._exit: 15, _Master._set_start_values: 0.3}),
     "stepping": _usual({_Master._step: 16, _Master._set: 4, _Master._terminate: 0.3}),

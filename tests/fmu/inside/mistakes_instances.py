@@ -33,9 +33,7 @@ _instantiating(
 _instantiating("name_not_utf8", "The instance name is not UTF-8", name=b"\xff\xfe")
 _instantiating("null_resources", "The folder of resources is NULL", resources=None)
 _instantiating(
-    "no_such_folder",
-    "The folder of resources is not there",
-    resources=b"file:///nowhere/resources",
+    "no_such_folder", "The folder of resources is not there", resources=b"file:///nowhere/resources"
 )
 _instantiating("null_callbacks", "The callbacks are NULL, logging off", callbacks=None)
 _instantiating(

@@ -81,6 +81,6 @@ def without(description: str, *names: str) -> str:
 
 
 def outputs(description: str) -> list[str]:
-    """Give the names of the outputs of an FMI 2.0 description."""
+    """Return the names of the outputs of an FMI 2.0 description."""
     variables = ElementTree.fromstring(description).iter("ScalarVariable")
     return [v.get("name", "") for v in variables if v.get("causality") == "output"]

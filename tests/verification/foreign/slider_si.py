@@ -57,9 +57,7 @@ class SliderSi(Fmi3Slave):  # type: ignore[misc]
         self.time = 0.0
         self.register_variable(
             Float64(
-                "time",
-                causality=Fmi3Causality.independent,
-                variability=Fmi3Variability.continuous,
+                "time", causality=Fmi3Causality.independent, variability=Fmi3Variability.continuous
             )
         )
         self.register_units(list(UNITS))

@@ -104,7 +104,7 @@ class SpringAndSlider:
         }
 
     def _slip(self) -> tuple[float, float, float, float, float]:
-        """Give w, way from the balance, pull, what decides the stop and phase angle, mirrored."""
+        """Return w, way from the balance, pull, what decides the stop and phase angle, mirrored."""
         s = self.phase
         w = math.sqrt(self.stiffness / self.mass)
         balance = self.kinetic * self.weight / self.stiffness

@@ -1,4 +1,4 @@
-"""What comes back from a task that was done elsewhere: a value, or why there is none."""
+"""The result of a task in another process: a value, or the reason why there is none."""
 
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -8,10 +8,18 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Answer(Generic[T]):
-    """What came of a task.
+    """The result of a task.
 
-    ``failure`` is what went wrong, ``not_applicable`` what the FMU lacks for it; both None where
-    there is a value. ``late`` tells that it failed for time alone.
+    Attributes
+    ----------
+    value
+        Its value; None if there is none.
+    failure
+        The error on one line; None if there was none.
+    not_applicable
+        What the FMU lacks for the task; None if it lacks nothing.
+    late
+        Whether the task failed by its time limit.
     """
 
     value: T | None = None

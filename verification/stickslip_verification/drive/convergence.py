@@ -47,7 +47,7 @@ def slope(tolerances: list[float], errors: list[float]) -> float:
 
 
 def halves(order: ObservedOrder) -> float:
-    """Give the slope of the coarser half of the levels less that of the finer half."""
+    """Return the slope of the coarser half of the levels less that of the finer half."""
     tolerances, errors = list(order.tolerances), list(order.errors)
     middle = len(errors) // 2
     coarser = slope(tolerances[: middle + 1], errors[: middle + 1])

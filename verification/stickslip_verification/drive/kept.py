@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 
 def kept(function: Callable[..., T], case: Case, *arguments: Any) -> T:
-    """Call `function(case, *arguments)`, or give what it gave earlier in this session.
+    """Return `function(case, *arguments)`, or its result from earlier in this session.
 
     An earlier result counts if the source of both packages, the libraries, the motion that the case
     describes and the other arguments are what they were. Of a friction law from elsewhere, whose
@@ -53,7 +53,7 @@ def kept(function: Callable[..., T], case: Case, *arguments: Any) -> T:
 
 @cache
 def _made_from() -> str:
-    """Give a digest of the code that computes: both packages, Python and the libraries."""
+    """Return a digest of the code that computes: both packages, Python and the libraries."""
     packages = (Path(__file__).parents[1], Path(stickslip_ref.__file__).parent)
     sources = [file.read_text("utf-8") for each in packages for file in sorted(each.rglob("*.py"))]
     versions = [f"{name} {metadata.version(name)}" for name in _LIBRARIES]

@@ -182,5 +182,5 @@ def _need(able: bool, what: str) -> None:
 
 
 def _marks(steps: int) -> list[int]:
-    """Give the numbers of the steps before which a run is set back, in order, none twice."""
+    """Return the numbers of the steps before which a run is set back, in order, none twice."""
     return sorted({steps * n // (_ROLLBACKS + 1) for n in range(1, _ROLLBACKS + 1)})

@@ -26,8 +26,8 @@ _SLAVE_ENDING = "_slave"
 _GUID = re.compile(rb'\bguid="[^"]*"')
 
 MOST_COPIED = 5
-"""Lines that an override may share with what it replaces: with more it is a copy, which the next
-change of the original leaves behind."""
+"""Most lines that an override may share with the code it replaces. With more it is a copy, which
+would miss later changes of the original."""
 
 # The earliest date that an archive can bear.
 _ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
@@ -36,7 +36,7 @@ _ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
 def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     """Make the FMU with the fault planted; the same bytes at every call.
 
-    A fault in the calls of the master changes no FMU: there `fmu` itself is given back.
+    A fault in the calls of the master changes no FMU: there `fmu` itself is returned.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ class _Source:
         self._entries = entries
 
     def find(self, file: str, names: Sequence[str]) -> Counter[str] | None:
-        """Give the lines that define a name of a module, or of a class there; None if nothing does.
+        """Return the lines that define a name of a module or of its class; None if there are none.
 
         Names are followed through imports from packed modules and through base classes.
         """
@@ -240,5 +240,5 @@ def _write(entries: Mapping[str, bytes], target: Path) -> None:
 
 
 def _in_order(names: Iterable[str]) -> list[str]:
-    """Give the model description first, where readers look for it, then the rest by name."""
+    """Return the model description first, where readers look for it, then the rest by name."""
     return sorted(names, key=lambda name: (name != DESCRIPTION, name))

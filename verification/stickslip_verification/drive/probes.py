@@ -1,6 +1,6 @@
-"""Questions to an FMU as a whole: what it declares, what it refuses, what it says.
+"""Probes of an FMU as a whole: its declarations, its refusals, its messages.
 
-A probe gives its complaints, one line each; none if all is well.
+A probe returns its complaints, one line each; none if the FMU is sound.
 """
 
 import math
@@ -22,7 +22,7 @@ Probe = Callable[..., list[str]]
 """Takes the FMU and the probe's arguments. Raises `FmuError`, or `NotApplicableError`."""
 
 _STEP = 0.001
-"""A step that is nothing special [s]."""
+"""An ordinary communication step [s]."""
 
 _LONG = 1.0
 """A step that holds several cycles of the default block [s]."""
@@ -30,7 +30,7 @@ _LONG = 1.0
 
 @dataclass(frozen=True)
 class _Declared:
-    """What the interface says of a variable; "" for a unit where there is none."""
+    """Declaration of a variable in the interface; the unit is "" where there is none."""
 
     kind: str
     unit: str
@@ -42,13 +42,13 @@ _DISCRETE = {"delta_x", "spring_drop", "t_stick", "t_slip", "T", "f", "x_dot_pea
 _INPUTS = ("v", "load", "F_ext")
 _TUNABLE = ("k", "c", "mu_s", "mu_k")
 _KINDS = {"Float64": "Real", "Int32": "Integer"}
-"""What the types of FMI 3.0 are called in 2.0, where they hold the same numbers."""
+"""Types of FMI 3.0 and the types of FMI 2.0 that hold the same numbers."""
 
 _NO_REALS = {"sticking": "Boolean", "mode": "Integer", "n_slips": "Integer"}
 
 
 def _interface() -> dict[str, _Declared]:
-    """Give the interface as it is specified, apart from any table of the FMU's own."""
+    """Return the interface as it is specified, apart from any table of the FMU's own."""
     table = {}
     for name, unit in INPUT_UNITS.items():
         if name in _INPUTS:
@@ -83,7 +83,7 @@ def declared_units(fmu: FmuFile) -> list[str]:
 
 
 def _ours(fmu: FmuFile) -> list[tuple[str, Variable]]:
-    """Give the variables of the interface, without a friction law's own parameters."""
+    """Return the variables of the interface, without a friction law's own parameters."""
     return [(name, fmu.variables[name]) for name in INTERFACE if fmu.has(name)]
 
 
@@ -229,7 +229,7 @@ def _goes_on(instance: FmuInstance, read: Callable[[], list[float]]) -> list[str
 
 
 def _refusal(instance: FmuInstance, values: Mapping[str, float], running: bool) -> str | None:
-    """Give what is said to the values, when they are set or when they act; None if nothing."""
+    """Return what is said to the values, when they are set or when they act; None if nothing."""
     try:
         instance.set(values)
         if running:

@@ -1,7 +1,7 @@
-"""Processes that do the work: an FMU that crashes or hangs takes no more with it than its task.
+"""Worker processes: a crash or a hang of an FMU costs its task and nothing else.
 
-Two sorts: one computes the truth and runs the reference, the other holds an FMU. What a worker
-gives back is an `Answer`, whatever happened to it.
+One kind of worker computes the truth and runs the reference, the other holds an FMU. Every task
+returns an `Answer`, also where the worker crashed.
 """
 
 import contextlib
@@ -50,7 +50,7 @@ _ERRORS = 2
 
 
 def jobs_here() -> int:
-    """Give the number of processes that may work at once: one per processor."""
+    """Return the number of processes that may work at once: one per processor."""
     return max(
         1, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     )
@@ -82,7 +82,7 @@ def other_run(case: Case, run: str) -> Answer[Run]:
 
 
 def probe(invariant: Probe) -> Answer[list[str]]:
-    """Ask the FMU of this process a question."""
+    """Try a probe on the FMU of this process."""
     return _answer(lambda: PROBES[invariant.probe](_fmu(), **invariant.arguments))
 
 
@@ -130,10 +130,9 @@ class Pool:
         arguments: Sequence[tuple[Any, ...]],
         most: float = math.inf,
     ) -> Iterator[Answer[T]]:
-        """Do the task for each tuple of arguments; give the answers in their order.
+        """Run the task for each tuple of arguments; yield the answers in the same order.
 
-        All are begun at once, before the first answer is asked for. `most` [s] is a shorter limit
-        than the pool's.
+        All tasks are scheduled at once. `most` [s] is a time limit below the pool's.
         """
         limit = min(self._limit, most)
         futures: list[ProcessFuture[Answer[T]]] = [
@@ -157,7 +156,7 @@ class Pool:
 
 @dataclass
 class _Held:
-    """What a process knows of its FMU, opened when first asked for."""
+    """The FMU of a worker, opened at its first use."""
 
     path: Path | None = None
     names: NameMap | None = None
@@ -180,7 +179,7 @@ def _outcome(future: ProcessFuture[Answer[T]], limit: float) -> Answer[T]:
 
 
 def _begin(folder: str, fmu: Path | None, names: NameMap | None, hooks: Sequence[Hook]) -> None:
-    """Set up a process: Ctrl-C is its parent's affair, and what an FMU prints is nobody's."""
+    """Set up a worker: it ignores Ctrl-C, and an FMU's prints are discarded."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     tempfile.tempdir = folder
     _HELD.path, _HELD.names, _HELD.hooks = fmu, names, hooks
@@ -220,7 +219,7 @@ def _end(code: int) -> str:
 
 
 def _context() -> BaseContext:
-    """Give a way to start processes that costs little each: forks of one that has all loaded."""
+    """Return the context that starts workers fastest: forks of a server with all modules loaded."""
     methods: Mapping[str, None] = dict.fromkeys(multiprocessing.get_all_start_methods())
     context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
     if "forkserver" in methods:
@@ -230,10 +229,10 @@ def _context() -> BaseContext:
 
 
 def _start_server() -> None:
-    """Start the process that is forked: deaf to Ctrl-C and silent from its first moment on.
+    """Start the fork server with Ctrl-C blocked and standard error discarded from the start.
 
-    By itself it turns deaf once it has loaded everything, which takes a second; and a process that
-    it forks while the work is called off has nothing to say that is of use.
+    By itself it ignores Ctrl-C only once its modules are loaded, after about a second. A worker
+    that it forks during an interrupt would print a traceback of no use.
     """
     resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -246,7 +245,7 @@ def _start_server() -> None:
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """Let what is started here write its errors nowhere."""
+    """Discard the standard error of processes started in this block."""
     try:
         kept = os.dup(_ERRORS)
     except OSError:  # closed already

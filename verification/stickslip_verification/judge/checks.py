@@ -1,6 +1,6 @@
-"""Pure functions that judge one check of a case: where it looks, what it compares, by what measure.
+"""Judgement of one check of a case: its places in the run, its values and their error.
 
-How a side is judged, `Contract`, is here too: which tolerances are its own, and what decides.
+`Contract` says which tolerances a side is held to, and which classes of checks decide its verdict.
 """
 
 from collections.abc import Mapping, Sequence
@@ -103,7 +103,7 @@ def places(at: At, exact: Exact) -> list[int]:
 
 
 def extract(quantity: str, record: Run, start: Mapping[str, float]) -> Series:
-    """Give the samples of a quantity at all communication points, in its unit.
+    """Return the samples of a quantity at all communication points, in its unit.
 
     Raises
     ------
@@ -183,12 +183,12 @@ def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Ru
 
 
 def last_worst(found: Series) -> int:
-    """Give the place of the largest error; of equal ones, most of all none, the last tells most."""
+    """Return the index of the largest error; of equal errors (all 0, say) the last one."""
     return len(found) - 1 - int(np.argmax(found[::-1]))
 
 
 def blank(case: Case, check: Check, contract: Contract) -> CheckResult:
-    """Give the result of a check of a case before anything was compared."""
+    """Return the result of a check of a case before anything was compared."""
     return CheckResult(
         case=case.id,
         check=check.id,
@@ -211,7 +211,7 @@ def blank(case: Case, check: Check, contract: Contract) -> CheckResult:
 def without_value(
     empty: CheckResult, contract: Contract, error: Exception, expected: float | None = None
 ) -> CheckResult:
-    """Give the result where the side has no value to compare: not applicable, or a failure."""
+    """Return the result where the side has no value to compare: not applicable, or a failure."""
     if isinstance(error, LackingError) and not contract.ours:
         return replace(empty, not_applicable=f"it has {error}", expected=expected)
     return replace(empty, failure=str(error), expected=expected)

@@ -215,7 +215,7 @@ def judge_probe(invariant: Probe, contract: Contract, answer: Answer[list[str]])
 
 
 def blank(invariant: Invariant, case: str, contract: Contract) -> CheckResult:
-    """Give the result of an invariant before anything was compared."""
+    """Return the result of an invariant before anything was compared."""
     return CheckResult(
         case=case,
         check=invariant.id,

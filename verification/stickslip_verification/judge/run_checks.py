@@ -62,7 +62,7 @@ def judge_run(
 
 
 def _with_start(record: Run) -> dict[str, Series]:
-    """Give the samples of each output, that after initialization first."""
+    """Return the samples of each output, that after initialization first."""
     return {
         name: np.concatenate(([record.initial[name]], record.outputs[name]))
         for name in OUTPUT_NAMES

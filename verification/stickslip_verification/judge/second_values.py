@@ -31,7 +31,7 @@ class Accepted:
     values: Mapping[Key, float] = field(default_factory=dict)
 
     def attach(self, results: Iterable[CheckResult], *, fmu: bool = True) -> list[CheckResult]:
-        """Give the results with their second values, where there are any.
+        """Return the results with their second values, where there are any.
 
         Those of an FMU that is not ours (`fmu` False) have none.
         """

@@ -41,7 +41,7 @@ def read_toml(file: Path, error: type[DataError]) -> dict[str, Any]:
 
 
 def objection(data: Any, schema: Mapping[str, Any]) -> tuple[Sequence[str | int], str] | None:
-    """Give the path and the reason of what in `data` offends a schema most, or None."""
+    """Return the path and the reason of what in `data` offends a schema most, or None."""
     fault = jsonschema.exceptions.best_match(
         jsonschema.Draft202012Validator(schema).iter_errors(data)
     )

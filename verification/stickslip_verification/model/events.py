@@ -84,7 +84,7 @@ def events_between(samples: NDArray[np.void], v: float) -> tuple[tuple[Event, ..
 
 
 def _events_in(before: np.void, after: np.void, previous: Event | None, v: float) -> list[Event]:
-    """Give the one or two transitions between two samples, or nothing if they cannot be told.
+    """Return the one or two transitions between two samples, or nothing if they cannot be told.
 
     That is where there are more, or where a slip ends whose beginning is hidden: `previous` None.
     """

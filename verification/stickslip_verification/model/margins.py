@@ -6,7 +6,7 @@ from stickslip_verification.model.verdict import CheckResult
 
 
 def margin(error: float | None, tolerance: float) -> float:
-    """Give error over tolerance: 0 is exact, 1 the edge, infinity where nothing was comparable.
+    """Return error over tolerance: 0 is exact, 1 the edge, infinity where nothing was comparable.
 
     A tolerance of 0 allows only an error of 0.
     """
@@ -18,7 +18,7 @@ def margin(error: float | None, tolerance: float) -> float:
 
 
 def margin_of(result: CheckResult) -> float | None:
-    """Give the margin of a result, or None where its check does not apply."""
+    """Return the margin of a result, or None where its check does not apply."""
     if result.not_applicable is not None:
         return None
     return margin(result.error, result.tolerance)

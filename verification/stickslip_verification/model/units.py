@@ -159,7 +159,7 @@ def defined(factor: float, offset: float, dimension: Dimension) -> Unit | None:
 
 
 def conversion(unit: Unit, sign: int) -> Conversion:
-    """Give the conversion of numbers in `unit`, that count along (+1) or against (-1) ours."""
+    """Return the conversion of numbers in `unit`, that count along (+1) or against (-1) ours."""
     top, bottom = unit.factor.numerator, unit.factor.denominator
     # Beyond this an integer is no double, and two roundings are not better than one.
     if max(abs(top), bottom) > 2**53:

@@ -26,9 +26,9 @@ REFERENCE_BOUND = 1e-9
 SMALLEST_REFERENCE_LAMBDA = 1e-3
 """Below it the re-stick is too shallow for any integration in double precision."""
 DECIDABLE = 1e-9
-"""|lambda/lambda_c - 1| below which nobody is asked whether the cycle exists."""
+"""|lambda/lambda_c - 1| below which the existence of the cycle is not tested."""
 WATCHED = 3.5
-"""Periods watched: the second slip is over after less than three, whatever the start."""
+"""Length of a run in periods. The second slip ends within three periods from any start."""
 
 Values = Mapping[str, float]
 Cycle = Mapping[str, Any]

@@ -80,7 +80,7 @@ def damped_oscillator(draw: Random) -> tuple[dict[str, float], float]:
 
 
 def with_lambda(p: Values, lambda_: float) -> dict[str, float]:
-    """Give the same oscillator pulled at the speed that makes lambda, near break-away."""
+    """Return the same oscillator pulled at the speed that makes lambda, near break-away."""
     return _near_break_away({**p, "v": w_of(p) * gap_of(p) / lambda_})
 
 

@@ -25,7 +25,7 @@ class Mover:
         self._read: Callable[[], list[float]] = list
 
     def begin(self, parameters: Mapping[str, float]) -> Motion:
-        """Start a motion from these values (SI); whatever ran before is over."""
+        """Start a motion from these values (SI); a motion under way ends."""
         try:
             if self._instance is None:
                 self._instance = self._file.instantiate()

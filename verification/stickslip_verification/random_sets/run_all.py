@@ -6,8 +6,6 @@ from pathlib import Path
 from stickslip_verification.random_sets import cycles, sequences
 from stickslip_verification.random_sets.tally import RandomTestResult
 
-__all__ = ["RandomTestResult", "prove"]
-
 Progress = Callable[[str, int, int], None]
 
 

@@ -55,11 +55,7 @@ def split_and_truth(
         most_left_out=0.01,
     )
     exactness = Tally(
-        f"any input sequence{what}",
-        "fmu",
-        "1e-10 of the motion's scale",
-        seed,
-        most_left_out=0.01,
+        f"any input sequence{what}", "fmu", "1e-10 of the motion's scale", seed, most_left_out=0.01
     )
     with Mover(fmu, OUTPUT_NAMES) as mover:
         for n in range(_share(whole_set, fraction)):
@@ -141,7 +137,7 @@ def no_hidden_scale(fmu: Path, seed: int, fraction: float) -> Iterator[RandomTes
 
 
 def scales(motion: draws.Sequence, samples: Sequence[State]) -> dict[str, float]:
-    """Give the scale of each measured output: the largest magnitude of its kind over the motion."""
+    """Return the scale of each output: the largest magnitude of its kind over the motion."""
 
     def largest(names: Sequence[str]) -> float:
         return max(abs(sample[name]) for sample in samples for name in names)
@@ -162,7 +158,7 @@ def scales(motion: draws.Sequence, samples: Sequence[State]) -> dict[str, float]
 def apart(
     got: Sequence[State], expected: Sequence[State], scale: Mapping[str, float], bound: float
 ) -> dict[str, float]:
-    """Give the distance of two motions over the bound, per output; infinity where counts differ."""
+    """Return the distance of two motions over the bound, by output; inf where counts differ."""
     ratios = dict.fromkeys((*MEASURED, *COUNTED), 0.0)
     for one, other in zip(got, expected, strict=True):
         for name in MEASURED:

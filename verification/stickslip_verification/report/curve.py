@@ -23,7 +23,7 @@ UNEVEN = 10.0
 """Ratio of two neighbouring gaps above which the shorter tells nothing of the longer."""
 
 AT_ONCE = 0.005
-"""Part of the run's length below which a slip is drawn as a jump, whatever its course."""
+"""Part of the run's length below which a slip is drawn as a jump."""
 
 
 @dataclass(frozen=True)
@@ -58,13 +58,13 @@ class _Node:
 
 
 def samples(motion: Motion) -> Curve:
-    """Give the samples of the exact motion alone, the start included."""
+    """Return the samples of the exact motion alone, the start included."""
     t, columns = _with_start(motion)
     return Curve(t, columns["x"], columns["x_pull"], columns["F"], joined=False)
 
 
 def curve(motion: Motion) -> Curve:
-    """Give the line through the exact motion, or its samples where they do not tell the line.
+    """Return the line through the exact motion, or its samples alone where they are too coarse.
 
     An event between two samples is a corner at its exact time: in stick the mass does not move, so
     its position there is that of the neighbouring sample. In slip the line is the cubic through
@@ -101,7 +101,7 @@ def _with_start(motion: Motion) -> tuple[Series, dict[str, Series]]:
 
 
 def _nodes(motion: Motion) -> Iterator[_Node]:
-    """Give samples and events in order of time; nothing if an interval holds more than two."""
+    """Yield samples and events in order of time; nothing if an interval holds more than two."""
     t, at = _with_start(motion)
     near = SAME_TIME * float(t[-1])
     stiffness = _stiffness(at["F"], at["z"])
@@ -133,7 +133,7 @@ def _node(at: dict[str, Series], i: int, t: float, slips: bool, k: float) -> _No
 
 
 def _stiffness(F: Series, z: Series) -> Series:
-    """Give k at each sample [N/m]; where z is 0 it is that of the nearest sample that tells it."""
+    """Return k = F/z at each sample [N/m]; where z is 0, k of the nearest sample with z not 0."""
     told = np.flatnonzero(z != 0.0)
     if not len(told):
         return np.zeros_like(z)
@@ -144,14 +144,14 @@ def _stiffness(F: Series, z: Series) -> Series:
 
 
 def _ahead(left: _Node, time: float) -> float:
-    """Give x where the mass comes to rest at `time`, its velocity falling straight to 0."""
+    """Return x where the mass comes to rest at `time`, its velocity falling straight to 0."""
     return left.x + 0.5 * left.x_dot * (time - left.t) if left.slips else left.x
 
 
 def _turning_point(
     left: _Node, time: float, slips: bool, t_next: float, x_next: float, x_dot_next: float
 ) -> float:
-    """Give x at an event between the node `left` and the next sample."""
+    """Return x at an event between the node `left` and the next sample."""
     if not slips:
         return x_next
     if not left.slips:
@@ -160,7 +160,7 @@ def _turning_point(
 
 
 def _cubic(nodes: Sequence[_Node]) -> CubicHermiteSpline:
-    """Give the cubics with the positions and velocities of nodes, as a function of time [s]."""
+    """Return the cubics with the positions and velocities of nodes, as a function of time [s]."""
     t, x, x_dot = np.array([(node.t, node.x, node.x_dot) for node in nodes]).T
     return CubicHermiteSpline(t, x, x_dot)
 

@@ -1,4 +1,4 @@
-"""An earlier report, and how the margins have moved since."""
+"""Comparison of a verdict with an earlier report: margins that moved, verdicts that changed."""
 
 import json
 import math
@@ -48,7 +48,7 @@ class EarlierReport:
 
 @dataclass(frozen=True)
 class Move:
-    """A check that is in both reports and is not as it was."""
+    """A check of both reports, with its entry in each."""
 
     case: str
     check: str
@@ -67,7 +67,7 @@ class Move:
 
 @dataclass(frozen=True)
 class Moves:
-    """What is not as it was in an earlier report.
+    """Differences between an earlier report and a verdict.
 
     Attributes
     ----------
@@ -127,7 +127,7 @@ def read_earlier_report(path: Path) -> EarlierReport:
 
 
 def compare(baseline: EarlierReport, verdict: Verdict) -> Moves:
-    """Tell how the margins of a verdict moved since an earlier report."""
+    """Return how the checks of a verdict differ from those of an earlier report."""
     now = {
         (each.case, each.check, each.side): Entry(
             margin(each.error, each.tolerance), each.tolerance, each.verdict

@@ -10,7 +10,7 @@ _TEMPLATES: Final = Path(__file__).parent / "templates"
 
 
 def environment() -> Environment:
-    """Give what renders the templates: a name that is missing is an error, text is escaped."""
+    """Return what renders the templates: a name that is missing is an error, text is escaped."""
     made = Environment(
         loader=FileSystemLoader(_TEMPLATES),
         autoescape=True,
@@ -24,5 +24,5 @@ def environment() -> Environment:
 
 
 def text_of(name: str) -> Markup:
-    """Give a style or a script that stands in a page as it is."""
+    """Return a style or a script that stands in a page as it is."""
     return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))

@@ -52,7 +52,7 @@ def label_decades(axis: Axis, limits: tuple[float, float], most: int) -> None:
 
 
 def as_svg(page: Figure, prefix: str, title: str) -> str:
-    """Give a picture as SVG for the page; `prefix` makes its ids its own, `title` names it."""
+    """Return a picture as SVG for the page; `prefix` makes its ids its own, `title` names it."""
     stream = io.StringIO()
     FigureCanvasSVG(page)
     page.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})

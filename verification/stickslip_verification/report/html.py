@@ -60,7 +60,7 @@ def render(
     drawn: Mapping[str, str] | None = None,
     compact: bool = False,
 ) -> str:
-    """Give the report as HTML; the same but for its last block for the same results.
+    """Return the report as HTML; the same but for its last block for the same results.
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ def _dated(verdict: Verdict, moves: baseline.Moves | None) -> dict[str, Any]:
 
 
 def _told(provenance: Mapping[str, Any], path: str = "") -> list[tuple[str, str]]:
-    """Give the provenance as names and words, whatever it holds."""
+    """Return the provenance as pairs of label and text, nested tables flattened."""
     lines: list[tuple[str, str]] = []
     for key, value in provenance.items():
         name = f"{path}.{key}" if path else str(key)

@@ -34,7 +34,7 @@ KEYS = {
 
 
 def as_json(verdict: Verdict) -> dict[str, Any]:
-    """Give the verdict as plain JSON values: summary, by_kind, checks and what is beside them.
+    """Return the verdict as plain JSON values: summary, by_kind, checks and what is beside them.
 
     A number that is not finite becomes null. A check without anything to compare has null for
     ``got`` and ``error``, and its ``because`` starts with what happened.
@@ -52,7 +52,7 @@ def as_json(verdict: Verdict) -> dict[str, Any]:
 
 
 def json_text(verdict: Verdict) -> str:
-    """Give `as_json` as the text of a file."""
+    """Return `as_json` as the text of a file."""
     return json.dumps(as_json(verdict), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 

@@ -16,7 +16,7 @@ _NAMES = {"2.0": "StickSlip.fmu", "3.0": "StickSlip_fmi3.fmu"}
 
 
 def packed_report(verdict: Verdict) -> str:
-    """Give the report that goes into the FMU it judges.
+    """Return the report that goes into the FMU it judges.
 
     It names the FMU by the digest of its content without extra/, so that it can be put there, and
     carries neither date nor place: the same FMU and the same suite give the same bytes.
@@ -43,7 +43,7 @@ def packed_report(verdict: Verdict) -> str:
 
 
 def _case(verdict: Verdict, case: str) -> dict[str, object]:
-    """Give one row: how many comparisons of a case hold, on each side, and which is nearest."""
+    """Return one row: how many comparisons of a case hold, on each side, and which is nearest."""
     results = [result for result in verdict.checks if result.case == case]
     title = next((motion.title for motion in verdict.motions if motion.case == case), "")
     of_fmu = [
@@ -66,6 +66,6 @@ def _held(results: Sequence[CheckResult], side: str) -> str:
 
 
 def _shown(verdict: Verdict) -> Verdict:
-    """Give the verdict with nothing but what the FMU did in the case that is shown."""
+    """Return the verdict with nothing but what the FMU did in the case that is shown."""
     checks = [each for each in verdict.checks if each.case == SHOWN and each.side == "fmu"]
     return replace(verdict, checks=checks)

@@ -45,7 +45,7 @@ _PREFIXES: Final = ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"
 
 
 def course_tolerances(checks: Sequence[CheckResult], case: str) -> dict[str, float]:
-    """Give the tolerance of the course of x on each side of a case, as part of its scale."""
+    """Return the tolerance of the course of x on each side of a case, as part of its scale."""
     return {
         result.side: result.tolerance
         for result in checks
@@ -252,7 +252,7 @@ def _range(panel: Axes, values: Series, above: float = 0.07) -> None:
 
 
 def _scale(largest: float, above: float = 2.0) -> tuple[float, str]:
-    """Give the size of the unit that makes `largest` a handy number, and its SI prefix."""
+    """Return the size of the unit that makes `largest` a handy number, and its SI prefix."""
     for size, prefix in _PREFIXES:
         if largest >= above * size and (size <= 1.0 or largest >= 1e4):
             return size, prefix

@@ -94,7 +94,7 @@ class FailedCheck:
 def case_views(
     verdict: Verdict, plots: Mapping[str, str], linked: frozenset[int], *, compact: bool = False
 ) -> list[CaseView]:
-    """Give the cases, those with failures first, else in the order of the run.
+    """Return the cases, those with failures first, else in the order of the run.
 
     ``linked`` has the numbers of the results that something on the page points at. In the
     ``compact`` form a case shows, beside what failed or is noted or linked, only the comparison of
@@ -123,7 +123,7 @@ def failed_checks(
     meanings: Mapping[str, Meaning],
     words: Sequence[str] = (Outcome.FAIL, Outcome.DRIFT),
 ) -> list[tuple[FailedCheck, list[int]]]:
-    """Give each check with a verdict among `words`, the most frequent first.
+    """Return each check with a verdict among `words`, the most frequent first.
 
     With each come the numbers of the results that it names.
     """
@@ -148,7 +148,7 @@ def failed_checks(
 
 
 def nearest(verdict: Verdict) -> list[tuple[Place, int]]:
-    """Give the passed results that use most of their tolerance, and their numbers."""
+    """Return the passed results that use most of their tolerance, and their numbers."""
     passed = [(n, r) for n, r in enumerate(verdict.checks) if r.verdict == Outcome.PASS]
     worst = sorted(passed, key=lambda each: -(margin_of(each[1]) or 0.0))[:NEAREST]
     return [
@@ -206,7 +206,7 @@ def _case_view(
 
 
 def _chosen(results: Sequence[tuple[int, CheckResult]], linked: frozenset[int]) -> set[int]:
-    """Give the numbers of the results that the compact form shows."""
+    """Return the numbers of the results that the compact form shows."""
     nearest: dict[str, tuple[float, int]] = {}
     chosen = set()
     for number, result in results:

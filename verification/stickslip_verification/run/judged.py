@@ -1,18 +1,19 @@
-"""The run of an FMU: everything it is asked, and the result of every check, invariant and probe."""
+"""Runs of an FMU in every case, and the result of every check, invariant and probe."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.exact import Exact
 from stickslip_verification.judge import checks, run_checks
 from stickslip_verification.judge import invariant_checks as invariant_checks
 from stickslip_verification.judge.checks import REFERENCE_CONTRACT, Contract
 from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import CheckResult, Klass, Motion
 from stickslip_verification.run.baseline import Baseline, Progress
-from stickslip_verification.suite.cases import Check
-from stickslip_verification.suite.invariants import Invariants, ResidualInvariant, RunInvariant
+from stickslip_verification.suite.invariants import Invariants
 
 FINISHES = "runs-to-the-end"
 """The check that a run which does not finish fails; for the others nothing is there to judge."""
@@ -20,7 +21,7 @@ FINISHES = "runs-to-the-end"
 
 @dataclass(frozen=True)
 class Answers:
-    """What an FMU did: its plain run and its other runs of each case, and the probes' answers."""
+    """Results of an FMU: plain run and other runs of each case, and complaints of the probes."""
 
     plain: Mapping[str, Answer[Run]]
     runs: Mapping[tuple[str, str], Answer[Run]]
@@ -63,14 +64,14 @@ def judge(
     *,
     reference: bool = True,
 ) -> Iterator[CheckResult]:
-    """Give the result of every check, case by case, then those of the FMU as a whole.
+    """Yield the result of every check, case by case, then those of the FMU as a whole.
 
     Without `reference` only what the FMU did is judged.
     """
     for each in baseline:
         results = _judge_case(each, invariants, answers, contract, reference=reference)
         if each.case.klass == Klass.CONTRACT:
-            # Whatever is said of a convention is no more than a convention.
+            # Every check of a case of class contract is itself of that class.
             results = (_by_contract(result, contract) for result in results)
         yield from results
     for invariant in invariants.probes:
@@ -78,7 +79,7 @@ def judge(
 
 
 def motions(baseline: Sequence[Baseline], answers: Answers) -> Iterator[Motion]:
-    """Give what each case looked like on the sides that ran."""
+    """Yield the motion of each case on the sides that ran, beside the exact one."""
     for each in baseline:
         if each.exact.value is None:
             continue
@@ -106,13 +107,23 @@ def _judge_case(
     sides = [(contract, plain)] + ([(REFERENCE_CONTRACT, baseline.reference)] if reference else [])
     for check in case.checks:
         for side, answer in sides:
-            yield _judge_side(checks.blank(case, check, side), baseline, answer, check, side)
+            judge_side = partial(checks.judge, case, check, side)
+            yield _judge(checks.blank(case, check, side), baseline, answer, judge_side)
     for invariant in baseline.invariants:
         for side, answer in sides:
-            yield _judge_invariant(baseline, invariant, answer, side)
+            empty = invariant_checks.blank(invariant, case.id, side)
+            judge_residual = partial(invariant_checks.judge_residual, invariant, case, side)
+            yield _judge(empty, baseline, answer, judge_residual)
     for run in invariants.runs:
         if run.holds_for(case.law):
-            yield _judge_run(baseline, run, answers, contract)
+            empty = invariant_checks.blank(run, case.id, contract)
+            if plain.value is None:
+                yield _unanswered(empty, plain)
+                continue
+            judge_run = partial(
+                run_checks.judge_run, run, case, contract, other=answers.runs[case.id, run.run]
+            )
+            yield _judge(empty, baseline, plain, judge_run)
     yield from _judge_against_reference(
         baseline, invariants, answers, contract, reference=reference
     )
@@ -126,7 +137,7 @@ def _by_contract(result: CheckResult, contract: Contract) -> CheckResult:
 
 
 def _unanswered(empty: CheckResult, answer: Answer[Run]) -> CheckResult:
-    """Give the result where a run gave no record.
+    """Return the result of a check whose run gave no record.
 
     One check fails with the reason; the others say that there is nothing to judge.
     """
@@ -135,41 +146,19 @@ def _unanswered(empty: CheckResult, answer: Answer[Run]) -> CheckResult:
     return replace(empty, not_applicable=f"the run did not end: see {FINISHES}")
 
 
-def _judge_side(
-    empty: CheckResult, baseline: Baseline, answer: Answer[Run], check: Check, side: Contract
+def _judge(
+    empty: CheckResult,
+    baseline: Baseline,
+    answer: Answer[Run],
+    judge: Callable[[Exact, Run], CheckResult],
 ) -> CheckResult:
-    if baseline.exact.value is None:
-        return replace(empty, failure=f"the truth cannot be computed: {baseline.exact.failure}")
+    """Return what `judge` says of a run; without truth or run, `empty` with the reason."""
+    exact = baseline.exact
+    if exact.value is None:
+        return replace(empty, failure=f"the truth cannot be computed: {exact.failure}")
     if answer.value is None:
         return _unanswered(empty, answer)
-    return checks.judge(baseline.case, check, side, baseline.exact.value, answer.value)
-
-
-def _judge_invariant(
-    baseline: Baseline, invariant: ResidualInvariant, answer: Answer[Run], side: Contract
-) -> CheckResult:
-    empty = invariant_checks.blank(invariant, baseline.case.id, side)
-    if baseline.exact.value is None:
-        return replace(empty, failure=f"the truth cannot be computed: {baseline.exact.failure}")
-    if answer.value is None:
-        return _unanswered(empty, answer)
-    return invariant_checks.judge_residual(
-        invariant, baseline.case, side, baseline.exact.value, answer.value
-    )
-
-
-def _judge_run(
-    baseline: Baseline, invariant: RunInvariant, answers: Answers, contract: Contract
-) -> CheckResult:
-    plain = answers.plain[baseline.case.id]
-    empty = invariant_checks.blank(invariant, baseline.case.id, contract)
-    if plain.value is None:
-        return _unanswered(empty, plain)
-    if baseline.exact.value is None:
-        return replace(empty, failure=f"the truth cannot be computed: {baseline.exact.failure}")
-    other = answers.runs[baseline.case.id, invariant.run]
-    exact = baseline.exact.value
-    return run_checks.judge_run(invariant, baseline.case, contract, exact, plain.value, other)
+    return judge(exact.value, answer.value)
 
 
 def _judge_against_reference(

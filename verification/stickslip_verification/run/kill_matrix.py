@@ -54,10 +54,10 @@ def detect(
     progress: Progress | None = None,
     how: How = How(),
 ) -> KillMatrix:
-    """Plant each fault in the FMU, run the mutant as any FMU is run, and see what it fails.
+    """Plant each fault in the FMU, verify the mutant, and collect the checks that it fails.
 
-    What a mutant fails only because it took too long does not count. Where it did not finish a
-    case for another reason it fails that check and nothing else, for nothing was compared.
+    Checks that fail only by the time limit do not count. A mutant that does not finish a case for
+    another reason fails the check of that alone, since nothing was compared.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def _first_foretold(
     invariants: Invariants,
     contract: Contract,
 ) -> tuple[Mapping[str, int], str | None]:
-    """Give what fails first of the checks `wanted`, in one case or of the FMU as a whole.
+    """Return what fails first of the checks `wanted`, in one case or of the FMU as a whole.
 
     The second value says why the mutant cannot be judged, or is None.
     """
@@ -201,7 +201,7 @@ def _first_foretold(
 def _failures(
     baseline: Sequence[Baseline], invariants: Invariants, answers: Answers, contract: Contract
 ) -> Iterator[CheckResult]:
-    """Give the checks that failed for what the FMU did, and not for the time it took."""
+    """Yield the checks that failed for what the FMU did, and not for the time it took."""
     late = set(_late(answers, invariants))
     for result in judge(baseline, invariants, answers, contract, reference=False):
         if result.failed and not late & {(result.case, ""), (result.case, result.check)}:
@@ -209,7 +209,7 @@ def _failures(
 
 
 def _late(answers: Answers, invariants: Invariants) -> Iterator[tuple[str, str]]:
-    """Give what took too long: a case, and the invariant that asked for the run or ""."""
+    """Yield what took too long: a case, and the invariant that asked for the run or ""."""
     yield from ((case, "") for case, answer in answers.plain.items() if answer.late)
     for (case, run), answer in answers.runs.items():
         if answer.late:
@@ -224,7 +224,7 @@ def _count(results: Iterable[CheckResult]) -> Mapping[str, int]:
 
 
 def _columns(baseline: Sequence[Baseline], invariants: Invariants) -> Iterable[str]:
-    """Give the checks that an FMU can fail, each once, in the order of the suite."""
+    """Return the checks that an FMU can fail, each once, in the order of the suite."""
     of_cases = (check.id for each in baseline for check in each.case.checks)
     families = (invariants.residuals, invariants.runs, invariants.agreements, invariants.probes)
     of_invariants = (invariant.id for family in families for invariant in family)

@@ -1,4 +1,4 @@
-"""The suite linted: what its data files must say beyond their schemas, and what nothing uses."""
+"""Lint of the suite: rules of its data files beyond their schemas, and names that are unused."""
 
 import json
 import re
@@ -43,7 +43,7 @@ MOST_SUBSTITUTED = 30
 
 
 def lint(folder: Path = CASES_FOLDER) -> list[str]:
-    """Give the findings, one line each; none if the suite is sound.
+    """Return the findings, one line each; none if the suite is sound.
 
     Parameters
     ----------

@@ -183,7 +183,7 @@ def follow(
 
 
 def _own_parameters(file: Path, law: Any) -> tuple[Parameter, ...]:
-    """Give the own parameters of a case's friction law."""
+    """Return the own parameters of a case's friction law."""
     try:
         return tuple(truth.friction_law(str(law)).parameters)
     except ValueError as error:
@@ -216,7 +216,7 @@ def _values(
     steps: Iterable[CommunicationStep],
     own: Sequence[Parameter],
 ) -> tuple[Mapping[str, float], ...]:
-    """Give all values in force at the start and after each change."""
+    """Return all values in force at the start and after each change."""
     where = "parameters"
     try:
         values = [complete(parameters, own)]
@@ -229,7 +229,7 @@ def _values(
 
 
 def _stated(file: Path, data: Mapping[str, Any]) -> Facts | None:
-    """Give what the file states of the exact motion."""
+    """Return what the file states of the exact motion."""
     if "motion" not in data:
         return None
     motion = data["motion"]
@@ -262,7 +262,7 @@ def _own(file: Path, rules: Rules, own: Mapping[str, Any]) -> Rules:
 
 
 def _courses(file: Path, data: Mapping[str, Any]) -> list[str]:
-    """Give the outputs that are held against the exact motion at every point, groups resolved."""
+    """Return the outputs that are held against the exact motion at every point, groups resolved."""
     found: list[str] = []
     for n, name in enumerate(data.get("courses", GROUPS)):
         where = where_is(file, ("courses", n))
@@ -277,7 +277,7 @@ def _courses(file: Path, data: Mapping[str, Any]) -> list[str]:
 
 
 def _checks(file: Path, data: Mapping[str, Any], rules: Rules) -> tuple[Check, ...]:
-    """Give the checks of a case: formulas of the cycle, courses, and those written out."""
+    """Return the checks of a case: formulas of the cycle, courses, and those written out."""
     checks = []
     _check_formulas(file, data)
     for quantity, formula, at in _cycle(file, data, rules):
@@ -329,7 +329,7 @@ def _check(name: str, quantity: str, formula: str | None, at: At, tolerance: Tol
 
 
 def _cycle(file: Path, data: Mapping[str, Any], rules: Rules) -> Iterator[tuple[str, str, At]]:
-    """Give the outputs of the steady cycle that are held against their formulas."""
+    """Yield the outputs of the steady cycle that are held against their formulas."""
     if "cycle" not in data:
         return
     cycle = data["cycle"]
@@ -356,7 +356,7 @@ def _at(entry: str | Mapping[str, int]) -> At:
 
 
 def _written(file: Path, n: int, entry: Mapping[str, Any], rules: Rules) -> Check:
-    """Build a check that is written out; what it leaves open comes from the rules."""
+    """Build a check that a case spells out; fields that it leaves out come from the rules."""
 
     def refuse(reason: str, *path: str) -> CaseError:
         return CaseError(file, where_is(file, ("checks", n, *path)), reason)

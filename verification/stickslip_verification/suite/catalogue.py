@@ -22,13 +22,13 @@ class Meaning:
 
 @cache
 def of_quantities() -> Mapping[str, Meaning]:
-    """Give the meaning of each quantity that a check of a case can be about."""
+    """Return the meaning of each quantity that a check of a case can be about."""
     entries = tomllib.loads(FILE.read_text(encoding="utf-8"))
     return {name: Meaning(entry["means"], entry["look"]) for name, entry in entries.items()}
 
 
 def meanings(cases: Iterable[Case], invariants: Invariants) -> dict[str, Meaning]:
-    """Give the meaning of every check by its id, those of cases first."""
+    """Return the meaning of every check by its id, those of cases first."""
     known = of_quantities()
     found = {check.id: known[check.quantity] for case in cases for check in case.checks}
     found |= {invariant.id: Meaning(invariant.means, invariant.look) for invariant in invariants}

@@ -89,7 +89,7 @@ class Override:
         return f"{owner}.{name}" if owner.lstrip("_")[:1].isupper() else name
 
     def function(self, name: str) -> str:
-        """Give the text of a function of this name from ``original`` to what replaces it."""
+        """Return the text of a function of this name from ``original`` to what replaces it."""
         last = self.path.rpartition(".")[2]
         made = f"{self.code.strip()}\nreturn {last}" if self.code else f"return (\n{self.value}\n)"
         return f"def {name}(original):\n{textwrap.indent(made, '    ')}\n"
@@ -237,7 +237,7 @@ def _override(file: Path, here: str, entry: Mapping[str, str]) -> Override:
 
 
 def bindings(body: Sequence[ast.stmt]) -> dict[str, ast.stmt]:
-    """Give the names that statements bind, with the statement that binds each first."""
+    """Return the names that statements bind, with the statement that binds each first."""
     found: dict[str, ast.stmt] = {}
     for statement in body:
         names: list[str] = []

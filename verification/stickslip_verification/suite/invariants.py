@@ -124,12 +124,12 @@ class Invariants:
     orders: Sequence[Order] = ()
 
     def __iter__(self) -> Iterator[Invariant]:
-        """Give every invariant."""
+        """Yield every invariant."""
         for each in fields(self):
             yield from getattr(self, each.name)
 
     def only(self, names: Collection[str]) -> Invariants:
-        """Give those of these ids."""
+        """Return those of these ids."""
         families = {each.name: getattr(self, each.name) for each in fields(self)}
         return Invariants(
             **{
@@ -139,7 +139,7 @@ class Invariants:
         )
 
     def of_laws(self, laws: Collection[str]) -> Invariants:
-        """Give those that hold for one of these friction laws."""
+        """Return those that hold for one of these friction laws."""
         return self.only({each.id for each in self if any(each.holds_for(law) for law in laws)})
 
 

@@ -20,8 +20,9 @@ ROUNDING = 1e-12
 roundings of 1e-16 along its arcs, and another mathematical library."""
 
 DISTURBED = 1e-10
-"""What it may lose in any sequence of inputs: a change or a reversal starts an arc from a rounded
-state, which a shallow re-stick amplifies, docs/theory.md (17)."""
+"""What the exact block may lose under any sequence of inputs, as a part of the value: a change or a
+reversal starts an arc from a rounded state, which a shallow re-stick amplifies,
+docs/theory.md (17)."""
 
 INTEGRATION = 1e-9
 """What a careful integration may lose in a slip, before conditioning."""
@@ -120,7 +121,7 @@ class Rules:
         return self.narrowest if self.own_conditioning is None else self.own_conditioning
 
     def course(self, quantity: str) -> Tolerance:
-        """Give the tolerance of a quantity against the exact motion at any communication point."""
+        """Return a quantity's tolerance against the exact motion at any communication point."""
         if QUANTITIES[quantity].discrete:
             near = "a count or a state: no communication point lies within {} of an event"
             reasons = near.format("rounding"), near.format("the solver's error")
@@ -149,7 +150,7 @@ class Rules:
         return _tolerance(Measure.OF_SCALE, (fmu[0], reference[0]), (fmu[1], reference[1]))
 
     def fmu_course(self) -> tuple[float, str]:
-        """Give the rule's tolerance of the exact block's courses, and its reason."""
+        """Return the rule's tolerance of the exact block's courses, and its reason."""
         undisturbed = rounded_up(ROUNDING * self.conditioning)
         if (len(self.values) > 1 or self.facts.reversals) and undisturbed < DISTURBED:
             return DISTURBED, (
@@ -162,12 +163,12 @@ class Rules:
         )
 
     def tighter(self, fmu: float) -> str:
-        """Give the reason of a tolerance of the exact block's courses below the rule's."""
+        """Return the reason of a tolerance of the exact block's courses below the rule's."""
         rule, reason = self.fmu_course()
         return f"held to {fmu:g}, tighter than the rule's {rule:g}: {reason}"
 
     def formula(self, name: str) -> Tolerance | None:
-        """Give the tolerance of a value against a closed form, or None where no rule gives one."""
+        """Return the tolerance of a value against a closed form; None if no rule gives one."""
         power = FORMULAS[name].sensitivity
         if name == "break_away_force":
             return _alike(Measure.RELATIVE, PRODUCT, _PRODUCT)
@@ -250,7 +251,7 @@ def rounded_up(value: float) -> float:
 
 
 def _gap(value: Mapping[str, float]) -> float:
-    """Give mu_s - mu_k after the clamp."""
+    """Return mu_s - mu_k after the clamp."""
     return value["mu_s"] - used_mu_k(value["mu_s"], value["mu_k"])
 
 
@@ -263,9 +264,7 @@ def _tolerance(
 ) -> Tolerance:
     sides = ("fmu", "reference")
     return Tolerance(
-        measure,
-        dict(zip(sides, allowed, strict=True)),
-        dict(zip(sides, reasons, strict=True)),
+        measure, dict(zip(sides, allowed, strict=True)), dict(zip(sides, reasons, strict=True))
     )
 
 

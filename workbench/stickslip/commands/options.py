@@ -11,7 +11,7 @@ _INPUTS = "Inputs, held over the run (20mm/s, 5 N)"
 
 
 def _quantity(name: str, panel: str, *spellings: str) -> Any:
-    """Give the option of a variable; what is typed stays a text until it is read."""
+    """Return the option of a variable; what is typed stays a text until it is read."""
     return typer.Option(
         option_name(name),
         *spellings,
@@ -25,9 +25,7 @@ def _quantity(name: str, panel: str, *spellings: str) -> Any:
 FrictionLaw = Annotated[
     str | None,
     typer.Option(
-        "--law",
-        metavar="MODULE:NAME",
-        help="Friction law by its dotted name; default: Coulomb's.",
+        "--law", metavar="MODULE:NAME", help="Friction law by its dotted name; default: Coulomb's."
     ),
 ]
 Mass = Annotated[str | None, _quantity("m", _PARAMETERS)]

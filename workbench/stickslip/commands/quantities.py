@@ -16,7 +16,7 @@ LARGEST_SAMPLE_COUNT: Final = 10_000_000
 
 
 def option_name(name: str) -> str:
-    """Give the option of the command that sets the variable `name`: ``--mu-s`` for ``mu_s``."""
+    """Return the option of the command that sets the variable `name`: ``--mu-s`` for ``mu_s``."""
     if name not in TABLE.by_name:
         return f"--law-parameter {name}"
     return "--" + name.replace("_", "-")

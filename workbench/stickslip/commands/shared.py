@@ -26,7 +26,7 @@ def say(text: str) -> None:
 
 
 def console() -> "Console":
-    """Give the console that results go to."""
+    """Return the console that results go to."""
     from rich.console import Console
 
     # A pipe has no width of its own, and a table for a program or a log should not be folded.

@@ -50,7 +50,7 @@ _NUMBER: Final = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re
 
 
 def kind_of(unit: str) -> Kind:
-    """Give the kind of quantity that has this SI unit.
+    """Return the kind of quantity that has this SI unit.
 
     Parameters
     ----------

@@ -77,8 +77,7 @@ def verify(
         bool, typer.Option("--accept", help="Store the results as second values of the suite.")
     ] = False,
     pack: Annotated[
-        bool,
-        typer.Option("--pack", help="Put the report into the FMU as evidence (extra/)."),
+        bool, typer.Option("--pack", help="Put the report into the FMU as evidence (extra/).")
     ] = False,
     pdf: Annotated[
         Path | None, typer.Option(metavar="FILE.pdf", help="Write the report as PDF too.")

@@ -18,7 +18,7 @@ _TITLES: Final = {
 
 
 def document(fmi_version: int) -> str:
-    """Give documentation/index.html of the FMU for FMI 2.0 or 3.0 (2 or 3)."""
+    """Return documentation/index.html of the FMU for FMI 2.0 or 3.0 (2 or 3)."""
     return _rendered(
         "index.html.j2",
         fmi_version=fmi_version,
@@ -28,7 +28,7 @@ def document(fmi_version: int) -> str:
 
 
 def notes_on_references() -> str:
-    """Give documentation/fmi-ls-ref.html: what lies in extra/, and how to use it."""
+    """Return documentation/fmi-ls-ref.html: what lies in extra/, and how to use it."""
     return _rendered("fmi-ls-ref.html.j2")
 
 
@@ -51,7 +51,7 @@ def _text(name: str) -> str:
 
 
 def _groups() -> list[tuple[str, list[dict[str, str]]]]:
-    """Give the rows of the interface tables, by what they are to a user."""
+    """Return the rows of the interface tables, by what they are to a user."""
     groups: dict[str, list[dict[str, str]]] = {}
     for row in TABLE.rows:
         metered = row.attribute.startswith("meter.")

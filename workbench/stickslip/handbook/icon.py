@@ -11,7 +11,7 @@ _INK, _MASS, _FORCE = "#16202c", "#1a63c6", "#d9660b"
 
 
 def icon() -> bytes:
-    """Give the icon as PNG, 256 pixels square; the same bytes at every call."""
+    """Return the icon as PNG, 256 pixels square; the same bytes at every call."""
     import matplotlib
 
     # A person's own defaults are no part of the FMU.

@@ -6,7 +6,7 @@ _WRAPPERS = {2: "pythonfmu", 3: "pythonfmu3"}
 
 
 def licences(fmi_version: int) -> dict[str, bytes]:
-    """Give the licence texts, by file name; ``license.txt`` is the one to begin with.
+    """Return the licence texts, by file name; ``license.txt`` is the one to begin with.
 
     Raises
     ------

@@ -9,7 +9,7 @@ from stickslip.page import page
 
 
 def parts(fmi_version: Literal[2, 3] = 2) -> dict[str, bytes]:
-    """Give the files that a person finds in the FMU.
+    """Return the files that a person finds in the FMU.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def parts(fmi_version: Literal[2, 3] = 2) -> dict[str, bytes]:
 
 
 def parts_of_law(fmi_version: Literal[2, 3] = 2) -> dict[str, bytes]:
-    """Give the icon and the licences: the files of an FMU whatever its friction law."""
+    """Return the icon and the licences: the files of an FMU whatever its friction law."""
     licence_folder, icon_file = (
         ("licenses", "model.png")
         if fmi_version == 2

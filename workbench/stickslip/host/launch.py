@@ -207,7 +207,7 @@ def find_library(interpreter: Interpreter) -> Path:
 
 
 def _candidates(interpreter: Interpreter) -> Iterator[Path]:
-    """Give the files that may be the shared library, the interpreter's own first."""
+    """Yield the files that may be the shared library, the interpreter's own first."""
     stem = f"libpython{interpreter.short_version}.so"
     build = interpreter.build
     told = [build[name] for name in ("INSTSONAME", "LDLIBRARY") if ".so" in build[name]]
@@ -233,7 +233,7 @@ def _foreign_folders(interpreter: Interpreter) -> list[Path]:
 
 
 def _cached(names: Mapping[str, None]) -> Iterator[Path]:
-    """Give what the loader's cache has under these names."""
+    """Yield what the loader's cache has under these names."""
     ldconfig = shutil.which("ldconfig", path=f"{os.environ.get('PATH', '')}:/sbin:/usr/sbin")
     for line in (_output([ldconfig, "-p"]) or "").splitlines() if ldconfig else ():
         name, _, rest = line.strip().partition(" ")

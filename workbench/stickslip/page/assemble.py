@@ -72,7 +72,7 @@ def page_range(name: str) -> tuple[float, float, str]:
 
 @cache
 def _controls() -> list[dict[str, Any]]:
-    """Give the controls, each with the start value (SI) of its FMU variable."""
+    """Return the controls, each with the start value (SI) of its FMU variable."""
     return [
         {**control, "start": TABLE.by_name[control["name"]].start}
         for control in _table("controls.toml")["control"]

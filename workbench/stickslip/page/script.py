@@ -49,7 +49,7 @@ def joined(modules: Mapping[str, str], entry: str) -> str:
 
 
 def imports(path: str, source: str) -> list[str]:
-    """Give the paths of the modules that the one at `path` imports, relative to the page."""
+    """Return the paths of the modules that the one at `path` imports, relative to the page."""
     folder = posixpath.dirname(path)
     return [
         posixpath.normpath(posixpath.join(folder, found["path"]))
@@ -58,7 +58,7 @@ def imports(path: str, source: str) -> list[str]:
 
 
 def _in_order(modules: Mapping[str, str], entry: str) -> list[str]:
-    """Give the paths of what `entry` needs, each after those that it needs itself."""
+    """Return the paths of what `entry` needs, each after those that it needs itself."""
     order: list[str] = []
 
     def visit(path: str, above: tuple[str, ...]) -> None:

@@ -28,7 +28,7 @@ class Curve(NamedTuple):
 
 
 def points(run: Run) -> Curve:
-    """Give the samples alone: all that is known of a run with hidden events.
+    """Return the samples alone: all that is known of a run with hidden events.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def points(run: Run) -> Curve:
 
 
 def curve(run: Run) -> Curve:
-    """Give the curve through samples and events, exactly flat in stick.
+    """Return the curve through samples and events, exactly flat in stick.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def curve(run: Run) -> Curve:
 
 
 def stick_phases(run: Run) -> list[tuple[float, float]]:
-    """Give beginning and end [s] of every stick that the events of the run show."""
+    """Return beginning and end [s] of every stick that the events of the run show."""
     begin = float(run.samples["time"][0]) if run.samples["mode"][0] == 0 else None
     phases = []
     for event in run.events:

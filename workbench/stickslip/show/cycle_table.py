@@ -11,15 +11,7 @@ from rich.text import Text
 
 import stickslip_ref
 from stickslip.show.fitted import Fitted
-from stickslip.show.scales import (
-    FORCES,
-    FREQUENCIES,
-    LENGTHS,
-    TIMES,
-    VELOCITIES,
-    Scales,
-    scale_for,
-)
+from stickslip.show.scales import FORCES, FREQUENCIES, LENGTHS, TIMES, VELOCITIES, Scales, scale_for
 from stickslip.simulate.run import Run
 
 _ROWS: tuple[tuple[str, str, Scales], ...] = (
@@ -47,7 +39,7 @@ class Row:
 
 
 def cycle_rows(run: Run, p: stickslip_ref.Parameters | None) -> Iterator[Row]:
-    """Give the rows of the table: the last cycle of the run, and both columns of the theory.
+    """Yield the rows of the table: the last cycle of the run, and both columns of the theory.
 
     Without parameters, under a friction law without such formulas, both columns are empty.
     """

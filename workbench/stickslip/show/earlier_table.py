@@ -34,7 +34,7 @@ def earlier_table(moves: Moves) -> RenderableType:
 
 
 def _moved(moves: Moves) -> Iterator[Move]:
-    """Give each check once: changed verdicts, then margins that grew, then those that shrank."""
+    """Yield each check once: changed verdicts, then margins that grew, then those that shrank."""
     seen: set[Key] = set()
     for move in (*moves.changed, *moves.grew, *moves.shrank):
         key = (move.case, move.check, move.side)

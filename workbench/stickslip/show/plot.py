@@ -176,7 +176,7 @@ def _draw_force(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
 
 
 def _break_away_lines(run: Run) -> dict[int, float]:
-    """Give the spring force [N] of break-away for each direction in which this run slips."""
+    """Return the spring force [N] of break-away for each direction in which this run slips."""
     F_s, F_ext = float(run.last["F_s"]), run.parameters["F_ext"]
     signs = {event.mode for event in run.events} | set(run.samples["mode"].tolist())
     signs -= {0}
@@ -190,7 +190,7 @@ def _line_name(run: Run, sign: int) -> str:
 
 
 def _overshoot(run: Run, drawn: Curve, sign: int) -> float:
-    """Give how far F rises above its value at a break-away in the slip that follows [N]."""
+    """Return how far F rises above its value at a break-away in the slip that follows [N]."""
     ends = [event.time for event in run.events[1:]] + [float(drawn.t[-1])]
     furthest = 0.0
     for event, end in zip(run.events, ends, strict=False):
@@ -221,7 +221,7 @@ def _mark(panel: "Axes", run: Run, time: Scale, heights: list[float], color: str
 
 
 def _points(run: Run, factor: float = 1.0) -> dict[str, Any]:
-    """Give the look of samples drawn as points: smaller where they are many."""
+    """Return the look of samples drawn as points: smaller where they are many."""
     size = 4.0 if len(run.samples) <= 300 else 1.5
     return {"ls": "none", "marker": "o", "ms": factor * size, "mew": 0.0}
 

@@ -86,7 +86,7 @@ def _cases(verdict: Verdict, *, worst: bool) -> Table:
 
 
 def _margin(result: CheckResult) -> float:
-    """Give error over tolerance; 0 where the check does not apply."""
+    """Return error over tolerance; 0 where the check does not apply."""
     if result.not_applicable is not None:
         return 0.0
     return margin(result.error, result.tolerance)

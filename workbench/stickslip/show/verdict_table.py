@@ -106,7 +106,7 @@ def case_table(cases: Sequence[Case]) -> RenderableType:
 
 
 def _rows(results: Sequence[CheckResult]) -> Iterator[list[CheckResult]]:
-    """Give the results that share a row: the sides of a check, where their truth is one number.
+    """Yield the results that share a row: the sides of a check, where their truth is one number.
 
     A check that looks at many places shows each side at its own worst one.
     """

@@ -12,7 +12,7 @@ from stickslip.files import writing
 
 
 def csv_bytes(samples: NDArray[np.void]) -> bytes:
-    """Give samples as the bytes of a CSV file.
+    """Return samples as the bytes of a CSV file.
 
     fmpy writes a Boolean as ``True``, which its own reader refuses, so Booleans become 0 and 1.
 

@@ -46,7 +46,7 @@ class Run:
 
 
 def sample_times(start_time: float, stop_time: float, output_interval: float) -> Floats:
-    """Give the times at which a run is sampled, as `fmpy.simulate_fmu` chooses them.
+    """Return the times at which a run is sampled, as `fmpy.simulate_fmu` chooses them.
 
     Parameters
     ----------

@@ -4,15 +4,8 @@ from collections.abc import Mapping
 
 from mpmath import mp, mpf
 
-from stickslip_design.claims.finding import Axis, Finding, Panel, Series, plotted
-from stickslip_design.claims.numbers import (
-    Number,
-    figure,
-    percent,
-    pulled_at,
-    spoken,
-    threshold,
-)
+from stickslip_design.claims.finding import Axis, Finding, Panel, Series, mark, plotted
+from stickslip_design.claims.numbers import Number, figure, percent, pulled_at, spoken, threshold
 from stickslip_design.claims.told import Claim
 from stickslip_verification import truth
 from stickslip_verification.model import formulas
@@ -117,13 +110,7 @@ def _panels(claim: Claim, most: Mapping[float, Number]) -> tuple[Panel, ...]:
                 name_at=(0.0005, 25),
             ),
             *(
-                Series(
-                    f"ζ = {figure(at, 2)}",
-                    plotted([at]),
-                    plotted([100 * level]),
-                    kind="points",
-                    name_at=(1.4 * float(at), 70 * level),
-                )
+                mark(f"ζ = {figure(at, 2)}", at, 100 * level, name_at=(1.4 * float(at), 70 * level))
                 for level, at in most.items()
             ),
         ),

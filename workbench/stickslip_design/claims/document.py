@@ -9,7 +9,7 @@ PLOTS = "claims"
 
 
 def markdown(findings: Iterable[Finding]) -> Iterator[str]:
-    """Give the lines of the page: every claim with its verdict, its numbers and its plot."""
+    """Yield the lines of the page: every claim with its verdict, its numbers and its plot."""
     found = tuple(findings)
     yield from """\
 # Rules of thumb for stick-slip, in numbers

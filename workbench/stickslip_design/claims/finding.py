@@ -34,6 +34,11 @@ class Series:
     name_at: tuple[float, float] | None = None
 
 
+def mark(name: str, x: float, y: float, name_at: tuple[float, float]) -> Series:
+    """Return a single point of a plot, with its name beside it at `name_at`."""
+    return Series(name, plotted([x]), plotted([y]), kind="points", name_at=name_at)
+
+
 @dataclass(frozen=True)
 class Axis:
     """One axis: its label with the unit, its range and whether it is logarithmic."""

@@ -5,13 +5,7 @@ from collections.abc import Mapping
 from mpmath import mp, mpf
 
 from stickslip_design.claims.finding import Axis, Finding, Panel, Series, plotted
-from stickslip_design.claims.numbers import (
-    Number,
-    figure,
-    pulled_at,
-    spoken,
-    threshold,
-)
+from stickslip_design.claims.numbers import Number, figure, pulled_at, spoken, threshold
 from stickslip_design.claims.told import Claim
 from stickslip_verification.model import formulas
 

@@ -2,7 +2,7 @@
 
 from mpmath import mpf
 
-from stickslip_design.claims.finding import Axis, Finding, Panel, Series, plotted
+from stickslip_design.claims.finding import Axis, Finding, Panel, Series, mark, plotted
 from stickslip_design.claims.numbers import (
     Number,
     figure,
@@ -80,13 +80,7 @@ def _over_lambda(claim: Claim, least: dict[float, Number]) -> Panel:
         series=(
             Series("any undamped block", plotted(points), plotted(short), name_at=(4.5, 45)),
             *(
-                Series(
-                    f"λ = {figure(at)}",
-                    plotted([at]),
-                    plotted([100 * level]),
-                    kind="points",
-                    name_at=(1.3 * float(at), 100 * level),
-                )
+                mark(f"λ = {figure(at)}", at, 100 * level, name_at=(1.3 * float(at), 100 * level))
                 for level, at in least.items()
             ),
         ),

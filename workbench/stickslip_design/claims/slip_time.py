@@ -2,14 +2,8 @@
 
 from mpmath import mpf
 
-from stickslip_design.claims.finding import Axis, Finding, Panel, Series, plotted
-from stickslip_design.claims.numbers import (
-    Number,
-    figure,
-    pulled_at,
-    spoken,
-    threshold,
-)
+from stickslip_design.claims.finding import Axis, Finding, Panel, Series, mark, plotted
+from stickslip_design.claims.numbers import Number, figure, pulled_at, spoken, threshold
 from stickslip_design.claims.told import Claim
 from stickslip_verification.model import formulas
 
@@ -63,11 +57,10 @@ def examine(claim: Claim) -> Finding:
                 name_at=(0.13, 1.03),
             ),
             *(
-                Series(
+                mark(
                     f"{100 * level:g} % short",
-                    plotted([at]),
-                    plotted([1 / (1 - mpf(level))]),
-                    kind="points",
+                    at,
+                    1 / (1 - mpf(level)),
                     name_at=(float(at), 1 / (1 - level) + 0.03),
                 )
                 for level, at in least.items()

@@ -14,15 +14,7 @@ HERE = Path(__file__).parent
 
 _TEXTS = ("id", "title", "claim", "formula", "source")
 
-_UNITS = {
-    "m": "kg",
-    "g": "m/s²",
-    "k": "N/m",
-    "c": "N·s/m",
-    "v": "m/s",
-    "load": "N",
-    "F_ext": "N",
-}
+_UNITS = {"m": "kg", "g": "m/s²", "k": "N/m", "c": "N·s/m", "v": "m/s", "load": "N", "F_ext": "N"}
 
 # Points of a grid are written to so many digits, so that they are the same doubles everywhere.
 _GRID_DIGITS = 5
@@ -66,7 +58,7 @@ class Claim:
         rows: tuple[tuple[str, ...], ...],
         panels: tuple[Panel, ...],
     ) -> Finding:
-        """Give the claim as it is told with what came out; the arguments are those of `Finding`."""
+        """Return the finding of this claim; the arguments are those of `Finding`."""
         return Finding(
             id=self.id,
             title=self.title,

@@ -50,13 +50,7 @@ class _Log:
 
 
 def march(
-    k: Array,
-    v: Array,
-    *,
-    h: float,
-    block: Mapping[str, float],
-    cycles: int,
-    longest: Array,
+    k: Array, v: Array, *, h: float, block: Mapping[str, float], cycles: int, longest: Array
 ) -> Marched:
     """March blocks from a relaxed spring at rest until each has shown its cycles.
 

@@ -1,4 +1,4 @@
-"""A digest of what an FMU holds, which the evidence packed beside it leaves as it was."""
+"""Digest of an FMU's content; evidence packed into the FMU does not change it."""
 
 import hashlib
 import zipfile
@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Final
 
 EVIDENCE: Final = "extra/"
-"""The folder of an FMU that tells of it and is no part of it."""
+"""The folder of an FMU with its evidence, left out of the digest."""
 
 
 def content_digest(fmu: Path) -> str:
-    """Give the SHA-256 of an FMU's content without its extra/ folder, in hexadecimal.
+    """Return the SHA-256 of an FMU's content without its extra/ folder, in hexadecimal.
 
     It is that of the list which ``sha256sum`` prints of the unpacked files, in the order of the
     bytes of their names: how the archive is packed makes no difference.

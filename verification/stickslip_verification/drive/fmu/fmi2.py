@@ -43,20 +43,13 @@ class Fmi2Instance(FmuInstance):
     """One instance of an FMU 2.0."""
 
     PREFIX = "fmi2"
+    SLAVE: ClassVar[Any] = fmpy.fmi2.FMU2Slave
     C_TYPES: ClassVar[Mapping[str, tuple[str, Any]]] = {
         "Real": ("Real", ctypes.c_double),
         "Integer": ("Integer", ctypes.c_int),
         "Enumeration": ("Integer", ctypes.c_int),
         "Boolean": ("Boolean", ctypes.c_int),
     }
-
-    def _load(self) -> Any:
-        return fmpy.fmi2.FMU2Slave(
-            guid=self.file.token,
-            modelIdentifier=self.file.model_identifier,
-            unzipDirectory=str(self.file.folder),
-            instanceName=self._name,
-        )
 
     def _instantiate(self) -> None:
         _SINKS[self._name] = self.messages

@@ -21,6 +21,7 @@ class Fmi3Instance(FmuInstance):
     """One instance of an FMU 3.0, without event mode and without early return."""
 
     PREFIX = "fmi3"
+    SLAVE: ClassVar[Any] = fmpy.fmi3.FMU3Slave
     C_TYPES: ClassVar[Mapping[str, tuple[str, Any]]] = {
         "Float64": ("Float64", ctypes.c_double),
         "Float32": ("Float32", ctypes.c_float),
@@ -28,14 +29,6 @@ class Fmi3Instance(FmuInstance):
         "Boolean": ("Boolean", ctypes.c_bool),
         **{kind: (kind, c_type) for kind, c_type in _INTEGERS.items()},
     }
-
-    def _load(self) -> Any:
-        return fmpy.fmi3.FMU3Slave(
-            guid=self.file.token,
-            modelIdentifier=self.file.model_identifier,
-            unzipDirectory=str(self.file.folder),
-            instanceName=self._name,
-        )
 
     def _instantiate(self) -> None:
         messages = self.messages

@@ -15,7 +15,7 @@ class Hooked(FmuInstance):
         super().__init__(fmu)
 
     def read(self, names: Sequence[str]) -> dict[str, float]:
-        """Read variables as the FMU shows them, whatever `get` makes of them."""
+        """Read variables from the FMU itself, past the planted `get`."""
         key = tuple(names)
         if key not in self._readers:
             self._readers[key] = super().reader(key)
@@ -26,7 +26,7 @@ class Hooked(FmuInstance):
         return self.read(names)
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
-        """Give a function that reads these variables at once, in this order, in SI."""
+        """Return a function that reads these variables at once, in this order, in SI."""
         self._check(names)
 
         def read() -> list[float]:
@@ -37,7 +37,7 @@ class Hooked(FmuInstance):
 
 
 def hooked(face: type[FmuInstance], hooks: Sequence[Hook]) -> type[FmuInstance]:
-    """Give the class of the instances that these hooks act on, one laid over the other."""
+    """Return the class of the instances that these hooks act on, one laid over the other."""
     made = type("Hooked", (Hooked, face), {})
     for name, code in hooks:
         space: dict[str, Any] = {"original": getattr(made, name)}

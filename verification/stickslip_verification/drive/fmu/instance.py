@@ -1,4 +1,4 @@
-"""One instance of an FMU, whatever its FMI version: our names and SI on this side of it."""
+"""One instance of an FMU of either FMI version, read and set by the suite's names in SI."""
 
 import contextlib
 import ctypes
@@ -15,7 +15,7 @@ from stickslip_verification.drive.fmu.errors import FmuError, one_line
 from stickslip_verification.drive.fmu.variables import Variable
 
 WARNING = 1
-"""The highest status of a call that still did what it was asked (FMI 2.0, section 2.1.3)."""
+"""The highest status of a call that succeeded (FMI 2.0, section 2.1.3)."""
 
 FATAL = 4
 """The status after which nothing may be called any more (FMI 2.0, section 2.1.3)."""
@@ -52,7 +52,10 @@ class FmuInstance(ABC):
     """Kind of a variable to the name in the FMI functions and the type in C."""
 
     PREFIX: ClassVar[str]
-    """What the names of the FMI functions begin with."""
+    """Prefix of the names of the FMI functions."""
+
+    SLAVE: ClassVar[Any]
+    """FMPy's class that loads the library."""
 
     def __init__(self, fmu: Unpacked) -> None:
         self.file = fmu
@@ -68,15 +71,16 @@ class FmuInstance(ABC):
         try:
             # FMPy stays in the folder of the library if it cannot be loaded.
             with contextlib.chdir(Path.cwd()):
-                self._slave = self._load()
+                self._slave = self.SLAVE(
+                    guid=fmu.token,
+                    modelIdentifier=fmu.model_identifier,
+                    unzipDirectory=str(fmu.folder),
+                    instanceName=self._name,
+                )
         except Exception as error:
             raise FmuError(f"{fmu.path.name}: {one_line(error)}") from None
         libraries.note(self._slave.dll._name)
         self._instantiate()
-
-    @abstractmethod
-    def _load(self) -> Any:
-        """Load the library."""
 
     @abstractmethod
     def _instantiate(self) -> None:
@@ -92,7 +96,7 @@ class FmuInstance(ABC):
 
     @abstractmethod
     def _sizes(self, count: int) -> tuple[int, ...]:
-        """Give what a get or set function takes after the values."""
+        """Return what a get or set function takes after the values."""
 
     def _failure(self, call: str, error: Exception) -> FmuError:
         said = " ".join(self.messages[-1].split()) if self.messages else "without a message"
@@ -148,7 +152,7 @@ class FmuInstance(ABC):
         return int(number)
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
-        """Give a function that reads these variables at once, in this order, in SI.
+        """Return a function that reads these variables at once, in this order, in SI.
 
         `FmuError` for a name that the FMU does not have.
         """

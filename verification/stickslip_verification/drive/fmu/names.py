@@ -15,10 +15,7 @@ from stickslip_verification.truth.parameters import PARAMETERS
 INPUT_UNITS: Mapping[str, str] = {each.name: each.unit for each in PARAMETERS}
 """What the suite sets, parameters and inputs, with its unit."""
 
-UNITS: Mapping[str, str] = {
-    **INPUT_UNITS,
-    **{name: QUANTITIES[name].unit for name in OUTPUT_NAMES},
-}
+UNITS: Mapping[str, str] = {**INPUT_UNITS, **{name: QUANTITIES[name].unit for name in OUTPUT_NAMES}}
 """Every variable of the suite with its SI unit."""
 
 NOT_THERE = ""

@@ -106,7 +106,7 @@ def collect_own(label: str, description: Any, wanted: Mapping[str, str]) -> dict
 
 
 def extra_outputs(description: Any, variables: Mapping[str, Variable]) -> tuple[str, ...]:
-    """Give the declared outputs of the FMU that are none of ours, by the FMU's names."""
+    """Return the declared outputs of the FMU that are none of ours, by the FMU's names."""
     known = {variable.their_name for variable in variables.values()}
     return tuple(
         variable.name
@@ -194,7 +194,7 @@ def _unit(
 
 
 def _units(description: Any) -> dict[str, Unit]:
-    """Give the units that the FMU defines by SI base units, and only those."""
+    """Return the units that the FMU defines by SI base units, and only those."""
     units = {}
     for entry in description.unitDefinitions:
         base = entry.baseUnit

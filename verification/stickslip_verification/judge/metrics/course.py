@@ -47,20 +47,20 @@ class Course:
     event_times: Series
 
     def after(self, name: str) -> Series:
-        """Give an output at the end of each step; `MissingOutputError` if the side lacks it."""
+        """Return an output at the end of each step; `MissingOutputError` if the side lacks it."""
         if name not in self.record.outputs:
             raise MissingOutputError(name)
         return self.record.outputs[name]
 
     def before(self, name: str) -> Series:
-        """Give an output at the beginning of each step, or raise as `after` does."""
+        """Return an output at the beginning of each step, or raise as `after` does."""
         samples = self.after(name)
         if name not in self.record.initial:
             raise MissingOutputError(name)
         return np.concatenate(([self.record.initial[name]], samples[:-1]))
 
     def change(self, name: str) -> Series:
-        """Give what each step adds to an output, or raise as `after` does."""
+        """Return what each step adds to an output, or raise as `after` does."""
         return self.after(name) - self.before(name)
 
     @cached_property
@@ -200,7 +200,7 @@ class Course:
         return float(max(np.max(stored), pushed, *sums))
 
     def scale_of(self, output: str) -> float:
-        """Give what an output is measured against where it may be zero, in its unit.
+        """Return what an output is measured against where it may be zero, in its unit.
 
         That is the largest of its kind in play: of lengths, speeds, forces, energies, or the
         length of the run.

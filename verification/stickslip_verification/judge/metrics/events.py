@@ -68,7 +68,7 @@ def spring_joined(course: Course) -> Residual:
 
 
 def _at_break_away(course: Course) -> tuple[Series, Series, Mask]:
-    """Give force and threshold [N] at each break-away, and whether its step begins with it."""
+    """Return force and threshold [N] at each break-away, and whether its step begins with it."""
     s = course.settings
     wait = course.since_begin
     at_once = (wait <= 4.0 * np.spacing(np.abs(course.begins))) & course.reset_at_begin
@@ -77,5 +77,5 @@ def _at_break_away(course: Course) -> tuple[Series, Series, Mask]:
 
 
 def _beyond(left: Series, allowed: Series) -> Series:
-    """Give what of a residual is more than the dating of an event may leave over."""
+    """Return what of a residual is more than the dating of an event may leave over."""
     return np.sign(left) * np.maximum(np.abs(left) - allowed, 0.0)

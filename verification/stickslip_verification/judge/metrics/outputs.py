@@ -120,5 +120,5 @@ def _deviation(given: float, expected: float, samples: Series) -> float:
 
 
 def _padded(samples: Series, count: int) -> Series:
-    """Give so many samples, NaN where there are none."""
+    """Return so many samples, NaN where there are none."""
     return np.concatenate((samples, np.full(max(count - samples.size, 0), np.nan)))[:count]

@@ -46,16 +46,16 @@ class Slips:
         return np.asarray(np.sqrt(np.maximum(square, 0.0)))
 
     def acceleration(self, state: State) -> Wide:
-        """Give x_ddot [m/s2]."""
+        """Return x_ddot [m/s2]."""
         return np.asarray((self.k * state.z + self.drive - self.c * state.x_dot) / self.m)
 
     def jerk(self, state: State) -> Wide:
-        """Give the rate of x_ddot [m/s3]."""
+        """Return the rate of x_ddot [m/s3]."""
         rate = self.k * (self.v - state.x_dot) - self.c * self.acceleration(state)
         return np.asarray(rate / self.m)
 
     def move(self, state: State, duration: Wide) -> State:
-        """Give the state `duration` [s] later, if the slip lasts."""
+        """Return the state `duration` [s] later, if the slip lasts."""
         w = np.sqrt(self.k / self.m)
         centre = (self.c * self.v - self.drive) / self.k
         y, rate = state.z - centre, (self.v - state.x_dot) / w
@@ -64,20 +64,20 @@ class Slips:
 
 
 def slips(course: Course, steps: Mask, direction: Series) -> Slips:
-    """Give the equations of slip of the chosen steps, in the direction that each has."""
+    """Return the equations of slip of the chosen steps, in the direction that each has."""
     s = {name: np.asarray(values[steps], np.longdouble) for name, values in course.settings.items()}
     friction = direction[steps] * s["mu_k"] * course.normal_force[steps]
     return Slips(s["m"], s["k"], s["c"], s["v"], s["F_ext"] - friction)
 
 
 def state(course: Course, steps: Mask) -> State:
-    """Give the state that the side had at the beginning of the chosen steps."""
+    """Return the state that the side had at the beginning of the chosen steps."""
     z, x_dot = (course.before(name)[steps] for name in ("z", "x_dot"))
     return State(np.asarray(z, np.longdouble), np.asarray(x_dot, np.longdouble))
 
 
 def _transition(tau: Wide, two_zeta: Wide) -> tuple[Wide, Wide, Wide, Wide]:
-    """Give the entries of exp([[0, 1], [-1, -2 zeta]] tau), row by row."""
+    """Return the entries of exp([[0, 1], [-1, -2 zeta]] tau), row by row."""
     if tau.size == 0:
         return tau, tau, tau, tau
     norm = np.max(np.abs(tau) * np.maximum(1.0 + two_zeta, 1.0))

@@ -44,5 +44,5 @@ Metric = Callable[[Course], Residual]
 
 
 def everywhere(course: Course) -> Mask:
-    """Give all steps."""
+    """Return all steps."""
     return np.ones(course.h.size, dtype=np.bool_)

@@ -80,9 +80,7 @@ def _with_own_ids(svg: str, prefix: str) -> str:
         names.setdefault("".join(name), f"{prefix}-{len(names)}")
     svg = re.sub(r'(?<=href="#)[^"]+|(?<=url\(#)[^)]+', lambda found: names[found[0]], svg)
     return re.sub(
-        r' id="([^"]*)"',
-        lambda found: f' id="{names[found[1]]}"' if found[1] in names else "",
-        svg,
+        r' id="([^"]*)"', lambda found: f' id="{names[found[1]]}"' if found[1] in names else "", svg
     )
 
 

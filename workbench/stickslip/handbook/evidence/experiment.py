@@ -18,7 +18,7 @@ _LEFT_OUT: Final = "J"
 
 
 def result_file(fmu: Path) -> bytes:
-    """Give the outputs of the FMU at every communication point of the experiment, as CSV.
+    """Return the outputs of the FMU at every communication point of the experiment, as CSV.
 
     Raises
     ------
@@ -32,7 +32,7 @@ def result_file(fmu: Path) -> bytes:
 
 
 def experiment_file(result: str) -> bytes:
-    """Give the description of the experiment; `result` names the file with its result."""
+    """Return the description of the experiment; `result` names the file with its result."""
     root = Element("Experiments", {"name": "Default experiment"})
     run = SubElement(
         root,

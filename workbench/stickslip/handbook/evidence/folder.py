@@ -34,7 +34,7 @@ _RELATED: Final = {
 
 
 def evidence(fmu: Path, verdict: "Verdict") -> dict[str, bytes]:
-    """Give the evidence of an FMU by its paths in it; the same for the same FMU and suite.
+    """Return the evidence of an FMU by its paths in it; the same for the same FMU and suite.
 
     Parameters
     ----------

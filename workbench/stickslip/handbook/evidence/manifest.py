@@ -30,7 +30,7 @@ class Related(NamedTuple):
 
 
 def manifest(related: Mapping[str, Related], contents: Mapping[str, bytes]) -> bytes:
-    """Give the manifest.
+    """Return the manifest.
 
     Parameters
     ----------

@@ -4,7 +4,7 @@ from xml.etree.ElementTree import Element, indent, tostring
 
 
 def xml_file(root: Element) -> bytes:
-    """Give the document, an element a line, with a declaration and a line feed at the end."""
+    """Return the document, an element a line, with a declaration and a line feed at the end."""
     indent(root)
     text: bytes = tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
