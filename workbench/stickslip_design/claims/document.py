@@ -22,7 +22,7 @@ mass on a dry way that a spring pulls at the speed v.
 
 - Deviations are relative to the exact value. Figures are rounded.
 - The formulas are derived in [theory.md](theory.md). Numbers in brackets are its equations.
-- The data files in `verification/stickslip_verification/claims` list the settings of each
+- The data files in `workbench/stickslip_design/claims` list the settings of each
   comparison.
 
 To use a rule, compute λ from your own m in kg, k in N/m, g in m/s² and v in m/s:
