@@ -52,7 +52,14 @@ def root_element(spec: Spec, version: str, identifier: Tuple[str, str], generato
         Name and value of the attribute that identifies the FMU; no binary compares it.
     generator
         Name and version of the wrapper.
+
+    Raises
+    ------
+    ValueError
+        If the name of the model is no identifier.
     """
+    if not spec.name.isidentifier():
+        raise ValueError(f"the model name {spec.name!r} is no Python identifier")
     return Element(
         "fmiModelDescription",
         {

@@ -249,9 +249,13 @@ class Instance:
         """Tell the model's warning, unless it was the last one told."""
         text = self._model.warning()
         if text is not None and text != self._warned:
-            self.log_queue.append(LogMessage(_WARNING, "logStatusWarning", text))
+            self.log_queue.append(LogMessage(_WARNING, "logStatusWarning", self._logged(text)))
             self._tell(text)
         self._warned = text
+
+    def _logged(self, text: str) -> str:
+        """Return a text as the wrapper's log takes it."""
+        return text.replace("%", "%%") if self._log_is_printf else text
 
     def _fail(self, error: BaseException) -> FmuError:
         """Return the exception that ends this call and, until a reset, every later one."""
@@ -262,7 +266,7 @@ class Instance:
         self.log_queue.clear()
         text = self._remember(error)
         # The wrapper hands it to the log.
-        return FmuError(text.replace("%", "%%") if self._log_is_printf else text)
+        return FmuError(self._logged(text))
 
     def _give_references(self) -> None:
         """Give the references that the wrapper releases at one failure."""

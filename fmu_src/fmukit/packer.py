@@ -70,8 +70,12 @@ class Packed(Slave, spec=SPEC):
 
 _PACKAGE_TEXT = b'"""The model and the kit that makes it an FMU."""\n'
 
+# Commands of the wrappers, which an FMU does not need.
+_COMMANDS = ("__main__.py", "csvbuilder.py", "deploy.py")
+
 # Modules that a host of the FMU has, or that the wrapper packs.
-_AT_HAND = {*sys.stdlib_module_names, "pythonfmu", "pythonfmu3"}
+_WRAPPERS = ("pythonfmu", "pythonfmu3")
+_AT_HAND = {*sys.stdlib_module_names, *_WRAPPERS}
 
 # The oldest Python that loads the FMU.
 _PYTHON = (3, 8)
@@ -164,15 +168,21 @@ def travelling(main: str, face: Literal[2, 3] = 2) -> Dict[str, bytes]:
     while waiting:
         name, importer = waiting.popitem()
         seen.add(name)
+        if name == first.name:
+            raise PackError(f"{importer} imports {name}, which is the name of the FMU's own module")
         file = _file_of(name)
         if file is None:
             raise PackError(
                 f"{name}, which {importer} imports, cannot be packed: "
                 "no Python source of this name is on the path"
             )
-        module = _Module(name, file, file.read_bytes())
-        files[module.path] = module.packed()
-        waiting.update(dict.fromkeys(sorted(set(module.imported()) - seen, reverse=True), name))
+        try:
+            module = _Module(name, file, file.read_bytes())
+            files[module.path] = module.packed()
+            imported = set(module.imported())
+        except PackError as error:
+            raise PackError(f"{error} ({importer} imports {name})") from None
+        waiting.update(dict.fromkeys(sorted(imported - seen, reverse=True), name))
     return files
 
 
@@ -214,7 +224,8 @@ class _Module:
                     if not _at_hand(alias.name):
                         raise PackError(
                             f"{self.name} cannot be packed: line {node.lineno} imports "
-                            f"{alias.name}; write from ... import ..., which can be made relative"
+                            f"{alias.name}, which is not in Python's standard library; a module "
+                            "that travels is imported as from ... import ..."
                         )
             elif isinstance(node, ast.ImportFrom):
                 base = self._base(node)
@@ -347,10 +358,13 @@ def _unload(package: str) -> None:
 
 
 def _entries(archive: Path) -> Dict[str, bytes]:
-    """Return the files of an archive by name, without the wrapper's sources."""
+    """Return the files of an archive by name, without the wrapper's sources and commands."""
+    commands = {f"resources/{each}/{name}" for each in _WRAPPERS for name in _COMMANDS}
     with zipfile.ZipFile(archive) as source:
         return {
-            name: source.read(name) for name in source.namelist() if not name.startswith("sources/")
+            name: source.read(name)
+            for name in source.namelist()
+            if not name.startswith("sources/") and name not in commands
         }
 
 

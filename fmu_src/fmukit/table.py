@@ -24,6 +24,8 @@ ABOVE_ZERO = sys.float_info.min
 """Minimum of a value that must be above 0: the smallest number with all its digits."""
 
 _KINDS = ("Real", "Integer", "Boolean")
+_CAUSALITIES = ("parameter", "input", "output")
+_VARIABILITIES = ("fixed", "tunable", "discrete", "continuous")
 
 _Record = TypeVar("_Record", bound="Values")
 
@@ -205,7 +207,7 @@ class Table:
         quantities = tuple(quantities)
         self.units = dict(units)
         self.quantities = {each.name: each for each in quantities}
-        self.rows = tuple(sorted(rows, key=lambda row: row.number))
+        self.rows = tuple(sorted(map(_with_floats, rows), key=lambda row: row.number))
         self.by_name = {row.name: row for row in self.rows}
         if len(self.quantities) < len(quantities):
             raise ValueError("two quantities have one name")
@@ -231,6 +233,12 @@ class Table:
             return "the name is given twice"
         if not row.name.isidentifier() or keyword.iskeyword(row.name):
             return "the name is no Python identifier"
+        if row.causality not in _CAUSALITIES:
+            return f"the causality {row.causality} is none of {', '.join(_CAUSALITIES)}"
+        if row.variability not in _VARIABILITIES:
+            return f"the variability {row.variability} is none of {', '.join(_VARIABILITIES)}"
+        if row.minimum is not None and row.maximum is not None and row.minimum > row.maximum:
+            return f"the minimum {row.minimum} is above the maximum {row.maximum}"
         if row.name == "time":
             return "the name is that of the independent variable"
         if self.quantities.get(row.type.name) != row.type:
@@ -240,7 +248,16 @@ class Table:
             return f"depends on {unknown[0]}, which is not in the table"
         if row.start is None:
             return "a parameter or input needs a start value" if row.settable else None
+        if row.kind == "Integer" and not isinstance(row.start, int):
+            return f"the start value {row.start!r} of an Integer is no whole number"
         return row.objection(row.start)
+
+
+def _with_floats(row: Variable) -> Variable:
+    """Return a row whose start value is a float if the variable is a Real: 1 is given for 1.0."""
+    if row.kind == "Real" and row.start is not None:
+        return row._replace(start=float(row.start))
+    return row
 
 
 class _RecordType(type):

@@ -59,6 +59,8 @@ def build(
         named = friction_law(law)
         main = _MAIN_OF_LAW.format(module=named.module, name=named.name)
         model = named.law.interface.model
+        if not model.isidentifier():
+            raise ValueError(f"the model name {model!r} of {law!r} is no Python identifier")
         if model == SPEC.name:
             raise ValueError(f"the friction law {law!r} needs a model name other than {SPEC.name}")
     file_name = f"{model}.fmu" if face == 2 else f"{model}_fmi3.fmu"

@@ -14,6 +14,7 @@ import pytest
 from fmukit.packer import build_fmu
 from tests.fmu.conformity import CHECKERS
 
+from .grumbling import TOLD
 from .swinging import STEPS
 
 HERE = Path(__file__).parent
@@ -46,6 +47,27 @@ def swung(fmu: Path, folder: Path) -> tuple[dict[str, Any], str]:
 def run(pendulum: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], str]:
     """Return what `swung` returns of the pendulum's FMU."""
     return swung(pendulum, tmp_path_factory.mktemp("run"))
+
+
+@pytest.mark.parametrize("face", [2, 3])
+def test_a_percent_sign_in_a_warning_reaches_the_log(tmp_path: Path, face: Literal[2, 3]) -> None:
+    """The wrapper of FMI 2.0 reads texts as formats; the process lives and the text is whole."""
+    fmu = build_fmu("from tests.fmukit.grumbling import SPEC", tmp_path / "p.fmu", "p_", face=face)
+    program = (
+        "import fmpy, sys; fmpy.simulate_fmu(sys.argv[1], stop_time=0.1, debug_logging=True, "
+        "logger=lambda *call: print(call[-1]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", program, str(fmu)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr
+    assert TOLD in done.stdout
+    assert TOLD in done.stderr
 
 
 def closed_form() -> list[tuple[float, float]]:

@@ -38,6 +38,10 @@ def row(number: int, name: str, **other: Any) -> Variable:
         ([row(0, "time")], "time: the name is that of the independent variable"),
         ([row(0, "a", type=Quantity("Weight", "Real"))], "a: the quantity Weight is not in"),
         ([row(0, "a", depends=("b",))], "a: depends on b, which is not in the table"),
+        ([row(0, "a", causality="local")], "a: the causality local is none of parameter, input"),
+        ([row(0, "a", variability="often")], "a: the variability often is none of fixed"),
+        ([row(0, "a", minimum=2.0, maximum=1.0)], "a: the minimum 2.0 is above the maximum 1.0"),
+        ([row(0, "a", type=COUNT, start=1.5)], "a: the start value 1.5 of an Integer is no whole"),
         ([row(0, "a", start=None)], "a: a parameter or input needs a start value"),
         ([row(0, "a", minimum=2.0)], "a: a = 1.0 kg is out of range: .* and at least 2"),
     ],
@@ -46,6 +50,11 @@ def test_a_table_that_contradicts_itself_is_refused(rows: list[Variable], told: 
     """With the name of the row and what is wrong with it."""
     with pytest.raises(ValueError, match="^" + told):
         Table(UNITS, [MASS, COUNT], rows)
+
+
+def test_a_whole_number_starts_a_real_as_a_float() -> None:
+    """A saved state compares types, so 1 for a Real becomes 1.0."""
+    assert type(Table(UNITS, [MASS], [row(0, "a", start=1)]).rows[0].start) is float
 
 
 @pytest.mark.parametrize(

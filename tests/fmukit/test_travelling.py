@@ -70,9 +70,14 @@ def test_imports_between_what_travels_become_relative(write: Write) -> None:
             "from nowhere.at_all import x",
             "nowhere, which cellar imports, cannot be packed: no",
         ),
-        ("import stickslip_fmu.block", "line 1 imports stickslip_fmu.block; write from ..."),
+        (
+            "import stickslip_fmu.block",
+            "line 1 imports stickslip_fmu.block, which is not in Python's standard library",
+        ),
         ("from  stickslip_fmu.spec import SPEC", "line 1 is not written from stickslip_fmu.spec"),
         ("match 1:\n    case 1: pass", "line 2 is not Python 3.8"),
+        ("import numpy as np", "cellar cannot be packed: line 1 imports numpy, which is not in"),
+        ("from numpy import pi", "(cellar imports numpy)"),
     ],
 )
 def test_a_module_that_cannot_travel_is_named(write: Write, text: str, told: str) -> None:

@@ -54,7 +54,7 @@ def _found(name: str) -> Any:
         )
     try:
         return getattr(import_module(module), attribute)
-    except (ImportError, AttributeError) as error:
+    except Exception as error:  # whatever a module of somebody else raises
         raise ValueError(
             f"the friction law {name!r} was not found ({error}); expected module:NAME, such as "
             f"{_EXAMPLE}, of a module that Python can import"

@@ -14,7 +14,7 @@ def lint(
         typer.Option(metavar="DIR", help="The folder of cases; default: those of the suite."),
     ] = None,
 ) -> None:
-    """Check the suite's data files: ids, units, reasons, sources, unused entries."""
+    """Check the suite's data files: ids, units, reasons, sources; exit 1 if wrong."""
     from stickslip_verification import lint as findings_of
 
     if cases is not None and not cases.is_dir():

@@ -168,6 +168,11 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, 
         truth.Parameter(row.name, row.unit, what.parameters[row.name], truth.Kind.TUNABLE)
         for row in what.own
     )
+    lacking = [row.name for row in what.own if not file.has(row.name)]
+    if lacking:
+        raise CommandError(
+            f"--fmu {fmu}: the FMU has no parameter {', '.join(lacking)} of the friction law"
+        )
     setting = drive.Setting(
         {name: value for name, value in what.parameters.items() if file.has(name)},
         [drive.CommunicationStep(float(h), {}) for h in np.diff(times)],
