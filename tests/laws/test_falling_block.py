@@ -211,6 +211,70 @@ def test_beyond_the_speed_where_friction_ends_the_block_refuses() -> None:
         block.advance(0.25, 0.25)
 
 
+def test_a_slip_that_grows_fast_stops_or_leaves_the_law_in_time() -> None:
+    """At a damping ratio of -490 the spring is nothing to 1e-6: m u' = P + slope N u.
+
+    P is the force on the mass at rest, and the speed is u = (u0 + P/(slope N)) exp(g t) -
+    P/(slope N) with g = slope N/m.
+    """
+    g, u0, limit = 981.0, 1e-5, 3e-3
+    fast = {"k": 1.0, "v": 1e-6, "slope": 100.0, "mu_k": 0.3, "x_dot_start": u0}
+    # P = -mu_k N: the speed falls from u0 to 0.
+    block = make_block(**fast)
+    end = math.log(limit / (limit - u0)) / g
+    assert block.state.arc.duration == pytest.approx(end, rel=1e-6)
+    block.advance(0.0, 1e-4)
+    assert block.meter.n_slips == 1
+    assert outputs(block)["t_slip"] == pytest.approx(end, rel=1e-6)
+    # P = (mu_s - mu_k) N: it grows from u0 to the limit.
+    block = make_block(**fast, z_start=4.905)
+    force = 2e-3
+    end = math.log((limit + force) / (u0 + force)) / g
+    assert block.state.arc.duration == pytest.approx(end, rel=1e-6)
+    with pytest.raises(
+        ModelError, match=r"x_dot = 0\.00(3|29999)\d* m/s .* mu_k/slope = 0\.003 m/s"
+    ):
+        block.advance(0.0, 1e-2)
+
+
+@pytest.mark.parametrize("distance", [1e-7, 1e-10, 1e-13, 0.0, -1e-13, -1e-10, -1e-7])
+def test_beside_the_critical_negative_damping_the_block_is_the_truth(distance: float) -> None:
+    """At a damping ratio of -1, where swings end, the block gives the truth's motion.
+
+    N = 8 N, 2 sqrt(k m) = 64 N.s/m, so the ratio is -1 + `distance`.
+    """
+    values = {"g": 8.0, "k": 1024.0, "mu_k": 0.25, "slope": 8.0 * (1.0 - distance)}
+    values |= {"v": 2.0**-12, "x_dot_start": 2.0**-13, "z_start": 2.0**-9}
+    block = make_block(**values)
+    block.advance(0.0, 0.03125)
+    run = truth.run(values, [Step(0.03125)], law=NAME)
+    for name in ("x", "z", "x_dot", "Q_friction"):
+        # Growth by exp(32 t) amplifies rounding by e.
+        assert outputs(block)[name] == pytest.approx(float(run.samples[0][name]), rel=1e-13)
+
+
+def test_a_slope_that_cancels_the_damping_leaves_the_undamped_motion() -> None:
+    """With c = slope N the run is Coulomb's with c = 0, the heat mu_k N times the way."""
+    values = {"c": 4.905, "slope": 0.5, "v": 0.2}
+    segments = [Segment(0.125, {})] * 16
+    rows, undamped = drive(values, segments), drive_coulomb({"v": 0.2}, segments)
+    assert rows is not None
+    for row, other in zip(rows, undamped, strict=True):
+        for name in ("x", "z", "x_dot", "Q_friction", "t_slip"):
+            # Ten slips in 2 s, each to a few units of rounding.
+            assert row[name] == pytest.approx(other[name], rel=1e-12, abs=1e-14)
+
+
+def test_without_a_normal_force_the_mass_swings_without_heat() -> None:
+    """At N = 0 the motion from rest is x = v (t - sin(w t)/w), and Q_friction is 0."""
+    block = make_block(load=-9.81, slope=0.1)
+    block.advance(0.0, 0.7)
+    w = math.sqrt(1000.0)
+    found = outputs(block)
+    assert found["x"] == pytest.approx(0.02 * (0.7 - math.sin(w * 0.7) / w), rel=1e-13)
+    assert found["Q_friction"] == 0.0
+
+
 @pytest.fixture(scope="module", params=[2, 3])
 def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the FMU of the law, of FMI 2.0 and 3.0."""

@@ -8,16 +8,20 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import pytest
 
+from fmukit.model import ModelError
+from stickslip_fmu.laws.named import friction_law as block_law
+from stickslip_fmu.spec import spec_of
 from stickslip_ref import Change, Parameters, simulate
 from stickslip_verification import truth
 from stickslip_verification.truth import Step
 from stickslip_verification.truth.parameters import high_precision
+from tests.fmu.blocks import block_of, outputs
 
 NAME = "tests.laws.falling:FALLING"
 MP = high_precision(50)
@@ -237,6 +241,84 @@ def test_a_slip_beyond_the_limit_is_refused_on_both_sides(v: float) -> None:
     before = truth.run(values, [Step(0.25)], law=NAME)
     assert before.samples[0]["mode"] == math.copysign(1, v)
     simulate(Parameters(**base), 0.25, law=NAME, own=own)
+
+
+def _starts(x_dot: float, **own: float) -> Mapping[str, tuple[type[Exception], Callable[[], Any]]]:
+    """Return each side's run of 1/128 s from this velocity, and the error that it may raise."""
+    values = {**BINARY, "x_dot_start": x_dot, **own}
+    base, law = _own(values)
+    h = 2.0**-7
+
+    def of_block() -> float:
+        block = block_of(spec_of(block_law(NAME).law), values)
+        block.advance(0.0, h)
+        return outputs(block)["x_dot"]
+
+    return {
+        "block": (ModelError, of_block),
+        "reference": (
+            RuntimeError,
+            lambda: simulate(Parameters(**base), h, times=[h], law=NAME, own=law).x_dot[0],
+        ),
+        "truth": (
+            ValueError,
+            lambda: float(truth.run(values, [Step(h)], law=NAME).samples[0]["x_dot"]),
+        ),
+    }
+
+
+@pytest.mark.parametrize("side", ["block", "reference", "truth"])
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_start_at_the_limit_runs_unless_it_goes_beyond(side: str, direction: int) -> None:
+    """At mu_k/slope = 1/8 m/s no dry friction is left: m x_ddot = k z - c x_dot decides."""
+    limit, v = direction * 0.125, direction * 2.0**-6
+    own = {"slope": 2.0, "v": v}
+    error, slower = _starts(limit, **own)[side]
+    # x_dot = v + rho, rho'' - 16 rho' + 1024 rho = 0 with rho(0) = limit - v, rho'(0) = 0.
+    b, t = math.sqrt(1024.0 - 64.0), 2.0**-7
+    rho = (limit - v) * math.exp(8.0 * t) * (math.cos(b * t) - 8.0 / b * math.sin(b * t))
+    assert slower() == pytest.approx(v + rho, rel=1e-11)
+    # Steady sliding at the limit itself, its damping c - slope N = 64 N.s/m.
+    steady = {"slope": 2.0, "c": 80.0, "v": limit, "z_start": 80.0 * limit / 1024.0}
+    assert _starts(limit, **steady)[side][1]() == limit
+    for beyond in (
+        _starts(limit, **own, z_start=direction * 2.0**-6),
+        _starts(math.nextafter(limit, 0.0), **own, z_start=direction * 2.0**-6),
+        _starts(math.nextafter(limit, 2.0 * limit), **own),
+    ):
+        with pytest.raises(error, match=r"0\.125"):
+            beyond[side][1]()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_no_start_at_the_limit_slips_through_the_reference(seed: int) -> None:
+    """A mass that starts at the limit and speeds up is refused, however the speed is scaled."""
+    rng = random.Random(seed)
+    for _ in range(5):
+        mu_k, slope = rng.uniform(0.1, 0.4), rng.uniform(0.5, 5.0)
+        p = Parameters(mu_k=mu_k, m=rng.uniform(0.5, 2.0), x_dot_start=mu_k / slope, z_start=0.1)
+        with pytest.raises(RuntimeError, match="the friction law holds up to"):
+            simulate(p, 1e-3, law=NAME, own={"slope": slope})
+
+
+@pytest.mark.parametrize("v", [0.02, -0.02])
+def test_a_change_to_a_limit_below_the_speed_is_refused_by_the_reference(v: float) -> None:
+    """The message gives the mass's own speed at the change, and the new limit."""
+    p, change = Parameters(v=v), Change(0.28, {}, {"slope": 0.3 / 0.04})
+    speed = abs(simulate(p, 0.28, times=[0.28], law=NAME, own={"slope": 0.1}).x_dot[0])
+    assert speed > 0.06
+    message = f"the mass reaches {speed:.6g} m/s, but the friction law holds up to 0.04 m/s"
+    with pytest.raises(RuntimeError, match=message):
+        simulate(p, 1.0, law=NAME, own={"slope": 0.1}, changes=[change])
+
+
+def test_a_start_beyond_a_limit_of_0_is_refused_by_the_reference() -> None:
+    """Without dry friction the limit is 0, also where damping and slope nearly cancel."""
+    p = Parameters(
+        m=1.7086375004157492, c=1.6761733879078502, mu_s=0.0, mu_k=0.0, v=0.0, x_dot_start=-0.13
+    )
+    with pytest.raises(RuntimeError, match=r"reaches 0\.13 m/s, but .* holds up to 0 m/s"):
+        simulate(p, 10.0, law=NAME, own={"slope": 0.1})
 
 
 def test_the_slope_is_checked_on_both_sides() -> None:

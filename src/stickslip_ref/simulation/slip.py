@@ -88,6 +88,10 @@ RESOLVED = 10.0
 1,500 slips: below 2.2). A slip with mu_k = 0 ends exactly where equality sticks, and no integration
 meets that to rounding; docs/theory.md (4)."""
 
+LIMIT_SLACK = 8.0 * 2.0**-52
+"""Rounding slack of a speed against the friction law's limit: scaled and back, a start at the limit
+may lie on either side of it."""
+
 STIFF_ZETA = 30.0
 """From this damping ratio on, steps of the explicit method are bound by stability alone."""
 
@@ -177,9 +181,11 @@ def integrate_slip(
     RuntimeError
         If the integration fails; the message gives SciPy's reason.
     SpeedLimitError
-        If the mass slips faster than the friction law holds.
+        If the mass slips faster than the friction law holds, at the beginning or later.
     """
     problem = _Problem(p, law, s, z, x_dot, net_force, state)
+    if abs(x_dot) > problem.speed_limit:
+        raise SpeedLimitError(abs(x_dot), problem.speed_limit)
     tau_end = duration * problem.w
     pieces: list[tuple[float, Any]] = []
     tau, y, from_rest, first_step = 0.0, problem.start, x_dot == 0.0, None
@@ -345,7 +351,7 @@ def _solve(
     never_ends = problem.never_ends(y)
 
     def within(tau: float, y: Floats) -> float:
-        return problem.speed_limit - problem.speed(problem.u(y))
+        return problem.speed_limit * (1.0 + LIMIT_SLACK) - problem.speed(problem.u(y))
 
     def velocity(tau: float, y: Floats) -> float:
         return 1.0 if from_rest and tau == 0.0 else s * problem.u(y)

@@ -22,6 +22,7 @@ lacks. Heat is ``mu_k N`` times the way, and ``(c - slope N)`` times the integra
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterator
 
 from fmukit.model import ModelError
@@ -75,12 +76,14 @@ class FallingSlip(SlipArc):
 
     def heat(self, tau: float, displacement: float) -> float:
         """Return the heat of friction and damping up to `tau` [J]."""
-        damped = self._oscillator.c * self._squared_velocity(tau, displacement)
-        return self._kinetic * abs(displacement) + damped
+        heat = self._kinetic * abs(displacement)
+        if self._oscillator.c != 0.0:
+            heat += self._oscillator.c * self._squared_velocity(tau, displacement)
+        return heat
 
     def _squared_velocity(self, tau: float, displacement: float) -> float:
         oscillator = self._oscillator
-        if oscillator.c == 0.0 or not (oscillator.overdamped and oscillator.c < 0.0):
+        if not (oscillator.overdamped and oscillator.c < 0.0):
             return super()._squared_velocity(tau, displacement)
         count = math.ceil(oscillator.quickest * tau / _PANEL)
         return math.fsum(
@@ -91,19 +94,26 @@ class FallingSlip(SlipArc):
     def _find_end(self) -> float:
         """Return when the mass first comes to rest or leaves the law, or infinity."""
         start = self.mode * self.x_dot_start
-        if start >= self.limit:
+        # Where the acceleration is 0 its rate decides.
+        rise = self.mode * (self._acceleration or self._fade)
+        if start > self.limit or (start == self.limit and rise > 0.0):
             self.passed_limit = True
             return 0.0
         if start == 0.0 and self.mode * self._acceleration < 0.0:
             return 0.0
+        if start > 0.0 and rise == 0.0 and self._oscillator.c >= 0.0:
+            return math.inf
+        growth = -self._oscillator.slow
+        most = _MOST_GROWTH / growth if growth > 0.0 else sys.float_info.max
         low = 0.0
-        for high in self._extremes():
+        for extreme in self._extremes():
+            high = extreme if extreme < most else self._enclose_tail(low, most)
             if high == math.inf:
-                high = self._enclose_tail(low)
-            speed = self._speed(high)[0] if high < math.inf else 0.5 * self.limit
+                break
+            speed = self._speed(high)[0]
             if speed <= 0.0:
                 return falling_zero(self._speed, low, high)
-            if speed >= self.limit:
+            if speed > self.limit:
                 self.passed_limit = True
                 return falling_zero(self._below_limit, low, high)
             low = high
@@ -148,20 +158,19 @@ class FallingSlip(SlipArc):
             yield first + n * half
             n += 1
 
-    def _enclose_tail(self, low: float) -> float:
-        """Return a time by which a speed without extremes after `low` has ended the slip or law.
+    def _enclose_tail(self, low: float, most: float) -> float:
+        """Return a time up to `most` by which a monotone speed has ended the slip or the law.
 
-        Returns infinity where it never does.
+        Returns infinity where it has not by then. `low` [s] is the time of the last extreme.
         """
-        reach = 1.0 / self._oscillator.w
-        most = math.inf
-        if self._oscillator.c < 0.0:
-            most = _MOST_GROWTH / self._oscillator.quickest
-        elif 0.0 <= self.mode * self.v <= self.limit:
+        oscillator = self._oscillator
+        if oscillator.c > 0.0 and 0.0 <= self.mode * self.v <= self.limit:
             return math.inf
-        while low + reach < most:
-            if not 0.0 < self._speed(low + reach)[0] < self.limit:
-                return low + reach
+        reach, high = 1.0 / oscillator.quickest, low
+        while high < most:
+            high = min(low + reach, most)
+            if not 0.0 < self._speed(high)[0] <= self.limit:
+                return high
             reach *= 2.0
         return math.inf
 
