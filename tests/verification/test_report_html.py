@@ -17,6 +17,7 @@ from stickslip_verification.model.verdict import (
     Motion,
     ObservedOrder,
     Second,
+    Table,
     Verdict,
 )
 from stickslip_verification.report.earlier import compare, read_earlier_report
@@ -261,6 +262,25 @@ def test_moved_margins_are_shown(tmp_path: Path) -> None:
     before, _, after = html.partition("<!-- dated: begin -->")
     assert "earlier.json" not in before
     assert "earlier.json" in after
+
+
+def test_a_table_of_the_verdict_is_a_section() -> None:
+    """Heading, sentence, cells under their headings, note, and a link in the list of sections."""
+    table = Table(
+        "Coverage", "Where things changed.", ("change", "c = 0", "c > 0"),
+        [("load in stick", 12, 1e-15), ("load at v = 0", "no stick <ends>", 3)], "Seed 1.",
+    )  # fmt: skip
+    html = render(Verdict([result()], PROVENANCE, tables=[table]))
+    page = Page(html)
+    said = (
+        "Coverage Where things changed. change c = 0 c > 0 load in stick 12 1e-15 "
+        "load at v = 0 no stick <ends> 3 Seed 1."
+    )
+    assert said in " ".join(page.text.split())
+    assert {"href": "#table-0"} in page.all("a")
+    # Numbers are aligned where the whole column has them, and each cell knows its heading.
+    cells = [attrs for attrs in page.all("td") if (attrs.get("data-is") or "").startswith("c ")]
+    assert cells == 2 * [{"data-is": "c = 0"}, {"class": "n", "data-is": "c > 0"}]
 
 
 def test_the_files_are_written_together_or_not_at_all(tmp_path: Path) -> None:

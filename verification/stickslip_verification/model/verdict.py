@@ -3,9 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from typing import Any, Final
 
 from stickslip_verification.model.run import Run
+
+SEQUENCE: Final = "sequence-"
+"""Start of the case id of a random sequence; the rest is its number."""
 
 
 class Kind(StrEnum):
@@ -215,11 +218,64 @@ class KillMatrix:
 
 
 @dataclass(frozen=True)
+class Table:
+    """A table of the report, in a section of its own.
+
+    Attributes
+    ----------
+    title
+        Heading of the section.
+    about
+        One sentence above the table.
+    head
+        Headings of the columns.
+    rows
+        Cells; the first of a row names it. A number is written as such, with its unit in the
+        heading; a cell without a count holds the reason as text.
+    note
+        Text below the table, or "".
+
+    Raises
+    ------
+    ValueError
+        A row has more or fewer cells than the head.
+    """
+
+    title: str
+    about: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[str | int | float]]
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse a row that does not fit the head."""
+        for row in self.rows:
+            if len(row) != len(self.head):
+                raise ValueError(
+                    f"table {self.title!r}: row {row[:1]} has {len(row)} cells, "
+                    f"the head {len(self.head)}"
+                )
+
+
+@dataclass(frozen=True)
+class ChosenContract:
+    """The contract that an FMU is held to.
+
+    ``name`` is exact, physics or strict; ``why`` says where the choice comes from, such as
+    "--contract physics".
+    """
+
+    name: str
+    why: str
+
+
+@dataclass(frozen=True)
 class Verdict:
     """All results of a run, what stands behind them, and where they come from.
 
     `run.verify` makes it. ``ours`` tells whether the FMU is judged as our own, ``kills`` is None
-    where no faults were planted.
+    where no faults were planted. ``contract`` is None where nothing says why it was chosen.
+    ``tables`` are shown in the report as they are.
     """
 
     checks: Sequence[CheckResult]
@@ -228,6 +284,8 @@ class Verdict:
     orders: Sequence[ObservedOrder] = ()
     kills: KillMatrix | None = None
     ours: bool = True
+    contract: ChosenContract | None = None
+    tables: Sequence[Table] = ()
 
     @property
     def summary(self) -> dict[str, int]:
@@ -239,6 +297,20 @@ class Verdict:
         """The same counts for each kind of truth that occurs, in the order of `Kind`."""
         sorted_out = {kind: [r for r in self.checks if r.truth == kind] for kind in Kind}
         return {kind: count(results) for kind, results in sorted_out.items() if results}
+
+    @property
+    def cases(self) -> list[str]:
+        """Ids of the cases, random sequences and the FMU as a whole left out, as they ran."""
+        return [case for case in self._named if not case.startswith(SEQUENCE)]
+
+    @property
+    def sequences(self) -> list[str]:
+        """Ids of the random sequences, as they ran."""
+        return [case for case in self._named if case.startswith(SEQUENCE)]
+
+    @property
+    def _named(self) -> list[str]:
+        return [case for case in dict.fromkeys(r.case for r in self.checks) if case]
 
     @property
     def proven(self) -> bool:

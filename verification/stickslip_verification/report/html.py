@@ -101,6 +101,7 @@ def render(
         failures=[found for found, _ in failures],
         noted=[found for found, _ in noted],
         nearest=[place for place, _ in nearest],
+        tables=view.table_views(verdict),
         cases=view.case_views(verdict, _drawn(verdict, drawn or {}), linked, compact=compact),
         kills=None if verdict.kills is None else kill_view.of(verdict.kills),
         orders=[_order(order, number) for number, order in enumerate(verdict.orders)],

@@ -47,6 +47,8 @@ def as_json(verdict: Verdict) -> dict[str, Any]:
         "checks": [_row(result) for result in verdict.checks],
         "orders": [_plain(asdict(order)) for order in verdict.orders],
         "kills": None if verdict.kills is None else _kills(verdict.kills),
+        "contract": None if verdict.contract is None else asdict(verdict.contract),
+        "tables": [_plain(asdict(table)) for table in verdict.tables],
         "provenance": _plain(verdict.provenance),
     }
 

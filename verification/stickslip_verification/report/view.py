@@ -69,6 +69,19 @@ class CaseView:
 
 
 @dataclass(frozen=True)
+class TableView:
+    """A table as text; ``numbers`` tells of each column whether it holds numbers alone."""
+
+    anchor: str
+    title: str
+    about: str
+    head: Sequence[str]
+    numbers: Sequence[bool]
+    rows: Sequence[Sequence[str]]
+    note: str
+
+
+@dataclass(frozen=True)
 class Place:
     """A result to be pointed at: where it is, and what is said of it."""
 
@@ -161,6 +174,29 @@ def second_values(verdict: Verdict) -> dict[str, int]:
     seconds = [result.second for result in verdict.checks if result.second is not None]
     drifted = sum(second.drifted for second in seconds)
     return {"held": len(seconds) - drifted, "drifted": drifted}
+
+
+def table_views(verdict: Verdict) -> list[TableView]:
+    """Return the tables of a verdict as text; a column is of numbers where all its cells are."""
+    return [
+        TableView(
+            anchor=f"table-{number}",
+            title=table.title,
+            about=table.about,
+            head=table.head,
+            numbers=[
+                all(isinstance(row[column], int | float) for row in table.rows)
+                for column in range(len(table.head))
+            ],
+            rows=[[_cell(cell) for cell in row] for row in table.rows],
+            note=table.note,
+        )
+        for number, table in enumerate(verdict.tables)
+    ]
+
+
+def _cell(cell: str | float) -> str:
+    return cell if isinstance(cell, str) else value_text(cell)
 
 
 def case_name(case: str) -> str:
