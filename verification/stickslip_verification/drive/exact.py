@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip_verification.model.events import Event, Transition
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case, follow
@@ -21,16 +22,24 @@ class Exact:
         Its samples, rounded to double once.
     start
         Every value at the start, the defaults included (SI).
-    event_times
-        Times of its transitions [s].
+    events
+        Its transitions.
     facts
         What the tolerances take from it.
+    margin
+        How near it came to another course, relative: `truth.Run.margin`.
     """
 
     record: Run
     start: Mapping[str, float]
-    event_times: Sequence[float]
+    events: Sequence[Event]
     facts: Facts
+    margin: float
+
+    @property
+    def event_times(self) -> Sequence[float]:
+        """Times of the transitions [s]."""
+        return [event.time for event in self.events]
 
 
 def exact_motion(case: Case) -> Exact:
@@ -46,6 +55,16 @@ def exact_motion(case: Case) -> Exact:
             initial={name: float(run.initial[name]) for name in OUTPUT_NAMES},
         ),
         start=case.start,
-        event_times=[float(event.time) for event in run.events],
+        events=[
+            Event(
+                float(each.time),
+                Transition(each.kind),
+                each.mode,
+                float(each.x),
+                float(each.z),
+            )
+            for each in run.events
+        ],
         facts=facts_of(run),
+        margin=float(run.margin),
     )

@@ -27,6 +27,8 @@ from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.kept import kept
+from stickslip_verification.drive.manners import MANNERS
+from stickslip_verification.drive.nearby import nearby_motions
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes import PROBES
 from stickslip_verification.drive.reference import run_reference
@@ -66,6 +68,11 @@ def reference(case: Case) -> Answer[Run]:
     return _answer(kept, run_reference, case)
 
 
+def nearby(case: Case) -> Answer[tuple[Run, ...]]:
+    """Follow motions near the exact one of a case."""
+    return _answer(kept, nearby_motions, case)
+
+
 def observed_order(case: Case, invariant: Order) -> Answer[ObservedOrder]:
     """Observe how the reference's error falls with its tolerance."""
     return _answer(kept, convergence.observe, case, invariant)
@@ -79,6 +86,11 @@ def plain_run(case: Case) -> Answer[Run]:
 def other_run(case: Case, run: str) -> Answer[Run]:
     """Run the FMU of this process on a case in another way, a key of `RUNS`."""
     return _answer(lambda: RUNS[run](_fmu(), case))
+
+
+def in_manner(case: Case, manner: str) -> Answer[Run]:
+    """Run the FMU of this process on a case in a manner, a key of `MANNERS`."""
+    return _answer(lambda: MANNERS[manner](_fmu(), case))
 
 
 def probe(invariant: Probe) -> Answer[list[str]]:

@@ -7,14 +7,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip_verification.drive.exact import Exact
+from stickslip_verification.judge.band import Band
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import CheckResult, Klass, Measure, Measured
 from stickslip_verification.suite.cases import At, Case, Check
 from stickslip_verification.suite.tolerances import INTEGRATION, ROUNDING
+
+UNDECIDED = "it hangs on less than the error of a numerical solution, or on what was only agreed"
+"""Why a check of the physics contract is not applicable where its band judges no point."""
 
 RESOLUTION = {"fmu": 1e-14, "reference": 1e-12}
 """What rounding between processors and mathematical libraries moves, as a part of the scale. Two
@@ -57,6 +62,12 @@ class Contract:
     def decides(self, klass: str) -> bool:
         """Whether a failure in a check of this class fails the verdict."""
         return klass == Klass.PHYSICS or self.contract
+
+
+    @property
+    def banded(self) -> bool:
+        """Whether a run is right in the band of a numerical solution about the exact motion."""
+        return self.side == "fmu" and not self.exact
 
 
 EXACT_CONTRACT = Contract("fmu")
@@ -141,8 +152,15 @@ def errors(measure: str, got: Series, expected: Series, scale: float) -> Series:
         return np.where(difference == 0.0, 0.0, difference / size)
 
 
-def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Run) -> CheckResult:
-    """Compare one side's record with the truth of one check.
+def judge(
+    case: Case,
+    check: Check,
+    contract: Contract,
+    exact: Exact,
+    record: Run,
+    band: Band | None = None,
+) -> CheckResult:
+    """Compare one side's record with the truth of one check, given a `band` within that band.
 
     Never raises for what a side did: a missing output, a NaN or an infinity is a failed check
     with its reason. An output that a foreign FMU does not have makes the check not applicable.
@@ -157,6 +175,8 @@ def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Ru
         return replace(empty, failure=f"the truth cannot be computed: {error}")
     if not np.all(np.isfinite(expected)):
         return replace(empty, failure="the truth is not a finite number here")
+    if band is not None:
+        return judge_in_band(empty, [check.quantity], contract, band, record, chosen)
     try:
         got = extract(check.quantity, record, exact.start)[chosen]
     except (CheckError, IndexError) as error:
@@ -180,6 +200,74 @@ def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Ru
         passed=bool(found[worst] <= empty.tolerance),
         measured=Measured(float(np.mean(got)), size, resolution),
     )
+
+
+def judge_in_band(
+    empty: CheckResult,
+    quantities: Sequence[str],
+    contract: Contract,
+    band: Band,
+    record: Run,
+    points: Sequence[int] | None = None,
+) -> CheckResult:
+    """Judge whether quantities of a run stay in a band; the result shows the worst of them.
+
+    ``record`` may hold some of the points of the exact motion only, and ``points`` restricts what
+    is looked at further. What the run lacks is not judged; the result is not applicable where
+    nothing is left.
+    """
+    empty = replace(empty, measure=Measure.ABSOLUTE, because=band.because)
+    try:
+        read = _places_of(record, band.exact.record)
+    except CheckError as error:
+        return replace(empty, failure=str(error))
+    chosen = np.isin(read, np.arange(band.exact.record.times.size) if points is None else points)
+    worst, nearest, lacking = None, -1.0, []
+    for quantity in quantities:
+        try:
+            extract(quantity, record, band.exact.start)
+        except LackingError as error:
+            lacking.append(error)
+            continue
+        except CheckError as error:
+            return replace(empty, failure=str(error))
+        expected, got = band.pair(quantity, record, read)
+        where = chosen & band.judged(quantity)[read] & np.isfinite(expected)
+        broken = np.flatnonzero(where & ~np.isfinite(got))
+        if len(broken):
+            time = float(record.times[broken[0]])
+            return replace(empty, failure=f"{quantity} is {got[broken[0]]} at t = {time:.6g} s")
+        if not where.any():
+            continue
+        allowed, found = band.allowed(quantity)[read][where], np.abs(got - expected)[where]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = np.where(found == 0.0, 0.0, found / allowed)
+        place = last_worst(ratios)
+        if ratios[place] > nearest:
+            nearest = float(ratios[place])
+            worst = replace(
+                empty,
+                quantity=quantity,
+                unit=QUANTITIES[quantity].unit,
+                expected=float(expected[where][place]),
+                got=float(got[where][place]),
+                error=float(found[place]),
+                tolerance=float(allowed[place]),
+                passed=nearest <= 1.0,
+            )
+    if worst is not None:
+        return worst
+    if lacking:
+        return without_value(empty, contract, lacking[0])
+    return replace(empty, not_applicable=UNDECIDED)
+
+
+def _places_of(record: Run, exact: Run) -> NDArray[np.intp]:
+    """Return where the points of a record are among those of the exact motion."""
+    at = np.minimum(np.searchsorted(exact.times, record.times), exact.times.size - 1)
+    if not np.array_equal(exact.times[at], record.times) or len(set(at)) < len(at):
+        raise CheckError(f"{record.times.size} samples at other points than the case has")
+    return at
 
 
 def last_worst(found: Series) -> int:

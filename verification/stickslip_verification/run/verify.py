@@ -7,17 +7,20 @@ from stickslip_verification.drive import workers
 from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.stepping import is_ours, require_law
+from stickslip_verification.drive.stepping import is_ours, may_change, require_law
 from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT, STRICT_CONTRACT
 from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Verdict
 from stickslip_verification.report import provenance
-from stickslip_verification.run.baseline import Progress, compute
+from stickslip_verification.run.baseline import Progress, compute, trials
 from stickslip_verification.run.judged import ask, judge, motions
+from stickslip_verification.run.coverage import coverage_table
 from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Mutant
 from stickslip_verification.suite.invariants import load_invariants
+from stickslip_verification.suite.sequences import SEED, Scope, draw_sequences
+from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
 
 
 def verify(
@@ -29,6 +32,8 @@ def verify(
     strict: bool = False,
     jobs: int | None = None,
     time_limit: float = workers.TIME_LIMIT,
+    sequences: int = 0,
+    seed: int = SEED,
     mutants: Sequence[Mutant] = (),
     whole_matrix: bool = True,
     command: str | None = None,
@@ -54,6 +59,11 @@ def verify(
         How many processes may work at once; None for one per processor.
     time_limit
         Seconds that the FMU may take for one run of a case.
+    sequences
+        How many random sequences are tried beside the cases; `suite.sequences.COUNT` fill the table
+        of what can happen.
+    seed
+        The same seed gives the same sequences.
     mutants
         Faults to plant, to try the suite itself. Those that change the FMU are for ours only.
     whole_matrix
@@ -82,21 +92,27 @@ def verify(
         if inside is not None and not contract.ours:
             raise FmuError(f"{fmu}: the fault {inside.id} can be planted in the exact block only")
         origin = provenance.collect(file, command)
+        scope = Scope(
+            frozenset(name for name in START_VALUES if file.has(name)),
+            frozenset(name for name in CHANGEABLE if file.has(name) and may_change(file, name)),
+        )
     finally:
         file.close()
     invariants = load_invariants().of_laws({case.law for case in cases})
     jobs = workers.jobs_here() if jobs is None else jobs
-    baseline = compute(cases, invariants, jobs, progress)
+    baseline = compute(cases, invariants, jobs, progress, nearby=contract.banded)
+    drawn = draw_sequences(seed, sequences if invariants.sequences else 0, scope)
+    tried = trials(drawn, invariants.sequences, jobs, nearby=contract.banded)
     fresh = file.once_per_process
     with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
-        answers = ask(pool, baseline, invariants, progress)
+        answers = ask(pool, baseline, invariants, progress, tried)
     kills = None
     if mutants:
         how = How(names, contract, fresh=fresh, whole=whole_matrix)
-        kills = detect(fmu, mutants, baseline, invariants, jobs, progress, how)
+        kills = detect(fmu, mutants, baseline, invariants, jobs, progress, how, tried)
     return Verdict(
         checks=load_accepted().attach(
-            judge(baseline, invariants, answers, contract), fmu=contract.ours
+            judge(baseline, invariants, answers, contract, tried), fmu=contract.ours
         ),
         provenance=origin,
         motions=list(motions(baseline, answers)),
@@ -104,5 +120,6 @@ def verify(
             seen.value for each in baseline for _, seen in each.orders if seen.value is not None
         ],
         kills=kills,
+        tables=[coverage_table(drawn, seed, scope)] if drawn else [],
         ours=contract.ours,
     )

@@ -69,13 +69,20 @@ class ResidualInvariant(Invariant):
 class RunInvariant(Invariant):
     """Another run of the FMU (a key of `RUNS`) gives the same motion.
 
-    ``tolerance`` is by solution, fmu (ours, exact) or numerical (any other), as parts of each
-    output's largest value; None: bit for bit.
+    ``tolerance`` is that of the exact block, as a part of each output's largest value; None: bit
+    for bit.
     """
 
     run: str
-    tolerance: Mapping[str, float] | None
+    tolerance: float | None
     because: str
+
+
+@dataclass(frozen=True)
+class Manner(Invariant):
+    """The exact motion of random sequences, in a manner of calling the FMU (a key of `MANNERS`)."""
+
+    manner: str
 
 
 @dataclass(frozen=True)
@@ -119,6 +126,7 @@ class Invariants:
 
     residuals: Sequence[ResidualInvariant] = ()
     runs: Sequence[RunInvariant] = ()
+    sequences: Sequence[Manner] = ()
     probes: Sequence[Probe] = ()
     agreements: Sequence[Agreement] = ()
     orders: Sequence[Order] = ()
@@ -160,6 +168,7 @@ _SHARED: Mapping[str, Mapping[str, Any]] = {
 _FAMILIES: Mapping[str, type[Invariant]] = {
     "residuals": ResidualInvariant,
     "runs": RunInvariant,
+    "sequences": Manner,
     "probes": Probe,
     "agreements": Agreement,
     "orders": Order,

@@ -1,0 +1,185 @@
+"""The band about the exact motion in which a run is right.
+
+For the exact block it is a bound that holds for any sequence of inputs. For a numerical solution it
+is as wide as the motions near the exact one lie from it, and as the rounding of what was added up;
+what our interface merely agreed on is not judged in it: values of the start, and what the meter
+counts of a start in motion.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip_verification.drive.exact import Exact
+from stickslip_verification.drive.nearby import OFF
+from stickslip_verification.model.events import Transition
+from stickslip_verification.model.quantities import OUTPUTS, QUANTITIES, Quantity
+from stickslip_verification.model.run import Run, Series
+from stickslip_verification.suite.tolerances import DISTURBED
+
+Mask = NDArray[np.bool_]
+
+SPREAD = 4.0
+"""How often the spread of the nearby motions a solution may be off: they are only a few of all."""
+
+MOST_LOST = 0.05
+"""Largest share of the points of a case that may hang on less than the error of a solution."""
+
+BECAUSE = (
+    f"{SPREAD:g} times what the exact motion moves when its data are off by {OFF:g}, "
+    f"and {OFF:g} of the largest value of its kind for what is added up"
+)
+
+_OF_SLIPS = frozenset({"delta_x", "spring_drop", "t_slip", "x_dot_peak", "n_slips"})
+_OF_CYCLES = frozenset({"T", "f"})
+
+
+@dataclass(frozen=True)
+class Band:
+    """What a run may differ by from the exact motion of a case, at each point.
+
+    Attributes
+    ----------
+    exact
+        The exact motion.
+    nearby
+        Motions near it, at the same points; none where nothing hangs on less than the error.
+    of_largest
+        What a run may be off anywhere, as a part of the largest value of the same kind.
+    because
+        Where that comes from.
+    agreed
+        Whether what our interface merely agreed on is judged too.
+    """
+
+    exact: Exact
+    nearby: Sequence[Run]
+    of_largest: float = OFF
+    because: str = BECAUSE
+    agreed: bool = False
+
+    @cached_property
+    def undecided(self) -> Mask:
+        """Points at which stick or slip hangs on less than the error of a numerical solution."""
+        return self._differs("mode") | self._differs("sticking")
+
+    @property
+    def lost(self) -> float:
+        """Share of the points that are undecided."""
+        return float(np.mean(self.undecided))
+
+    def judged(self, quantity: str) -> Mask:
+        """Return the points at which a quantity is physics, and decided."""
+        found = ~self.undecided
+        for output in QUANTITIES[quantity].needs:
+            found = found & self._meant(output)
+            if QUANTITIES[output].discrete:
+                found = found & ~self._differs(output)
+        return np.asarray(found & np.isfinite(self._samples(quantity, self.exact.record)))
+
+    def allowed(self, quantity: str) -> Series:
+        """Return what a quantity may be off at each point, in its unit."""
+        expected = self._samples(quantity, self.exact.record)
+        if QUANTITIES[quantity].discrete:
+            return np.zeros_like(expected)
+        widest = np.zeros_like(expected)
+        with np.errstate(invalid="ignore"):
+            for run in self.nearby:
+                widest = np.fmax(widest, np.abs(self._samples(quantity, run) - expected))
+        return np.asarray(SPREAD * widest + self.of_largest * self._largest(QUANTITIES[quantity]))
+
+    def pair(self, quantity: str, run: Run, read: NDArray[np.intp]) -> tuple[Series, Series]:
+        """Return a quantity in the exact motion and in a run, at the points that the run has.
+
+        Slips are counted from the first event where the start counts none: NaN before, and
+        everywhere in a run that does not have that point.
+        """
+        expected = self._samples(quantity, self.exact.record)[read]
+        got = self._samples(quantity, run)
+        if quantity == "n_slips" and self._starts_in_motion and not self.agreed:
+            first = np.flatnonzero(self._meant(quantity))[:1]
+            base = np.flatnonzero(np.isin(read, first))
+            expected = expected - (expected[base] if base.size else np.nan)
+            got = got - (got[base] if base.size else np.nan)
+        return expected, got
+
+    def _samples(self, quantity: str, run: Run) -> Series:
+        with np.errstate(all="ignore"):
+            samples = QUANTITIES[quantity].compute(run.outputs, self.exact.start)
+        return np.asarray(samples, dtype=np.float64)
+
+    def _largest(self, quantity: Quantity) -> float:
+        """Return the largest value in play of what has the unit of a quantity, in that unit."""
+        alike = [each.name for each in OUTPUTS if each.unit == quantity.unit != "1"]
+        values = [self.exact.record.outputs[name] for name in alike]
+        if not values:
+            values = [self._samples(quantity.name, self.exact.record)]
+        if quantity.unit == "m/s":
+            values.append(self._pull)
+        if quantity.unit == "s":
+            values.append(self._times)
+        finite = [np.abs(each[np.isfinite(each)]) for each in values]
+        return float(max((np.max(each, initial=0.0) for each in finite)))
+
+    @property
+    def _pull(self) -> Series:
+        """Mean speed of the pulled end over each step [m/s]."""
+        record = self.exact.record
+        places = np.concatenate(([record.initial["x_pull"]], record.outputs["x_pull"]))
+        return np.asarray(np.diff(places) / np.diff(np.concatenate(([0.0], self._times))))
+
+    @property
+    def _times(self) -> Series:
+        return self.exact.record.times
+
+    def _differs(self, output: str) -> Mask:
+        expected = self.exact.record.outputs[output]
+        differs = np.zeros(expected.size, dtype=np.bool_)
+        for run in self.nearby:
+            differs |= run.outputs[output] != expected
+        return differs
+
+    def _meant(self, output: str) -> Mask:
+        """Return the points at which no convention of the start stands behind an output."""
+        everywhere = np.ones(self._times.size, dtype=np.bool_)
+        if self.agreed:
+            return everywhere
+        events = self.exact.events
+        breaks = [each.time for each in events if each.kind == Transition.BREAK_AWAY]
+        ends = [each.time for each in events if each.kind != Transition.BREAK_AWAY]
+        if output in _OF_SLIPS:
+            began = [time for time in breaks if time > 0.0]
+            since = 0.0
+            if output != "n_slips":
+                since = next((end for end in ends if began and end > began[0]), np.inf)
+            elif self._starts_in_motion:
+                since = ends[0] if ends else np.inf
+        elif output in _OF_CYCLES or output == "t_stick":
+            # The first stick, and a break-away at the start, count as it was agreed.
+            inside = [time for time in breaks if time > 0.0]
+            since = inside[1] if len(inside) > 1 else np.inf
+        elif output == "t_event":
+            since = next((each.time for each in events if each.time > 0.0), np.inf)
+        else:
+            since = 0.0
+        return np.asarray(self._times > since) if since > 0.0 else everywhere
+
+    @property
+    def _starts_in_motion(self) -> bool:
+        first = self.exact.events[0] if self.exact.events else None
+        at_once = first is not None and first.time == 0.0
+        return at_once or self.exact.start["x_dot_start"] != 0.0
+
+
+def numerical(exact: Exact, nearby: Sequence[Run]) -> Band:
+    """Return the band of a numerical solution."""
+    return Band(exact, nearby)
+
+
+def of_any_sequence(exact: Exact) -> Band:
+    """Return the band of the exact block under any sequence of inputs."""
+    because = "the bound for any input sequence, of the largest value of its kind"
+    return Band(exact, (), DISTURBED, because, agreed=True)
