@@ -209,8 +209,6 @@ def test_no_invariant_allows_ours_more_than_a_numerical_solution() -> None:
     """The exact block is held at least as tightly as an integrator, by every invariant."""
     for invariant in INVARIANTS.residuals:
         assert invariant.tolerance["fmu"] <= invariant.tolerance["reference"], invariant.id
-    for run in INVARIANTS.runs:
-        assert run.tolerance is None or run.tolerance["fmu"] <= run.tolerance["numerical"], run.id
 
 
 AGREE = {invariant.quantity: invariant for invariant in INVARIANTS.agreements}

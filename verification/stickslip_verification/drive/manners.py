@@ -217,6 +217,28 @@ class _CarriedOver(_Master):
         return there
 
 
+class _TwoAtOnce(_Master):
+    """Another instance, with other values throughout, is stepped in between."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _need(not self.fmu.once_per_process, "be instantiated twice in a process")
+
+    @contextmanager
+    def instance(self) -> Iterator[FmuInstance]:
+        with self.fmu.instantiate() as first, self.fmu.instantiate() as self._beside:
+            yield first
+
+    def begin(self, instance: FmuInstance) -> None:
+        super().begin(instance)
+        self._beside.start(_other(self.fmu, self.case))
+
+    def step(self, instance: FmuInstance, time: float, h: float) -> None:
+        self._beside.step(time, h)
+        instance.step(time, h)
+        self._beside.set(_other(self.fmu, self.case, changeable=True))
+
+
 class _Reset(_Master):
     """The instance has run through something else, with other fixed parameters, and is reset."""
 
@@ -236,6 +258,7 @@ MANNERS: dict[str, Manner] = {
     "apart": lambda fmu, case: _Apart(fmu, case).run(),
     "set_back": lambda fmu, case: _SetBack(fmu, case).run(),
     "carried_over": lambda fmu, case: _CarriedOver(fmu, case).run(),
+    "two_at_once": lambda fmu, case: _TwoAtOnce(fmu, case).run(),
     "reset": lambda fmu, case: _Reset(fmu, case).run(),
 }
 """What a family of sequences can name as ``manner``."""

@@ -71,15 +71,12 @@ def _follow(
     case: Case, parameters: Mapping[str, float], changes: Sequence[Mapping[str, float]]
 ) -> Run:
     """Follow a case with other values, in doubles."""
-    steps = [
-        truth.Step(step.h, dict(new)) for step, new in zip(case.steps, changes, strict=True)
-    ]
+    steps = [truth.Step(step.h, dict(new)) for step, new in zip(case.steps, changes, strict=True)]
     run = truth.run(parameters, steps, digits=None, law=case.law)
     return Run(
         times=np.array(case.times),
         outputs={
-            name: np.array([float(sample[name]) for sample in run.samples])
-            for name in OUTPUT_NAMES
+            name: np.array([float(sample[name]) for sample in run.samples]) for name in OUTPUT_NAMES
         },
         initial={name: float(run.initial[name]) for name in OUTPUT_NAMES},
     )

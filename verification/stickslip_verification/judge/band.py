@@ -122,7 +122,7 @@ class Band:
         if quantity.unit == "s":
             values.append(self._times)
         finite = [np.abs(each[np.isfinite(each)]) for each in values]
-        return float(max((np.max(each, initial=0.0) for each in finite)))
+        return float(max(np.max(each, initial=0.0) for each in finite))
 
     @property
     def _pull(self) -> Series:

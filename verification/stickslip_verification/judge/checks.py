@@ -63,7 +63,6 @@ class Contract:
         """Whether a failure in a check of this class fails the verdict."""
         return klass == Klass.PHYSICS or self.contract
 
-
     @property
     def banded(self) -> bool:
         """Whether a run is right in the band of a numerical solution about the exact motion."""

@@ -13,8 +13,8 @@ from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Verdict
 from stickslip_verification.report import provenance
 from stickslip_verification.run.baseline import Progress, compute, trials
+from stickslip_verification.run.coverage import coverage_table, gaps
 from stickslip_verification.run.judged import ask, judge, motions
-from stickslip_verification.run.coverage import coverage_table
 from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Mutant
@@ -110,10 +110,12 @@ def verify(
     if mutants:
         how = How(names, contract, fresh=fresh, whole=whole_matrix)
         kills = detect(fmu, mutants, baseline, invariants, jobs, progress, how, tried)
+    results = [
+        *judge(baseline, invariants, answers, contract, tried),
+        *gaps(drawn, scope, contract, invariants.sequences),
+    ]
     return Verdict(
-        checks=load_accepted().attach(
-            judge(baseline, invariants, answers, contract, tried), fmu=contract.ours
-        ),
+        checks=load_accepted().attach(results, fmu=contract.ours),
         provenance=origin,
         motions=list(motions(baseline, answers)),
         orders=[

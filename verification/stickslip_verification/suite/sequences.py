@@ -281,7 +281,9 @@ class _Plan:
         m = draw.randint(8, 640) / 64.0
         w = _on_grid(draw.uniform(_SLOWEST, _QUICKEST))
         g = draw.choice((9.81, draw.uniform(1.0, 20.0)))
-        mu_s = _log_uniform(draw, 1.05, 2.0) if draw.random() < 0.3 else _log_uniform(draw, 0.1, 1.0)
+        mu_s = (
+            _log_uniform(draw, 1.05, 2.0) if draw.random() < 0.3 else _log_uniform(draw, 0.1, 1.0)
+        )
         mu_k = mu_s * (1.0 - _log_uniform(draw, 0.05, 1.0))
         values = {"m": m, "k": m * w * w, "g": g, "mu_s": mu_s, "mu_k": mu_k}
         values["c"] = self._damper(m, w, draw.choice(DAMPINGS))
@@ -294,7 +296,9 @@ class _Plan:
         values["v"] = self._speed * draw.choice((1.0, 1.0, -1.0))
         force = mu_s * N * draw.choice((draw.uniform(-1.2, 1.2), draw.uniform(0.6, 0.99)))
         values["z_start"] = (force - values.get("F_ext", 0.0)) / values["k"]
-        values["x_start"] = draw.choice((0.0, draw.uniform(-1.0, 1.0) * mu_s * weight / values["k"]))
+        values["x_start"] = draw.choice(
+            (0.0, draw.uniform(-1.0, 1.0) * mu_s * weight / values["k"])
+        )
         if draw.random() < 0.35:
             values["x_dot_start"] = draw.choice((1.0, -1.0)) * self._speed * draw.uniform(0.3, 4.0)
         return values

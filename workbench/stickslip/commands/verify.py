@@ -47,6 +47,13 @@ def verify(
             help="Only the cases of this shell pattern ('damped-*'), or cases of your own.",
         ),
     ] = None,
+    sequences: Annotated[
+        int | None,
+        typer.Option(
+            min=0, help="Number of random sequences beside the cases; default: 320, 0 with --cases."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the random sequences.")] = 1,
     list_: Annotated[bool, typer.Option("--list", help="List the cases and exit.")] = False,
     all_: Annotated[
         bool, typer.Option("--all", help="Print every comparison, not one row per case.")
@@ -103,7 +110,10 @@ def verify(
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
     faults = _mutants(mutants, fault)
-    verdict = _verdict(fmu, chosen, name_map, strict, jobs, time_limit, faults, mutants)
+    count = _count_of(sequences, cases)
+    verdict = _verdict(
+        fmu, chosen, name_map, strict, jobs, time_limit, faults, mutants, count, seed
+    )
     written = _write(verdict, chosen, earlier, output, pdf)
     screen = console()
     if all_:
@@ -141,6 +151,15 @@ def _cases(wanted: str | None) -> "list[Case]":
             return load_cases(wanted)
     except CaseError as error:
         raise CommandError(str(error)) from error
+
+
+def _count_of(sequences: int | None, cases: str | None) -> int:
+    """Return how many random sequences are tried: all of them, but none beside chosen cases."""
+    from stickslip_verification.suite.sequences import COUNT
+
+    if sequences is None:
+        return 0 if cases is not None else COUNT
+    return sequences
 
 
 def _meanings(cases: "Sequence[Case]") -> "Mapping[str, Meaning]":
@@ -268,6 +287,8 @@ def _verdict(
     time_limit: float,
     mutants: "Sequence[Mutant]",
     whole_matrix: bool,
+    sequences: int,
+    seed: int,
 ) -> "Verdict":
     from stickslip_verification import FmuError, MutantError, verify
 
@@ -286,6 +307,8 @@ def _verdict(
                 time_limit=time_limit,
                 mutants=mutants,
                 whole_matrix=whole_matrix,
+                sequences=sequences,
+                seed=seed,
                 command=shlex.join(["stickslip", *sys.argv[1:]]),
             )
         except (FmuError, MutantError) as error:
