@@ -82,7 +82,7 @@ class _Master:
     def set(
         self, instance: FmuInstance, changes: Mapping[str, float], time: float, h: float
     ) -> FmuInstance:
-        """Set what changes at `time` [s], before a step of `h` [s]; return what is to be stepped."""
+        """Set what changes at `time` [s], before a step of `h` [s]; return what to step."""
         instance.set(changes)
         return instance
 
