@@ -7,12 +7,13 @@ from stickslip_verification.drive import workers
 from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.stepping import is_ours, require_law
-from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT, STRICT_CONTRACT
+from stickslip_verification.drive.planting import carries_source
+from stickslip_verification.drive.stepping import require_law
 from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Verdict
 from stickslip_verification.report import provenance
 from stickslip_verification.run.baseline import Progress, compute
+from stickslip_verification.run.contract import CONTRACTS, Wanted, chosen_contract
 from stickslip_verification.run.judged import ask, judge, motions
 from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.suite.cases import Case
@@ -26,6 +27,7 @@ def verify(
     progress: Progress | None = None,
     *,
     names: NameMap | None = None,
+    contract: Wanted | None = None,
     strict: bool = False,
     jobs: int | None = None,
     time_limit: float = workers.TIME_LIMIT,
@@ -47,15 +49,17 @@ def verify(
     progress
         Called with what is being done, how much of it is done, and out of how much.
     names
-        Our names to the FMU's; given, the FMU is judged as foreign.
-    strict
-        Hold a foreign FMU to the contract and to the tolerances of the exact block too.
+        Our names to the FMU's.
+    contract, strict
+        The contract that the FMU is held to, see `chosen_contract`; by default the one that its
+        description names.
     jobs
         How many processes may work at once; None for one per processor.
     time_limit
         Seconds that the FMU may take for one run of a case.
     mutants
-        Faults to plant, to try the suite itself. Those that change the FMU are for ours only.
+        Faults to plant, to try the suite itself. Those that change the FMU need the source of
+        the block in it.
     whole_matrix
         Whether each fault is tried on every check, or on what it foretells alone.
     command
@@ -65,8 +69,8 @@ def verify(
     ------
     FmuError
         The file cannot be driven at all, lacks what every case or the friction law of one needs,
-        or is to carry planted faults and is not ours; whatever else the FMU does wrong is a failed
-        check.
+        or has no source for the faults that are to be planted; whatever else the FMU does wrong is
+        a failed check.
     MutantError
         Faults are to be planted, and no case is short enough.
     """
@@ -75,28 +79,34 @@ def verify(
         require(file)
         for case in cases:
             require_law(file, case)
-        contract = (
-            EXACT_CONTRACT if is_ours(file) else STRICT_CONTRACT if strict else PHYSICS_CONTRACT
-        )
+        chosen = chosen_contract(file, contract, strict=strict)
         inside = next((mutant for mutant in mutants if mutant.changes_the_fmu), None)
-        if inside is not None and not contract.ours:
-            raise FmuError(f"{fmu}: the fault {inside.id} can be planted in the exact block only")
+        if inside is not None and not carries_source(fmu):
+            raise FmuError(
+                f"{fmu}: the fault {inside.id} changes the Python source of the block, which this "
+                "FMU does not carry; faults in the calls can be planted in any FMU"
+            )
         origin = provenance.collect(file, command)
     finally:
         file.close()
+    held_to = CONTRACTS[chosen.name]
     invariants = load_invariants().of_laws({case.law for case in cases})
     jobs = workers.jobs_here() if jobs is None else jobs
     baseline = compute(cases, invariants, jobs, progress)
     fresh = file.once_per_process
-    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
+    with workers.Pool(
+        jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface
+    ) as pool:
         answers = ask(pool, baseline, invariants, progress)
     kills = None
     if mutants:
-        how = How(names, contract, fresh=fresh, whole=whole_matrix)
+        how = How(names, held_to, fresh=fresh, whole=whole_matrix)
         kills = detect(fmu, mutants, baseline, invariants, jobs, progress, how)
     return Verdict(
         checks=load_accepted().attach(
-            judge(baseline, invariants, answers, contract), fmu=contract.ours
+            judge(baseline, invariants, answers, held_to),
+            # Drifts are those of the block that was accepted, and not of any that is exact.
+            fmu=held_to.interface and file.stated.exact,
         ),
         provenance=origin,
         motions=list(motions(baseline, answers)),
@@ -104,5 +114,5 @@ def verify(
             seen.value for each in baseline for _, seen in each.orders if seen.value is not None
         ],
         kills=kills,
-        ours=contract.ours,
+        contract=chosen,
     )
