@@ -93,6 +93,8 @@ For everybody who connects the FMU in a system simulator. This page lists its va
 name, unit, range, and when each may be set. It is made from the variable table of the FMU.
 
 - The standard is FMI 2.0 co-simulation, the model identifier `StickSlip`.
+- An annotation of the type `org.stickslip.contract` names the contract, `stickslip-exact` in
+  version 1: this interface with its start values, and the exact motion to rounding.
 - All values are in SI units. Tools may show mm, mm/s and N/mm instead.
 - A fixed parameter is set before the start.
 - A tunable parameter or an input is set at any time and acts from the next step on.
@@ -186,8 +188,9 @@ means for a user of the FMU, and which bug is the likeliest.
 
 - Numbers in brackets are the equations of [theory.md](theory.md).
 - A check of class `physics` has a tolerance and decides for every FMU.
-- A check of class `contract` decides for the exact block, the FMU of `stickslip build`. For
-  any other FMU it is noted, and decides with `--strict`.
+- A check of class `contract` decides for an FMU that is held to the exact contract: its
+  description names `stickslip-exact 1`, or `--contract exact` says so. For any other FMU it
+  is noted, and decides with `--strict`.
 - The last column counts the planted faults whose description names this check. A planted
   fault must fail at least one of the checks that it names.
 

@@ -76,7 +76,6 @@ def test_the_report_has_the_agreed_layout(tmp_path: Path) -> None:
     assert list(report) == [
         "summary",
         "passed",
-        "ours",
         "by_kind",
         "checks",
         "orders",

@@ -12,6 +12,7 @@ import pytest
 
 from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import (
+    ChosenContract,
     Detection,
     KillMatrix,
     Motion,
@@ -108,7 +109,7 @@ def full_verdict(**provenance: Any) -> Verdict:
         [motion("default"), motion("tuned")],
         [ObservedOrder("default", "x", (1e-3, 1e-6), (2e-3, 2e-6), (1.0,), 1.0)],
         KillMatrix(("t_slip-exact", "x-course", "energy", "units"), rows, {"units": "it guards"}),
-        ours=False,
+        contract=ChosenContract("physics", "--contract physics"),
     )
 
 

@@ -125,6 +125,24 @@ def test_a_foreign_fmu_passes_by_its_names(command: Command, slider: Path) -> No
     assert "noted (contract: it decides with --strict)" in answer.out
 
 
+def test_the_contract_is_told_with_its_reason(
+    command: Command, tmp_path: Path, fmu_path: Path
+) -> None:
+    """On the terminal and in all three files: the description names it, or --contract does."""
+    arguments = ("--fmu", fmu_path, "--cases", "one-step")
+    for more, name, why in (
+        ((), "exact", "its description names stickslip-exact 1"),
+        (("--contract", "physics"), "physics", "--contract physics"),
+        (("--contract", "exact", "--all"), "exact", "--contract exact"),
+    ):
+        answer = command.verify(*arguments, *more)
+        assert answer.code == 0, answer.out
+        assert f"contract: {name} ({why})" in answer.out
+        assert report_in(tmp_path / "report")["contract"] == {"name": name, "why": why}
+        for file in ("index.html", "junit.xml"):
+            assert why in (tmp_path / "report" / file).read_text(encoding="utf-8")
+
+
 def test_own_cases_can_be_run(command: Command, fmu_path: Path, tmp_path: Path) -> None:
     """--cases takes a file or a folder of a person's own cases."""
     mine = tmp_path / "mine"
@@ -190,6 +208,10 @@ def test_a_baseline_shows_how_margins_moved(command: Command, fmu_path: Path) ->
             ["--accept", "--fmu", "{slider}", "--names", "{names}"],
             "only the exact block is accepted",
         ),
+        (["--contract", "other"], "'other' is not one of 'exact', 'physics'"),
+        (["--contract", "exact", "--strict"], "--strict does not go with --contract"),
+        (["--contract", "exact", "--accept"], "--accept does not go with --contract"),
+        (["--contract", "exact", "--pack"], "--pack does not go with --contract"),
         (["-o", "{text}/report"], "-o "),
     ],
 )

@@ -109,9 +109,8 @@ class Pool:
         How many processes.
     time_limit
         Seconds that one task may take.
-    fmu, names, hooks
-        The FMU that the processes hold, and the map to its names; None for those without. Faults
-        planted between the suite and the FMU.
+    fmu, names, hooks, own_starts
+        The FMU that the processes hold, or None, and how it is opened: see `FmuFile`.
     fresh
         Whether each task gets a new process, for an FMU that lives only once in one.
     """
@@ -125,6 +124,7 @@ class Pool:
         *,
         fresh: bool = False,
         hooks: Sequence[Hook] = (),
+        own_starts: bool | None = None,
     ) -> None:
         self._limit = time_limit
         self._folder = tempfile.TemporaryDirectory(prefix="stickslip-")
@@ -132,7 +132,7 @@ class Pool:
             max_workers=jobs,
             max_tasks=1 if fresh else 0,
             initializer=_begin,
-            initargs=(self._folder.name, fmu, names, hooks),
+            initargs=(self._folder.name, fmu, names, hooks, own_starts),
             context=_context(),
         )
 
@@ -173,6 +173,7 @@ class _Held:
     path: Path | None = None
     names: NameMap | None = None
     hooks: Sequence[Hook] = ()
+    own_starts: bool | None = None
     file: FmuFile | None = None
 
 
@@ -190,11 +191,17 @@ def _outcome(future: ProcessFuture[Answer[T]], limit: float) -> Answer[T]:
         return Answer(failure=_reason(error))
 
 
-def _begin(folder: str, fmu: Path | None, names: NameMap | None, hooks: Sequence[Hook]) -> None:
+def _begin(
+    folder: str,
+    fmu: Path | None,
+    names: NameMap | None,
+    hooks: Sequence[Hook],
+    own_starts: bool | None,
+) -> None:
     """Set up a worker: it ignores Ctrl-C, and an FMU's prints are discarded."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     tempfile.tempdir = folder
-    _HELD.path, _HELD.names, _HELD.hooks = fmu, names, hooks
+    _HELD.path, _HELD.names, _HELD.hooks, _HELD.own_starts = fmu, names, hooks, own_starts
     if fmu is not None:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         for stream in (1, 2):
@@ -205,7 +212,7 @@ def _begin(folder: str, fmu: Path | None, names: NameMap | None, hooks: Sequence
 def _fmu() -> FmuFile:
     if _HELD.file is None:
         assert _HELD.path is not None
-        _HELD.file = FmuFile(_HELD.path, _HELD.names, _HELD.hooks)
+        _HELD.file = FmuFile(_HELD.path, _HELD.names, _HELD.hooks, own_starts=_HELD.own_starts)
     return _HELD.file
 
 

@@ -39,9 +39,9 @@ class Contract:
     ----------
     side
         fmu or reference.
-    ours
-        Whether it promises the interface, so that a missing output is a failure and not a feature
-        that it lacks.
+    interface
+        Whether it promises the interface, so that its own start values are tried, and a missing
+        output is a failure and not a feature that it lacks.
     exact
         Whether it is held to the tolerances of the exact block, or to those of a numerical
         solution.
@@ -50,7 +50,7 @@ class Contract:
     """
 
     side: str
-    ours: bool = True
+    interface: bool = True
     exact: bool = True
     contract: bool = True
 
@@ -71,8 +71,8 @@ class Contract:
 
 EXACT_CONTRACT = Contract("fmu")
 REFERENCE_CONTRACT = Contract("reference", exact=False)
-PHYSICS_CONTRACT = Contract("fmu", ours=False, exact=False, contract=False)
-STRICT_CONTRACT = Contract("fmu", ours=False)
+PHYSICS_CONTRACT = Contract("fmu", interface=False, exact=False, contract=False)
+STRICT_CONTRACT = Contract("fmu", interface=False)
 
 
 class CheckError(ValueError):
@@ -299,7 +299,7 @@ def without_value(
     empty: CheckResult, contract: Contract, error: Exception, expected: float | None = None
 ) -> CheckResult:
     """Return the result where the side has no value to compare: not applicable, or a failure."""
-    if isinstance(error, LackingError) and not contract.ours:
+    if isinstance(error, LackingError) and not contract.interface:
         return replace(empty, not_applicable=f"it has {error}", expected=expected)
     return replace(empty, failure=str(error), expected=expected)
 

@@ -273,9 +273,8 @@ class ChosenContract:
 class Verdict:
     """All results of a run, what stands behind them, and where they come from.
 
-    `run.verify` makes it. ``ours`` tells whether the FMU is judged as our own, ``kills`` is None
-    where no faults were planted. ``contract`` is None where nothing says why it was chosen.
-    ``tables`` are shown in the report as they are.
+    `run.verify` makes it. ``kills`` is None where no faults were planted. ``tables`` are shown in
+    the report as they are.
     """
 
     checks: Sequence[CheckResult]
@@ -283,9 +282,13 @@ class Verdict:
     motions: Sequence[Motion] = ()
     orders: Sequence[ObservedOrder] = ()
     kills: KillMatrix | None = None
-    ours: bool = True
-    contract: ChosenContract | None = None
+    contract: ChosenContract = ChosenContract("exact", "no other one was chosen")
     tables: Sequence[Table] = ()
+
+    @property
+    def exact(self) -> bool:
+        """Whether the FMU is held to the exact contract."""
+        return self.contract.name == "exact"
 
     @property
     def summary(self) -> dict[str, int]:

@@ -30,6 +30,7 @@ def collect(fmu: FmuFile, command: str | None = None) -> dict[str, Any]:
             "content": content_digest(fmu.path),
             "sha256": hashlib.sha256(fmu.path.read_bytes()).hexdigest(),
             "fmi_version": fmu.fmi_version,
+            "contract": fmu.stated.told,
             "names": None if names is None else names.name,
             "problems": list(fmu.problems),
         },

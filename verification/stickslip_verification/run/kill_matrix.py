@@ -163,7 +163,15 @@ def _try(
 
 
 def _pool(planted: Path, mutant: Mutant, how: How) -> workers.Pool:
-    return workers.Pool(1, TIME_LIMIT, planted, how.names, fresh=how.fresh, hooks=mutant.hooks)
+    return workers.Pool(
+        1,
+        TIME_LIMIT,
+        planted,
+        how.names,
+        fresh=how.fresh,
+        hooks=mutant.hooks,
+        own_starts=how.contract.interface,
+    )
 
 
 def _first_foretold(

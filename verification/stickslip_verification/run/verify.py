@@ -7,12 +7,13 @@ from stickslip_verification.drive import workers
 from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.stepping import is_ours, may_change, require_law
-from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT, STRICT_CONTRACT
+from stickslip_verification.drive.planting import carries_source
+from stickslip_verification.drive.stepping import may_change, require_law
 from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Verdict
 from stickslip_verification.report import provenance
 from stickslip_verification.run.baseline import Progress, compute, trials
+from stickslip_verification.run.contract import CONTRACTS, Wanted, chosen_contract
 from stickslip_verification.run.coverage import coverage_table, gaps
 from stickslip_verification.run.judged import ask, judge, motions
 from stickslip_verification.run.kill_matrix import How, detect
@@ -29,6 +30,7 @@ def verify(
     progress: Progress | None = None,
     *,
     names: NameMap | None = None,
+    contract: Wanted | None = None,
     strict: bool = False,
     jobs: int | None = None,
     time_limit: float = workers.TIME_LIMIT,
@@ -52,9 +54,10 @@ def verify(
     progress
         Called with what is being done, how much of it is done, and out of how much.
     names
-        Our names to the FMU's; given, the FMU is judged as foreign.
-    strict
-        Hold a foreign FMU to the contract and to the tolerances of the exact block too.
+        Our names to the FMU's.
+    contract, strict
+        The contract that the FMU is held to, see `chosen_contract`; by default the one that its
+        description names.
     jobs
         How many processes may work at once; None for one per processor.
     time_limit
@@ -65,7 +68,8 @@ def verify(
     seed
         The same seed gives the same sequences.
     mutants
-        Faults to plant, to try the suite itself. Those that change the FMU are for ours only.
+        Faults to plant, to try the suite itself. Those that change the FMU need the source of
+        the block in it.
     whole_matrix
         Whether each fault is tried on every check, or on what it foretells alone.
     command
@@ -75,8 +79,8 @@ def verify(
     ------
     FmuError
         The file cannot be driven at all, lacks what every case or the friction law of one needs,
-        or is to carry planted faults and is not ours; whatever else the FMU does wrong is a failed
-        check.
+        or has no source for the faults that are to be planted; whatever else the FMU does wrong is
+        a failed check.
     MutantError
         Faults are to be planted, and no case is short enough.
     """
@@ -85,12 +89,13 @@ def verify(
         require(file)
         for case in cases:
             require_law(file, case)
-        contract = (
-            EXACT_CONTRACT if is_ours(file) else STRICT_CONTRACT if strict else PHYSICS_CONTRACT
-        )
+        chosen = chosen_contract(file, contract, strict=strict)
         inside = next((mutant for mutant in mutants if mutant.changes_the_fmu), None)
-        if inside is not None and not contract.ours:
-            raise FmuError(f"{fmu}: the fault {inside.id} can be planted in the exact block only")
+        if inside is not None and not carries_source(fmu):
+            raise FmuError(
+                f"{fmu}: the fault {inside.id} changes the Python source of the block, which this "
+                "FMU does not carry; faults in the calls can be planted in any FMU"
+            )
         origin = provenance.collect(file, command)
         scope = Scope(
             frozenset(name for name in START_VALUES if file.has(name)),
@@ -98,30 +103,35 @@ def verify(
         )
     finally:
         file.close()
+    held_to = CONTRACTS[chosen.name]
     invariants = load_invariants().of_laws({case.law for case in cases})
     jobs = workers.jobs_here() if jobs is None else jobs
-    baseline = compute(cases, invariants, jobs, progress, nearby=contract.banded)
+    baseline = compute(cases, invariants, jobs, progress, nearby=held_to.banded)
     drawn = draw_sequences(seed, sequences if invariants.sequences else 0, scope)
-    tried = trials(drawn, invariants.sequences, jobs, nearby=contract.banded)
+    tried = trials(drawn, invariants.sequences, jobs, nearby=held_to.banded)
     fresh = file.once_per_process
-    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
+    with workers.Pool(
+        jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface
+    ) as pool:
         answers = ask(pool, baseline, invariants, progress, tried)
     kills = None
     if mutants:
-        how = How(names, contract, fresh=fresh, whole=whole_matrix)
+        how = How(names, held_to, fresh=fresh, whole=whole_matrix)
         kills = detect(fmu, mutants, baseline, invariants, jobs, progress, how, tried)
     results = [
-        *judge(baseline, invariants, answers, contract, tried),
-        *gaps(drawn, scope, contract, invariants.sequences),
+        *judge(baseline, invariants, answers, held_to, tried),
+        *gaps(drawn, scope, held_to, invariants.sequences),
     ]
+    # Drifts are those of the block that was accepted, and not of any that is exact.
+    accepted = held_to.interface and file.stated.exact
     return Verdict(
-        checks=load_accepted().attach(results, fmu=contract.ours),
+        checks=load_accepted().attach(results, fmu=accepted),
         provenance=origin,
         motions=list(motions(baseline, answers)),
         orders=[
             seen.value for each in baseline for _, seen in each.orders if seen.value is not None
         ],
         kills=kills,
+        contract=chosen,
         tables=[coverage_table(drawn, seed, scope)] if drawn else [],
-        ours=contract.ours,
     )

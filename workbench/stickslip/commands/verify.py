@@ -4,6 +4,7 @@ import os
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,6 +27,13 @@ if TYPE_CHECKING:
 DEFAULT_REPORT = Path("report")
 
 
+class ContractName(StrEnum):
+    """The contracts that a person may choose."""
+
+    EXACT = "exact"
+    PHYSICS = "physics"
+
+
 def verify(
     fmu: Annotated[
         Path | None,
@@ -36,6 +44,10 @@ def verify(
     names: Annotated[
         Path | None,
         typer.Option(metavar="FILE.toml", help="Names file: the FMU's names of the variables."),
+    ] = None,
+    contract: Annotated[
+        ContractName | None,
+        typer.Option(help="The contract; default: exact if the FMU's description names it."),
     ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Contract checks decide for any FMU.")
@@ -104,6 +116,7 @@ def verify(
         console().print(tables.case_table(chosen))
         return
     _check(fmu, names, time_limit)
+    _check_contract(contract, strict, accept, pack)
     _check_accept(accept, names, cases, chosen)
     _check_pack(pack, fmu, names, cases)
     name_map = _names(names)
@@ -112,7 +125,7 @@ def verify(
     faults = _mutants(mutants, fault)
     count = _count_of(sequences, cases)
     verdict = _verdict(
-        fmu, chosen, name_map, strict, jobs, time_limit, faults, mutants, count, seed
+        fmu, chosen, name_map, contract, strict, jobs, time_limit, faults, mutants, count, seed
     )
     written = _write(verdict, chosen, earlier, output, pdf)
     screen = console()
@@ -168,6 +181,13 @@ def _meanings(cases: "Sequence[Case]") -> "Mapping[str, Meaning]":
     return meanings(cases, load_invariants())
 
 
+def _check_contract(contract: ContractName | None, strict: bool, accept: bool, pack: bool) -> None:
+    """Refuse a chosen contract beside what leaves no choice."""
+    for option, given in (("--strict", strict), ("--accept", accept), ("--pack", pack)):
+        if contract is not None and given:
+            raise CommandError(f"{option} does not go with --contract")
+
+
 def _check_accept(
     accept: bool, names: Path | None, wanted: str | None, cases: "Sequence[Case]"
 ) -> None:
@@ -192,17 +212,17 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
         raise CommandError("--pack does not go with --cases: the report in the FMU is on all cases")
     if fmu is None:
         return
+    from stickslip_fmu.spec import SPEC
     from stickslip_verification.drive.fmu.archive import FmuFile
     from stickslip_verification.drive.fmu.errors import FmuError
-    from stickslip_verification.drive.stepping import is_ours
 
     try:
         file = FmuFile(fmu)
     except FmuError as error:
         raise CommandError(str(error)) from error
     file.close()
-    if not is_ours(file):
-        raise CommandError(f"--pack: {fmu} is not the exact block, by its model identifier")
+    if not file.stated.exact or file.model_identifier != SPEC.name:
+        raise CommandError(f"--pack: {fmu} is not the exact block as stickslip build makes it")
     check_writable(fmu, "--pack")
     if not os.access(fmu, os.W_OK):
         raise CommandError(f"--pack {fmu}: it is write-protected")
@@ -282,6 +302,7 @@ def _verdict(
     fmu: Path | None,
     cases: "Sequence[Case]",
     names: "NameMap | None",
+    contract: ContractName | None,
     strict: bool,
     jobs: int | None,
     time_limit: float,
@@ -302,6 +323,7 @@ def _verdict(
                 cases,
                 progress,
                 names=names,
+                contract=None if contract is None else contract.value,
                 strict=strict,
                 jobs=jobs,
                 time_limit=time_limit,

@@ -38,8 +38,14 @@ def verdict_summary(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Render
         _kinds(verdict),
         *_detections(verdict.kills),
         *_failures(verdict, meanings),
+        contract(verdict),
         counts(verdict),
     )
+
+
+def contract(verdict: Verdict) -> Text:
+    """Say in one line which contract the FMU is held to, and why."""
+    return Text(f"contract: {verdict.contract.name} ({verdict.contract.why})")
 
 
 def counts(verdict: Verdict) -> Text:

@@ -17,6 +17,7 @@ from stickslip_verification.drive.fmu.fmi3 import Fmi3Instance
 from stickslip_verification.drive.fmu.hooks import hooked
 from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.drive.fmu.stated import StatedContract, stated_contract
 from stickslip_verification.drive.fmu.unpacking import new_folder
 from stickslip_verification.drive.fmu.variables import Variable, collect, collect_own, extra_outputs
 from stickslip_verification.suite.faults import Hook
@@ -41,11 +42,18 @@ class FmuFile:
         Our names to its names, where they differ.
     hooks
         Faults planted between the master and its instances.
+    own_starts
+        Whether the FMU's own start values are tried; None for where it promises them: its
+        description names the exact contract, and no names differ.
 
     Attributes
     ----------
     fmi_version
         2.0 or 3.0.
+    stated
+        The contract that its description names.
+    own_starts
+        Whether a case leaves parameters that it does not name at the FMU's start values.
     variables
         The variables that are ours, by our names.
     extra_outputs
@@ -65,11 +73,19 @@ class FmuFile:
     """
 
     def __init__(
-        self, path: Path, names: NameMap | None = None, hooks: Sequence[Hook] = ()
+        self,
+        path: Path,
+        names: NameMap | None = None,
+        hooks: Sequence[Hook] = (),
+        *,
+        own_starts: bool | None = None,
     ) -> None:
         self.path = path
         self.names = NameMap() if names is None else names
-        description, self.problems = _read(path)
+        description, self.problems, self.stated = _read(path)
+        if own_starts is None:
+            own_starts = self.stated.exact and not self.names.targets
+        self.own_starts = own_starts
         interface = description.coSimulation
         _check_platform(path)
         self.fmi_version: str = description.fmiVersion[:3]
@@ -124,7 +140,7 @@ def require(fmu: FmuFile, names: Iterable[str] = REQUIRED) -> None:
         raise FmuError(f"{fmu.path}: has no variable {', '.join(lacking)}; map {them} with --names")
 
 
-def _read(path: Path) -> tuple[Any, tuple[str, ...]]:
+def _read(path: Path) -> tuple[Any, tuple[str, ...], StatedContract]:
     if not path.exists():
         raise FmuError(f"{path}: no such file")
     if not path.is_file():
@@ -137,7 +153,8 @@ def _read(path: Path) -> tuple[Any, tuple[str, ...]]:
             if DESCRIPTION not in archive.namelist():
                 raise FmuError(f"{path}: not an FMU (no {DESCRIPTION} in it)")
             # FMPy would say this in words of its own, or of Python's.
-            _check_description(path, ElementTree.fromstring(archive.read(DESCRIPTION)))
+            root = ElementTree.fromstring(archive.read(DESCRIPTION))
+            _check_description(path, root)
         try:
             description = fmpy.read_model_description(str(path))
         except fmpy.model_description.ValidationError as error:
@@ -147,7 +164,7 @@ def _read(path: Path) -> tuple[Any, tuple[str, ...]]:
         raise
     except Exception as error:
         raise FmuError(f"{path}: not an FMU ({one_line(error)})") from None
-    return description, problems
+    return description, problems, stated_contract(root)
 
 
 def _check_description(path: Path, root: ElementTree.Element) -> None:
