@@ -33,8 +33,11 @@ BECAUSE = (
     f"and {OFF:g} of the largest value of its kind for what is added up"
 )
 
-_OF_SLIPS = frozenset({"delta_x", "spring_drop", "t_slip", "x_dot_peak", "n_slips"})
-_OF_CYCLES = frozenset({"T", "f"})
+_METER = (
+    *("delta_x", "spring_drop", "t_stick", "t_slip", "T", "f", "x_dot_peak"),
+    *("n_slips", "t_event"),
+)
+"""Outputs of the meter, whose beginning is a matter of agreement."""
 
 
 @dataclass(frozen=True)
@@ -143,29 +146,42 @@ class Band:
         return differs
 
     def _meant(self, output: str) -> Mask:
-        """Return the points at which no convention of the start stands behind an output."""
-        everywhere = np.ones(self._times.size, dtype=np.bool_)
-        if self.agreed:
-            return everywhere
-        events = self.exact.events
-        breaks = [each.time for each in events if each.kind == Transition.BREAK_AWAY]
-        ends = [each.time for each in events if each.kind != Transition.BREAK_AWAY]
-        if output in _OF_SLIPS:
-            began = [time for time in breaks if time > 0.0]
-            since = 0.0
-            if output != "n_slips":
-                since = next((end for end in ends if began and end > began[0]), np.inf)
-            elif self._starts_in_motion:
-                since = ends[0] if ends else np.inf
-        elif output in _OF_CYCLES or output == "t_stick":
-            # The first stick, and a break-away at the start, count as it was agreed.
-            inside = [time for time in breaks if time > 0.0]
-            since = inside[1] if len(inside) > 1 else np.inf
-        elif output == "t_event":
-            since = next((each.time for each in events if each.time > 0.0), np.inf)
+        """Return the points at which an output is physics, and not what our meter agreed on.
+
+        That is whether a start in motion is a slip, the first stick a stick, and a reversal a
+        break-away.
+        """
+        if self.agreed or output not in _METER:
+            return np.ones(self._times.size, dtype=np.bool_)
+        breaks = self._happened(Transition.BREAK_AWAY)
+        if output in ("T", "f"):
+            return self._cycled(breaks, 2)
+        if output == "t_stick":
+            return self._cycled(breaks, 1)
+        if output == "t_event":
+            return np.asarray(self._times > np.min(self._happened(*Transition), initial=np.inf))
+        ends = self._happened(Transition.RE_STICK, Transition.REVERSAL)
+        if output == "n_slips":
+            began = 0.0 if self._starts_in_motion else -np.inf
         else:
-            since = 0.0
-        return np.asarray(self._times > since) if since > 0.0 else everywhere
+            began = float(np.min(breaks, initial=np.inf))
+        first = np.min(ends[ends > began], initial=np.inf)
+        whole = output == "n_slips" and not self._starts_in_motion
+        return np.asarray(whole | (self._times > first))
+
+    def _cycled(self, breaks: Series, back: int) -> Mask:
+        """Return the points after two break-aways at least, the last `back` without a reversal."""
+        # A break-away that a change brings about shows after the next step.
+        count = np.searchsorted(breaks, self._times)
+        since = np.append(breaks, np.inf)[np.where(count >= 2, count - back, -1)]
+        reversals = self._happened(Transition.REVERSAL)
+        turned = np.searchsorted(reversals, self._times) > np.searchsorted(reversals, since)
+        return np.asarray((count >= 2) & ~turned)
+
+    def _happened(self, *kinds: Transition) -> Series:
+        """Return the times of these transitions [s], those at the very start left out."""
+        events = self.exact.events
+        return np.array([each.time for each in events if each.kind in kinds and each.time > 0.0])
 
     @property
     def _starts_in_motion(self) -> bool:
