@@ -125,6 +125,17 @@ def test_a_foreign_fmu_passes_by_its_names(command: Command, slider: Path) -> No
     assert "noted (contract: it decides with --strict)" in answer.out
 
 
+@pytest.mark.parametrize(
+    ("options", "told"), [((), "<body>"), (("--full",), '<body class="full">')]
+)
+def test_the_report_prints_every_comparison_on_demand(
+    command: Command, fmu_path: Path, tmp_path: Path, options: tuple[str, ...], told: str
+) -> None:
+    """--full marks the page: its style prints what is else left out."""
+    assert command.verify("--fmu", fmu_path, "--cases", "one-step", *options).code == 0
+    assert told in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
+
+
 def test_own_cases_can_be_run(command: Command, fmu_path: Path, tmp_path: Path) -> None:
     """--cases takes a file or a folder of a person's own cases."""
     mine = tmp_path / "mine"
