@@ -5,6 +5,7 @@ exact motions of such blocks say how far it may be off, point by point: where an
 communication point, where a shallow re-stick magnifies an error, where a tie decides the course.
 """
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from random import Random
 
@@ -26,7 +27,8 @@ def nearby_motions(case: Case) -> tuple[Run, ...]:
     """Follow motions of a case, each with data that are off by `OFF` up or down.
 
     At every change the new values are off anew. A force of `OFF` times the largest one in play is
-    added to F_ext, and a speed to a pull at rest, so that an exact balance is met by none of them.
+    added to F_ext, a speed to a pull at rest, and a damper to none, so that neither a balance of
+    forces nor a velocity that just touches zero is met exactly.
     """
     plain = _follow(case, case.start, [step.changes for step in case.steps])
     force = max(float(np.max(np.abs(plain.outputs[name]))) for name in ("F", "F_s"))
@@ -45,6 +47,8 @@ def _off(
         new = {name: values[name] * (1.0 + draw.choice((-OFF, OFF))) for name in names}
         if "F_ext" in new:
             new["F_ext"] += draw.choice((-OFF, OFF)) * force
+        if "c" in new:
+            new["c"] += draw.choice((0.0, OFF)) * math.sqrt(values["k"] * values["m"])
         if new.get("v") == 0.0:
             new["v"] = draw.choice((-OFF, OFF)) * speed
         if "load" in new:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.drive.nearby import OFF
 from stickslip_verification.model.events import Transition
-from stickslip_verification.model.quantities import OUTPUTS, QUANTITIES, Quantity
+from stickslip_verification.model.quantities import OUTPUTS, QUANTITIES
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.tolerances import DISTURBED
 
@@ -92,7 +92,7 @@ class Band:
         with np.errstate(invalid="ignore"):
             for run in self.nearby:
                 widest = np.fmax(widest, np.abs(self._samples(quantity, run) - expected))
-        return np.asarray(SPREAD * widest + self.of_largest * self._largest(QUANTITIES[quantity]))
+        return np.asarray(SPREAD * widest + self.of_largest * self.largest(quantity))
 
     def pair(self, quantity: str, run: Run, read: NDArray[np.intp]) -> tuple[Series, Series]:
         """Return a quantity in the exact motion and in a run, at the points that the run has.
@@ -114,15 +114,16 @@ class Band:
             samples = QUANTITIES[quantity].compute(run.outputs, self.exact.start)
         return np.asarray(samples, dtype=np.float64)
 
-    def _largest(self, quantity: Quantity) -> float:
+    def largest(self, quantity: str) -> float:
         """Return the largest value in play of what has the unit of a quantity, in that unit."""
-        alike = [each.name for each in OUTPUTS if each.unit == quantity.unit != "1"]
+        unit = QUANTITIES[quantity].unit
+        alike = [each.name for each in OUTPUTS if each.unit == unit != "1"]
         values = [self.exact.record.outputs[name] for name in alike]
         if not values:
-            values = [self._samples(quantity.name, self.exact.record)]
-        if quantity.unit == "m/s":
+            values = [self._samples(quantity, self.exact.record)]
+        if unit == "m/s":
             values.append(self._pull)
-        if quantity.unit == "s":
+        if unit == "s":
             values.append(self._times)
         finite = [np.abs(each[np.isfinite(each)]) for each in values]
         return float(max(np.max(each, initial=0.0) for each in finite))

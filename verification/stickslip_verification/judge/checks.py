@@ -244,14 +244,16 @@ def judge_in_band(
         place = last_worst(ratios)
         if ratios[place] > nearest:
             nearest = float(ratios[place])
+            scale = 0.0 if QUANTITIES[quantity].discrete else band.largest(quantity)
             worst = replace(
                 empty,
                 quantity=quantity,
                 unit=QUANTITIES[quantity].unit,
+                measure=Measure.OF_SCALE if scale else Measure.ABSOLUTE,
                 expected=float(expected[where][place]),
                 got=float(got[where][place]),
-                error=float(found[place]),
-                tolerance=float(allowed[place]),
+                error=float(found[place]) / (scale or 1.0),
+                tolerance=float(allowed[place]) / (scale or 1.0),
                 passed=nearest <= 1.0,
             )
     if worst is not None:
