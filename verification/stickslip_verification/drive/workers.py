@@ -27,6 +27,7 @@ from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.kept import kept
+from stickslip_verification.drive.moments import Moments, moments
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes import PROBES
 from stickslip_verification.drive.reference import run_reference
@@ -79,6 +80,11 @@ def plain_run(case: Case) -> Answer[Run]:
 def other_run(case: Case, run: str) -> Answer[Run]:
     """Run the FMU of this process on a case in another way, a key of `RUNS`."""
     return _answer(lambda: RUNS[run](_fmu(), case))
+
+
+def matched(case: Case, exact: Exact, run: Run) -> Answer[Moments]:
+    """Find the exact motion at the moments of an FMU's samples in a case."""
+    return _answer(moments, case, exact, run)
 
 
 def probe(invariant: Probe) -> Answer[list[str]]:

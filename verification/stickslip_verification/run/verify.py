@@ -14,6 +14,7 @@ from stickslip_verification.model.verdict import Verdict
 from stickslip_verification.report import provenance
 from stickslip_verification.run.baseline import Progress, compute
 from stickslip_verification.run.contract import CONTRACTS, Wanted, chosen_contract
+from stickslip_verification.run.fitness import fitness
 from stickslip_verification.run.judged import ask, judge, motions
 from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.suite.cases import Case
@@ -33,6 +34,7 @@ def verify(
     time_limit: float = workers.TIME_LIMIT,
     mutants: Sequence[Mutant] = (),
     whole_matrix: bool = True,
+    within: float | None = None,
     command: str | None = None,
 ) -> Verdict:
     """Judge an FMU and the reference.
@@ -62,6 +64,9 @@ def verify(
         the block in it.
     whole_matrix
         Whether each fault is tried on every check, or on what it foretells alone.
+    within
+        Part of the largest value that the fitness allows, see `judge.fitness`; None for no table
+        of it.
     command
         What to type to get the same again, for the provenance.
 
@@ -115,4 +120,5 @@ def verify(
         ],
         kills=kills,
         contract=chosen,
+        tables=[] if within is None else fitness(baseline, answers, within, jobs, progress),
     )

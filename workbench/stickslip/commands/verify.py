@@ -81,6 +81,14 @@ def verify(
             help="Plant the faults of this pattern, or your own; run the checks that each names.",
         ),
     ] = None,
+    within: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PERCENT|RATIO",
+            help="Fitness too: is the FMU within this ('1%', 0.01) of jump, stick, slip, period, "
+            "forces?",
+        ),
+    ] = None,
     baseline: Annotated[
         Path | None,
         typer.Option(metavar="OLD.json", help="Show how margins changed since this report."),
@@ -110,13 +118,16 @@ def verify(
         return
     _check(fmu, names, time_limit)
     _check_contract(contract, strict, accept, pack)
+    share = _share(within)
     _check_accept(accept, names, cases, chosen)
     _check_pack(pack, fmu, names, cases)
     name_map = _names(names)
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
     faults = _mutants(mutants, fault)
-    verdict = _verdict(fmu, chosen, name_map, contract, strict, jobs, time_limit, faults, mutants)
+    verdict = _verdict(
+        fmu, chosen, name_map, contract, strict, jobs, time_limit, faults, mutants, share
+    )
     written = _write(verdict, chosen, earlier, output, pdf)
     screen = console()
     if all_:
@@ -125,6 +136,10 @@ def verify(
         from stickslip.show.verdict_summary import verdict_summary
 
         screen.print(verdict_summary(verdict, _meanings(chosen)))
+    if share is not None:
+        from stickslip.show.fitness_table import fitness_table
+
+        screen.print(fitness_table(verdict))
     if earlier is not None:
         from stickslip.show.earlier_table import earlier_table
         from stickslip_verification import compare
@@ -167,6 +182,20 @@ def _check_contract(contract: ContractName | None, strict: bool, accept: bool, p
     for option, given in (("--strict", strict), ("--accept", accept), ("--pack", pack)):
         if contract is not None and given:
             raise CommandError(f"{option} does not go with --contract")
+
+
+def _share(within: str | None) -> float | None:
+    """Read the part of a quantity that the fitness allows."""
+    from stickslip.commands.units import parse
+
+    if within is None:
+        return None
+    share = parse(within, "1", "--within", "above 0 and below 1")
+    if not 0.0 < share < 1.0:
+        raise CommandError(
+            f"--within {within}: must be above 0 % and below 100 %, as 1% or as 0.01"
+        )
+    return share
 
 
 def _check_accept(
@@ -289,6 +318,7 @@ def _verdict(
     time_limit: float,
     mutants: "Sequence[Mutant]",
     whole_matrix: bool,
+    within: float | None,
 ) -> "Verdict":
     from stickslip_verification import FmuError, MutantError, verify
 
@@ -308,6 +338,7 @@ def _verdict(
                 time_limit=time_limit,
                 mutants=mutants,
                 whole_matrix=whole_matrix,
+                within=within,
                 command=shlex.join(["stickslip", *sys.argv[1:]]),
             )
         except (FmuError, MutantError) as error:
