@@ -163,6 +163,29 @@ def test_fitness_is_told_beside_the_verdict(
     assert "places are not within it; the report lists them" in answer.out
 
 
+def test_a_names_file_is_begun(command: Command, tmp_path: Path, slider: Path) -> None:
+    """To the terminal, or to a file that is never overwritten; verify takes it as it is."""
+    shown = command("names", slider)
+    assert (shown.code, shown.err) == (0, "")
+    written = command("names", slider, "-o", "names.toml")
+    assert (written.code, written.out) == (0, "names.toml\n")
+    assert (tmp_path / "names.toml").read_text(encoding="utf-8") == shown.out
+    again = command("names", slider, "-o", "names.toml")
+    assert (again.code, again.out) == (2, "")
+    assert again.err == "stickslip: -o names.toml: it is there already, and may have been edited\n"
+    answer = command.verify(
+        "--fmu", slider, "--names", "names.toml", "--cases", "one-step", "-o", "r.json"
+    )
+    assert answer.code == 0, answer.out
+    for arguments, told in (
+        (("names", "none.fmu"), "none.fmu: no such file"),
+        (("names", slider, "-o", "none/names.toml"), "-o none/names.toml: "),
+    ):
+        refused = command(*arguments)
+        assert (refused.code, refused.err.count("\n")) == (2, 1)
+        assert told in refused.err
+
+
 def test_own_cases_can_be_run(command: Command, fmu_path: Path, tmp_path: Path) -> None:
     """--cases takes a file or a folder of a person's own cases."""
     mine = tmp_path / "mine"

@@ -121,7 +121,7 @@ def verify(
     share = _share(within)
     _check_accept(accept, names, cases, chosen)
     _check_pack(pack, fmu, names, cases)
-    name_map = _names(names)
+    name_map = _names(names, chosen)
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
     faults = _mutants(mutants, fault)
@@ -247,13 +247,13 @@ def _check(fmu: Path | None, names: Path | None, time_limit: float) -> None:
         raise CommandError(f"--time-limit {time_limit!r}: must be above 0 s and finite")
 
 
-def _names(file: Path | None) -> "NameMap | None":
+def _names(file: Path | None, cases: "Sequence[Case]") -> "NameMap | None":
     from stickslip_verification import NamesError, load_names
 
     if file is None:
         return None
     try:
-        return load_names(file)
+        return load_names(file, [each for case in cases for each in case.own])
     except NamesError as error:
         raise CommandError(f"--names {error}") from error
 
