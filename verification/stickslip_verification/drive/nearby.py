@@ -12,6 +12,7 @@ from random import Random
 import numpy as np
 
 from stickslip_verification import truth
+from stickslip_verification.drive.exact import sampled
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
@@ -79,8 +80,6 @@ def _follow(
     run = truth.run(parameters, steps, digits=None, law=case.law)
     return Run(
         times=np.array(case.times),
-        outputs={
-            name: np.array([float(sample[name]) for sample in run.samples]) for name in OUTPUT_NAMES
-        },
+        outputs=sampled(run),
         initial={name: float(run.initial[name]) for name in OUTPUT_NAMES},
     )

@@ -84,7 +84,7 @@ def require_law(fmu: FmuFile, case: Case) -> None:
     if absent:
         raise FmuError(
             f"{fmu.path}: has no variable {', '.join(absent)}, which the friction law {case.law} "
-            f"of the case {case.id} needs; build the FMU with this law"
+            f"of the case {case.id} needs; build the FMU with this law, or name it with --names"
         )
 
 

@@ -28,6 +28,7 @@ from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.manners import MANNERS
+from stickslip_verification.drive.moments import Moments, moments
 from stickslip_verification.drive.nearby import nearby_motions
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes import PROBES
@@ -91,6 +92,11 @@ def other_run(case: Case, run: str) -> Answer[Run]:
 def in_manner(case: Case, manner: str) -> Answer[Run]:
     """Run the FMU of this process on a case in a manner, a key of `MANNERS`."""
     return _answer(lambda: MANNERS[manner](_fmu(), case))
+
+
+def matched(case: Case, exact: Exact, run: Run) -> Answer[Moments]:
+    """Find the exact motion at the moments of an FMU's samples in a case."""
+    return _answer(moments, case, exact, run)
 
 
 def probe(invariant: Probe) -> Answer[list[str]]:

@@ -15,6 +15,7 @@ from stickslip_verification.report import provenance
 from stickslip_verification.run.baseline import Progress, compute, trials
 from stickslip_verification.run.contract import CONTRACTS, Wanted, chosen_contract
 from stickslip_verification.run.coverage import coverage_table, gaps
+from stickslip_verification.run.fitness import fitness
 from stickslip_verification.run.judged import ask, judge, motions
 from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.suite.cases import Case
@@ -38,6 +39,7 @@ def verify(
     seed: int = SEED,
     mutants: Sequence[Mutant] = (),
     whole_matrix: bool = True,
+    within: float | None = None,
     command: str | None = None,
 ) -> Verdict:
     """Judge an FMU and the reference.
@@ -72,6 +74,9 @@ def verify(
         the block in it.
     whole_matrix
         Whether each fault is tried on every check, or on what it foretells alone.
+    within
+        Part of the largest value that the fitness allows, see `judge.fitness`; None for no table
+        of it.
     command
         What to type to get the same again, for the provenance.
 
@@ -124,6 +129,8 @@ def verify(
     ]
     # Drifts are those of the block that was accepted, and not of any that is exact.
     accepted = held_to.interface and file.stated.exact
+    tables = [] if within is None else fitness(baseline, answers, within, jobs, progress)
+    tables += [coverage_table(drawn, seed, scope)] if drawn else []
     return Verdict(
         checks=load_accepted().attach(results, fmu=accepted),
         provenance=origin,
@@ -133,5 +140,5 @@ def verify(
         ],
         kills=kills,
         contract=chosen,
-        tables=[coverage_table(drawn, seed, scope)] if drawn else [],
+        tables=tables,
     )

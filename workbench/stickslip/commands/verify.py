@@ -88,6 +88,14 @@ def verify(
             help="Plant the faults of this pattern, or your own; run the checks that each names.",
         ),
     ] = None,
+    within: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PERCENT|RATIO",
+            help="Fitness too: is the FMU within this ('1%', 0.01) of jump, stick, slip, period, "
+            "forces?",
+        ),
+    ] = None,
     baseline: Annotated[
         Path | None,
         typer.Option(metavar="OLD.json", help="Show how margins changed since this report."),
@@ -120,15 +128,27 @@ def verify(
         return
     _check(fmu, names, time_limit)
     _check_contract(contract, strict, accept, pack)
+    share = _share(within)
     _check_accept(accept, names, cases, chosen)
     _check_pack(pack, fmu, names, cases)
-    name_map = _names(names)
+    name_map = _names(names, chosen)
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
     faults = _mutants(mutants, fault)
     count = _count_of(sequences, cases)
     verdict = _verdict(
-        fmu, chosen, name_map, contract, strict, jobs, time_limit, faults, mutants, count, seed
+        fmu,
+        chosen,
+        name_map,
+        contract,
+        strict,
+        jobs,
+        time_limit,
+        faults,
+        mutants,
+        count,
+        seed,
+        share,
     )
     written = _write(verdict, chosen, earlier, output, pdf, full=full)
     screen = console()
@@ -138,6 +158,10 @@ def verify(
         from stickslip.show.verdict_summary import verdict_summary
 
         screen.print(verdict_summary(verdict, _meanings(chosen)))
+    if share is not None:
+        from stickslip.show.fitness_table import fitness_table
+
+        screen.print(fitness_table(verdict))
     if earlier is not None:
         from stickslip.show.earlier_table import earlier_table
         from stickslip_verification import compare
@@ -191,6 +215,20 @@ def _check_contract(contract: ContractName | None, strict: bool, accept: bool, p
             raise CommandError(f"{option} does not go with --contract")
 
 
+def _share(within: str | None) -> float | None:
+    """Read the part of a quantity that the fitness allows."""
+    from stickslip.commands.units import parse
+
+    if within is None:
+        return None
+    share = parse(within, "1", "--within", "above 0 and below 1")
+    if not 0.0 < share < 1.0:
+        raise CommandError(
+            f"--within {within}: must be above 0 % and below 100 %, as 1% or as 0.01"
+        )
+    return share
+
+
 def _check_accept(
     accept: bool, names: Path | None, wanted: str | None, cases: "Sequence[Case]"
 ) -> None:
@@ -240,13 +278,13 @@ def _check(fmu: Path | None, names: Path | None, time_limit: float) -> None:
         raise CommandError(f"--time-limit {time_limit!r}: must be above 0 s and finite")
 
 
-def _names(file: Path | None) -> "NameMap | None":
+def _names(file: Path | None, cases: "Sequence[Case]") -> "NameMap | None":
     from stickslip_verification import NamesError, load_names
 
     if file is None:
         return None
     try:
-        return load_names(file)
+        return load_names(file, [each for case in cases for each in case.own])
     except NamesError as error:
         raise CommandError(f"--names {error}") from error
 
@@ -313,6 +351,7 @@ def _verdict(
     whole_matrix: bool,
     sequences: int,
     seed: int,
+    within: float | None,
 ) -> "Verdict":
     from stickslip_verification import FmuError, MutantError, verify
 
@@ -334,6 +373,7 @@ def _verdict(
                 whole_matrix=whole_matrix,
                 sequences=sequences,
                 seed=seed,
+                within=within,
                 command=shlex.join(["stickslip", *sys.argv[1:]]),
             )
         except (FmuError, MutantError) as error:

@@ -4,7 +4,7 @@ import shutil
 import weakref
 import xml.etree.ElementTree as ElementTree
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,13 @@ from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.fmu.stated import StatedContract, stated_contract
 from stickslip_verification.drive.fmu.unpacking import new_folder
-from stickslip_verification.drive.fmu.variables import Variable, collect, collect_own, extra_outputs
+from stickslip_verification.drive.fmu.variables import (
+    Variable,
+    collect,
+    collect_own,
+    extra_outputs,
+    listing,
+)
 from stickslip_verification.suite.faults import Hook
 from stickslip_verification.truth.parameters import Parameter
 
@@ -110,11 +116,15 @@ class FmuFile:
         """Whether the FMU has this variable of ours."""
         return name in self.variables
 
+    def listing(self, wanted: Collection[str]) -> str:
+        """Tell on one line what the FMU has, those most like the wanted names first."""
+        return listing(self._description, wanted)
+
     def look_for(self, parameters: Iterable[Parameter]) -> None:
         """Add what the FMU has of the parameters of a friction law to its variables."""
         units = {each.name: each.unit for each in parameters if not self.has(each.name)}
         if units:
-            added = collect_own(self.path.name, self._description, units)
+            added = collect_own(self.path.name, self._description, self.names, units)
             self.variables = {**self.variables, **added}
 
     def instantiate(self) -> FmuInstance:
@@ -137,7 +147,15 @@ def require(fmu: FmuFile, names: Iterable[str] = REQUIRED) -> None:
     lacking = missing(fmu, names)
     if lacking:
         them = "them" if len(lacking) > 1 else "it"
-        raise FmuError(f"{fmu.path}: has no variable {', '.join(lacking)}; map {them} with --names")
+        raise FmuError(
+            f"{fmu.path}: has no variable {', '.join(lacking)}; map {them} with --names "
+            f"(`stickslip names` begins the file); {fmu.listing(lacking)}"
+        )
+
+
+def description_of(path: Path) -> Any:
+    """Return the model description of an FMU as FMPy has it; `FmuError` for what is no FMU."""
+    return _read(path)[0]
 
 
 def _read(path: Path) -> tuple[Any, tuple[str, ...], StatedContract]:
