@@ -3,6 +3,7 @@ from .drive.fmu.errors import FmuError as FmuError
 from .drive.fmu.names import NameMap as NameMap
 from .drive.fmu.names import NamesError as NamesError
 from .drive.fmu.names import load_names as load_names
+from .drive.workers import Limits as Limits
 from .judge.second_values import AcceptError as AcceptError
 from .judge.second_values import accept as accept
 from .model.events import Event as Event

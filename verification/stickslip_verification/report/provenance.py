@@ -23,12 +23,14 @@ def collect(fmu: FmuFile, command: str | None = None) -> dict[str, Any]:
     package is not installed.
     """
     names = fmu.names.file
+    with fmu.path.open("rb") as stream:
+        sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
     return {
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "fmu": {
             "file": fmu.path.name,
             "content": content_digest(fmu.path),
-            "sha256": hashlib.sha256(fmu.path.read_bytes()).hexdigest(),
+            "sha256": sha256,
             "fmi_version": fmu.fmi_version,
             "names": None if names is None else names.name,
             "problems": list(fmu.problems),

@@ -29,6 +29,7 @@ def verify(
     strict: bool = False,
     jobs: int | None = None,
     time_limit: float = workers.TIME_LIMIT,
+    limits: workers.Limits = workers.USUAL,
     mutants: Sequence[Mutant] = (),
     whole_matrix: bool = True,
     command: str | None = None,
@@ -54,6 +55,8 @@ def verify(
         How many processes may work at once; None for one per processor.
     time_limit
         Seconds that the FMU may take for one run of a case.
+    limits
+        What else the FMU may take; each planted fault has a budget of its own.
     mutants
         Faults to plant, to try the suite itself. Those that change the FMU are for ours only.
     whole_matrix
@@ -88,11 +91,11 @@ def verify(
     jobs = workers.jobs_here() if jobs is None else jobs
     baseline = compute(cases, invariants, jobs, progress)
     fresh = file.once_per_process
-    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
+    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh, limits=limits) as pool:
         answers = ask(pool, baseline, invariants, progress)
     kills = None
     if mutants:
-        how = How(names, contract, fresh=fresh, whole=whole_matrix)
+        how = How(names, contract, fresh=fresh, whole=whole_matrix, limits=limits)
         kills = detect(fmu, mutants, baseline, invariants, jobs, progress, how)
     return Verdict(
         checks=load_accepted().attach(

@@ -1,5 +1,6 @@
 """`stickslip verify`: judge an FMU and the reference, and write the report."""
 
+import math
 import os
 import shlex
 import sys
@@ -21,9 +22,20 @@ from stickslip.commands.shared import (
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
-    from stickslip_verification import Case, EarlierReport, Meaning, Mutant, NameMap, Verdict
+    from stickslip_verification import (
+        Case,
+        EarlierReport,
+        Limits,
+        Meaning,
+        Mutant,
+        NameMap,
+        Verdict,
+    )
 
 DEFAULT_REPORT = Path("report")
+
+LEAST_MEMORY = 0.1
+"""Gigabytes; the suite takes half of them itself."""
 
 
 def verify(
@@ -53,11 +65,23 @@ def verify(
     ] = False,
     jobs: Annotated[
         int | None,
-        typer.Option(min=1, help="Number of parallel processes; default: one per processor."),
+        typer.Option(min=1, help="Parallel processes; default: one per processor, four at most."),
     ] = None,
     time_limit: Annotated[
         float, typer.Option(metavar="SECONDS", help="Limit for one run of the FMU.")
     ] = 60.0,
+    budget: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="Limit for all runs of the FMU without a result together; default: 180, or the "
+            "time limit if that is longer.",
+        ),
+    ] = None,
+    memory: Annotated[
+        float,
+        typer.Option(metavar="GB", help="Limit for a process of the FMU; none on Windows."),
+    ] = 4.0,
     mutants: Annotated[
         bool,
         typer.Option("--mutants", help="Run every planted fault on every check; some minutes."),
@@ -96,14 +120,15 @@ def verify(
     if list_:
         console().print(tables.case_table(chosen))
         return
-    _check(fmu, names, time_limit)
+    _check(fmu, names)
+    limits = _limits(time_limit, budget, memory)
     _check_accept(accept, names, cases, chosen)
     _check_pack(pack, fmu, names, cases)
     name_map = _names(names)
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
     faults = _mutants(mutants, fault)
-    verdict = _verdict(fmu, chosen, name_map, strict, jobs, time_limit, faults, mutants)
+    verdict = _verdict(fmu, chosen, name_map, strict, jobs, time_limit, limits, faults, mutants)
     written = _write(verdict, chosen, earlier, output, pdf)
     screen = console()
     if all_:
@@ -189,13 +214,23 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
         raise CommandError(f"--pack {fmu}: it is write-protected")
 
 
-def _check(fmu: Path | None, names: Path | None, time_limit: float) -> None:
+def _check(fmu: Path | None, names: Path | None) -> None:
     if fmu is not None and not fmu.is_file():
         raise CommandError(f"--fmu {fmu}: {'not a file' if fmu.exists() else 'no such file'}")
     if names is not None and fmu is None:
         raise CommandError("--names goes with --fmu: the default FMU has the standard names")
-    if not 0.0 < time_limit < float("inf"):
+
+
+def _limits(time_limit: float, budget: float | None, memory: float) -> "Limits":
+    from stickslip_verification import Limits
+
+    if not 0.0 < time_limit < math.inf:
         raise CommandError(f"--time-limit {time_limit!r}: must be above 0 s and finite")
+    if budget is not None and not 0.0 < budget < math.inf:
+        raise CommandError(f"--budget {budget!r}: must be above 0 s and finite")
+    if not LEAST_MEMORY <= memory < math.inf:
+        raise CommandError(f"--memory {memory!r}: must be {LEAST_MEMORY} GB at least and finite")
+    return Limits(max(Limits.budget, time_limit) if budget is None else budget, memory)
 
 
 def _names(file: Path | None) -> "NameMap | None":
@@ -266,6 +301,7 @@ def _verdict(
     strict: bool,
     jobs: int | None,
     time_limit: float,
+    limits: "Limits",
     mutants: "Sequence[Mutant]",
     whole_matrix: bool,
 ) -> "Verdict":
@@ -284,6 +320,7 @@ def _verdict(
                 strict=strict,
                 jobs=jobs,
                 time_limit=time_limit,
+                limits=limits,
                 mutants=mutants,
                 whole_matrix=whole_matrix,
                 command=shlex.join(["stickslip", *sys.argv[1:]]),

@@ -17,14 +17,18 @@ from stickslip_verification.drive.fmu.fmi3 import Fmi3Instance
 from stickslip_verification.drive.fmu.hooks import hooked
 from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.fmu.unpacking import new_folder
+from stickslip_verification.drive.fmu.unpacking import (
+    DESCRIPTION,
+    MOST_DESCRIBED,
+    check_size,
+    new_folder,
+    unpack,
+)
 from stickslip_verification.drive.fmu.variables import Variable, collect, collect_own, extra_outputs
 from stickslip_verification.suite.faults import Hook
 from stickslip_verification.truth.parameters import Parameter
 
 _FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
-
-DESCRIPTION = "modelDescription.xml"
 
 REQUIRED: tuple[str, ...] = ("m", "k", "mu_s", "mu_k", "v", "x")
 """What an FMU must have to be judged as a stick-slip block at all."""
@@ -60,8 +64,8 @@ class FmuFile:
     Raises
     ------
     FmuError
-        No such file, not an FMU, not for co-simulation, neither FMI 2.0 nor 3.0, not for this
-        platform; or a variable of ours that cannot be used, see `collect`.
+        No such file, not an FMU, too much to unpack, not for co-simulation, neither FMI 2.0 nor
+        3.0, not for this platform; or a variable of ours that cannot be used, see `collect`.
     """
 
     def __init__(
@@ -85,10 +89,7 @@ class FmuFile:
         self.extra_outputs: tuple[str, ...] = extra_outputs(description, self.variables)
         self.folder = new_folder()
         self.close = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
-        try:
-            fmpy.extract(str(path), unzipdir=str(self.folder))
-        except Exception as error:
-            raise FmuError(f"{path}: cannot be unpacked ({one_line(error)})") from None
+        unpack(path, self.folder)
 
     def has(self, name: str) -> bool:
         """Whether the FMU has this variable of ours."""
@@ -133,11 +134,15 @@ def _read(path: Path) -> tuple[Any, tuple[str, ...]]:
         raise FmuError(f"{path}: not an FMU (not a zip archive)")
     problems: tuple[str, ...] = ()
     try:
+        check_size(path)
         with zipfile.ZipFile(path) as archive:
             if DESCRIPTION not in archive.namelist():
                 raise FmuError(f"{path}: not an FMU (no {DESCRIPTION} in it)")
             # FMPy would say this in words of its own, or of Python's.
-            _check_description(path, ElementTree.fromstring(archive.read(DESCRIPTION)))
+            with archive.open(DESCRIPTION) as stream:
+                # Without a number of bytes, zipfile unpacks more than the archive says.
+                text = stream.read(MOST_DESCRIBED)
+            _check_description(path, ElementTree.fromstring(text))
         try:
             description = fmpy.read_model_description(str(path))
         except fmpy.model_description.ValidationError as error:

@@ -1,0 +1,317 @@
+"""A worker process and its guard: limits on what an FMU may take, an end to all that it starts.
+
+Where the system has `fork`, the process that holds an FMU has a guard as its parent. The guard is
+the subreaper of all its descendants (Linux, prctl(2)): a daemon that leaves its session and its
+parent becomes a child of the guard. The guard ends all of them once the worker ends or is to be
+ended. Without subreapers it ends the session of the worker; Windows has neither.
+"""
+
+import contextlib
+import ctypes
+import multiprocessing
+import multiprocessing.util
+import os
+import pickle
+import select
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from multiprocessing import forkserver, resource_tracker
+from multiprocessing.connection import Connection
+from multiprocessing.context import BaseContext
+from pathlib import Path
+from types import FrameType
+from typing import Any, Final, NoReturn
+
+from stickslip_verification.drive.fmu.errors import FmuError
+
+MOST_ANSWERED: Final = 2**30
+"""Bytes of one answer that are taken; the longest record of the suite has some 10^7."""
+
+ENDING: Final = 5.0
+"""Seconds in which a guard ends its descendants; then it is ended itself."""
+
+SHORT_FOLDERS: Final = ("/tmp", "/var/tmp")
+"""Where sockets go if the folder for temporary files has too long a name."""
+
+LONGEST_FOLDER: Final = 70
+"""Bytes of the folder for temporary files that leave room for the sockets in it.
+
+The path of a socket has 103 bytes (macOS; 107 on Linux, unix(7)); multiprocessing appends 32.
+"""
+
+_ERRORS: Final = 2
+"""The descriptor of standard error."""
+
+_GUARD_PERIOD: Final = 20.0
+"""Milliseconds between two looks of a guard at its worker."""
+
+_PR_SET_PDEATHSIG: Final = 1
+_PR_SET_CHILD_SUBREAPER: Final = 36
+
+Task = Callable[..., Any]
+
+
+class Worker:
+    """A process that does one task after another.
+
+    Parameters
+    ----------
+    begin, arguments
+        What the process calls before its first task.
+    guarded
+        Whether it has a guard. One that holds an FMU needs it.
+    """
+
+    def __init__(self, begin: Task, arguments: tuple[Any, ...], *, guarded: bool) -> None:
+        context = _context()
+        self.connection, theirs = context.Pipe()
+        self._process = context.Process(  # type: ignore[attr-defined]  # typeshed leaves it out
+            target=_serve, args=(theirs, begin, arguments, guarded)
+        )
+        self._process.start()
+        # With a copy here, the end of the process would not end the connection.
+        theirs.close()
+
+    @property
+    def handles(self) -> tuple[Any, Any]:
+        """What `multiprocessing.connection.wait` takes: an answer, and the end of the process."""
+        return self.connection, self._process.sentinel
+
+    def give(self, task: Task, arguments: tuple[Any, ...]) -> None:
+        """Send a task; `OSError` if the process has ended."""
+        self.connection.send((task, arguments))
+
+    def answer(self) -> Any:
+        """Return what the process answered.
+
+        Raises
+        ------
+        EOFError, OSError
+            If it ended without an answer.
+        Exception
+            If what it sent cannot be read.
+        """
+        if not self.connection.poll():
+            raise EOFError
+        return pickle.loads(self.connection.recv_bytes(MOST_ANSWERED))
+
+    def exit_code(self) -> int | None:
+        """Return the exit code, negative for a signal, as soon as it is known; None if it lives."""
+        self._process.join(ENDING)
+        code: int | None = self._process.exitcode
+        return code
+
+    def stop(self) -> None:
+        """Begin to end the process and what it started; `end` waits for it."""
+        self._process.terminate()
+
+    def end(self) -> None:
+        """End the process and what it started."""
+        self.stop()
+        self._process.join(ENDING)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+        self._process.close()
+        self.connection.close()
+
+
+def limit_memory(most: int) -> None:
+    """Limit the private memory of this process, and of each that it starts, to `most` bytes.
+
+    The limit is RLIMIT_DATA, getrlimit(2), which counts what can be written and belongs to this
+    process alone. RLIMIT_AS would also count what is merely reserved: runtimes with a garbage
+    collector reserve tens of gigabytes and use none of them. Shared memory is not counted. Windows
+    has no such limit; macOS takes it and does not keep to it.
+    """
+    if sys.platform != "win32":
+        import resource
+
+        _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+        if hard != resource.RLIM_INFINITY:
+            most = min(most, hard)
+        resource.setrlimit(resource.RLIMIT_DATA, (most, most))
+
+
+def _serve(connection: Connection, begin: Task, arguments: tuple[Any, ...], guarded: bool) -> None:
+    """Do what is sent, till the connection is closed."""
+    # Ctrl-C is for the process that asks.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if guarded and sys.platform != "win32":
+        _fork_guarded(connection)
+    begin(*arguments)
+    with contextlib.suppress(EOFError, ConnectionError):
+        while True:
+            task, of = connection.recv()
+            connection.send_bytes(pickle.dumps(task(*of)))
+
+
+class _Stop(BaseException):
+    """The guard is to end what it guards."""
+
+
+def _fork_guarded(connection: Connection) -> None:
+    """Return in a child, in a session of its own; this process becomes its guard."""
+    signal.signal(signal.SIGTERM, _stop)
+    _prctl(_PR_SET_CHILD_SUBREAPER, 1)
+    worker = os.fork()
+    if worker == 0:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        os.setsid()
+        _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        return
+    _guard(worker, connection)
+
+
+def _stop(_number: int, _frame: FrameType | None) -> NoReturn:
+    raise _Stop
+
+
+def _guard(worker: int, connection: Connection) -> NoReturn:
+    """Wait for the end of the worker, end its descendants, and end as it did.
+
+    The worker is ended by SIGTERM to the guard, or by the end of the process that asks, which
+    closes the other end of the connection.
+    """
+    code = -signal.SIGTERM
+    asking = select.poll()
+    # Without any event of interest, poll(2) reports that the other end was closed.
+    asking.register(connection, 0)
+    try:
+        while not asking.poll(_GUARD_PERIOD):
+            # Of other processes this reaps what the worker left behind.
+            ended, status = os.waitpid(-1, os.WNOHANG)
+            if ended == worker:
+                code = os.waitstatus_to_exitcode(status)
+                break
+    except _Stop:
+        pass
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    _end_descendants(worker)
+    _end_like(code)
+
+
+def _end_descendants(worker: int) -> None:
+    """Kill the session of the worker and all children, till none is left.
+
+    The children of a killed child become children of this process.
+    """
+    last = time.monotonic() + ENDING
+    while time.monotonic() < last:
+        with contextlib.suppress(OSError):
+            os.killpg(worker, signal.SIGKILL)
+        for child in _children():
+            with contextlib.suppress(OSError):
+                os.kill(child, signal.SIGKILL)
+        try:
+            while os.waitpid(-1, os.WNOHANG)[0]:
+                pass
+        except ChildProcessError:
+            return
+        time.sleep(0.002)
+
+
+def _children() -> Iterator[int]:
+    """Yield the children of this process where /proc tells them: proc(5), field 4 of stat."""
+    this = os.getpid()
+    for file in Path("/proc").glob("[0-9]*/stat"):
+        # It may have ended since it was listed.
+        with contextlib.suppress(OSError, ValueError, IndexError):
+            # A name in front of these fields may hold blanks and brackets.
+            if int(file.read_bytes().rpartition(b")")[2].split()[1]) == this:
+                yield int(file.parent.name)
+
+
+def _end_like(code: int) -> NoReturn:
+    """End this process with an exit code, or by the signal that a negative one stands for."""
+    if code < 0:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        with contextlib.suppress(OSError):
+            signal.signal(-code, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {-code})
+        os.kill(os.getpid(), -code)
+    os._exit(abs(code))
+
+
+def _prctl(option: int, value: int) -> None:
+    """Set an option of this process where the kernel has it: Linux, prctl(2)."""
+    if sys.platform == "linux":
+        zero = ctypes.c_ulong(0)
+        ctypes.CDLL(None).prctl(option, ctypes.c_ulong(value), zero, zero, zero)
+
+
+def _context() -> BaseContext:
+    """Return the context that starts workers fastest: forks of a server with all modules loaded."""
+    methods: Mapping[str, None] = dict.fromkeys(multiprocessing.get_all_start_methods())
+    context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
+    if "forkserver" in methods:
+        context.set_forkserver_preload(["stickslip_verification.drive.workers"])
+        _start_server()
+    return context
+
+
+def _start_server() -> None:
+    """Start the fork server with Ctrl-C blocked and standard error discarded from the start.
+
+    By itself it ignores Ctrl-C only once its modules are loaded, after about a second. A worker
+    that it forks during an interrupt would print a traceback of no use.
+    """
+    _choose_folder_of_sockets()
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        with _silent():
+            forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@cache
+def _choose_folder_of_sockets() -> None:
+    """Have the server's socket in a folder with a short name.
+
+    multiprocessing makes the folder of its sockets in that for temporary files, once in a process.
+
+    Raises
+    ------
+    FmuError
+        If there is no folder with a short name that can be written.
+    """
+    usual = tempfile.gettempdir()
+    if len(os.fsencode(usual)) <= LONGEST_FOLDER:
+        return
+    try:
+        for tempfile.tempdir in SHORT_FOLDERS:
+            with contextlib.suppress(OSError):
+                multiprocessing.util.get_temp_dir()
+                return
+    finally:
+        tempfile.tempdir = usual
+    raise FmuError(
+        f"{usual}: the name of this folder for temporary files is too long for sockets, which "
+        f"take {LONGEST_FOLDER} bytes; set TMPDIR to a shorter one"
+    )
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """Discard the standard error of processes started in this block."""
+    try:
+        kept = os.dup(_ERRORS)
+    except OSError:  # closed already
+        yield
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, _ERRORS)
+    os.close(nowhere)
+    try:
+        yield
+    finally:
+        os.dup2(kept, _ERRORS)
+        os.close(kept)
