@@ -64,8 +64,8 @@ def test_a_small_table_of_zeros_is_no_bomb(stuffed: Callable[..., Path]) -> None
 
 def test_many_small_bombs_are_one(stuffed: Callable[..., Path]) -> None:
     """What no file does alone, all of them do not do together either."""
-    bombs = [(f"resources/{number}.bin", bytes(9 * MB)) for number in range(40)]
-    assert "it unpacks to 361 MB, more than 200 times" in refusal(stuffed(*bombs))
+    bombs = [(f"resources/{number}.bin", bytes(9 * MB)) for number in range(25)]
+    assert "it unpacks to 226 MB, more than 200 times" in refusal(stuffed(*bombs))
 
 
 def overlapping(path: Path, size: int) -> Path:
@@ -89,7 +89,7 @@ def test_more_than_two_gigabytes_are_refused(
     assert refusal(path) == f"{path}: unpacks to 28 MB; at most 27 MB are unpacked"
     monkeypatch.undo()
     path = overlapping(path, 3_000_000_000)
-    assert "unpacks to 3,000 MB" in refusal(path)
+    assert "unpacks to 63,000 MB; at most 2,000 MB are unpacked" in refusal(path)
 
 
 def test_a_large_description_is_refused(slider_mm: Path, tmp_path: Path) -> None:
@@ -101,10 +101,10 @@ def test_a_large_description_is_refused(slider_mm: Path, tmp_path: Path) -> None
 
 
 def test_a_description_that_says_less_than_it_is_takes_no_memory(tmp_path: Path) -> None:
-    """A gigabyte that the archive states as a kilobyte is not unpacked to find that out."""
+    """Most of a gigabyte that the archive states as a kilobyte is not unpacked to find that out."""
     path = tmp_path / "lying.fmu"
     with zipfile.ZipFile(path, "w", DEFLATED) as new, new.open("modelDescription.xml", "w") as one:
-        for _ in range(1000):
+        for _ in range(500):
             one.write(bytes(MB))
     overlapping(path, 1000)
     tracemalloc.start()

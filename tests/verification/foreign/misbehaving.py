@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+from pythonfmu.enums import Fmi2Status
 
 WHAT = "crash"
 NOTES = ""
@@ -56,10 +57,10 @@ class Misbehaving(Fmi2Slave):  # type: ignore[misc]
             self.eaten = bytearray(1_000_000_000)
         if WHAT == "print":
             for stream in (sys.stdout, sys.stderr):
-                stream.write("moving on\n" * 10_000_000)
+                stream.write("moving on\n" * 1_000_000)
         if WHAT == "log":
-            for _ in range(100_000):
-                self.log("moving on " * 100)
+            for _ in range(10_000):
+                self.log("moving on " * 1000, Fmi2Status.warning)
         while WHAT == "hang":
             time.sleep(1.0)
         if WHAT == "raise":

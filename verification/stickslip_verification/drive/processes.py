@@ -18,7 +18,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
-from functools import cache
 from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import BaseContext
@@ -262,7 +261,7 @@ def _start_server() -> None:
     By itself it ignores Ctrl-C only once its modules are loaded, after about a second. A worker
     that it forks during an interrupt would print a traceback of no use.
     """
-    _choose_folder_of_sockets()
+    choose_folder_of_sockets()
     resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -272,8 +271,7 @@ def _start_server() -> None:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-@cache
-def _choose_folder_of_sockets() -> None:
+def choose_folder_of_sockets() -> None:
     """Have the server's socket in a folder with a short name.
 
     multiprocessing makes the folder of its sockets in that for temporary files, once in a process.
@@ -284,7 +282,8 @@ def _choose_folder_of_sockets() -> None:
         If there is no folder with a short name that can be written.
     """
     usual = tempfile.gettempdir()
-    if len(os.fsencode(usual)) <= LONGEST_FOLDER:
+    chosen = multiprocessing.current_process()._config.get("tempdir")  # type: ignore[attr-defined]
+    if chosen is not None or len(os.fsencode(usual)) <= LONGEST_FOLDER:
         return
     try:
         for tempfile.tempdir in SHORT_FOLDERS:

@@ -14,7 +14,7 @@ from markupsafe import Markup
 from stickslip_verification.drive import convergence
 from stickslip_verification.model.margins import error_text
 from stickslip_verification.model.verdict import ObservedOrder, Outcome, Verdict
-from stickslip_verification.model.whole_file import write_whole
+from stickslip_verification.model.whole_file import write_all
 from stickslip_verification.report import earlier as baseline
 from stickslip_verification.report import kill_view, order_plot, plots, svg, view
 from stickslip_verification.report.environment import environment, text_of
@@ -121,14 +121,13 @@ def write_report(
     margins: baseline.Moves | None = None,
     drawn: Mapping[str, str] | None = None,
 ) -> None:
-    """Write index.html, report.json and junit.xml into `folder`, each whole or not at all.
+    """Write index.html, report.json and junit.xml into `folder`, all or none.
 
     Everything is made before the first file is touched. The arguments are those of `render`.
     """
     page = render(verdict, claims=claims, meanings=meanings, margins=margins, drawn=drawn)
     files = {"report.json": json_text(verdict), "junit.xml": as_junit(verdict), "index.html": page}
-    for name, text in files.items():
-        write_whole(folder / name, text)
+    write_all({folder / name: text for name, text in files.items()})
 
 
 def _reasons(verdict: Verdict) -> list[str]:
