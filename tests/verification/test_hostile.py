@@ -1,5 +1,6 @@
 """FMUs that take more than they should: time, memory, processes, room in the log."""
 
+import mmap
 import multiprocessing
 import os
 import signal
@@ -9,6 +10,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -131,6 +133,38 @@ def test_memory_beyond_the_limit_is_refused(misbehaving: Callable[[str], Path]) 
     assert enough.value is not None
 
 
+def eat_in_children() -> Answer[None]:
+    """Take a quarter of a gigabyte in each of five processes, then wait."""
+    for _ in range(4):
+        if os.fork() == 0:
+            break
+    eaten = b"a" * 250_000_000
+    time.sleep(60.0)
+    return Answer(None, not_applicable=f"{len(eaten)}")
+
+
+def eat_shared() -> Answer[None]:
+    """Take shared memory bit by bit."""
+    shared = mmap.mmap(-1, 2_000_000_000)
+    for _ in range(2000):
+        shared.write(b"a" * 1_000_000)
+        time.sleep(0.005)
+    return Answer(None)
+
+
+@linux
+@pytest.mark.parametrize("task", [eat_in_children, eat_shared])
+def test_the_memory_of_all_its_processes_counts(
+    misbehaving: Callable[[str], Path], task: Callable[[], Answer[None]]
+) -> None:
+    """Children and shared memory count as well, and the next task gets a new process."""
+    with workers.Pool(1, fmu=misbehaving("eat"), limits=Limits(memory=0.8)) as pool:
+        (eaten,) = pool.each(task, [()])
+        (after,) = plain(pool, short(2))
+    assert eaten.failure == "the process was ended: the FMU had more memory than --memory gives"
+    assert after.value is not None
+
+
 def test_an_fmu_may_print_and_log_a_lot(misbehaving: Callable[[str], Path]) -> None:
     """Twenty megabytes of prints cost nothing; of a hundred in the log few are kept."""
     with workers.Pool(1, fmu=misbehaving("print")) as pool:
@@ -150,8 +184,8 @@ def test_a_thousand_jobs_are_no_thousand_processes(
     monkeypatch.setattr(workers, "jobs_here", lambda: 1)
     started = []
 
-    def start(*arguments: object, **options: bool) -> Worker:
-        started.append(Worker(*arguments, **options))  # type: ignore[arg-type]
+    def start(*arguments: Any) -> Worker:
+        started.append(Worker(*arguments))
         return started[-1]
 
     monkeypatch.setattr(workers, "Worker", start)

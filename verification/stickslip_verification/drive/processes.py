@@ -8,6 +8,7 @@ ended. Without subreapers it ends the session of the worker; Windows has neither
 
 import contextlib
 import ctypes
+import itertools
 import multiprocessing
 import multiprocessing.util
 import os
@@ -48,6 +49,12 @@ _ERRORS: Final = 2
 _GUARD_PERIOD: Final = 20.0
 """Milliseconds between two looks of a guard at its worker."""
 
+_LOOKS_FOR_MEMORY: Final = 25
+"""At each so many looks it adds up the memory, which takes some milliseconds."""
+
+OUT_OF_MEMORY: Final = 251
+"""Exit code of a guard whose worker, with what it started, had more memory than it may."""
+
 _PR_SET_PDEATHSIG: Final = 1
 _PR_SET_CHILD_SUBREAPER: Final = 36
 
@@ -61,15 +68,16 @@ class Worker:
     ----------
     begin, arguments
         What the process calls before its first task.
-    guarded
-        Whether it has a guard. One that holds an FMU needs it.
+    memory
+        Bytes that it and what it starts may have; None for one that holds no FMU. It has no limits
+        then, and no guard.
     """
 
-    def __init__(self, begin: Task, arguments: tuple[Any, ...], *, guarded: bool) -> None:
+    def __init__(self, begin: Task, arguments: tuple[Any, ...], memory: int | None) -> None:
         context = _context()
         self.connection, theirs = context.Pipe()
         self._process = context.Process(  # type: ignore[attr-defined]  # typeshed leaves it out
-            target=_serve, args=(theirs, begin, arguments, guarded)
+            target=_serve, args=(theirs, begin, arguments, memory)
         )
         self._process.start()
         # With a copy here, the end of the process would not end the connection.
@@ -119,13 +127,14 @@ class Worker:
         self.connection.close()
 
 
-def limit_memory(most: int) -> None:
+def _limit_memory(most: int) -> None:
     """Limit the private memory of this process, and of each that it starts, to `most` bytes.
 
-    The limit is RLIMIT_DATA, getrlimit(2), which counts what can be written and belongs to this
+    The limit is RLIMIT_DATA, getrlimit(2), which counts what can be written and belongs to one
     process alone. RLIMIT_AS would also count what is merely reserved: runtimes with a garbage
-    collector reserve tens of gigabytes and use none of them. Shared memory is not counted. Windows
-    has no such limit; macOS takes it and does not keep to it.
+    collector reserve tens of gigabytes and use none of them. Shared memory and the sum over
+    processes are left to the guard, on Linux. Windows has no such limit; macOS takes it and does
+    not keep to it.
     """
     if sys.platform != "win32":
         import resource
@@ -136,12 +145,16 @@ def limit_memory(most: int) -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
-def _serve(connection: Connection, begin: Task, arguments: tuple[Any, ...], guarded: bool) -> None:
+def _serve(
+    connection: Connection, begin: Task, arguments: tuple[Any, ...], memory: int | None
+) -> None:
     """Do what is sent, till the connection is closed."""
     # Ctrl-C is for the process that asks.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if guarded and sys.platform != "win32":
-        _fork_guarded(connection)
+    if memory is not None:
+        _limit_memory(memory)
+        if sys.platform != "win32":
+            _fork_guarded(connection, memory)
     begin(*arguments)
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
@@ -153,7 +166,7 @@ class _Stop(BaseException):
     """The guard is to end what it guards."""
 
 
-def _fork_guarded(connection: Connection) -> None:
+def _fork_guarded(connection: Connection, memory: int) -> None:
     """Return in a child, in a session of its own; this process becomes its guard."""
     signal.signal(signal.SIGTERM, _stop)
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
@@ -163,29 +176,34 @@ def _fork_guarded(connection: Connection) -> None:
         os.setsid()
         _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         return
-    _guard(worker, connection)
+    _guard(worker, connection, memory)
 
 
 def _stop(_number: int, _frame: FrameType | None) -> NoReturn:
     raise _Stop
 
 
-def _guard(worker: int, connection: Connection) -> NoReturn:
+def _guard(worker: int, connection: Connection, memory: int) -> NoReturn:
     """Wait for the end of the worker, end its descendants, and end as it did.
 
-    The worker is ended by SIGTERM to the guard, or by the end of the process that asks, which
-    closes the other end of the connection.
+    The worker is ended by SIGTERM to the guard, by the end of the process that asks, which closes
+    the other end of the connection, or if it and its descendants have more memory than they may.
     """
     code = -signal.SIGTERM
     asking = select.poll()
     # Without any event of interest, poll(2) reports that the other end was closed.
     asking.register(connection, 0)
     try:
-        while not asking.poll(_GUARD_PERIOD):
+        for look in itertools.count():
+            if asking.poll(_GUARD_PERIOD):
+                break
             # Of other processes this reaps what the worker left behind.
             ended, status = os.waitpid(-1, os.WNOHANG)
             if ended == worker:
                 code = os.waitstatus_to_exitcode(status)
+                break
+            if look % _LOOKS_FOR_MEMORY == 0 and _memory_of_descendants() > memory:
+                code = OUT_OF_MEMORY
                 break
     except _Stop:
         pass
@@ -214,15 +232,33 @@ def _end_descendants(worker: int) -> None:
         time.sleep(0.002)
 
 
-def _children() -> Iterator[int]:
-    """Yield the children of this process where /proc tells them: proc(5), field 4 of stat."""
-    this = os.getpid()
+def _children() -> list[int]:
+    """Return the children of this process where /proc tells them."""
+    return [process for process, parent, _ in _processes() if parent == os.getpid()]
+
+
+def _memory_of_descendants() -> int:
+    """Return the bytes in memory of all descendants; pages that they share count for each."""
+    family = {os.getpid()}
+    others = list(_processes())
+    pages, grown = 0, True
+    while grown:
+        members = [each for each in others if each[1] in family]
+        others = [each for each in others if each[1] not in family]
+        family |= {process for process, _, _ in members}
+        pages += sum(resident for _, _, resident in members)
+        grown = bool(members)
+    return pages * os.sysconf("SC_PAGE_SIZE")
+
+
+def _processes() -> Iterator[tuple[int, int, int]]:
+    """Yield number, parent and pages in memory of each process: proc(5), fields of stat."""
     for file in Path("/proc").glob("[0-9]*/stat"):
         # It may have ended since it was listed.
-        with contextlib.suppress(OSError, ValueError, IndexError):
-            # A name in front of these fields may hold blanks and brackets.
-            if int(file.read_bytes().rpartition(b")")[2].split()[1]) == this:
-                yield int(file.parent.name)
+        with contextlib.suppress(OSError):
+            # The second field, a name, may hold blanks and brackets.
+            fields = file.read_bytes().rpartition(b")")[2].split()
+            yield int(file.parent.name), int(fields[1]), int(fields[21])
 
 
 def _end_like(code: int) -> NoReturn:

@@ -26,7 +26,7 @@ from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes import PROBES
-from stickslip_verification.drive.processes import Worker, limit_memory
+from stickslip_verification.drive.processes import OUT_OF_MEMORY, Worker
 from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.drive.stepping import NotApplicableError, run_case
 from stickslip_verification.model.run import Run
@@ -59,7 +59,8 @@ class Limits:
         Seconds that all its runs without a result may take together: an FMU that hangs everywhere
         is at its end then, whereas a slow one that finishes its runs is not.
     memory
-        Gigabytes of private memory for each of its processes, see `processes.limit_memory`.
+        Gigabytes for each process that holds it, with all that it starts, see `processes`. None on
+        Windows.
     """
 
     budget: float = 180.0
@@ -146,10 +147,10 @@ class Pool:
         self._jobs = allowed(jobs)
         self._limit = time_limit
         self._budget = limits.budget if fmu is not None else math.inf
-        self._guarded = fmu is not None
+        self._memory = None if fmu is None else round(limits.memory * _GIGABYTE)
         self._fresh = fresh
         self._folder = tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True)
-        self._arguments = (self._folder.name, fmu, names, hooks, limits.memory)
+        self._arguments = (self._folder.name, fmu, names, hooks)
         self._waiting: deque[_Order] = deque()
         self._idle: list[Worker] = []
         self._busy: dict[Worker, _Order] = {}
@@ -205,7 +206,7 @@ class Pool:
                 worker.give(order.task, order.arguments)
 
     def _start(self) -> Worker:
-        return Worker(_begin, self._arguments, guarded=self._guarded)
+        return Worker(_begin, self._arguments, self._memory)
 
     def _wait(self) -> None:
         """Wait for an answer, the end of a process, a time limit or the end of the budget."""
@@ -302,14 +303,11 @@ class _Held:
 _HELD = _Held()
 
 
-def _begin(
-    folder: str, fmu: Path | None, names: NameMap | None, hooks: Sequence[Hook], memory: float
-) -> None:
-    """Set up a worker: an FMU's memory is limited, and its prints are discarded."""
+def _begin(folder: str, fmu: Path | None, names: NameMap | None, hooks: Sequence[Hook]) -> None:
+    """Set up a worker: an FMU's prints are discarded."""
     tempfile.tempdir = folder
     _HELD.path, _HELD.names, _HELD.hooks = fmu, names, hooks
     if fmu is not None:
-        limit_memory(round(memory * _GIGABYTE))
         nowhere = os.open(os.devnull, os.O_WRONLY)
         for stream in (1, 2):
             os.dup2(nowhere, stream)
@@ -340,6 +338,8 @@ def _reason(error: BaseException) -> str:
 
 
 def _end(code: int) -> str:
+    if code == OUT_OF_MEMORY:
+        return "was ended: the FMU had more memory than --memory gives"
     if code < 0:
         with contextlib.suppress(ValueError):
             return f"crashed ({signal.Signals(-code).name})"

@@ -47,6 +47,7 @@ LABELS = {
     "git.revision": "revision",
     "git.dirty": "uncommitted changes",
     "command": "to reproduce",
+    "trust": "if the FMU is not honest",
 }
 """What the parts of the provenance are called; others go by their own names."""
 
