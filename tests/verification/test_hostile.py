@@ -1,5 +1,6 @@
 """FMUs that take more than they should: time, memory, processes, room in the log."""
 
+import gc
 import mmap
 import multiprocessing
 import os
@@ -9,6 +10,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -207,6 +209,15 @@ def answer_with_anything() -> Answer[None]:
     return "everything passed"  # type: ignore[return-value]
 
 
+def answer_by_half() -> Answer[None]:
+    """Begin an answer, and go no further."""
+    for each in gc.get_objects():
+        if isinstance(each, Connection):
+            os.write(each.fileno(), b"\0\0\xff\xff half")
+    time.sleep(60.0)
+    return Answer(None)
+
+
 def leave_in_the_background() -> Answer[int]:
     """Leave a process with all that was open here, and end."""
     if os.fork() == 0:
@@ -222,13 +233,18 @@ def leave_in_the_background() -> Answer[int]:
     [
         (close_everything, "the process ended by itself with exit code 1"),
         (answer_with_anything, "no readable answer"),
+        (answer_by_half, "the process gave half an answer and was ended"),
         (leave_in_the_background, "the process crashed (SIGABRT)"),
     ],
 )
 def test_a_worker_that_breaks_its_connection_costs_its_task(
-    misbehaving: Callable[[str], Path], task: Callable[[], Answer[None]], told: str
+    misbehaving: Callable[[str], Path],
+    monkeypatch: pytest.MonkeyPatch,
+    task: Callable[[], Answer[None]],
+    told: str,
 ) -> None:
     """The task fails with its reason within seconds, and the next one gets its answer."""
+    monkeypatch.setattr(processes, "LONGEST_SILENCE", 1)
     begun = time.monotonic()
     with workers.Pool(1, fmu=misbehaving("raise")) as pool:
         (broken,) = pool.each(task, [()])

@@ -15,6 +15,8 @@ import os
 import pickle
 import select
 import signal
+import socket
+import struct
 import sys
 import tempfile
 import time
@@ -23,7 +25,6 @@ from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import BaseContext
 from pathlib import Path
-from types import FrameType
 from typing import Any, Final, NoReturn
 
 from stickslip_verification.drive.fmu.errors import FmuError
@@ -33,6 +34,9 @@ MOST_ANSWERED: Final = 2**30
 
 ENDING: Final = 5.0
 """Seconds in which a guard ends its descendants; then it is ended itself."""
+
+LONGEST_SILENCE: Final = 20
+"""Seconds in which nothing comes of an answer that was begun."""
 
 SHORT_FOLDERS: Final = ("/tmp", "/var/tmp")
 """Where sockets go if the folder for temporary files has too long a name."""
@@ -82,6 +86,8 @@ class Worker:
         self._process.start()
         # With a copy here, the end of the process would not end the connection.
         theirs.close()
+        self._has_guard = memory is not None and sys.platform != "win32"
+        _limit_silence(self.connection)
 
     @property
     def handles(self) -> tuple[Any, Any]:
@@ -98,7 +104,7 @@ class Worker:
         Raises
         ------
         EOFError, OSError
-            If it ended without an answer.
+            If it ended without an answer, or gave half of one.
         Exception
             If what it sent cannot be read.
         """
@@ -114,12 +120,15 @@ class Worker:
 
     def stop(self) -> None:
         """Begin to end the process and what it started; `end` waits for it."""
-        self._process.terminate()
+        if self._has_guard:
+            self.connection.close()
+        else:
+            self._process.terminate()
 
     def end(self) -> None:
         """End the process and what it started."""
         self.stop()
-        self._process.join(ENDING)
+        self._process.join(ENDING + 1.0)
         if self._process.is_alive():
             self._process.kill()
             self._process.join()
@@ -145,6 +154,14 @@ def _limit_memory(most: int) -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
+def _limit_silence(connection: Connection) -> None:
+    """Have a wait for the rest of what is sent or taken end with an `OSError`: socket(7)."""
+    if sys.platform != "win32":
+        with socket.fromfd(connection.fileno(), socket.AF_UNIX, socket.SOCK_STREAM) as own:
+            for option in (socket.SO_RCVTIMEO, socket.SO_SNDTIMEO):
+                own.setsockopt(socket.SOL_SOCKET, option, struct.pack("ll", LONGEST_SILENCE, 0))
+
+
 def _serve(
     connection: Connection, begin: Task, arguments: tuple[Any, ...], memory: int | None
 ) -> None:
@@ -162,54 +179,40 @@ def _serve(
             connection.send_bytes(pickle.dumps(task(*of)))
 
 
-class _Stop(BaseException):
-    """The guard is to end what it guards."""
-
-
 def _fork_guarded(connection: Connection, memory: int) -> None:
     """Return in a child, in a session of its own; this process becomes its guard."""
-    signal.signal(signal.SIGTERM, _stop)
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
     worker = os.fork()
     if worker == 0:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
         os.setsid()
         _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         return
-    _guard(worker, connection, memory)
+    # Whoever ends all processes at once ends the one that asks, and then this one ends as well.
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    code = _watch(worker, connection, memory)
+    _end_descendants(worker)
+    _end_like(code)
 
 
-def _stop(_number: int, _frame: FrameType | None) -> NoReturn:
-    raise _Stop
+def _watch(worker: int, connection: Connection, memory: int) -> int:
+    """Wait for the end of the worker and return its exit code.
 
-
-def _guard(worker: int, connection: Connection, memory: int) -> NoReturn:
-    """Wait for the end of the worker, end its descendants, and end as it did.
-
-    The worker is ended by SIGTERM to the guard, by the end of the process that asks, which closes
-    the other end of the connection, or if it and its descendants have more memory than they may.
+    The guard ends it once the other end of the connection is closed, at the latest by the end of
+    the process that asks, or if the worker and its descendants have more memory than they may.
     """
-    code = -signal.SIGTERM
     asking = select.poll()
     # Without any event of interest, poll(2) reports that the other end was closed.
     asking.register(connection, 0)
-    try:
-        for look in itertools.count():
-            if asking.poll(_GUARD_PERIOD):
-                break
-            # Of other processes this reaps what the worker left behind.
-            ended, status = os.waitpid(-1, os.WNOHANG)
-            if ended == worker:
-                code = os.waitstatus_to_exitcode(status)
-                break
-            if look % _LOOKS_FOR_MEMORY == 0 and _memory_of_descendants() > memory:
-                code = OUT_OF_MEMORY
-                break
-    except _Stop:
-        pass
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    _end_descendants(worker)
-    _end_like(code)
+    for look in itertools.count():
+        if asking.poll(_GUARD_PERIOD):
+            break
+        # Of other processes this reaps what the worker left behind.
+        ended, status = os.waitpid(-1, os.WNOHANG)
+        if ended == worker:
+            return os.waitstatus_to_exitcode(status)
+        if look % _LOOKS_FOR_MEMORY == 0 and _memory_of_descendants() > memory:
+            return OUT_OF_MEMORY
+    return -signal.SIGKILL
 
 
 def _end_descendants(worker: int) -> None:

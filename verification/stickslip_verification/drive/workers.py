@@ -237,7 +237,7 @@ class Pool:
             answer = worker.answer()
         except (EOFError, OSError):
             code = worker.exit_code()
-            end = "closed its connection and was ended" if code is None else _end(code)
+            end = "gave half an answer and was ended" if code is None else _end(code)
             self._drop(worker, order, Answer(failure=f"the process {end}"), now)
             return
         except Exception as error:
