@@ -104,6 +104,25 @@ def test_an_fmu_that_hangs_everywhere_costs_its_budget(
     assert not verdict.passed
 
 
+def test_a_description_that_takes_too_long_is_refused(
+    slider_mm: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A description of variables that break rules, which takes FMPy minutes, ends by the limit."""
+    variable = (
+        '<ScalarVariable name="q" valueReference="1" causality="foo"><Real/></ScalarVariable>'
+    )
+    path = building.altered(
+        slider_mm,
+        tmp_path / "long.fmu",
+        lambda text: text.replace("</ModelVariables>", f"{50_000 * variable}</ModelVariables>"),
+    )
+    monkeypatch.setattr(workers.Pool.__init__, "__defaults__", (5.0, None, None))
+    begun = time.monotonic()
+    with pytest.raises(FmuError, match="its description cannot be read: no answer within 5 s"):
+        verify(path, [named("one-step")], jobs=1)
+    assert time.monotonic() - begun < 40.0
+
+
 def test_a_slow_fmu_that_finishes_has_time(misbehaving: Callable[[str], Path]) -> None:
     """Only runs without a result spend the budget; one that takes longer than it may finish."""
     limits = Limits(budget=2.0)

@@ -22,6 +22,7 @@ from stickslip_verification.drive import convergence
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.other_runs import RUNS
@@ -63,7 +64,7 @@ class Limits:
         Windows.
     """
 
-    budget: float = 180.0
+    budget: float = 120.0
     memory: float = 4.0
 
 
@@ -95,6 +96,14 @@ def reference(case: Case) -> Answer[Run]:
 def observed_order(case: Case, invariant: Order) -> Answer[ObservedOrder]:
     """Observe how the reference's error falls with its tolerance."""
     return _answer(kept, convergence.observe, case, invariant)
+
+
+def open_fmu() -> Answer[bool]:
+    """Read the description of the FMU of this process; whether that is possible."""
+    try:
+        return Answer(_fmu() is not None)
+    except FmuError:
+        return Answer(False)
 
 
 def plain_run(case: Case) -> Answer[Run]:

@@ -73,6 +73,7 @@ def verify(
     MutantError
         Faults are to be planted, and no case is short enough.
     """
+    _try_to_open(fmu, names, limits)
     file = FmuFile(fmu, names)
     try:
         require(file)
@@ -109,3 +110,11 @@ def verify(
         kills=kills,
         ours=contract.ours,
     )
+
+
+def _try_to_open(fmu: Path, names: NameMap | None, limits: workers.Limits) -> None:
+    """Refuse an FMU whose description cannot be read within limits: here there are none."""
+    with workers.Pool(1, fmu=fmu, names=names, limits=workers.Limits(memory=limits.memory)) as pool:
+        (opened,) = pool.each(workers.open_fmu, [()])
+    if opened.failure is not None:
+        raise FmuError(f"{fmu}: its description cannot be read: {opened.failure}")

@@ -65,7 +65,7 @@ def verify(
     ] = False,
     jobs: Annotated[
         int | None,
-        typer.Option(min=1, help="Parallel processes; default: one per processor, four at most."),
+        typer.Option(min=1, help="Parallel processes, 4 per processor at most; default: one."),
     ] = None,
     time_limit: Annotated[
         float, typer.Option(metavar="SECONDS", help="Limit for one run of the FMU.")
@@ -74,7 +74,7 @@ def verify(
         float | None,
         typer.Option(
             metavar="SECONDS",
-            help="Limit for all runs of the FMU without a result together; default: 180, or the "
+            help="Limit for all runs of the FMU without a result together; default: 120, or the "
             "time limit if that is longer.",
         ),
     ] = None,

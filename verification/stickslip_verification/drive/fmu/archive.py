@@ -30,6 +30,9 @@ from stickslip_verification.truth.parameters import Parameter
 
 _FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
 
+_MOST_PROBLEMS = 100
+_LONGEST_PROBLEM = 1000
+
 REQUIRED: tuple[str, ...] = ("m", "k", "mu_s", "mu_k", "v", "x")
 """What an FMU must have to be judged as a stick-slip block at all."""
 
@@ -146,7 +149,10 @@ def _read(path: Path) -> tuple[Any, tuple[str, ...]]:
         try:
             description = fmpy.read_model_description(str(path))
         except fmpy.model_description.ValidationError as error:
-            problems = tuple(" ".join(str(problem).split()) for problem in error.problems)
+            problems = tuple(
+                " ".join(str(problem).split())[:_LONGEST_PROBLEM]
+                for problem in error.problems[:_MOST_PROBLEMS]
+            )
             description = fmpy.read_model_description(str(path), validate=False)
     except FmuError:
         raise
