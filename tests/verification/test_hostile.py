@@ -116,10 +116,10 @@ def test_a_description_that_takes_too_long_is_refused(
         tmp_path / "long.fmu",
         lambda text: text.replace("</ModelVariables>", f"{50_000 * variable}</ModelVariables>"),
     )
-    monkeypatch.setattr(workers.Pool.__init__, "__defaults__", (5.0, None, None))
+    monkeypatch.setattr(workers, "TIME_LIMIT", 5.0)
     begun = time.monotonic()
     with pytest.raises(FmuError, match="its description cannot be read: no answer within 5 s"):
-        verify(path, [named("one-step")], jobs=1)
+        verify(path, [named("one-step")], jobs=1, time_limit=5.0)
     assert time.monotonic() - begun < 40.0
 
 

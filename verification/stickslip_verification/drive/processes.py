@@ -3,7 +3,8 @@
 Where the system has `fork`, the process that holds an FMU has a guard as its parent. The guard is
 the subreaper of all its descendants (Linux, prctl(2)): a daemon that leaves its session and its
 parent becomes a child of the guard. The guard ends all of them once the worker ends or is to be
-ended. Without subreapers it ends the session of the worker; Windows has neither.
+ended. Without subreapers it ends the session of the worker; Windows has neither. An FMU that kills
+its guard is ended with it, but a daemon of it is not.
 """
 
 import contextlib

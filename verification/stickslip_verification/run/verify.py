@@ -73,7 +73,7 @@ def verify(
     MutantError
         Faults are to be planted, and no case is short enough.
     """
-    _try_to_open(fmu, names, limits)
+    _try_to_open(fmu, names, time_limit, limits)
     file = FmuFile(fmu, names)
     try:
         require(file)
@@ -112,9 +112,13 @@ def verify(
     )
 
 
-def _try_to_open(fmu: Path, names: NameMap | None, limits: workers.Limits) -> None:
+def _try_to_open(
+    fmu: Path, names: NameMap | None, time_limit: float, limits: workers.Limits
+) -> None:
     """Refuse an FMU whose description cannot be read within limits: here there are none."""
-    with workers.Pool(1, fmu=fmu, names=names, limits=workers.Limits(memory=limits.memory)) as pool:
+    time_limit = max(time_limit, workers.TIME_LIMIT)
+    limits = workers.Limits(2.0 * time_limit, limits.memory)
+    with workers.Pool(1, time_limit, fmu, names, limits=limits) as pool:
         (opened,) = pool.each(workers.open_fmu, [()])
     if opened.failure is not None:
         raise FmuError(f"{fmu}: its description cannot be read: {opened.failure}")
