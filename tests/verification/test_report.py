@@ -182,6 +182,7 @@ def test_the_provenance_names_the_bytes_that_were_judged(foreign_fmu: Path) -> N
     assert told["fmu"]["sha256"] == hashlib.sha256(foreign_fmu.read_bytes()).hexdigest()
     assert {"python", "stickslip", "numpy", "scipy", "mpmath", "fmpy"} <= set(told["versions"])
     assert told["command"] == "stickslip verify"
+    assert "can rewrite what that code reports" in told["trust"]
     assert told["platform"]
     json.dumps(told, allow_nan=False)
 

@@ -258,6 +258,8 @@ def test_a_baseline_shows_how_margins_moved(command: Command, fmu_path: Path) ->
         (["--fault", "state-*", "--mutants"], "--fault does not go with --mutants"),
         (["--jobs", "0"], "--jobs"),
         (["--time-limit", "-1"], "--time-limit"),
+        (["--budget", "0"], "--budget 0.0: must be above 0 s"),
+        (["--memory", "nan"], "--memory nan: must be 0.1 GB at least"),
         (
             ["--accept", "--fmu", "{slider}", "--names", "{names}"],
             "only the exact block is accepted",

@@ -14,7 +14,7 @@ from markupsafe import Markup
 from stickslip_verification.drive import convergence
 from stickslip_verification.model.margins import error_text
 from stickslip_verification.model.verdict import ObservedOrder, Outcome, Table, Verdict
-from stickslip_verification.model.whole_file import write_whole
+from stickslip_verification.model.whole_file import write_all
 from stickslip_verification.report import earlier as baseline
 from stickslip_verification.report import first_screen, kill_view, order_plot, plots, svg, view
 from stickslip_verification.report.environment import environment, text_of
@@ -51,6 +51,7 @@ LABELS = {
     "git.revision": "revision",
     "git.dirty": "uncommitted changes",
     "command": "to reproduce",
+    "trust": "if the FMU is not honest",
 }
 """What the parts of the provenance are called; others go by their own names."""
 
@@ -142,7 +143,7 @@ def write_report(
     drawn: Mapping[str, str] | None = None,
     full: bool = False,
 ) -> None:
-    """Write index.html, report.json and junit.xml into `folder`, each whole or not at all.
+    """Write index.html, report.json and junit.xml into `folder`, all or none.
 
     Everything is made before the first file is touched. The arguments are those of `render`.
     """
@@ -150,8 +151,7 @@ def write_report(
         verdict, claims=claims, meanings=meanings, margins=margins, drawn=drawn, full=full
     )
     files = {"report.json": json_text(verdict), "junit.xml": as_junit(verdict), "index.html": page}
-    for name, text in files.items():
-        write_whole(folder / name, text)
+    write_all({folder / name: text for name, text in files.items()})
 
 
 def _kinds(verdict: Verdict) -> Table:

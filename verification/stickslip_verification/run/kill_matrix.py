@@ -40,12 +40,15 @@ class How:
         Whether every mutant is tried on every check. Else it is tried on what its description
         foretells, case after case, and no further than the first such check that fails; only one
         that none of them detects is tried on everything. Idle checks are not known then.
+    limits
+        What each mutant may take.
     """
 
     names: NameMap | None = None
     contract: Contract = EXACT_CONTRACT
     fresh: bool = False
     whole: bool = True
+    limits: workers.Limits = workers.USUAL
 
 
 def detect(
@@ -95,7 +98,7 @@ def detect(
     rows: dict[str, Detection] = {}
     with (
         tempfile.TemporaryDirectory(prefix="stickslip-mutants-") as folder,
-        ThreadPoolExecutor(jobs) as threads,
+        ThreadPoolExecutor(workers.allowed(jobs)) as threads,
     ):
         futures = {
             threads.submit(_try, fmu, mutant, short, invariants, Path(folder), how, trials): mutant
@@ -171,6 +174,7 @@ def _pool(planted: Path, mutant: Mutant, how: How) -> workers.Pool:
         fresh=how.fresh,
         hooks=mutant.hooks,
         own_starts=how.contract.interface,
+        limits=how.limits,
     )
 
 

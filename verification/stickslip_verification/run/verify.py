@@ -24,6 +24,10 @@ from stickslip_verification.suite.invariants import load_invariants
 from stickslip_verification.suite.sequences import SEED, Scope, draw_sequences
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
 
+LONGEST_OF_ANY = 60.0
+"""Simulated time [s] of the cases that any FMU is tried on; longer ones are for exact blocks, which
+do not integrate, or are chosen by themselves."""
+
 
 def verify(
     fmu: Path,
@@ -37,6 +41,7 @@ def verify(
     time_limit: float = workers.TIME_LIMIT,
     sequences: int = 0,
     seed: int = SEED,
+    limits: workers.Limits = workers.USUAL,
     mutants: Sequence[Mutant] = (),
     whole_matrix: bool = True,
     within: float | None = None,
@@ -69,6 +74,8 @@ def verify(
         of what can happen.
     seed
         The same seed gives the same sequences.
+    limits
+        What else the FMU may take; each planted fault has a budget of its own.
     mutants
         Faults to plant, to try the suite itself. Those that change the FMU need the source of
         the block in it.
@@ -89,6 +96,7 @@ def verify(
     MutantError
         Faults are to be planted, and no case is short enough.
     """
+    _try_to_open(fmu, names, time_limit, limits)
     file = FmuFile(fmu, names)
     try:
         require(file)
@@ -109,6 +117,8 @@ def verify(
     finally:
         file.close()
     held_to = CONTRACTS[chosen.name]
+    if held_to.banded:
+        cases = [case for case in cases if case.stop_time <= LONGEST_OF_ANY] or cases
     invariants = load_invariants().of_laws({case.law for case in cases})
     jobs = workers.jobs_here() if jobs is None else jobs
     baseline = compute(cases, invariants, jobs, progress, nearby=held_to.banded)
@@ -116,12 +126,12 @@ def verify(
     tried = trials(drawn, invariants.sequences, jobs, nearby=held_to.banded)
     fresh = file.once_per_process
     with workers.Pool(
-        jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface
+        jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface, limits=limits
     ) as pool:
         answers = ask(pool, baseline, invariants, progress, tried)
     kills = None
     if mutants:
-        how = How(names, held_to, fresh=fresh, whole=whole_matrix)
+        how = How(names, held_to, fresh=fresh, whole=whole_matrix, limits=limits)
         kills = detect(fmu, mutants, baseline, invariants, jobs, progress, how, tried)
     results = [
         *judge(baseline, invariants, answers, held_to, tried),
@@ -142,3 +152,15 @@ def verify(
         contract=chosen,
         tables=tables,
     )
+
+
+def _try_to_open(
+    fmu: Path, names: NameMap | None, time_limit: float, limits: workers.Limits
+) -> None:
+    """Refuse an FMU whose description cannot be read within limits: here there are none."""
+    time_limit = max(time_limit, workers.TIME_LIMIT)
+    limits = workers.Limits(2.0 * time_limit, limits.memory)
+    with workers.Pool(1, time_limit, fmu, names, limits=limits) as pool:
+        (opened,) = pool.each(workers.open_fmu, [()])
+    if opened.failure is not None:
+        raise FmuError(f"{fmu}: its description cannot be read: {opened.failure}")

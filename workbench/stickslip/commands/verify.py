@@ -1,12 +1,13 @@
 """`stickslip verify`: judge an FMU and the reference, and write the report."""
 
+import math
 import os
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -22,9 +23,20 @@ from stickslip.commands.shared import (
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
-    from stickslip_verification import Case, EarlierReport, Meaning, Mutant, NameMap, Verdict
+    from stickslip_verification import (
+        Case,
+        EarlierReport,
+        Limits,
+        Meaning,
+        Mutant,
+        NameMap,
+        Verdict,
+    )
 
 DEFAULT_REPORT = Path("report")
+
+LEAST_MEMORY = 0.1
+"""Gigabytes; the suite takes half of them itself."""
 
 
 class ContractName(StrEnum):
@@ -72,11 +84,23 @@ def verify(
     ] = False,
     jobs: Annotated[
         int | None,
-        typer.Option(min=1, help="Number of parallel processes; default: one per processor."),
+        typer.Option(min=1, help="Parallel processes, 4 per processor at most; default: one."),
     ] = None,
     time_limit: Annotated[
         float, typer.Option(metavar="SECONDS", help="Limit for one run of the FMU.")
     ] = 60.0,
+    budget: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="Limit for all runs of the FMU without a result together; default: 120, or the "
+            "time limit if that is longer.",
+        ),
+    ] = None,
+    memory: Annotated[
+        float,
+        typer.Option(metavar="GB", help="Limit for a process of the FMU; none on Windows."),
+    ] = 4.0,
     mutants: Annotated[
         bool,
         typer.Option("--mutants", help="Run every planted fault on every check; some minutes."),
@@ -126,29 +150,30 @@ def verify(
     if list_:
         console().print(tables.case_table(chosen))
         return
-    _check(fmu, names, time_limit)
+    _check(fmu, names)
     _check_contract(contract, strict, accept, pack)
     share = _share(within)
+    limits = _limits(time_limit, budget, memory)
     _check_accept(accept, names, cases, chosen)
     _check_pack(pack, fmu, names, cases)
     name_map = _names(names, chosen)
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
     faults = _mutants(mutants, fault)
-    count = _count_of(sequences, cases)
     verdict = _verdict(
         fmu,
         chosen,
-        name_map,
-        contract,
-        strict,
-        jobs,
-        time_limit,
-        faults,
-        mutants,
-        count,
-        seed,
-        share,
+        names=name_map,
+        contract=None if contract is None else contract.value,
+        strict=strict,
+        jobs=jobs,
+        time_limit=time_limit,
+        limits=limits,
+        sequences=_count_of(sequences, cases),
+        seed=seed,
+        within=share,
+        mutants=faults,
+        whole_matrix=mutants,
     )
     written = _write(verdict, chosen, earlier, output, pdf, full=full)
     screen = console()
@@ -269,13 +294,23 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
         raise CommandError(f"--pack {fmu}: it is write-protected")
 
 
-def _check(fmu: Path | None, names: Path | None, time_limit: float) -> None:
+def _check(fmu: Path | None, names: Path | None) -> None:
     if fmu is not None and not fmu.is_file():
         raise CommandError(f"--fmu {fmu}: {'not a file' if fmu.exists() else 'no such file'}")
     if names is not None and fmu is None:
         raise CommandError("--names goes with --fmu: the default FMU has the standard names")
-    if not 0.0 < time_limit < float("inf"):
+
+
+def _limits(time_limit: float, budget: float | None, memory: float) -> "Limits":
+    from stickslip_verification import Limits
+
+    if not 0.0 < time_limit < math.inf:
         raise CommandError(f"--time-limit {time_limit!r}: must be above 0 s and finite")
+    if budget is not None and not 0.0 < budget < math.inf:
+        raise CommandError(f"--budget {budget!r}: must be above 0 s and finite")
+    if not LEAST_MEMORY <= memory < math.inf:
+        raise CommandError(f"--memory {memory!r}: must be {LEAST_MEMORY} GB at least and finite")
+    return Limits(max(Limits.budget, time_limit) if budget is None else budget, memory)
 
 
 def _names(file: Path | None, cases: "Sequence[Case]") -> "NameMap | None":
@@ -339,43 +374,17 @@ def _check_targets(output: Path, pdf: Path | None) -> None:
             raise CommandError(f"--pdf: {error}") from error
 
 
-def _verdict(
-    fmu: Path | None,
-    cases: "Sequence[Case]",
-    names: "NameMap | None",
-    contract: ContractName | None,
-    strict: bool,
-    jobs: int | None,
-    time_limit: float,
-    mutants: "Sequence[Mutant]",
-    whole_matrix: bool,
-    sequences: int,
-    seed: int,
-    within: float | None,
-) -> "Verdict":
+def _verdict(fmu: Path | None, cases: "Sequence[Case]", **options: Any) -> "Verdict":
+    """Judge the FMU; the options are those of `stickslip_verification.verify`."""
     from stickslip_verification import FmuError, MutantError, verify
 
     if fmu is None:
         fmu = current_fmu()
+    command = shlex.join(["stickslip", *sys.argv[1:]])
     # The friction law of a case may stand in a module here.
     with here_on_path(), long_work("Verifying", here=False) as progress:
         try:
-            return verify(
-                fmu,
-                cases,
-                progress,
-                names=names,
-                contract=None if contract is None else contract.value,
-                strict=strict,
-                jobs=jobs,
-                time_limit=time_limit,
-                mutants=mutants,
-                whole_matrix=whole_matrix,
-                sequences=sequences,
-                seed=seed,
-                within=within,
-                command=shlex.join(["stickslip", *sys.argv[1:]]),
-            )
+            return verify(fmu, cases, progress, command=command, **options)
         except (FmuError, MutantError) as error:
             raise CommandError(str(error)) from error
 

@@ -18,7 +18,13 @@ from stickslip_verification.drive.fmu.hooks import hooked
 from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.fmu.stated import StatedContract, stated_contract
-from stickslip_verification.drive.fmu.unpacking import new_folder
+from stickslip_verification.drive.fmu.unpacking import (
+    DESCRIPTION,
+    MOST_DESCRIBED,
+    check_size,
+    new_folder,
+    unpack,
+)
 from stickslip_verification.drive.fmu.variables import (
     Variable,
     collect,
@@ -31,7 +37,8 @@ from stickslip_verification.truth.parameters import Parameter
 
 _FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
 
-DESCRIPTION = "modelDescription.xml"
+_MOST_PROBLEMS = 100
+_LONGEST_PROBLEM = 1000
 
 REQUIRED: tuple[str, ...] = ("m", "k", "mu_s", "mu_k", "v", "x")
 """What an FMU must have to be judged as a stick-slip block at all."""
@@ -74,8 +81,8 @@ class FmuFile:
     Raises
     ------
     FmuError
-        No such file, not an FMU, not for co-simulation, neither FMI 2.0 nor 3.0, not for this
-        platform; or a variable of ours that cannot be used, see `collect`.
+        No such file, not an FMU, too much to unpack, not for co-simulation, neither FMI 2.0 nor
+        3.0, not for this platform; or a variable of ours that cannot be used, see `collect`.
     """
 
     def __init__(
@@ -107,10 +114,7 @@ class FmuFile:
         self.extra_outputs: tuple[str, ...] = extra_outputs(description, self.variables)
         self.folder = new_folder()
         self.close = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
-        try:
-            fmpy.extract(str(path), unzipdir=str(self.folder))
-        except Exception as error:
-            raise FmuError(f"{path}: cannot be unpacked ({one_line(error)})") from None
+        unpack(path, self.folder)
 
     def has(self, name: str) -> bool:
         """Whether the FMU has this variable of ours."""
@@ -167,16 +171,23 @@ def _read(path: Path) -> tuple[Any, tuple[str, ...], StatedContract]:
         raise FmuError(f"{path}: not an FMU (not a zip archive)")
     problems: tuple[str, ...] = ()
     try:
+        check_size(path)
         with zipfile.ZipFile(path) as archive:
             if DESCRIPTION not in archive.namelist():
                 raise FmuError(f"{path}: not an FMU (no {DESCRIPTION} in it)")
             # FMPy would say this in words of its own, or of Python's.
-            root = ElementTree.fromstring(archive.read(DESCRIPTION))
+            with archive.open(DESCRIPTION) as stream:
+                # Without a number of bytes, zipfile unpacks more than the archive says.
+                text = stream.read(MOST_DESCRIBED)
+            root = ElementTree.fromstring(text)
             _check_description(path, root)
         try:
             description = fmpy.read_model_description(str(path))
         except fmpy.model_description.ValidationError as error:
-            problems = tuple(" ".join(str(problem).split()) for problem in error.problems)
+            problems = tuple(
+                " ".join(str(problem).split())[:_LONGEST_PROBLEM]
+                for problem in error.problems[:_MOST_PROBLEMS]
+            )
             description = fmpy.read_model_description(str(path), validate=False)
     except FmuError:
         raise
