@@ -15,6 +15,7 @@ UNITS: dict[str, dict[str, str]] = {
     "t": {"kg": "1", "factor": "1000"},
     "m": {"m": "1"},
     "mm": {"m": "1", "factor": "0.001"},
+    "millimetre": {"m": "1", "factor": "1e-3"},
     "m/s": {"m": "1", "s": "-1"},
     "mm/s": {"m": "1", "s": "-1", "factor": "0.001"},
     "m/s2": {"m": "1", "s": "-2"},
@@ -37,6 +38,12 @@ UNITS: dict[str, dict[str, str]] = {
 
 COUNT, FLAG = "count", "flag"
 """In place of the unit of an output that is an Integer or a Boolean."""
+
+
+KEPT: list[object] = []
+"""References that the wrapper drops too often: the globals of an FMU's module at each instance, an
+instance, its class and its log at each exception. Without them a later instance crashes the host.
+"""
 
 
 class Given(NamedTuple):
@@ -87,6 +94,7 @@ class ForeignFace(Fmi2Slave):  # type: ignore[misc]
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
+        KEPT.append(type(self).make_block.__globals__)
         self.given: dict[str, float] = {}
         self.shown: dict[str, float] = {}
         self.block: Any = None
@@ -173,9 +181,13 @@ class ForeignFace(Fmi2Slave):  # type: ignore[misc]
         self.start_time = start_time
 
     def exit_initialization_mode(self) -> None:
-        """Begin."""
-        self.block = self.make_block()
-        self.shown = self.at_start()
+        """Begin; what makes no sense fails."""
+        try:
+            self.block = self.make_block()
+            self.shown = self.at_start()
+        except (ArithmeticError, ValueError):
+            KEPT.append((self, type(self), self.log_queue))
+            raise
 
     def pending(self) -> dict[str, float]:
         """Return what was set and is not in force yet."""
@@ -188,11 +200,14 @@ class ForeignFace(Fmi2Slave):  # type: ignore[misc]
         numbers = (step_size, *self.given.values())
         if not (step_size > 0.0 and all(math.isfinite(number) for number in numbers)):
             return False
-        changes = self.pending()
-        if changes:
-            self.block.change(changes)
-        self.block.advance(current_time, step_size)
-        self.shown = self.block.outputs()
+        try:
+            changes = self.pending()
+            if changes:
+                self.block.change(changes)
+            self.block.advance(current_time, step_size)
+            self.shown = self.block.outputs()
+        except (ArithmeticError, ValueError):
+            return False
         return True
 
     def _get_fmu_state(self) -> dict[str, Any]:
