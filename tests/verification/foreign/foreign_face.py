@@ -41,9 +41,8 @@ COUNT, FLAG = "count", "flag"
 
 
 KEPT: list[object] = []
-"""References that the wrapper drops too often: the globals of an FMU's module at each instance, an
-instance, its class and its log at each exception. Without them a later instance crashes the host.
-"""
+"""Instances, classes and logs at an exception: the wrapper releases one reference too many of each,
+and the second failure would crash the host."""
 
 
 class Given(NamedTuple):
@@ -94,7 +93,6 @@ class ForeignFace(Fmi2Slave):  # type: ignore[misc]
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        KEPT.append(type(self).make_block.__globals__)
         self.given: dict[str, float] = {}
         self.shown: dict[str, float] = {}
         self.block: Any = None
