@@ -1,6 +1,6 @@
 """Runs of an FMU in every case, and the result of every check, invariant and probe."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -13,7 +13,7 @@ from stickslip_verification.judge.band import MOST_LOST, Band, numerical, of_any
 from stickslip_verification.judge.checks import REFERENCE_CONTRACT, UNDECIDED, Contract
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import CheckResult, Klass, Motion
+from stickslip_verification.model.verdict import CheckResult, Klass, Motion, Table
 from stickslip_verification.run.baseline import Baseline, Progress, Trial
 from stickslip_verification.suite.invariants import Invariants
 from stickslip_verification.suite.sequences import PLAIN
@@ -97,6 +97,27 @@ def judge(
         yield _judge(empty, trial.baseline, answer, judge_sequence)
     for invariant in invariants.probes:
         yield invariant_checks.judge_probe(invariant, contract, answers.probes[invariant.id])
+
+
+def undecided_table(baseline: Iterable[Baseline], contract: Contract) -> Table:
+    """Count the points that are not judged since they hang on less than the error of a solution."""
+    rows: list[tuple[str | int, ...]] = []
+    points = 0
+    for each in baseline:
+        band = _band(each, contract)
+        if band is not None:
+            points += band.undecided.size
+            lost = int(band.undecided.sum())
+            if lost:
+                rows.append((each.case.id, lost, band.undecided.size))
+    count = sum(int(lost) for _, lost, _ in rows)
+    return Table(
+        title="Points not judged",
+        about=f"{count} of {points} communication points: there stick or slip {UNDECIDED}.",
+        head=("case", "points", "of"),
+        rows=rows,
+        note=f"Above {100.0 * MOST_LOST:g} % of its points a case fails as lost.",
+    )
 
 
 def motions(baseline: Sequence[Baseline], answers: Answers) -> Iterator[Motion]:

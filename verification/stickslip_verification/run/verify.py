@@ -16,7 +16,7 @@ from stickslip_verification.run.baseline import Progress, compute, trials
 from stickslip_verification.run.contract import CONTRACTS, Wanted, chosen_contract
 from stickslip_verification.run.coverage import coverage_table, gaps
 from stickslip_verification.run.fitness import fitness
-from stickslip_verification.run.judged import ask, judge, motions
+from stickslip_verification.run.judged import ask, judge, motions, undecided_table
 from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Mutant
@@ -140,6 +140,9 @@ def verify(
     # Drifts are those of the block that was accepted, and not of any that is exact.
     accepted = held_to.interface and file.stated.exact
     tables = [] if within is None else fitness(baseline, answers, within, jobs, progress)
+    if held_to.banded:
+        tried_on = [*baseline, *{each.baseline.case.id: each.baseline for each in tried}.values()]
+        tables.append(undecided_table(tried_on, held_to))
     tables += [coverage_table(drawn, seed, scope)] if drawn else []
     return Verdict(
         checks=load_accepted().attach(results, fmu=accepted),
