@@ -18,8 +18,8 @@ from stickslip_verification.model.verdict import CheckResult, Klass, Measure, Me
 from stickslip_verification.suite.cases import At, Case, Check
 from stickslip_verification.suite.tolerances import INTEGRATION, ROUNDING
 
-UNDECIDED = "it hangs on less than the error of a numerical solution, or on what was only agreed"
-"""Why a check of the physics contract is not applicable where its band judges no point."""
+UNDECIDED = "hangs on less than the error of a numerical solution"
+"""Said of a point at which nearby exact motions differ in stick and slip."""
 
 RESOLUTION = {"fmu": 1e-14, "reference": 1e-12}
 """What rounding between processors and mathematical libraries moves, as a part of the scale. Two
@@ -260,7 +260,7 @@ def judge_in_band(
         return worst
     if lacking:
         return without_value(empty, contract, lacking[0])
-    return replace(empty, not_applicable=UNDECIDED)
+    return replace(empty, not_applicable=f"it {UNDECIDED}, or was only agreed on")
 
 
 def _places_of(record: Run, exact: Run) -> NDArray[np.intp]:

@@ -204,7 +204,9 @@ def _in_band(
     """Judge every output of a run in a band, and whether the band decides enough."""
     assert band is not None
     if band.lost > MOST_LOST:
-        return replace(empty, failure=f"lost: {100.0 * band.lost:.0f} % of its points {UNDECIDED}")
+        return replace(
+            empty, failure=f"lost: its course {UNDECIDED} at {band.lost:.0%} of its points"
+        )
     return checks.judge_in_band(empty, OUTPUT_NAMES, contract, band, record)
 
 
