@@ -202,7 +202,14 @@ _ORDER = {
     "because": _by(("order", "halves"), _TEXT),
     **_MEANING,
 }
-_PROBE = {**_ENTRY, "probe": _NAME, **_MEANING, "arguments?": {"type": "object"}}
+_PROBE = {
+    **_ENTRY,
+    "class?": _one_of(Klass),
+    "source?": _EQUATION,
+    "probe": _NAME,
+    **_MEANING,
+    "arguments?": {"type": "object"},
+}
 _FAMILIES = {
     "residuals": (_RESIDUAL, "residuals in the samples of a case, on each side"),
     "runs": (_RUN, "another run of the same FMU that must give the same motion"),
