@@ -169,7 +169,7 @@ The table counts, for each case, the checks that passed on the FMU and on the re
         yield f"| `{case.id}` | {case.title} | {sides} |"
     of_fmu = [each for each in result.checks if not each.case]
     held = _holding(of_fmu, "fmu")
-    yield f"| | the FMU itself: its declarations, refusals and messages | {held} | |"
+    yield f"| | the FMU itself: its declarations, refusals, messages and calls | {held} | |"
 
 
 def checks() -> Iterator[str]:

@@ -10,7 +10,8 @@ import pytest
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.drive.probes import INTERFACE, PROBES
+from stickslip_verification.drive.probes import PROBES
+from stickslip_verification.drive.probes.declarations import INTERFACE
 from stickslip_verification.drive.stepping import NotApplicableError
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.suite.faults import Mutant, Substitution, load_mutants

@@ -24,6 +24,7 @@ from stickslip_verification.suite.experiment import (
     communication_steps,
     points,
 )
+from stickslip_verification.suite.invariants import invariant_ids
 from stickslip_verification.suite.tolerances import Facts, Rules, Tolerance, facts_of
 from stickslip_verification.truth.named import COULOMB_NAME
 from stickslip_verification.truth.parameters import Parameter, complete
@@ -305,9 +306,11 @@ def _checks(file: Path, data: Mapping[str, Any], rules: Rules) -> tuple[Check, .
         checks.append(_check(f"{quantity}-course", quantity, None, at, tolerance))
     for n, entry in enumerate(data.get("checks", [])):
         check = _written(file, n, entry, rules)
-        if any(check.id == other.id for other in checks):
+        taken = "another check" if any(check.id == other.id for other in checks) else None
+        taken = "an invariant" if check.id in invariant_ids() else taken
+        if taken is not None:
             where = where_is(file, ("checks", n, "id"))
-            raise CaseError(file, where, f"{check.id!r} is taken by another check")
+            raise CaseError(file, where, f"{check.id!r} is taken by {taken}")
         checks.append(check)
     if not checks:
         raise CaseError(file, "", "it checks nothing: no courses, no cycle, no checks")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -194,6 +195,15 @@ def load_invariants(folder: Path = FOLDER) -> Invariants:
             seen[invariant.id] = file
             families[family].append(invariant)
     return Invariants(**{family: tuple(invariants) for family, invariants in families.items()})
+
+
+@cache
+def invariant_ids() -> frozenset[str]:
+    """Return the ids of the suite's invariants, and those of the results that they give."""
+    invariants = load_invariants()
+    return frozenset(
+        {each.id for each in invariants} | {f"{each.id}-asymptotic" for each in invariants.orders}
+    )
 
 
 def _read(file: Path) -> Iterator[tuple[str, Invariant]]:

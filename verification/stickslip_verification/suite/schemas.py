@@ -200,7 +200,14 @@ _ORDER = {
     "because": _by(("order", "halves"), _TEXT),
     **_MEANING,
 }
-_PROBE = {**_ENTRY, "probe": _NAME, **_MEANING, "arguments?": {"type": "object"}}
+_PROBE = {
+    **_ENTRY,
+    "class?": _one_of(Klass),
+    "source?": _EQUATION,
+    "probe": _NAME,
+    **_MEANING,
+    "arguments?": {"type": "object"},
+}
 _SEQUENCES = {**_JUDGED, "kind": _one_of((Kind.CLOSED_FORM, Kind.INVARIANT)), "manner": _NAME}
 _FAMILIES = {
     "residuals": (_RESIDUAL, "residuals in the samples of a case, on each side"),
