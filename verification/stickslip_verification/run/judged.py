@@ -188,14 +188,13 @@ def _judge_case(
 
 
 def _band(baseline: Baseline, contract: Contract) -> Band | None:
-    """Return the band about the exact motion; None where there is no exact motion."""
-    exact = baseline.exact.value
+    """Return the band about the exact motion; None where the truth cannot be computed."""
+    exact, nearby = baseline.exact.value, baseline.nearby
     if exact is None:
         return None
     if not contract.banded:
         return of_any_sequence(exact)
-    assert baseline.nearby is not None
-    return numerical(exact, baseline.nearby.value or ())
+    return None if nearby is None or nearby.value is None else numerical(exact, nearby.value)
 
 
 def _in_band(
@@ -234,9 +233,11 @@ def _judge(
     judge: Callable[[Exact, Run], CheckResult],
 ) -> CheckResult:
     """Return what `judge` says of a run; without truth or run, `empty` with the reason."""
-    exact = baseline.exact
-    if exact.value is None:
-        return replace(empty, failure=f"the truth cannot be computed: {exact.failure}")
+    exact, nearby = baseline.exact, baseline.nearby
+    for truth in (exact, nearby):
+        if truth is not None and truth.value is None:
+            return replace(empty, failure=f"the truth cannot be computed: {truth.failure}")
+    assert exact.value is not None
     if answer.value is None:
         return _unanswered(empty, answer)
     return judge(exact.value, answer.value)
