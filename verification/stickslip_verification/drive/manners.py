@@ -127,8 +127,16 @@ class _InPieces(_Master):
             instance.reader(self.names)()
 
 
+class _Alone(_Master):
+    """Of all outputs one or two are read, and nothing else is ever looked at."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.names = self.draw.sample(self.names, min(len(self.names), self.draw.randint(1, 2)))
+
+
 class _OneByOne(_Master):
-    """Each output is read by a call of its own, twice, in another order each time."""
+    """Outputs are read again and again, singly and in lists, in another order each time."""
 
     def set(
         self, instance: FmuInstance, changes: Mapping[str, float], time: float, h: float
@@ -139,27 +147,38 @@ class _OneByOne(_Master):
         return instance
 
     def read(self, instance: FmuInstance) -> list[float]:
-        order = 2 * self.names
-        self.draw.shuffle(order)
-        values = {name: instance.reader([name])()[0] for name in order}
+        values: dict[str, float] = {}
+        for length in self.draw.sample((1, 2, len(self.names)), 3):
+            order = self.draw.sample(self.names, len(self.names))
+            for n in range(0, len(order), length):
+                some = order[n : n + length]
+                values |= zip(some, instance.reader(some)(), strict=True)
         return [values[name] for name in self.names]
 
 
 class _Apart(_Master):
-    """Each value is set by a call of its own, in another order each time, some of them twice."""
+    """Each value is set by a call of its own, in another order each time.
+
+    Some are set twice, some to something else first: what is set last before a step counts.
+    """
 
     def begin(self, instance: FmuInstance) -> None:
+        self._now = dict(self.case.start)
         self._apart(instance, self.setting.parameters)
         instance.start({})
 
     def set(
         self, instance: FmuInstance, changes: Mapping[str, float], time: float, h: float
     ) -> FmuInstance:
-        self._apart(instance, changes)
+        self._now |= changes
+        other = _other(self.fmu, self.case, changeable=True)
+        there_and_back = self.draw.sample(sorted(other), len(other) // 2)
+        instance.set({name: other[name] for name in there_and_back})
+        self._apart(instance, {name: self._now[name] for name in [*there_and_back, *changes]})
         return instance
 
     def _apart(self, instance: FmuInstance, values: Mapping[str, float]) -> None:
-        order = [*values, *self.draw.sample(list(values), len(values) // 2)]
+        order = [*sorted(values), *self.draw.sample(sorted(values), len(values) // 2)]
         self.draw.shuffle(order)
         for name in order:
             instance.set({name: values[name]})
@@ -255,6 +274,7 @@ MANNERS: dict[str, Manner] = {
     "unread": lambda fmu, case: _Unread(fmu, case).run(),
     "in_pieces": lambda fmu, case: _InPieces(fmu, case).run(),
     "one_by_one": lambda fmu, case: _OneByOne(fmu, case).run(),
+    "alone": lambda fmu, case: _Alone(fmu, case).run(),
     "apart": lambda fmu, case: _Apart(fmu, case).run(),
     "set_back": lambda fmu, case: _SetBack(fmu, case).run(),
     "carried_over": lambda fmu, case: _CarriedOver(fmu, case).run(),
@@ -265,8 +285,12 @@ MANNERS: dict[str, Manner] = {
 
 
 def _other(fmu: FmuFile, case: Case, *, changeable: bool = False) -> dict[str, float]:
-    """Return values unlike those of a case, all of them or of what may change on the way."""
-    start = case.start
+    """Return values some of which are unlike those of a case; of what may change on the way alone.
+
+    What is left out is as the case has it, so that what is made from several values meets some
+    that are the same.
+    """
+    start, draw = case.start, Random(f"other than {case.id}")
     values = {
         "m": 2.5 * start["m"],
         "g": 1.5 * start["g"],
@@ -275,12 +299,13 @@ def _other(fmu: FmuFile, case: Case, *, changeable: bool = False) -> dict[str, f
         "mu_s": 1.2 * start["mu_s"] + 0.1,
         "mu_k": 0.5 * start["mu_k"],
         "v": -1.3 * start["v"] - 0.01,
-        "load": abs(start["load"]) + start["m"],
+        "load": abs(start["load"]) + 3.0 * start["m"],
         "F_ext": 0.5 * start["F_ext"] - start["mu_s"] * start["m"],
         "x_start": start["x_start"] + 0.1,
         "x_dot_start": start["x_dot_start"] + 0.05,
         "z_start": start["z_start"] - 0.01,
     }
+    values = {name: draw.choice((value, start[name])) for name, value in values.items()}
     return {
         name: value
         for name, value in values.items()

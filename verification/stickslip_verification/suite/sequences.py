@@ -43,6 +43,7 @@ CHANGES: Mapping[str, tuple[str, ...]] = {
     "v to 0": ("v",),
     "load": ("load",),
     "F_ext": ("F_ext",),
+    "F_ext to 0": ("F_ext",),
     "v, load and F_ext": ("v", "load", "F_ext"),
     "k": ("k",),
     "c": ("c",),
@@ -53,6 +54,8 @@ CHANGES: Mapping[str, tuple[str, ...]] = {
     "the same values again": (),
 }
 """Names of the changes, and what each of them sets."""
+
+_TO_ZERO = {"v to 0": "v", "F_ext to 0": "F_ext"}
 
 LOADED = "load and F_ext from the start"
 MOVING = "x_dot_start"
@@ -229,7 +232,7 @@ class _Plan:
             for span in self._spans()
             for kind, names in CHANGES.items()
             if self._scope.changeable.issuperset(names)
-            if kind != "v to 0" or self._values["v"] != 0.0
+            if kind not in _TO_ZERO or self._values[_TO_ZERO[kind]] != 0.0
             for damping in self._dampings(names)
         }
         if not cells:
@@ -304,14 +307,12 @@ class _Plan:
         return values
 
     def _set_late(self) -> None:
-        """Start with other values, and set the wanted ones between initialization and first step.
-
-        A larger load holds a mass at rest, so that nothing is decided by them.
-        """
+        """Start with other values, set the wanted ones between initialization and first step."""
         weight = self._m * self._values["g"]
         late = {
             "v": -2.0 * self._values["v"],
-            "load": self._values["load"] + weight,
+            "load": self._values["load"] + weight * self._draw.uniform(-0.3, 1.0),
+            "F_ext": self._values["mu_s"] * weight * self._draw.uniform(-2.0, 2.0),
             "c": self._values["c"] + self._m,
         }
         for name, value in late.items():
@@ -362,17 +363,17 @@ class _Plan:
         """Draw the values of a change."""
         draw, values, names = self._draw, self._values, CHANGES[kind]
         if not names:
-            return {name: values[name] for name in CHANGEABLE & self._scope.changeable}
+            return {name: values[name] for name in sorted(CHANGEABLE & self._scope.changeable)}
         weight = self._m * values["g"]
         new: dict[str, float] = {}
         if "v" in names:
             size = draw.choice((1.0, 1.0, -1.0)) * draw.uniform(0.3, 4.0)
-            new["v"] = 0.0 if kind == "v to 0" else self._speed * size
+            new["v"] = self._about("v", self._speed * size, self._speed)
         if "load" in names:
-            new["load"] = weight * draw.uniform(-0.7, 1.5)
+            new["load"] = self._about("load", weight * draw.uniform(-0.7, 1.5), weight)
         if "F_ext" in names:
-            N = weight + new.get("load", values["load"])
-            new["F_ext"] = values["mu_s"] * N * draw.uniform(-2.5, 2.5)
+            force = values["mu_s"] * (weight + new.get("load", values["load"]))
+            new["F_ext"] = self._about("F_ext", force * draw.uniform(-2.5, 2.5), force)
         if "k" in names:
             bounds = self._frequencies(UNDAMPED if "c" in names else damping)
             assert bounds is not None
@@ -381,6 +382,8 @@ class _Plan:
         if "c" in names:
             w = math.sqrt(new.get("k", values["k"]) / self._m)
             new["c"] = self._damper(self._m, w, damping)
+        if kind in _TO_ZERO:
+            new[_TO_ZERO[kind]] = 0.0
         gap = _log_uniform(draw, 0.05, 0.8)
         if "mu_s" in names:
             above = min(values["mu_k"] / (1.0 - gap), 2.5)
@@ -389,11 +392,21 @@ class _Plan:
             new["mu_k"] = new.get("mu_s", values["mu_s"]) * (1.0 - gap)
         return new
 
+    def _about(self, name: str, drawn: float, scale: float) -> float:
+        """Return a drawn value, now and then one next to the present one, its opposite, or 0."""
+        draw, present = self._draw, self._values[name]
+        way = draw.random()
+        if way < 0.2:
+            return present + draw.choice((-1.0, 1.0)) * scale * _log_uniform(draw, 1e-4, 1e-2)
+        if way < 0.35:
+            return -present if name != "load" else abs(present)
+        return 0.0 if way < 0.45 and name != "v" else drawn
+
     def _damper(self, m: float, w: float, damping: str) -> float:
         """Draw the coefficient c [N.s/m] of a damping."""
         ratio = {
             UNDAMPED: 0.0,
-            BELOW: _log_uniform(self._draw, 0.02, 0.9),
+            BELOW: _log_uniform(self._draw, 3e-4, 0.9),
             CRITICAL: 1.0,
             ABOVE: self._draw.uniform(1.1, 3.0),
         }[damping]
