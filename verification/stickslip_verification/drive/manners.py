@@ -26,6 +26,13 @@ Manner = Callable[[FmuFile, Case], Run]
 _UNREAD_STEPS = 40
 """Steps that one step of a case is cut into where nothing is read."""
 
+_BUSY_STEPS = 100
+_ROUNDING = 2e-15
+"""The same where inputs are set before each of them, and by which part these are off."""
+
+_HELD_STATES = 100
+"""States that are held at once, once in a run."""
+
 _TINY = 1e-9
 """The shortest part that a step is cut into."""
 
@@ -38,6 +45,8 @@ class _Master:
     ----------
     fmu, case
         What is driven through what.
+    now
+        What was changed so far.
     draw
         Decides orders and cuts: the same for the same case.
     """
@@ -45,6 +54,7 @@ class _Master:
     fmu: FmuFile
     case: Case
     rows: dict[int, list[float]] = field(default_factory=dict)
+    now: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.names = available(self.fmu, OUTPUT_NAMES)
@@ -57,6 +67,7 @@ class _Master:
         with self.instance() as instance:
             self.begin(instance)
             for number, step in enumerate(self.setting.steps):
+                self.now |= step.changes
                 instance = self.set(instance, step.changes, points[number], step.h)
                 self.step(instance, points[number], step.h)
                 if number in self.read_after():
@@ -117,6 +128,23 @@ class _Unread(_Master):
         return range(last - 1, last)
 
 
+class _Busy(_Unread):
+    """The inputs are set before every step, moved by rounding each time."""
+
+    def _may(self, name: str) -> bool:
+        return self.fmu.has(name) and may_change(self.fmu, name)
+
+    def step(self, instance: FmuInstance, time: float, h: float) -> None:
+        values = {**self.case.start, **self.now}
+        inputs = {name: values[name] for name in ("v", "F_ext") if self._may(name)}
+        for number, part in enumerate(self.pieces(h, _BUSY_STEPS)):
+            off = _ROUNDING if number % 2 else -_ROUNDING
+            instance.set({name: value * (1.0 + off) for name, value in inputs.items()})
+            instance.step(time, part)
+            time += part
+        instance.set(inputs)
+
+
 class _InPieces(_Master):
     """Steps of very different length, read in between."""
 
@@ -163,18 +191,17 @@ class _Apart(_Master):
     """
 
     def begin(self, instance: FmuInstance) -> None:
-        self._now = dict(self.case.start)
         self._apart(instance, self.setting.parameters)
         instance.start({})
 
     def set(
         self, instance: FmuInstance, changes: Mapping[str, float], time: float, h: float
     ) -> FmuInstance:
-        self._now |= changes
+        now = {**self.case.start, **self.now}
         other = _other(self.fmu, self.case, changeable=True)
         there_and_back = self.draw.sample(sorted(other), len(other) // 2)
         instance.set({name: other[name] for name in there_and_back})
-        self._apart(instance, {name: self._now[name] for name in [*there_and_back, *changes]})
+        self._apart(instance, {name: now[name] for name in [*there_and_back, *changes]})
         return instance
 
     def _apart(self, instance: FmuInstance, values: Mapping[str, float]) -> None:
@@ -185,23 +212,32 @@ class _Apart(_Master):
 
 
 class _SetBack(_Master):
-    """A state is taken between set and step, the FMU goes on otherwise, and is set back."""
+    """States are taken before and after a set, the FMU goes on otherwise, and is set back.
+
+    Many are held at once, and they are set in another order than they were taken in.
+    """
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _need(self.fmu.can_get_and_set_state, "get and set its state")
+        self.crowded = self.draw.randrange(len(self.setting.steps))
 
     def set(
         self, instance: FmuInstance, changes: Mapping[str, float], time: float, h: float
     ) -> FmuInstance:
+        before = instance.get_state()
         instance.set(changes)
-        state = instance.get_state()
+        wanted = instance.get_state()
         instance.set(_other(self.fmu, self.case, changeable=True))
+        many = _HELD_STATES if len(self.rows) == self.crowded else 1
+        others = [instance.get_state() for _ in range(many)]
         for part in (h / 3.0, h):
             instance.step(time, part)
             time += part
-        instance.set_state(state)
-        instance.free_state(state)
+        for state in (others[0], before, wanted):
+            instance.set_state(state)
+        for state in (before, *others, wanted):
+            instance.free_state(state)
         return instance
 
 
@@ -272,6 +308,7 @@ class _Reset(_Master):
 MANNERS: dict[str, Manner] = {
     "plain": lambda fmu, case: _Master(fmu, case).run(),
     "unread": lambda fmu, case: _Unread(fmu, case).run(),
+    "busy": lambda fmu, case: _Busy(fmu, case).run(),
     "in_pieces": lambda fmu, case: _InPieces(fmu, case).run(),
     "one_by_one": lambda fmu, case: _OneByOne(fmu, case).run(),
     "alone": lambda fmu, case: _Alone(fmu, case).run(),
