@@ -76,7 +76,9 @@ NOTE = '<Contract name="stickslip-exact" version="1" />'
     ("old", "new", "told"),
     [
         ('version="1"', 'version="2"', "its description names stickslip-exact 2; this suite knows"),
-        ('version="1"', 'version=" 1"', "its description names stickslip-exact  1; this suite"),
+        ('version="1"', 'version=" 1"', "its description names stickslip-exact 1; this suite"),
+        ("stickslip-exact", "&#10;other&#10;one", "its description names other one 1; this suite"),
+        ("stickslip-exact", 50 * "long", f"its description names {9 * 'long'}l... 1; this suite"),
         ("stickslip-exact", "other", "its description names other 1; this suite knows"),
         (' version="1"', "", "is malformed: expected one element <Contract name="),
         (NOTE, "", "is malformed"),

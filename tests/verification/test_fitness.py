@@ -124,6 +124,20 @@ def test_a_value_that_is_no_number_is_no_fit() -> None:
     assert found["jump"] < 1e-5
 
 
+def test_what_a_meter_shows_of_the_start_is_a_convention() -> None:
+    """A first load-up that is not shown, or a first period from the start, is no error."""
+    record = exact_of("default").record
+    outputs, slips = record.outputs, record.outputs["n_slips"]
+    unseen = np.where(slips < 2, 0.0, outputs["t_stick"])
+    counted = np.where((slips == 1) & (outputs["T"] == 0.0), 0.36, outputs["T"])
+    found = errors("default", changed(record, t_stick=unseen, T=counted))
+    assert all(error is not None and error < 1e-5 for error in found.values()), found
+    # After two slips it is no convention.
+    silent = errors("default", changed(record, t_stick=np.zeros_like(slips)))["stick"]
+    assert silent is not None
+    assert silent > 0.7
+
+
 def test_phases_are_dated_without_t_event() -> None:
     """The lengths of the phases add up to the times of the events."""
     record = exact_of("default").record

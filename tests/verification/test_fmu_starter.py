@@ -138,6 +138,14 @@ def test_each_line_says_what_is_known(
     assert found.startswith(line)
 
 
+def test_a_variable_inside_stands_behind_an_output(tmp_path: Path) -> None:
+    """A local variable is taken where no output is as likely."""
+    force = ("spring.force", "", "local", "Real", "")
+    assert entries(begun(tmp_path, force)) == {"F": "spring.force"}
+    output = ("spring_force", "", "output", "Real", "")
+    assert entries(begun(tmp_path, force, output)) == {"F": "spring_force"}
+
+
 def test_every_variable_of_the_fmu_is_in_the_file(tmp_path: Path) -> None:
     """What has no entry is listed at the end, to be copied."""
     text = begun(
