@@ -162,11 +162,12 @@ def test_the_verdict_keeps_to_the_chosen_contract(fmu_path: Path, silent: Path) 
 
 
 def test_start_values_are_promised_by_the_exact_contract_alone(
-    silent: Path,
+    fmu_path: Path, silent: Path
 ) -> None:
     """A case sets what it names there, and every value elsewhere, with the same motion here."""
     case = named("one-step")
     assert setting_of(FmuFile(silent), case).parameters.keys() > case.parameters.keys()
+    assert not FmuFile(fmu_path, RENAMED).own_starts
     forced = FmuFile(silent, own_starts=True)
     assert setting_of(forced, case).parameters == case.parameters
     own, all_set = (run_case(file, case).outputs["x"] for file in (forced, FmuFile(silent)))

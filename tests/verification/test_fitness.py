@@ -75,6 +75,12 @@ def test_a_shift_of_the_events_is_no_error_of_the_forces() -> None:
     assert found["stick"] == pytest.approx(0.003, rel=0.05)
 
 
+def test_a_moment_is_not_compared_across_a_change() -> None:
+    """A spring 0.3 % too stiff: every level is off by less than 1 %, though the load jumps."""
+    found = errors("lifted-and-set-down", believed("lifted-and-set-down", ("k", 1003.0)))
+    assert all(error is not None and error < 0.01 for error in found.values()), found
+
+
 @pytest.mark.parametrize(
     ("values", "quantity", "size"),
     [
@@ -147,7 +153,7 @@ def test_phases_are_dated_without_t_event() -> None:
     # A meter that does not show the first load-up dates nothing, and tells no false force.
     unseen = np.where(record.outputs["n_slips"] == 0, 0.0, record.outputs["t_stick"])
     fit = fits("default", changed(without(record, "t_event"), t_stick=unseen))["forces"]
-    assert fit.error is None or fit.error < 1e-5
+    assert (fit.error, fit.why) == (None, "it has no output t_event")
 
 
 @pytest.mark.parametrize(

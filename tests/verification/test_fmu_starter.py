@@ -101,6 +101,12 @@ def test_words_of_the_description_decide_where_names_say_nothing(tmp_path: Path)
             "m",
             '# m = "mass1"  # mass [kg]; or "mass2"',
         ),
+        # One variable, and two of ours that it may be.
+        (
+            [("locked_phase", "", "output", "Integer", "")],
+            "mode",
+            '# mode = "locked_phase"  # -1 slips backward',
+        ),
         # What is set is not read.
         ([("position", "m", "parameter", "Real", "")], "x", '# x = "..."  # position'),
         (

@@ -115,6 +115,8 @@ def _fit(case: str, quantity: str, exact: Exact, run: Run, moments: Moments) -> 
         return Fit(case, quantity, None, why="there is none in the exact motion")
     if quantity == "forces":
         chosen = moments.dated
+        if 2 * np.count_nonzero(chosen) < len(chosen):
+            return Fit(case, quantity, None, why="it has no output t_event")
     else:
         # A meter holds its value through the phase. What it shows before the first whole cycle, a
         # number or nothing, is a convention of the start.
@@ -124,9 +126,7 @@ def _fit(case: str, quantity: str, exact: Exact, run: Run, moments: Moments) -> 
         chosen = late | (shows == (moments.exact[name] != 0.0))
     places = moments.places[chosen]
     if not len(places):
-        undated = quantity == "forces" and len(moments.places) > 0
-        why = "it has no output t_event" if undated else "no moments to compare"
-        return Fit(case, quantity, None, why=why)
+        return Fit(case, quantity, None, why="no moments to compare")
     errors = np.zeros(places.shape)
     for name in names:
         if scales[name]:
