@@ -104,8 +104,8 @@ def test_words_of_the_description_decide_where_names_say_nothing(tmp_path: Path)
         # One variable, and two of ours that it may be.
         (
             [("locked_phase", "", "output", "Integer", "")],
-            "mode",
-            '# mode = "locked_phase"  # -1 slips backward',
+            "sticking",
+            '# sticking = "locked_phase"  # whether the mass sticks',
         ),
         # What is set is not read.
         ([("position", "m", "parameter", "Real", "")], "x", '# x = "..."  # position'),
