@@ -186,6 +186,17 @@ def test_a_names_file_is_begun(command: Command, tmp_path: Path, slider: Path) -
         assert told in refused.err
 
 
+@pytest.mark.parametrize(
+    ("options", "told"), [((), "<body>"), (("--full",), '<body class="full">')]
+)
+def test_the_report_prints_every_comparison_on_demand(
+    command: Command, fmu_path: Path, tmp_path: Path, options: tuple[str, ...], told: str
+) -> None:
+    """--full marks the page: its style prints what is else left out."""
+    assert command.verify("--fmu", fmu_path, "--cases", "one-step", *options).code == 0
+    assert told in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
+
+
 def test_own_cases_can_be_run(command: Command, fmu_path: Path, tmp_path: Path) -> None:
     """--cases takes a file or a folder of a person's own cases."""
     mine = tmp_path / "mine"

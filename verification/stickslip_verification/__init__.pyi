@@ -30,8 +30,7 @@ from .report.packed import packed_report as packed_report
 from .report.pdf import PdfUnavailableError as PdfUnavailableError
 from .report.pdf import check_pdf as check_pdf
 from .report.pdf import write_pdf as write_pdf
-from .report.plots import course_tolerances as course_tolerances
-from .report.plots import draw_case as draw_case
+from .report.plots import draw_cases as draw_cases
 from .report.words import ClaimSection as ClaimSection
 from .run.lint import lint as lint
 from .run.verify import verify as verify

@@ -149,11 +149,24 @@ class CheckResult:
         return self.verdict in (Outcome.FAIL, Outcome.DRIFT)
 
 
+class CaseGroup(StrEnum):
+    """The groups of cases, in the order of the report."""
+
+    DEFAULT = "Default parameters"
+    SETTINGS = "Other settings"
+    DAMPING = "Damping"
+    CHANGES = "Changes in the run"
+    STARTS = "Start values"
+    LAWS = "Other friction laws"
+    CONVENTIONS = "Conventions of the interface"
+
+
 @dataclass(frozen=True)
 class Motion:
     """What the sides did in a case, beside the exact motion: for its plot.
 
-    ``records`` holds the sides that ran, by name; ``event_times`` [s] are exact.
+    ``records`` holds the sides that ran, by name; ``event_times`` [s] are exact. ``group`` is where
+    the report shows the case.
     """
 
     case: str
@@ -162,6 +175,7 @@ class Motion:
     exact: Run
     event_times: Sequence[float]
     records: Mapping[str, Run]
+    group: CaseGroup = CaseGroup.SETTINGS
 
 
 @dataclass(frozen=True)

@@ -91,6 +91,7 @@ def motions(baseline: Sequence[Baseline], answers: Answers) -> Iterator[Motion]:
             exact=each.exact.value.record,
             event_times=each.exact.value.event_times,
             records={name: record for name, record in sides.items() if record is not None},
+            group=each.case.group,
         )
 
 

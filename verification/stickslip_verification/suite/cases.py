@@ -16,7 +16,7 @@ from stickslip_verification import truth
 from stickslip_verification.model.data_file import objection, read_toml, where_is
 from stickslip_verification.model.formulas import CYCLE, FORMULAS
 from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES, QUANTITIES
-from stickslip_verification.model.verdict import Kind, Klass, Measure
+from stickslip_verification.model.verdict import CaseGroup, Kind, Klass, Measure
 from stickslip_verification.suite import schemas
 from stickslip_verification.suite.experiment import (
     CaseError,
@@ -102,6 +102,21 @@ class Case:
     def start(self) -> Mapping[str, float]:
         """Every value at the start, the defaults included (SI)."""
         return complete(self.parameters, self.own)
+
+    @property
+    def group(self) -> CaseGroup:
+        """The group of cases it belongs to, by what it sets."""
+        if self.klass == Klass.CONTRACT:
+            return CaseGroup.CONVENTIONS
+        if self.law != COULOMB_NAME:
+            return CaseGroup.LAWS
+        if any(step.changes for step in self.steps):
+            return CaseGroup.CHANGES
+        if any(name.endswith("_start") for name in self.parameters):
+            return CaseGroup.STARTS
+        if self.parameters.get("c"):
+            return CaseGroup.DAMPING
+        return CaseGroup.SETTINGS if self.parameters else CaseGroup.DEFAULT
 
     @property
     def times(self) -> tuple[float, ...]:

@@ -102,6 +102,9 @@ def verify(
     pdf: Annotated[
         Path | None, typer.Option(metavar="FILE.pdf", help="Write the report as PDF too.")
     ] = None,
+    full: Annotated[
+        bool, typer.Option("--full", help="Print every comparison in the report on paper.")
+    ] = False,
     output: Annotated[
         Path,
         typer.Option(
@@ -128,7 +131,7 @@ def verify(
     verdict = _verdict(
         fmu, chosen, name_map, contract, strict, jobs, time_limit, faults, mutants, share
     )
-    written = _write(verdict, chosen, earlier, output, pdf)
+    written = _write(verdict, chosen, earlier, output, pdf, full=full)
     screen = console()
     if all_:
         screen.print(tables.verdict_table(verdict, screen.width))
@@ -351,13 +354,15 @@ def _write(
     earlier: "EarlierReport | None",
     output: Path,
     pdf: Path | None,
+    *,
+    full: bool,
 ) -> list[Path]:
     """Write the report, and give the files that a person may want to open."""
     from stickslip.progress import Meter
     from stickslip.show import verdict_report
 
     with Meter("Writing the report"):
-        return verdict_report.write(verdict, cases, earlier, output, pdf)
+        return verdict_report.write(verdict, cases, earlier, output, pdf, full=full)
 
 
 def _accept(verdict: "Verdict") -> None:
