@@ -76,7 +76,9 @@ NOTE = '<Contract name="stickslip-exact" version="1" />'
     ("old", "new", "told"),
     [
         ('version="1"', 'version="2"', "its description names stickslip-exact 2; this suite knows"),
-        ('version="1"', 'version=" 1"', "its description names stickslip-exact  1; this suite"),
+        ('version="1"', 'version=" 1"', "its description names stickslip-exact 1; this suite"),
+        ("stickslip-exact", "&#10;other&#10;one", "its description names other one 1; this suite"),
+        ("stickslip-exact", 50 * "long", f"its description names {9 * 'long'}l... 1; this suite"),
         ("stickslip-exact", "other", "its description names other 1; this suite knows"),
         (' version="1"', "", "is malformed: expected one element <Contract name="),
         (NOTE, "", "is malformed"),
@@ -160,11 +162,12 @@ def test_the_verdict_keeps_to_the_chosen_contract(fmu_path: Path, silent: Path) 
 
 
 def test_start_values_are_promised_by_the_exact_contract_alone(
-    silent: Path,
+    fmu_path: Path, silent: Path
 ) -> None:
     """A case sets what it names there, and every value elsewhere, with the same motion here."""
     case = named("one-step")
     assert setting_of(FmuFile(silent), case).parameters.keys() > case.parameters.keys()
+    assert not FmuFile(fmu_path, RENAMED).own_starts
     forced = FmuFile(silent, own_starts=True)
     assert setting_of(forced, case).parameters == case.parameters
     own, all_set = (run_case(file, case).outputs["x"] for file in (forced, FmuFile(silent)))

@@ -181,6 +181,8 @@ def test_a_parameter_of_a_law_is_set_under_its_name_in_the_fmu(
     assert own[0].name == "slope"
     with pytest.raises(FmuError, match=r"has no variable 'slop' for slope; it has friction\.slope"):
         FmuFile(renamed, NameMap({"slope": Target("slop")}))
+    with pytest.raises(FmuError, match=r"slope \('F'\) must be a parameter or an input, not a"):
+        require_law(FmuFile(renamed, NameMap({"slope": Target("F")})), case)
 
 
 def test_without_a_map_our_own_names_count(foreign_fmu: Path) -> None:

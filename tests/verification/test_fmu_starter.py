@@ -101,6 +101,12 @@ def test_words_of_the_description_decide_where_names_say_nothing(tmp_path: Path)
             "m",
             '# m = "mass1"  # mass [kg]; or "mass2"',
         ),
+        # One variable, and two of ours that it may be.
+        (
+            [("locked_phase", "", "output", "Integer", "")],
+            "sticking",
+            '# sticking = "locked_phase"  # whether the mass sticks',
+        ),
         # What is set is not read.
         ([("position", "m", "parameter", "Real", "")], "x", '# x = "..."  # position'),
         (
@@ -136,6 +142,14 @@ def test_each_line_says_what_is_known(
     text = begun(tmp_path, *rows)
     (found,) = [each for each in text.splitlines() if re.match(rf"(# )?{name} = .*  # ", each)]
     assert found.startswith(line)
+
+
+def test_a_variable_inside_stands_behind_an_output(tmp_path: Path) -> None:
+    """A local variable is taken where no output is as likely."""
+    force = ("spring.force", "", "local", "Real", "")
+    assert entries(begun(tmp_path, force)) == {"F": "spring.force"}
+    output = ("spring_force", "", "output", "Real", "")
+    assert entries(begun(tmp_path, force, output)) == {"F": "spring_force"}
 
 
 def test_every_variable_of_the_fmu_is_in_the_file(tmp_path: Path) -> None:

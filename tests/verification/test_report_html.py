@@ -138,7 +138,9 @@ def test_the_first_screen_says_what_failed_and_why(page: Page) -> None:
     assert "StickSlip.fmu fail" in first
     assert "Fails in 2 of 3 cases. A planted fault survived" in first
     assert "Likeliest cause: the arcs x-course fails in 1 case: The mass is elsewhere." in first
-    assert "Contract: physics . Physics checks decide. Contract checks," in first
+    assert (
+        "Contract: physics (--contract physics). Physics checks decide. Contract checks," in first
+    )
     assert "7 comparisons: 3 passed, 2 failed, 1 noted, 1 not applicable" in first
     assert "tuned: the line is the exact motion" in first
 

@@ -143,7 +143,8 @@ def _at(case: Case, times: Sequence[float]) -> dict[str, Series]:
     """Return the exact outputs at these times [s] of a case, each above 0.
 
     The steps of the case are cut there. A part is a multiple of the last place of its step, so the
-    parts add up to the step without rounding, and every change acts at its very time.
+    parts add up to the step without rounding, and every change acts at its very time; to set it
+    again before the next part has no effect.
     """
     wanted = np.array(times, dtype=np.float64)
     inside = np.searchsorted(case.times, wanted)
@@ -162,7 +163,7 @@ def _at(case: Case, times: Sequence[float]) -> dict[str, Series]:
         before = 0.0
         for cut in sorted({*cuts.get(number, ()), step.h}):
             sample[number, cut] = len(steps)
-            steps.append(CommunicationStep(cut - before, {} if before else step.changes))
+            steps.append(CommunicationStep(cut - before, step.changes))
             before = cut
     outputs = sampled(follow(case.parameters, steps, case.law))
     places = [sample[each] for each in asked]

@@ -36,6 +36,10 @@ _COUNT_SLACK: Final = 1
 """Slips by which the count at the end may differ beyond `within`: the last may be under way."""
 
 
+_FIRST_CYCLE: Final = 2
+"""Completed slips after which every meter has a stick, a slip and a period to show."""
+
+
 @dataclass(frozen=True)
 class Fit:
     """How far a quantity is off in a case.
@@ -109,12 +113,20 @@ def _fit(case: str, quantity: str, exact: Exact, run: Run, moments: Moments) -> 
     scales = {name: float(np.max(np.abs(exact.record.outputs[name]))) for name in names}
     if not any(scales.values()):
         return Fit(case, quantity, None, why="there is none in the exact motion")
-    # A meter holds its value through the phase; a force has one value at each moment of it.
-    chosen = moments.dated if quantity == "forces" else np.ones_like(moments.dated)
+    if quantity == "forces":
+        chosen = moments.dated
+        if 2 * np.count_nonzero(chosen) < len(chosen):
+            return Fit(case, quantity, None, why="it has no output t_event")
+    else:
+        # A meter holds its value through the phase. What it shows before the first whole cycle, a
+        # number or nothing, is a convention of the start.
+        [name] = names
+        shows = run.outputs[name][moments.places] != 0.0
+        late = run.outputs["n_slips"][moments.places] >= _FIRST_CYCLE
+        chosen = late | (shows == (moments.exact[name] != 0.0))
     places = moments.places[chosen]
     if not len(places):
-        why = "it has no output t_event" if len(moments.places) else "no moments to compare"
-        return Fit(case, quantity, None, why=why)
+        return Fit(case, quantity, None, why="no moments to compare")
     errors = np.zeros(places.shape)
     for name in names:
         if scales[name]:

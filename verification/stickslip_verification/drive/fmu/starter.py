@@ -9,6 +9,7 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,6 +17,8 @@ from stickslip_verification.drive.fmu.archive import description_of
 from stickslip_verification.drive.fmu.names import INPUT_UNITS, UNITS
 from stickslip_verification.drive.fmu.variables import (
     NUMBERS,
+    READABLE,
+    SETTABLE,
     looks_like,
     told,
     unit_of,
@@ -33,7 +36,14 @@ _AHEAD: Final = 1
 """By how much the score of such a guess exceeds that of the next one."""
 
 _SAME_NAME: Final = 8
+
 _ALONE: Final = 2
+_TELLING: Final = ("kg", "m/s2", "N/m", "N.s/m")
+"""Units that say enough where one variable alone has the dimension: a mass, a stiffness."""
+
+_INNER: Final = 1
+"""What speaks against a variable of the FMU that is no output."""
+
 _ALTERNATIVES: Final = 3
 
 _PARAMETERS: Final[Mapping[str, str]] = {
@@ -148,21 +158,23 @@ def starter(fmu: Path) -> str:
 def _guesses(ours: str, theirs: Sequence[Any], units: Mapping[str, Unit]) -> list[_Guess]:
     """Return what may be one of our variables, the likeliest first."""
     fitting = [each for each in theirs if _fits(ours, each, units)]
+    with_unit = [each for each in fitting if unit_of(each) is not None]
     found = []
     for each in fitting:
         score = _score(ours, each)
-        dimension = _dimension(each, units)
-        # A mass, a stiffness: where one variable alone has the dimension, that says enough.
-        if dimension is not None and any(dimension.dimension):
-            others = [other for other in fitting if _dimension(other, units) is not None]
-            score += _ALONE * (len(others) == 1 and UNITS[ours] in ("kg", "m/s2", "N/m", "N.s/m"))
+        if UNITS[ours] in _TELLING and with_unit == [each]:
+            score += _ALONE
+        if not looks_like(ours, each):
+            score -= _INNER
         if score > 0:
             found.append(_Guess(each, score))
     return sorted(found, key=lambda guess: -guess.score)
 
 
 def _fits(ours: str, theirs: Any, units: Mapping[str, Unit]) -> bool:
-    if not looks_like(ours, theirs):
+    if theirs.causality not in (SETTABLE if ours in INPUT_UNITS else READABLE):
+        return False
+    if theirs.variability == "constant":
         return False
     if theirs.type not in NUMBERS or theirs.dimensions:
         return False
@@ -201,10 +213,11 @@ def _found(word: str, in_name: Sequence[str], in_text: Sequence[str]) -> int:
     return 0
 
 
-def _tokens(text: str) -> list[str]:
+@cache
+def _tokens(text: str) -> tuple[str, ...]:
     """Split a name or a sentence into words: at other characters and at capitals."""
     parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^\W\d_]+", text)
-    return [part.lower() for part in parts]
+    return tuple(part.lower() for part in parts)
 
 
 def _chosen(guesses: Mapping[str, Sequence[_Guess]]) -> dict[str, _Guess]:

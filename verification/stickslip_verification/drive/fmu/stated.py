@@ -14,6 +14,8 @@ ANNOTATION: Final = "org.stickslip.contract"
 NAME, VERSION = "stickslip-exact", "1"
 """Name and version of the exact contract of this suite."""
 
+_LETTERS: Final = 40
+
 _PLACES: Final = (("VendorAnnotations/Tool", "name"), ("Annotations/Annotation", "type"))
 
 
@@ -45,7 +47,13 @@ def stated_contract(root: Element) -> StatedContract:
             False, f'{malformed}: expected one element <Contract name="..." version="..."/>'
         )
     _, name, version = found[0]
-    told = f"its description names {name} {version}"
+    told = f"its description names {_short(name)} {_short(version)}"
     if (name, version) == (NAME, VERSION):
         return StatedContract(True, told)
     return StatedContract(False, f"{told}; this suite knows {NAME} {VERSION}")
+
+
+def _short(text: str | None) -> str:
+    """Return what stands in an attribute for a message: on one line, and not endless."""
+    line = " ".join((text or "").split())
+    return line if len(line) <= _LETTERS else f"{line[: _LETTERS - 3]}..."
