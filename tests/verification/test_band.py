@@ -114,6 +114,7 @@ def test_conventions_of_the_start_are_not_judged() -> None:
 
     def uncounted(draft: object) -> None:
         draft.outputs["n_slips"] -= 1.0  # type: ignore[attr-defined]
+        draft.outputs["x_pull"] += 0.1  # type: ignore[attr-defined]
         draft.initial.update(dict.fromkeys(draft.initial, 0.0))  # type: ignore[attr-defined]
 
     assert judged("moving-start", planted(record, uncounted)).passed

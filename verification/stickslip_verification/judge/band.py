@@ -102,6 +102,9 @@ class Band:
         """
         expected = self._samples(quantity, self.exact.record)[read]
         got = self._samples(quantity, run)
+        if quantity == "x_pull" and not self.agreed and read.size > 1:
+            # Where the pulled end is counted from is a matter of agreement.
+            return expected - expected[0], got - got[0]
         if quantity == "n_slips" and self._starts_in_motion and not self.agreed:
             first = np.flatnonzero(self._meant(quantity))[:1]
             base = np.flatnonzero(np.isin(read, first))
