@@ -3,6 +3,7 @@
 from collections import Counter
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from stickslip_verification import truth
@@ -46,11 +47,11 @@ def test_the_same_seed_gives_the_same_sequences() -> None:
 
 @pytest.mark.parametrize("seed", [1, 2, 20261122])
 def test_every_change_meets_every_phase_at_every_damping(seed: int) -> None:
-    """Whatever the seed, no cell of the table is empty, and not many more than COUNT are drawn."""
+    """Whatever the seed, no cell of the table is empty, and at most half as many more are drawn."""
     sequences = draw_sequences(seed)
     counts = coverage(sequences)
     assert [cell for cell in CELLS if not counts[cell]] == []
-    assert COUNT <= len(sequences) <= 1.1 * COUNT
+    assert COUNT <= len(sequences) <= 1.5 * COUNT
     assert list(gaps(sequences, EVERYTHING, EXACT_CONTRACT, [BY_MANNER[PLAIN]])) == []
 
 
@@ -68,9 +69,9 @@ def test_an_empty_cell_is_a_failure_of_the_suite() -> None:
     assert list(gaps(FEW, EVERYTHING, EXACT_CONTRACT, [BY_MANNER[PLAIN]])) == []
 
 
-def phase_before(run: truth.Run, time: float) -> str:
+def phase_before(run: truth.Run, x_dot_start: float, time: float) -> str:
     """Name the phase of an exact run just before a time, from its events and its start."""
-    mode, reversed_ = int(run.initial["mode"]), False
+    mode, reversed_ = int(np.sign(x_dot_start)), False
     for event in run.events:
         if event.time >= time:
             break
@@ -88,7 +89,7 @@ def test_what_is_counted_happens_in_the_exact_motion(number: int) -> None:
     assert run.margin >= 0.5 * SMALLEST_MARGIN
     times = (0.0, *case.times)
     found = Counter(
-        phase_before(run, time)
+        phase_before(run, case.start["x_dot_start"], time)
         for time, step in zip(times, case.steps, strict=False)
         if step.changes and time > 0.0
     )
@@ -135,4 +136,4 @@ def test_our_fmu_gives_the_exact_motion_in_every_manner(manner: str, fmu_path: P
         result = judge_in_band(empty, OUTPUT_NAMES, EXACT_CONTRACT, band, run)
         assert result.passed, result
         last = run.times.size == 1 and run.times[0] == sequence.case.stop_time
-        assert last if manner == "unread" else run.times.size == len(sequence.case.steps)
+        assert last if manner in ("unread", "busy") else run.times.size == len(sequence.case.steps)
