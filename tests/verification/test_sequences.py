@@ -73,7 +73,8 @@ def phase_before(run: truth.Run, x_dot_start: float, time: float) -> str:
     """Name the phase of an exact run just before a time, from its events and its start."""
     mode, reversed_ = int(np.sign(x_dot_start)), False
     for event in run.events:
-        if event.time >= time:
+        # A change is dated by the sum of the steps, to its rounding.
+        if event.time > time - 1e-12:
             break
         mode, reversed_ = event.mode, event.kind == "reversal"
     if reversed_:
