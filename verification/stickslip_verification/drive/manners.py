@@ -242,7 +242,10 @@ class _SetBack(_Master):
 
 
 class _CarriedOver(_Master):
-    """The state goes as bytes into another instance, which has run through something else."""
+    """The state goes as bytes into another instance, which has run through something else.
+
+    It is written when the instance that it is of has gone on.
+    """
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -263,6 +266,8 @@ class _CarriedOver(_Master):
     ) -> FmuInstance:
         instance.set(changes)
         state = instance.get_state()
+        instance.set(_other(self.fmu, self.case, changeable=True))
+        instance.step(time, h / 3.0)
         written = instance.serialize(state)
         instance.free_state(state)
         there, self._spare = self._spare, instance

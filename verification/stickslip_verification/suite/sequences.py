@@ -44,6 +44,7 @@ CHANGES: Mapping[str, tuple[str, ...]] = {
     "load": ("load",),
     "F_ext": ("F_ext",),
     "F_ext to 0": ("F_ext",),
+    "load and F_ext that cancel": ("load", "F_ext"),
     "v, load and F_ext": ("v", "load", "F_ext"),
     "k": ("k",),
     "c": ("c",),
@@ -54,6 +55,9 @@ CHANGES: Mapping[str, tuple[str, ...]] = {
     "the same values again": (),
 }
 """Names of the changes, and what each of them sets."""
+
+_BALANCED = "load and F_ext that cancel"
+"""The change by which the force beyond friction stays what it was, in slip or at break-away."""
 
 _TO_ZERO = {"v to 0": "v", "F_ext to 0": "F_ext"}
 
@@ -74,6 +78,9 @@ _NEAREST = 0.02
 
 _HORIZON = 12.0
 """How far the next change is looked for, in units of 1/w: two swings."""
+
+_FARTHEST = 60.0
+"""The same of a heavily damped slip, at most."""
 
 _SLOWEST, _QUICKEST = 20.0, 150.0
 """Bounds of the angular frequency [rad/s], of the order of the default's 32."""
@@ -239,10 +246,10 @@ class _Plan:
             return
         cell = min(cells, key=lambda cell: (self._counts[cell], self._draw.random()))
         self._counts[cell] += 1
-        kind, _, damping = cell
+        kind, phase, damping = cell
         self._advance(cells[cell])
         self._made.append((self._now, kind))
-        self._pending = self._changed(kind, damping)
+        self._pending = self._changed(kind, phase, damping)
         self._values |= self._pending
 
     def finish(self) -> truth.Run:
@@ -283,17 +290,20 @@ class _Plan:
         draw = self._draw
         m = draw.randint(8, 640) / 64.0
         w = _on_grid(draw.uniform(_SLOWEST, _QUICKEST))
-        g = draw.choice((9.81, draw.uniform(1.0, 20.0)))
+        g = draw.choice((9.81, _on_grid(draw.uniform(1.0, 20.0)), draw.uniform(1.0, 20.0)))
         mu_s = (
             _log_uniform(draw, 1.05, 2.0) if draw.random() < 0.3 else _log_uniform(draw, 0.1, 1.0)
         )
         mu_k = mu_s * (1.0 - _log_uniform(draw, 0.05, 1.0))
+        if draw.random() < 0.5:
+            mu_s = _on_grid(mu_s, 64.0)
+            mu_k = min(_on_grid(mu_k, 64.0), mu_s - 1.0 / 64.0)
         values = {"m": m, "k": m * w * w, "g": g, "mu_s": mu_s, "mu_k": mu_k}
         values["c"] = self._damper(m, w, draw.choice(DAMPINGS))
         weight = m * g
         if draw.random() < 0.6:
-            values["load"] = weight * draw.uniform(-0.5, 1.0)
-            values["F_ext"] = mu_s * weight * draw.uniform(-0.6, 0.6)
+            values["load"] = _on_grid(weight * draw.uniform(-0.5, 1.0), 1024.0)
+            values["F_ext"] = _on_grid(mu_s * weight * draw.uniform(-0.6, 0.6), 1024.0)
         N = weight + values.get("load", 0.0)
         self._speed = (mu_s - mu_k) * N / (m * w * _log_uniform(draw, 0.1, 5.0))
         values["v"] = self._speed * draw.choice((1.0, 1.0, -1.0))
@@ -336,7 +346,9 @@ class _Plan:
 
     def _spans(self) -> list[_Span]:
         """Return the phases of the next moments that are long enough for a change."""
-        ahead = _HORIZON / self._w
+        # A heavily damped slip is slow: c/k is its time.
+        slow = self._values["c"] * self._w / self._values["k"]
+        ahead = min(_HORIZON * max(1.0, slow), _FARTHEST) / self._w
         course = self._course([*self.steps, CommunicationStep(ahead, self._pending)])
         shortest = 3.0 * _NEAREST / self._w
         spans = (span._replace(start=max(span.start, self._now)) for span in _spans(course))
@@ -359,7 +371,7 @@ class _Plan:
             return [each for each in DAMPINGS[1:] if self._frequencies(each) is not None]
         return (_damping(self._values),)
 
-    def _changed(self, kind: str, damping: str) -> dict[str, float]:
+    def _changed(self, kind: str, phase: str, damping: str) -> dict[str, float]:
         """Draw the values of a change."""
         draw, values, names = self._draw, self._values, CHANGES[kind]
         if not names:
@@ -382,6 +394,15 @@ class _Plan:
         if "c" in names:
             w = math.sqrt(new.get("k", values["k"]) / self._m)
             new["c"] = self._damper(self._m, w, damping)
+        if kind == _BALANCED:
+            # Exact in doubles where all values are on a grid, as now and then they are.
+            coefficient = values["mu_s" if phase == STICK else "mu_k"]
+            way = -1.0 if phase == BACKWARD else 1.0
+            more = _on_grid(weight * draw.uniform(0.1, 1.0))
+            new = {
+                "load": values["load"] + more,
+                "F_ext": values["F_ext"] + way * coefficient * more,
+            }
         if kind in _TO_ZERO:
             new[_TO_ZERO[kind]] = 0.0
         gap = _log_uniform(draw, 0.05, 0.8)
@@ -408,8 +429,11 @@ class _Plan:
             UNDAMPED: 0.0,
             BELOW: _log_uniform(self._draw, 3e-4, 0.9),
             CRITICAL: 1.0,
-            ABOVE: self._draw.uniform(1.1, 3.0),
+            ABOVE: _log_uniform(self._draw, 1.1, 30.0),
         }[damping]
+        if damping in (BELOW, ABOVE) and self._draw.random() < 0.2:
+            off = _log_uniform(self._draw, 1e-6, 1e-2)
+            return 2.0 * m * w * (1.0 + off if damping == ABOVE else 1.0 - off)
         return 2.0 * m * _on_grid(ratio * w)
 
     def _frequencies(self, damping: str) -> tuple[float, float] | None:
@@ -462,8 +486,8 @@ def _damping(values: Mapping[str, float]) -> str:
     return CRITICAL if excess == 0.0 else ABOVE if excess > 0.0 else BELOW
 
 
-def _on_grid(w: float) -> float:
-    return math.ceil(w * _GRID) / _GRID
+def _on_grid(value: float, grid: float = _GRID) -> float:
+    return math.ceil(value * grid) / grid
 
 
 def _log_uniform(draw: Random, lowest: float, highest: float) -> float:
