@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip_score.fit import ON_THE_LAW, Fit
+from stickslip_score.fit import Fit
+from stickslip_score.held import on_the_law
 from stickslip_score.law import Law
 from stickslip_score.measure import Measured
 from stickslip_score.motion import Motion
@@ -44,8 +45,8 @@ class Evidence:
     slide: Slide | None
 
     def lies_on(self, name: str) -> bool:
-        """Tell whether all samples lie on this law, to their digits."""
-        return name in self.fits and self.fits[name].excess <= ON_THE_LAW
+        """Tell whether all samples lie on this law, to their digits or their noise."""
+        return name in self.fits and on_the_law(self.fits[name], self.motion)
 
     @property
     def break_away(self) -> float:

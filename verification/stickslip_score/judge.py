@@ -10,10 +10,13 @@ from stickslip_score.curve import Curve, CurveError
 from stickslip_score.evidence import Evidence
 from stickslip_score.findings import findings
 from stickslip_score.fit import ON_THE_LAW, Fit
-from stickslip_score.held import hold_against
+from stickslip_score.given import check_units, pulled_as
+from stickslip_score.held import hold_against, on_the_law
 from stickslip_score.law import Law
 from stickslip_score.measure import QUANTITIES, Measured, from_fit, from_sticks
-from stickslip_score.motion import Motion, motion_of
+from stickslip_score.measured import decide_measured
+from stickslip_score.motion import COARSE, Motion, motion_of
+from stickslip_score.noise import scatter_of
 from stickslip_score.phases import Phases, find_phases
 from stickslip_score.result import Compared, Score
 from stickslip_score.slide import Slide, fit_slide
@@ -57,16 +60,20 @@ def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
 def _score(curve: Curve, p: Mapping[str, float]) -> Score:
     if p["v"] == 0.0:
         raise CurveError("v = 0: nothing is pulled, so there is no cycle to compare with")
+    given_v = p["v"]
+    p = {**p, "v": pulled_as(curve, p)}
     exact = _exact(p)
     law = _law(p)
-    top_speed = law.v * (1.0 + math.hypot(1.0, law.w * law.D / law.v))
-    motion = motion_of(curve, p, top_speed)
-    phases = find_phases(motion, law)
-    fits = hold_against(motion, phases, law)
+    check_units(curve, p, exact)
+    motion = motion_of(curve, p, law)
+    motion, phases, fits = _look(motion, law)
     slide = fit_slide(motion, law) if exact is None else None
-    measured = _measured(motion, phases, fits, slide)
+    measured = _measured(motion, phases, fits, slide, law)
     evidence = Evidence(p, exact, law, motion, phases, measured, fits, slide)
-    cause, explanation = decide(evidence)
+    cause, explanation = (decide_measured if motion.noise else decide)(evidence)
+    found = findings(evidence)
+    if p["v"] != given_v:
+        found.insert(0, f"the mass is pulled against the given v: judged with v = {p['v']:g} m/s")
     sign = math.copysign(1.0, p["v"])
     compared = {
         name: _compare(measured, exact, name, sign if name == "delta_x" else 1.0)
@@ -76,9 +83,39 @@ def _score(curve: Curve, p: Mapping[str, float]) -> Score:
         **compared,
         cause=cause,
         explanation=explanation,
-        findings=tuple(findings(evidence)),
+        findings=tuple(found),
         cycles=measured.cycles,
+        x_noise=motion.noises.get("x"),
+        F_noise=p["k"] * motion.noises["F"] if "F" in motion.noises else None,
     )
+
+
+def _look(motion: Motion, law: Law) -> tuple[Motion, Phases, dict[str, Fit]]:
+    """Return the motion, with noise where it has some, its phases and fits.
+
+    Samples that do not resolve the oscillation scatter for the motion as well, so that noise is
+    told by how they lie about the law.
+    """
+    if motion.step * law.w < COARSE:
+        return _seen(motion, law)
+    computed = _seen(motion.with_noise(0.0), law)
+    exact = computed[2].get("exact")
+    if motion.rests() or (exact is not None and exact.excess <= ON_THE_LAW):
+        return computed
+    noise = motion.noise or scatter_of(motion.t, motion.y)
+    if not noise > 0.0:
+        return computed
+    measured = _seen(motion.with_noise(noise), law)
+    white = [fit for fit in measured[2].values() if fit.white]
+    if white:
+        rms = min(fit.rms for fit in white)
+        return (motion.with_noise(min(rms, noise)), *measured[1:])
+    return measured if motion.noise else computed
+
+
+def _seen(motion: Motion, law: Law) -> tuple[Motion, Phases, dict[str, Fit]]:
+    phases = find_phases(motion.smoothed(law), law)
+    return motion, phases, hold_against(motion, phases, law)
 
 
 def _exact(p: Mapping[str, float]) -> dict[str, float] | None:
@@ -98,18 +135,22 @@ def _law(p: Mapping[str, float]) -> Law:
 
 
 def _measured(
-    motion: Motion, phases: Phases, fits: Mapping[str, Fit], slide: Slide | None
+    motion: Motion, phases: Phases, fits: Mapping[str, Fit], slide: Slide | None, law: Law
 ) -> Measured:
-    if slide is not None and slide.excess <= ON_THE_LAW:
+    if slide is not None and slide.on_the_law:
         return Measured({}, 0)
-    gap = fits.get("gap", fits.get("exact"))
-    if gap is not None and gap.excess <= ON_THE_LAW:
-        return from_fit(gap, float(motion.t[-1]))
+    noisy = motion.noise > 0.0
+    names = ("gap", "gap and drift", "gap and mass") if noisy else ("gap", "gap and drift")
+    lawful = [fits[name] for name in names if name in fits and on_the_law(fits[name], motion)]
+    if not lawful and "gap" not in fits and "exact" in fits:
+        lawful = [fits["exact"]] if on_the_law(fits["exact"], motion) else []
+    if lawful:
+        return from_fit(lawful[0], float(motion.t[-1]), noisy)
     if phases.high_times.size > 1:
         between = (motion.t >= phases.high_times[0]) & (motion.t <= phases.high_times[-1])
         if np.count_nonzero(between) < _SAMPLES_OF_A_CYCLE * (phases.high_times.size - 1):
             return Measured({}, 0)
-    return from_sticks(phases.sticks, motion.allowed)
+    return from_sticks(phases.sticks, motion.smoothed(law).allowed)
 
 
 def _compare(

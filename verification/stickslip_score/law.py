@@ -9,11 +9,15 @@ they are. docs/theory.md (3) to (8), (13).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from stickslip_score.curve import Floats
+
+EPSILON = float(np.finfo(np.float64).eps)
 
 _SCAN = 400
 """Points of a half turn on which a damped velocity is searched for its first zero."""
@@ -89,14 +93,7 @@ class Law:
         high = 1.0 / self.w
         while float(self._slip(np.array([high]))[0]) < way:
             high *= 2.0
-        low = 0.0
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            if float(self._slip(np.array([middle]))[0]) < way:
-                low = middle
-            else:
-                high = middle
-        return high
+        return root(lambda tau: float(self._slip(np.array([tau]))[0]) - way, 0.0, high)
 
     def response(self, tau: Floats) -> tuple[Floats, Floats]:
         """Return the free oscillation from extension 1 at rate 0, and from 0 at rate 1 [-, s]."""
@@ -143,11 +140,13 @@ class Law:
         if not stopped.size or self.D <= 0.0:
             return math.inf
         high = float(tau[stopped[0]])
-        low = float(tau[stopped[0] - 1]) if stopped[0] else 0.0
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            if self.v - float(self._extension(np.array([middle]))[1][0]) > 0.0:
-                low = middle
-            else:
-                high = middle
-        return 0.5 * (low + high)
+        low = float(tau[stopped[0] - 1]) if stopped[0] else 0.5 * high
+        return root(lambda at: self.v - float(self._extension(np.array([at]))[1][0]), low, high)
+
+
+def root(rest: Callable[[float], float], low: float, high: float) -> float:
+    """Return where a function that changes its sign between two places is 0, to the last digit."""
+    if rest(low) * rest(high) >= 0.0:
+        return low if abs(rest(low)) < abs(rest(high)) else high
+    tiny = EPSILON * max(abs(low), abs(high))
+    return float(brentq(rest, low, high, xtol=tiny, rtol=4.0 * EPSILON))
