@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from stickslip_score.evidence import Evidence
+from stickslip_score.held import explained_by_drift
 from stickslip_score.law import Law, root
 from stickslip_score.phases import NO_GAP, Stick
 from stickslip_score.result import Cause, Judgement
@@ -25,8 +26,12 @@ _HIDDEN = 8.0
 """Half units of the last digit within which jumps that vary are not told from equal ones: two for
 either level, at either end of their range."""
 
-_DEVIATIONS = 3.0
-"""Standard deviations of noise that a break-away may be off."""
+_DEVIATIONS, _OFFSETS = 3.0, 5.0
+"""Standard deviations of noise that a break-away may be off, and those of the mean of the samples
+that their offset may be: it hangs on the break-away as well."""
+
+_TELLS_NOISE = 40
+"""Samples below which noise is not told from a departure, unless the mass rests to its digits."""
 
 _SEES_SLIPS = 0.5
 """Radians of the oscillation between samples up to which each slip, of pi or more, has six."""
@@ -53,6 +58,10 @@ def decide(e: Evidence) -> Judgement:
     creeping = creeping_sticks(e)
     if e.lies_on("one coefficient"):
         return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
+    if e.motion.t.size < _TELLS_NOISE and not e.motion.rests():
+        return Cause.NOISY, _too_few_for_noise(e)
+    if explained_by_drift(e.fits):
+        return Cause.OTHER, drift(e)
     if creeping and e.motion.from_force and _is_even(creeping):
         return Cause.OTHER, _another_stiffness(e, creeping)
     if creeping:
@@ -63,8 +72,6 @@ def decide(e: Evidence) -> Judgement:
         return Cause.OTHER, drifting
     if e.lies_on("gap"):
         return _late_by_a_step(e) or another_gap(e)
-    if e.lies_on("gap and drift"):
-        return Cause.OTHER, drift(e)
     if e.lies_on("gap and mass"):
         return another_mass(e)
     if e.seen_gap < NO_GAP * e.law.D:
@@ -96,6 +103,7 @@ def exact_law(e: Evidence) -> Judgement:
     if e.motion.noise:
         when += _DEVIATIONS * found.deviation("t_break")
     digits = 4.0 * e.motion.digits + e.motion.z_allowed + e.law.v * when
+    digits += _OFFSETS * e.motion.noise / math.sqrt(e.motion.t.size)
     if e.motion.absolute and abs(extension - e.break_away) > digits + _SAME_FORCE * e.highest:
         seen, due = e.p["k"] * extension, e.p["k"] * e.break_away
         return Cause.OTHER, (
@@ -110,6 +118,14 @@ def exact_law(e: Evidence) -> Judgement:
     return Cause.EXACT, (
         f"all {e.motion.t.size} samples lie on the exact solution, to {length(found.worst)}"
     )
+
+
+def _too_few_for_noise(e: Evidence) -> str:
+    said = f"{e.motion.t.size} samples are too few to tell noise from a cause"
+    if not e.fits:
+        return said
+    off = min(fit.rms for fit in e.fits.values())
+    return f"{said}; they are off the exact solution by {length(off)} rms"
 
 
 def _is_even(creeping: list[Stick]) -> bool:
@@ -208,7 +224,7 @@ def _late_by_a_step(e: Evidence) -> Judgement | None:
         return Cause.FIXED_STEP, (
             f"fixed steps: break-aways that are late by up to {time(step)} explain the period and "
             "the jump; the digits do not tell them from "
-            f"(mu_s - mu_k) N {percent(_gap_ratio(e, D))}"
+            f"(mu_s - mu_k) N {percent(gap_ratio(e, D))}"
         )
     return None
 
@@ -220,7 +236,7 @@ def another_gap(e: Evidence) -> Judgement:
         return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
     return Cause.OTHER, (
         "the curve is a clean stick-slip motion of another gap: the spring relief is that of "
-        f"(mu_s - mu_k) N {percent(_gap_ratio(e, D))}"
+        f"(mu_s - mu_k) N {percent(gap_ratio(e, D))}"
     )
 
 
@@ -228,8 +244,8 @@ def drift(e: Evidence) -> str:
     """Say so where a slow drift of the force is all that is off the exact solution."""
     return (
         "apart from a slow drift of the spring force the samples lie on the exact solution, to "
-        f"{length(e.fits['drift'].worst)}: the zero of the force sensor drifts, or k or v differ "
-        "a little from the given values"
+        f"{force(e.p['k'] * e.fits['drift'].worst)}: the zero of the force sensor drifts, or k or "
+        "v differ a little from the given values"
     )
 
 
@@ -240,11 +256,12 @@ def another_mass(e: Evidence) -> Judgement:
         return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
     return Cause.OTHER, (
         "the curve is a clean stick-slip motion of another oscillator: k/m is "
-        f"{percent((law.w / e.law.w) ** 2)} and (mu_s - mu_k) N/k {percent(_gap_ratio(e, law.D))}"
+        f"{percent((law.w / e.law.w) ** 2)} and (mu_s - mu_k) N/k {percent(gap_ratio(e, law.D))}"
     )
 
 
-def _gap_ratio(e: Evidence, D: float) -> float:
+def gap_ratio(e: Evidence, D: float) -> float:
+    """Return the gap of the friction forces that belongs to a D, over the given one."""
     drag = 2.0 * e.law.zeta * e.law.v / e.law.w
     gap = e.law.D + drag
     return (D + drag) / gap if gap else math.inf

@@ -16,6 +16,10 @@ ON_THE_LAW = 1.25
 """Excess up to which a curve lies on the law: its digits once, and once more because the least
 squares share them out."""
 
+_ROUNDED, _FLIPS = 0.7, 4.0
+"""Of what the digits allow: the rms distance of samples that are rounded to counts, 1/sqrt(3) and
+a little noise, and the largest one that this noise makes where it turns a count over."""
+
 _WHITE, _WHITE_OF_FEW = 1.1, 3.0
 """A residual is noise where its rms is at most 1.1 times its scatter from sample to sample, and
 3/sqrt(n) more for n samples, of which the scatter is known to 1/sqrt(n) about."""
@@ -40,6 +44,11 @@ _FINE = 0.02
 """The same where a single sample at the very beginning or end of a slip may be all there is."""
 
 
+_PARTS, _LEAST_CYCLES, _SHAPE = 8, 3, 4.0
+"""Parts of a cycle in which distances are averaged, cycles that tell whether they repeat, and how
+much larger than by chance the variance of their mean over the cycles is where they do. By chance
+it is 4 times as large in one of 10,000 records."""
+
 _NOTHING = 1e-100
 """Length of a derivative that is none."""
 
@@ -63,6 +72,8 @@ class Fit:
         Largest and root mean square distance of a sample from the law [m].
     white
         Whether the distances are noise, each sample's independent of the next one's.
+    repeats
+        Whether the distances have a shape that comes again in each cycle.
     samples
         How many there are.
     spread
@@ -79,9 +90,16 @@ class Fit:
     worst: float
     rms: float
     white: bool
+    repeats: bool
     samples: int
     spread: dict[str, float]
     covariance: Floats
+
+    @property
+    def by_digits(self) -> bool:
+        """Whether all samples lie on the law, to their digits."""
+        rounded = self.rms / _ROUNDED <= self.worst / self.excess if self.excess else True
+        return self.excess <= ON_THE_LAW or (rounded and self.excess <= _FLIPS)
 
     def deviation(self, name: str) -> float:
         """Return the standard deviation of a free number, in its unit."""
@@ -142,7 +160,7 @@ def fit(
         tried = _account(some, law, numbers)
         if found is None or tried.rms < found.rms:
             found, best = tried, numbers
-        if found.excess <= ON_THE_LAW:
+        if found.by_digits:
             break
     assert found is not None
     if some.t.size == samples.t.size:
@@ -253,6 +271,7 @@ def _account(samples: Samples, law: Law, numbers: dict[str, float]) -> Fit:
         worst=_half_range(r),
         rms=rms,
         white=is_white(samples.t, r),
+        repeats=_repeats(samples.t - numbers["t_break"], r, found.quantities()["period"]),
         samples=samples.t.size,
         spread={name: float(d) for name, d in zip(numbers, reach, strict=True)},
         covariance=variance * normal / np.outer(scale, scale),
@@ -282,6 +301,29 @@ def is_white(t: Floats, r: Floats) -> bool:
     """Tell whether distances from a law are noise, each sample's independent of the next one's."""
     rms = math.sqrt(float(np.mean(r * r)))
     return rms <= _WHITE * (1.0 + _WHITE_OF_FEW / math.sqrt(r.size)) * scatter_of(t, r)
+
+
+def _repeats(after: Floats, r: Floats, period: float) -> bool:
+    """Tell whether distances vary with the time since the last break-away, over cycles alike.
+
+    Means over parts of each cycle scatter about their mean over all cycles; that mean scatters
+    less by the number of cycles, unless it is a shape.
+    """
+    cycle = np.floor(after / period)
+    kept = cycle >= 0.0
+    if not kept.any() or not cycle[-1] >= _LEAST_CYCLES:
+        return True
+    part = np.floor((after - cycle * period)[kept] / period * _PARTS).astype(np.int64) % _PARTS
+    index = cycle[kept].astype(np.int64) * _PARTS + part
+    shape = (int(cycle[-1]) + 1) * _PARTS
+    counts = np.bincount(index, minlength=shape).reshape(-1, _PARTS)
+    sums = np.bincount(index, r[kept], minlength=shape).reshape(-1, _PARTS)
+    means = sums / np.maximum(counts, 1)
+    seen = np.maximum(np.sum(counts > 0, axis=0), 1)
+    common = np.sum(means, axis=0) / seen
+    scatter = np.sum(np.where(counts > 0, means - common, 0.0) ** 2)
+    freedom = max(float(np.sum(counts > 0)) - _PARTS, 1.0)
+    return bool(np.mean(seen * common**2) > _SHAPE * scatter / freedom)
 
 
 def _correlation(r: Floats) -> float:

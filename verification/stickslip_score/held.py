@@ -1,13 +1,13 @@
 """A curve held against the law: as it should be, and as it might be instead."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stickslip_score.departure import Rest, rests_of
-from stickslip_score.fit import ON_THE_LAW, Fit, Samples, fit, starts_in
+from stickslip_score.fit import Fit, Samples, fit, starts_in
 from stickslip_score.law import Law, root
 from stickslip_score.motion import Motion
 from stickslip_score.phases import Phases
@@ -18,18 +18,24 @@ they show."""
 
 _LEAST_SAMPLES = 5
 
-_DRIFTS = 3
-"""Degree of the polynomial that a sensor's zero may follow over a record, as it warms up."""
+_DRIFTS, _DRIFTS_IN_A_CYCLE = 8, 1.5
+"""Degree of the polynomial that a sensor's zero may follow over a record, as it warms up, and the
+most that a cycle may have of it, so that it is no motion."""
+
+
+_LITTLE = 0.1
+"""Of the distance from a law: what another explanation may leave of it."""
 
 
 @dataclass(frozen=True)
 class _Part:
-    """Samples, and the times between which the law's first break-away is [s].
+    """Samples, a law, and the times between which its first break-away is [s].
 
     Where they are coarse, a mass and a gap together would explain anything.
     """
 
     samples: Samples
+    law: Law
     window: tuple[float, float]
     coarse: bool = False
 
@@ -39,7 +45,7 @@ class _Part:
 
 def on_the_law(found: Fit, motion: Motion) -> bool:
     """Tell whether all samples lie on the law, to their digits or, where they have it, noise."""
-    return found.excess <= ON_THE_LAW or (motion.noise > 0.0 and found.white)
+    return found.by_digits or (motion.noise > 0.0 and found.white)
 
 
 def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
@@ -56,16 +62,25 @@ def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
         return _hold_without_cycle(motion, law)
     if phases.only_rests:
         return {}
-    for part, way in _ways(motion, phases, law):
-        exact = part.fit(way)
+    tried = []
+    for alike in _alternatives(motion, phases, law):
+        held = [(part.fit(part.law), part) for part in alike]
+        tried += held
+        # Noise hides a slip too many at either end, so that the nearer one is right.
+        exact, part = min(held, key=lambda pair: pair[0].rms)
         if on_the_law(exact, motion):
-            return {"exact": exact, "gap": fit(part.samples, way, [exact.t_break], ["D"])}
-    parts = _parts(motion, phases, law)
-    if not parts:
-        return {}
-    starts_at_rest = phases.sticks[0].begin is None if phases.sticks else False
-    part = parts[0] if starts_at_rest else parts[-1]
-    found = {"exact": part.fit(law)}
+            return {"exact": exact, "gap": fit(part.samples, part.law, [exact.t_break], ["D"])}
+    if motion.noise:
+        exact, part = min(tried, key=lambda pair: pair[0].rms)
+        law = part.law
+    else:
+        parts = _parts(motion, phases, law)
+        if not parts:
+            return {}
+        starts_at_rest = phases.sticks[0].begin is None if phases.sticks else False
+        part = parts[0] if starts_at_rest else parts[-1]
+        exact = part.fit(law)
+    found = {"exact": exact}
     one = law.with_gap(-2.0 * law.zeta * law.v / law.w)
     found["one coefficient"] = part.fit(one)
     period = _period(phases)
@@ -75,11 +90,11 @@ def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
         seeds += _another_mass(law, period)
         found["gap and mass"] = min((part.fit(seed, "D", "w") for seed in seeds), key=_rms)
     if motion.from_force and not any(on_the_law(each, motion) for each in found.values()):
-        found |= _with_drift(motion, part, law)
+        found |= _with_drift(motion, part)
     return found
 
 
-def _ways(motion: Motion, phases: Phases, law: Law) -> Iterator[tuple[_Part, Law]]:
+def _alternatives(motion: Motion, phases: Phases, law: Law) -> Iterator[list[_Part]]:
     """Give parts of the curve with the law as it may have begun there, the likeliest first.
 
     Noise may show turns where the spring has none, so that the whole comes first there.
@@ -90,22 +105,25 @@ def _ways(motion: Motion, phases: Phases, law: Law) -> Iterator[tuple[_Part, Law
     first_turn = phases.high_times[0] if phases.high_times.size else t[-1]
     samples = _samples(motion, 0)
     whole = [
-        (_Part(samples, (float(t[0]) - period, float(t[0]))), before),
-        (_Part(samples, (float(t[0]), float(min(first_turn + period, t[-1])))), law),
+        _Part(samples, before, (float(t[0]) - period, float(t[0]))),
+        _Part(samples, law, (float(t[0]), float(min(first_turn + period, t[-1])))),
     ]
-    parts = _parts(motion, phases, law)
-    cut = [(part, way) for way in (law, before) for part in parts]
-    yield from [*whole, *cut] if motion.noise else [*cut, *whole]
+    cut = [[part] for way in (law, before) for part in _parts(motion, phases, way)]
+    yield from [whole, *cut] if motion.noise else [*cut, whole]
 
 
 def _samples(motion: Motion, first: int) -> Samples:
     return Samples(motion.t[first:], motion.y[first:], motion.digits)
 
 
-def _with_drift(motion: Motion, part: _Part, law: Law) -> dict[str, Fit]:
+def _with_drift(motion: Motion, part: _Part) -> dict[str, Fit]:
     """Hold a curve that comes from the force against the exact law on a zero that drifts."""
-    drifting = replace(part, samples=replace(part.samples, drifts=_DRIFTS))
-    exact = min((drifting.fit(replace(law, continued=way)) for way in (False, True)), key=_rms)
+    t = part.samples.t
+    cycles = float(t[-1] - t[0]) / part.law.quantities()["period"]
+    drifts = max(1, min(_DRIFTS, math.floor(_DRIFTS_IN_A_CYCLE * cycles)))
+    drifting = replace(part, samples=replace(part.samples, drifts=drifts))
+    ways = [replace(part.law, continued=way) for way in (False, True)]
+    exact = min((drifting.fit(way) for way in ways), key=_rms)
     return {
         "drift": exact,
         "gap and drift": fit(drifting.samples, exact.law, [exact.t_break], ["D"]),
@@ -138,7 +156,12 @@ def _departing(motion: Motion, rest: Rest, law: Law, *free: str) -> Fit | None:
     window = rest.window(motion, law)
     if window is None or motion.t.size - rest.first < _LEAST_SAMPLES:
         return None
-    return _Part(_samples(motion, rest.first), window).fit(law, *free)
+    return _Part(_samples(motion, rest.first), law, window).fit(law, *free)
+
+
+def explained_by_drift(fits: Mapping[str, Fit]) -> bool:
+    """Tell whether a slow drift takes away nearly all distance from the exact law."""
+    return "drift" in fits and fits["drift"].rms < _LITTLE * fits["exact"].rms
 
 
 def _rms(found: Fit) -> float:
@@ -164,7 +187,7 @@ def _part(motion: Motion, phases: Phases, law: Law, high: int) -> _Part | None:
     if motion.t.size - first < _LEAST_SAMPLES:
         return None
     window = (begin, float(motion.t[min(high + 1, motion.t.size - 1)]) + motion.blur)
-    return _Part(_samples(motion, first), window, coarse)
+    return _Part(_samples(motion, first), law, window, coarse)
 
 
 def _rested_since(phases: Phases, z_high: float) -> float:

@@ -9,9 +9,9 @@ from stickslip_score.cause import decide
 from stickslip_score.curve import Curve, CurveError
 from stickslip_score.evidence import Evidence
 from stickslip_score.findings import findings
-from stickslip_score.fit import ON_THE_LAW, Fit
+from stickslip_score.fit import Fit
 from stickslip_score.given import check_units, pulled_as
-from stickslip_score.held import hold_against, on_the_law
+from stickslip_score.held import explained_by_drift, hold_against, on_the_law
 from stickslip_score.law import Law
 from stickslip_score.measure import QUANTITIES, Measured, from_fit, from_sticks
 from stickslip_score.measured import decide_measured
@@ -100,17 +100,17 @@ def _look(motion: Motion, law: Law) -> tuple[Motion, Phases, dict[str, Fit]]:
         return _seen(motion, law)
     computed = _seen(motion.with_noise(0.0), law)
     exact = computed[2].get("exact")
-    if motion.rests() or (exact is not None and exact.excess <= ON_THE_LAW):
+    if exact is not None and exact.by_digits:
         return computed
     noise = motion.noise or scatter_of(motion.t, motion.y)
     if not noise > 0.0:
         return computed
     measured = _seen(motion.with_noise(noise), law)
-    white = [fit for fit in measured[2].values() if fit.white]
-    if white:
-        rms = min(fit.rms for fit in white)
-        return (motion.with_noise(min(rms, noise)), *measured[1:])
-    return measured if motion.noise else computed
+    white = [fit.rms for fit in measured[2].values() if fit.white]
+    known = motion.with_noise(min([noise, *white]))
+    if white and not known.rests():
+        return (known, *measured[1:])
+    return measured if motion.noise and not motion.rests() else computed
 
 
 def _seen(motion: Motion, law: Law) -> tuple[Motion, Phases, dict[str, Fit]]:
@@ -139,18 +139,30 @@ def _measured(
 ) -> Measured:
     if slide is not None and slide.on_the_law:
         return Measured({}, 0)
-    noisy = motion.noise > 0.0
-    names = ("gap", "gap and drift", "gap and mass") if noisy else ("gap", "gap and drift")
-    lawful = [fits[name] for name in names if name in fits and on_the_law(fits[name], motion)]
-    if not lawful and "gap" not in fits and "exact" in fits:
-        lawful = [fits["exact"]] if on_the_law(fits["exact"], motion) else []
-    if lawful:
-        return from_fit(lawful[0], float(motion.t[-1]), noisy)
+    found = _lawful(motion, fits)
+    if found is not None:
+        return from_fit(found, float(motion.t[-1]), motion.noise > 0.0)
     if phases.high_times.size > 1:
         between = (motion.t >= phases.high_times[0]) & (motion.t <= phases.high_times[-1])
         if np.count_nonzero(between) < _SAMPLES_OF_A_CYCLE * (phases.high_times.size - 1):
             return Measured({}, 0)
     return from_sticks(phases.sticks, motion.smoothed(law).allowed)
+
+
+def _lawful(motion: Motion, fits: Mapping[str, Fit]) -> Fit | None:
+    """Return the law off which figures are read; None where the curve lies on none."""
+    names = ("gap", "gap and drift", *(["gap and mass"] if motion.noise else []))
+    found = [fits[name] for name in names if name in fits]
+    if not found:
+        found = list(fits.values())
+    for each in found:
+        if on_the_law(each, motion):
+            return each
+    if explained_by_drift(fits):
+        return fits["gap and drift"]
+    # Noise that neighbouring samples share is off every law, but not alike in all cycles.
+    slow = motion.noise > 0.0 and "gap" in fits and not fits["gap"].repeats
+    return fits["gap"] if slow else None
 
 
 def _compare(

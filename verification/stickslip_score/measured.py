@@ -11,12 +11,14 @@ from stickslip_score.cause import (
     creeping_sticks,
     drift,
     exact_law,
+    gap_ratio,
     one_coefficient,
     without_a_slip,
 )
 from stickslip_score.departure import rests_of
 from stickslip_score.evidence import Evidence
 from stickslip_score.fit import Fit
+from stickslip_score.held import explained_by_drift
 from stickslip_score.result import Cause, Judgement
 from stickslip_score.sliding import (
     another_slide,
@@ -24,16 +26,13 @@ from stickslip_score.sliding import (
     slide_of_one_coefficient,
     without_departure,
 )
-from stickslip_score.words import force, length, speed
+from stickslip_score.words import force, length, percent, speed
 
 _HIDES = 0.25
 """Of the swing: a gap known no better than this may be none."""
 
 _DEVIATIONS, _SURE = 3.0, 3.5
 """Standard deviations to which a gap is said to be known, and beyond which it is another one."""
-
-_NOT_MUCH_MORE = 3.0
-"""Times the noise: a departure below it has no shape by which its cause could be told."""
 
 
 def decide_measured(e: Evidence) -> Judgement:
@@ -51,7 +50,7 @@ def decide_measured(e: Evidence) -> Judgement:
         return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
     if e.lies_on("gap"):
         return _gap(e, e.fits["gap"])
-    if e.lies_on("gap and drift"):
+    if explained_by_drift(e.fits):
         return Cause.OTHER, drift(e)
     if e.lies_on("gap and mass"):
         return another_mass(e)
@@ -112,6 +111,24 @@ def _gap(e: Evidence, gap: Fit) -> Judgement:
     return cause, f"{said}; noise and digits leave {100.0 * known / swing:.2g} % open"
 
 
+def _slow_noise(e: Evidence, gap: Fit) -> Judgement:
+    """Judge a curve that is off the law by what is not alike from cycle to cycle."""
+    known = _known(gap)
+    swing = math.hypot(e.law.D, e.law.v / e.law.w)
+    off = (
+        f"the samples are off the law by {length(gap.rms)} rms, unlike from cycle to cycle, "
+        f"and the {noise_in_words(e)} from sample to sample"
+    )
+    if abs(gap.law.D - e.law.D) > _SURE / _DEVIATIONS * known:
+        return Cause.OTHER, (
+            f"the gap is that of (mu_s - mu_k) N {percent(gap_ratio(e, gap.law.D))}; {off}"
+        )
+    return Cause.NOISY, (
+        f"{off}: slow noise hides a cause below that; the gap of (mu_s - mu_k) N is the exact one "
+        f"within {100.0 * known / swing:.2g} %; a noise of {length(0.25 * gap.rms)} would tell more"
+    )
+
+
 def _sliding(e: Evidence) -> Judgement | None:
     """Judge a curve at parameters without a cycle; None where it is off every slide."""
     if e.slide is not None and e.slide.on_the_law:
@@ -126,14 +143,8 @@ def _sliding(e: Evidence) -> Judgement | None:
 def _departing(e: Evidence) -> Judgement:
     """Judge a curve that is off the law by more than its noise."""
     near = min(e.fits.values(), key=lambda fit: fit.rms)
-    noise = e.motion.noise
-    off = math.sqrt(max(near.rms**2 - noise**2, 0.0))
-    if near.rms < _NOT_MUCH_MORE * noise:
-        return Cause.NOISY, (
-            f"the {noise_in_words(e)}, hides the cause: the samples are off the law by "
-            f"{length(near.rms)} rms, {length(off)} more than independent noise, and that has no "
-            f"shape; a noise below {length(0.25 * off)} would show it"
-        )
+    if "gap" in e.fits and not e.fits["gap"].repeats:
+        return _slow_noise(e, e.fits["gap"])
     creeping = creeping_sticks(e)
     if creeping:
         creep = float(np.median([abs(stick.creep or 0.0) for stick in creeping]))

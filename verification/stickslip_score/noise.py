@@ -8,6 +8,7 @@ the quiet windows of a record are therefore those in stick, and they tell its no
 from collections.abc import Iterable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip_score.curve import Floats
 
@@ -104,15 +105,14 @@ def _third_differences(t: Floats, s: Floats) -> Floats:
     weights = 1.0 / np.prod(apart, axis=1)
     weights /= np.sqrt(np.sum(weights**2, axis=0))
     values = np.stack([value[:, i : i + _LENGTH] for i in range(4)])
-    found: Floats = np.sum(weights * values, axis=0)
-    return found
+    return np.asarray((weights * values).sum(axis=0))
 
 
-def _quiet(d: Floats) -> Floats:
+def _quiet(d: Floats) -> NDArray[np.bool_]:
     """Return which windows hold no motion that stands out of the noise."""
     power = np.mean(d**2, axis=1)
     level = float(np.quantile(power, _QUIET_PART)) / _QUARTILE_OF_NOISE
     quiet = power <= _OUTLIER * level
     for _ in range(3):
         quiet = power <= _OUTLIER * float(np.mean(power[quiet]))
-    return quiet
+    return np.asarray(quiet)
