@@ -109,7 +109,10 @@ def with_rounding(columns: Mapping[str, Floats], sizes: Mapping[str, float]) -> 
     sizes
         The units by quantity, in SI.
     """
-    si = {name: column * sizes[name] for name, column in columns.items()}
+    si = {
+        name: column if sizes[name] == 1.0 else column * sizes[name]
+        for name, column in columns.items()
+    }
     half = {name: half_unit(column) * sizes[name] for name, column in columns.items()}
     return Curve(
         si["t"],

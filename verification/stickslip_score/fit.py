@@ -24,7 +24,7 @@ _WHITE, _WHITE_OF_FEW = 1.1, 3.0
 """A residual is noise where its rms is at most 1.1 times its scatter from sample to sample, and
 3/sqrt(n) more for n samples, of which the scatter is known to 1/sqrt(n) about."""
 
-_ENOUGH_TO_START, _ENOUGH, _MOST = 1000, 3000, 20_000
+_ENOUGH_TO_START, _ENOUGH, _MOST = 1000, 3000, 10_000
 """Samples that the search for a start looks at, that the search looks at, and from which the result
 is computed; it is checked on all of them."""
 
@@ -153,21 +153,22 @@ def fit(
         Of D, w.
     """
     some = samples.thinned(_ENOUGH)
-    found: Fit | None = None
+    least = math.inf
     for begin in starts:
         numbers = {"t_break": begin, **{name: float(getattr(law, name)) for name in free}}
         numbers = _least_squares(some, law, numbers)
-        tried = _account(some, law, numbers)
-        if found is None or tried.rms < found.rms:
-            found, best = tried, numbers
-        if found.by_digits:
+        r = _residual(some, law, numbers)
+        if (cost := float(r @ r)) < least:
+            least, best = cost, numbers
+        if _half_range(r) <= ON_THE_LAW * samples.allowed:
             break
-    assert found is not None
-    if some.t.size == samples.t.size:
-        return found
     more = samples.thinned(_MOST)
-    best = _least_squares(more, law, best)
-    return _checked(samples, law, best, _account(more, law, best))
+    if more.t.size > some.t.size:
+        best = _least_squares(more, law, best)
+    found = _account(more, law, best)
+    # So many samples tell noise; that all lie on the law, only all of them do.
+    some_only = more.t.size < samples.t.size
+    return _checked(samples, law, best, found) if some_only and found.by_digits else found
 
 
 def starts_in(
@@ -279,17 +280,9 @@ def _account(samples: Samples, law: Law, numbers: dict[str, float]) -> Fit:
 
 
 def _checked(samples: Samples, law: Law, numbers: dict[str, float], by_some: Fit) -> Fit:
-    """Return a fit to some of the samples with its distances from all of them."""
-    r = _residual(samples, law, numbers)
-    rms = math.sqrt(float(r @ r) / r.size)
-    worst = _half_range(r)
-    return replace(
-        by_some,
-        excess=worst / samples.allowed,
-        worst=worst,
-        rms=rms,
-        white=is_white(samples.t, r),
-    )
+    """Return a fit to some of the samples with its largest distance from all of them."""
+    worst = _half_range(_residual(samples, law, numbers))
+    return replace(by_some, excess=worst / samples.allowed, worst=worst, samples=samples.t.size)
 
 
 def _half_range(r: Floats) -> float:

@@ -170,20 +170,21 @@ def _rms(found: Fit) -> float:
 
 def _parts(motion: Motion, phases: Phases, law: Law) -> Sequence[_Part]:
     """Return what begins before the first turns of the spring; empty where none is long enough."""
-    highs = [index for index in phases.high_samples[:2] if index > 0]
-    return [part for high in highs if (part := _part(motion, phases, law, high))]
+    highs = [index for index in range(min(phases.highs.size, 2)) if phases.high_samples[index] > 0]
+    return [part for index in highs if (part := _part(motion, phases, law, index))]
 
 
-def _part(motion: Motion, phases: Phases, law: Law, high: int) -> _Part | None:
+def _part(motion: Motion, phases: Phases, law: Law, index: int) -> _Part | None:
     """Return the samples from the break-away before a turn on; None where they are too few."""
+    high = max(int(np.searchsorted(motion.t, phases.high_times[index])), 1)
     begin = float(motion.t[high - 1]) - 1.5 * math.atan2(law.v, law.w * law.D) / law.w
     begin -= 2.0 * motion.blur
     period = law.quantities()["period"]
     coarse = float(np.median(np.diff(motion.t))) > _COARSE * period
     if coarse:
         begin -= period
-    z_high = phases.highs[phases.high_samples.index(high)]
-    first = int(np.searchsorted(motion.t, max(begin, _rested_since(phases, z_high))))
+    rested = _rested_since(phases, float(phases.highs[index]))
+    first = int(np.searchsorted(motion.t, max(begin, rested)))
     if motion.t.size - first < _LEAST_SAMPLES:
         return None
     window = (begin, float(motion.t[min(high + 1, motion.t.size - 1)]) + motion.blur)

@@ -128,10 +128,13 @@ class Motion:
         count = max(1, math.ceil(min(wanted, longest, self.t.size / 4.0)))
         if count == 1:
             return self
+        kept = slice(None, None, max(1, count // 2))
         return replace(
             self,
-            y=uniform_filter1d(self.y, count, mode="nearest"),
-            z=uniform_filter1d(self.z, count, mode="nearest"),
+            t=self.t[kept],
+            y=uniform_filter1d(self.y, count, mode="nearest")[kept],
+            z=uniform_filter1d(self.z, count, mode="nearest")[kept],
+            x_dot=None if self.x_dot is None else self.x_dot[kept],
             noise=self.noise / math.sqrt(count),
             blur=0.5 * count * step,
         )
