@@ -43,9 +43,6 @@ smoothed friction changes by the factor mu_s/(2 mu_k - mu_s) meanwhile."""
 _HIGHS_OF_A_DRIFT = 4
 """Turns of the spring, and times their scatter, from which on a drift is one."""
 
-_CHATTER = 0.05
-"""Share of samples of a stick at which the mass turns back. One that rests or creeps has none."""
-
 
 def decide(e: Evidence) -> Judgement:
     """Return the most likely cause, and the sentence that says why."""
@@ -53,11 +50,16 @@ def decide(e: Evidence) -> Judgement:
         return Cause.OTHER, e.motion.mismatch
     if e.lies_on("exact"):
         return exact_law(e)
-    if e.exact is None and (judged := judge_sliding(e)):
+    if e.exact is None and not e.chatters and (judged := judge_sliding(e)):
         return judged
-    creeping = creeping_sticks(e)
     if e.lies_on("one coefficient"):
         return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
+    if e.chatters:
+        return Cause.FIXED_STEP, (
+            "the solver chatters in stick: friction acts in full now one way, now the other, "
+            "instead of holding the mass at rest, because each step passes over its sign change"
+        )
+    creeping = creeping_sticks(e)
     if e.motion.t.size < _TELLS_NOISE and not e.motion.rests():
         return Cause.NOISY, _too_few_for_noise(e)
     if explained_by_drift(e.fits):
@@ -76,19 +78,13 @@ def decide(e: Evidence) -> Judgement:
         return another_mass(e)
     if e.seen_gap < NO_GAP * e.law.D:
         return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
-    if _chatters(e):
-        return Cause.FIXED_STEP, _chatter(e)
     return _unlawful(e)
 
 
 def creeping_sticks(e: Evidence) -> list[Stick]:
     """Return the sticks in which the mass creeps; none where it creeps in few of them."""
     loading = [stick for stick in e.phases.sticks if stick.samples > 1]
-    creeping = [
-        stick
-        for stick in loading
-        if not stick.rests and bool(stick.creep) and stick.chatter < _CHATTER
-    ]
+    creeping = [stick for stick in loading if not stick.rests and bool(stick.creep)]
     first = creeping and creeping[0] is loading[0]
     return creeping if first or 2 * len(creeping) >= len(loading) else []
 
@@ -265,20 +261,6 @@ def gap_ratio(e: Evidence, D: float) -> float:
     drag = 2.0 * e.law.zeta * e.law.v / e.law.w
     gap = e.law.D + drag
     return (D + drag) / gap if gap else math.inf
-
-
-def _chatters(e: Evidence) -> bool:
-    sticks = [stick for stick in e.phases.sticks if stick.samples >= 5]
-    return bool(sticks) and float(np.median([stick.chatter for stick in sticks])) > _CHATTER
-
-
-def _chatter(e: Evidence) -> str:
-    share = float(np.median([s.chatter for s in e.phases.sticks if s.samples >= 5]))
-    return (
-        f"the solver chatters in stick: the mass turns back at "
-        f"{100.0 * share:.0f} % of the samples "
-        "instead of resting, because each step passes over the sign change of the friction"
-    )
 
 
 def _unlawful(e: Evidence) -> Judgement:

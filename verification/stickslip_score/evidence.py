@@ -31,6 +31,8 @@ class Evidence:
         The curve and what was seen of it.
     fits
         The curve held against the law, by name: exact, one coefficient, gap, gap and mass.
+    chatters
+        Whether each sample is a step of a solver that chatters.
     slide
         The curve held against sliding without end, from any start; None where a cycle exists.
     """
@@ -42,6 +44,7 @@ class Evidence:
     phases: Phases
     measured: Measured
     fits: Mapping[str, Fit]
+    chatters: bool
     slide: Slide | None
 
     def lies_on(self, name: str) -> bool:

@@ -209,13 +209,15 @@ def _jacobian(samples: Samples, law: Law, numbers: Mapping[str, float]) -> Float
     """Return the residual's derivatives, shape (n, number of free numbers)."""
     columns = []
     for name, step in _steps(numbers, law).items():
-        up, down = (
-            _applied(law, {**numbers, name: numbers[name] + d}).position(
-                samples.t - numbers["t_break"] - (d if name == "t_break" else 0.0)
-            )
-            for d in (step, -step)
+        laws = [_applied(law, {**numbers, name: numbers[name] + d}) for d in (-step, step)]
+        late = step if name == "t_break" else 0.0
+        down, up = (
+            each.position(samples.t - numbers["t_break"] - d)
+            for each, d in zip(laws, (-late, late), strict=True)
         )
-        columns.append((down - up) / (2.0 * step))
+        # A step beyond what the law allows stops there.
+        moved = 2.0 * late or getattr(laws[1], name) - getattr(laws[0], name)
+        columns.append((down - up) / (moved or math.inf))
     return samples.centred(np.stack(columns, axis=1))
 
 
@@ -247,7 +249,11 @@ def _least_squares(samples: Samples, law: Law, numbers: dict[str, float]) -> dic
         gtol=4.0 * EPSILON,
         max_nfev=60,
     )
-    return named(done.x)
+    found = named(done.x)
+    kept = _applied(law, found)
+    return {
+        name: value if name == "t_break" else getattr(kept, name) for name, value in found.items()
+    }
 
 
 def _account(samples: Samples, law: Law, numbers: dict[str, float]) -> Fit:

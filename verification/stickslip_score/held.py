@@ -138,7 +138,7 @@ def _hold_without_cycle(motion: Motion, law: Law) -> dict[str, Fit]:
         if exact is None:
             continue
         if on_the_law(exact, motion):
-            return {"exact": exact}
+            return {"exact": exact, **_gap_beside(motion, rest, exact)}
         seeds = (_departing(motion, rest, seed, "D") for seed in (law, one))
         here = {
             "exact": exact,
@@ -149,6 +149,13 @@ def _hold_without_cycle(motion: Motion, law: Law) -> dict[str, Fit]:
             if fitted and (name not in found or fitted.rms < found[name].rms):
                 found[name] = fitted
     return found
+
+
+def _gap_beside(motion: Motion, rest: Rest, exact: Fit) -> dict[str, Fit]:
+    """Hold a curve with noise against a free gap besides: noise may hide another one."""
+    if not motion.noise:
+        return {}
+    return {"gap": fit(_samples(motion, rest.first), exact.law, [exact.t_break], ["D"])}
 
 
 def _departing(motion: Motion, rest: Rest, law: Law, *free: str) -> Fit | None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from stickslip_score.cause import decide
+from stickslip_score.chatter import chatters
 from stickslip_score.curve import Curve, CurveError
 from stickslip_score.evidence import Evidence
 from stickslip_score.findings import findings
@@ -66,11 +67,14 @@ def _score(curve: Curve, p: Mapping[str, float]) -> Score:
     law = _law(p)
     check_units(curve, p, exact)
     motion = motion_of(curve, p, law)
+    chattering = chatters(motion, law, p)
+    if chattering:
+        motion = motion.with_noise(0.0)
     motion, phases, fits = _look(motion, law)
     slide = fit_slide(motion, law) if exact is None else None
     measured = _measured(motion, phases, fits, slide, law)
-    evidence = Evidence(p, exact, law, motion, phases, measured, fits, slide)
-    cause, explanation = (decide_measured if motion.noise else decide)(evidence)
+    evidence = Evidence(p, exact, law, motion, phases, measured, fits, chattering, slide)
+    cause, explanation = (decide_measured if motion.measured else decide)(evidence)
     found = findings(evidence)
     if p["v"] != given_v:
         found.insert(0, f"the mass is pulled against the given v: judged with v = {p['v']:g} m/s")

@@ -63,6 +63,8 @@ def decide_measured(e: Evidence) -> Judgement:
 
 def noise_in_words(e: Evidence) -> str:
     """Return the noise of the column from which the motion is known."""
+    if not e.motion.noise:
+        return f"digits of {e.motion.source}, {length(e.motion.digits)}"
     if e.motion.source == "x":
         return f"noise of x, {length(e.motion.noise)} rms"
     return f"noise of F, {force(e.p['k'] * e.motion.noise)} rms"
@@ -107,7 +109,7 @@ def _gap(e: Evidence, gap: Fit) -> Judgement:
     known = _known(gap)
     if not known < _HIDES * swing:
         return Cause.NOISY, _hidden(e, known / swing)
-    cause, said = another_gap(e)
+    cause, said = another_slide(e) if e.exact is None else another_gap(e)
     return cause, f"{said}; noise and digits leave {100.0 * known / swing:.2g} % open"
 
 

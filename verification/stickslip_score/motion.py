@@ -22,6 +22,10 @@ _DRIFT = 1e-3
 """Of a spring's way: how far F/k may be off x for another stiffness before they contradict each
 other. Ten times what a curve printed to four digits shows."""
 
+_DRIFTS, _OPPOSITE = 3, 0.1
+"""Degree of the polynomial in time that a zero may follow, and how near to -1 times the spring's
+way F is where its sign is the opposite one."""
+
 _DEVIATIONS = 4.0
 """Standard deviations of noise that count as its bound where samples are looked at one by one."""
 
@@ -100,6 +104,11 @@ class Motion:
         return self.digits + _DEVIATIONS * self.noise
 
     @property
+    def measured(self) -> bool:
+        """Whether a column has noise; no solver's has."""
+        return any(self.noises.values())
+
+    @property
     def step(self) -> float:
         """Mean time between samples [s]."""
         return float(self.t[-1] - self.t[0]) / (self.t.size - 1)
@@ -176,7 +185,7 @@ def motion_of(curve: Curve, p: Mapping[str, float], law: Law) -> Motion:
     drift, mismatch = 0.0, ""
     if len(positions) == 2:
         z = law.v * since - positions["x"]
-        drift, mismatch = _compared(since, given, z, digits["x"] + digits["F"])
+        drift, mismatch = _compared(since, given, z, sum(digits.values()), noises)
     of_x = "x" in positions and (
         len(positions) == 1 or noises["x"] <= noises["F"] or drift > 0.0 or bool(mismatch)
     )
@@ -238,23 +247,34 @@ def _alike(y: Floats, digits: float, noise: float) -> bool:
     return alike > 3.0 * by_chance + 0.02
 
 
-def _compared(since: Floats, given: Floats, z: Floats, digits: float) -> tuple[float, str]:
+def _compared(
+    since: Floats, given: Floats, z: Floats, digits: float, noises: Mapping[str, float]
+) -> tuple[float, str]:
     """Return how far F/k wanders off v t - x slowly [m], and why they contradict each other if so.
 
     A zero that drifts follows time; another stiffness follows the spring.
     """
     stride = -(-since.size // _LOOKED_AT)
-    t, z, apart = since[::stride], z[::stride], (given - z)[::stride]
-    size = float(np.ptp(z)) or 1.0
-    basis = np.polynomial.legendre.legvander(2.0 * t / t[-1] - 1.0, 3)
-    columns = np.column_stack([basis, (z - np.mean(z)) / size])
-    numbers, _, rank, _ = np.linalg.lstsq(columns, apart, rcond=1e-6)
-    rms = math.sqrt(float(np.mean((apart - columns @ numbers) ** 2)))
-    sure = 5.0 * rms * math.sqrt(columns.shape[1] / t.size) + 4.0 * digits
-    if rank == columns.shape[1] and abs(numbers[-1]) > _DRIFT * float(np.ptp(given)) + 4.0 * sure:
+    t, given, z = since[::stride], given[::stride], z[::stride]
+    apart = given - z
+    # The spring's way as the column tells that has less noise: noise follows itself.
+    way = given if noises["F"] < noises["x"] else z
+    size = float(np.ptp(way)) or 1.0
+    basis, _ = np.linalg.qr(np.polynomial.legendre.legvander(2.0 * t / t[-1] - 1.0, _DRIFTS))
+    of_spring = way - basis @ (basis.T @ way)
+    slow = basis @ (basis.T @ apart)
+    power = float(of_spring @ of_spring)
+    share = float(of_spring @ apart) / power if power > (1e-6 * size) ** 2 * t.size else 0.0
+    rms = math.sqrt(float(np.mean((apart - slow - share * of_spring) ** 2)))
+    follows = min(noises.values()) ** 2 * t.size / power if share else 0.0
+    sure = 5.0 * rms / math.sqrt(power) + follows if share else 0.0
+    if abs(share) > _DRIFT * float(np.ptp(given)) / size + 16.0 * digits / size + 4.0 * sure:
+        if abs(share + 2.0) < _OPPOSITE or abs(share - 2.0) < _OPPOSITE:
+            return 0.0, "F is -k (v t - x) + const: it has the opposite sign"
         return 0.0, (
             "F is not k (v t - x) + const with the k and v given: "
-            f"it is off by up to {0.5 * abs(numbers[-1]) / size:.2g} of its range"
+            f"it is off by up to {0.5 * abs(share) * size / float(np.ptp(given)):.2g} of its range"
         )
-    wander = float(np.ptp(basis @ np.linalg.lstsq(basis, apart, rcond=None)[0]))
-    return (wander if wander > 2.0 * sure + 1e-6 * size else 0.0), ""
+    surely = 5.0 * rms * math.sqrt((_DRIFTS + 1) / t.size) + 4.0 * digits
+    wander = float(np.ptp(slow))
+    return (wander if wander > 2.0 * surely + 1e-6 * size else 0.0), ""

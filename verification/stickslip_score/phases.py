@@ -60,8 +60,6 @@ class Stick:
     late_over_early
         Creep in the third quarter of the phase over that in the second [-]; NaN where the mass
         rests.
-    chatter
-        Share of samples at which the slow mass turns back, where it gets nowhere by that.
     z_low, z_high
         Spring extension at the turns before and after [m]; NaN where there is none.
     samples
@@ -74,7 +72,6 @@ class Stick:
     rests: bool
     creep: float | None
     late_over_early: float
-    chatter: float
     z_low: float
     z_high: float
     samples: int
@@ -211,7 +208,6 @@ def _stick(
         rests=j > i and not creeps,
         creep=creep,
         late_over_early=late_over_early,
-        chatter=_chatter(np.diff(y[a : b + 1]), VISIBLE * motion.allowed),
         z_low=z_low,
         z_high=z_high,
         samples=to - from_ + 1,
@@ -221,20 +217,6 @@ def _stick(
 def _slope(t: Floats, y: Floats, a: int, b: int) -> float:
     """Return the mean velocity between two samples [m/s]; 0 where they are one."""
     return float((y[b] - y[a]) / (t[b] - t[a])) if b > a else 0.0
-
-
-def _chatter(moves: Floats, visible: float) -> float:
-    """Return the share of moves that turn back, where forth and back cancel; else 0.
-
-    A creeping mass turns once, where the spring force changes sign, and else goes one way.
-    """
-    seen = moves[np.abs(moves) > visible]
-    if seen.size < 2:
-        return 0.0
-    forth, back = float(np.sum(seen[seen > 0.0])), float(-np.sum(seen[seen < 0.0]))
-    if min(forth, back) < 0.5 * max(forth, back):
-        return 0.0
-    return float(np.count_nonzero(np.diff(np.sign(seen)))) / moves.size
 
 
 def plateau(t: Floats, y: Floats, band: float) -> tuple[int, int, float]:
