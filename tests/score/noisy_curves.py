@@ -6,12 +6,11 @@ is no scale.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-import stickslip_ref
 from stickslip_score import Curve
 from stickslip_verification import truth
 from tests.score.curve_makers import Made, exact, with_defaults
@@ -58,7 +57,7 @@ CELLS = tuple(
 
 @dataclass(frozen=True)
 class Exact:
-    """An exact motion to take records from: its samples, the scale of its spring [m], period [s]."""
+    """An exact motion to take records from, the spring's swing [m] and the period [s]."""
 
     p: dict[str, float]
     made: Made
@@ -75,7 +74,7 @@ def exact_motion(setting: str, step: float) -> Exact:
     N = p["m"] * p["g"] + p.get("load", 0.0)
     direction = math.copysign(1.0, p["v"])
     begin = (p["mu_s"] * N - direction * p.get("F_ext", 0.0)) / (p["k"] * abs(p["v"]))
-    times = step * np.arange(round((begin + 8.0 * period) / step))
+    times = step * np.arange(round((begin + 8.0 * period) / step), dtype=np.float64)
     made = exact(p, times)
     steady = made.F[times > begin]
     return Exact(p, made, float(np.ptp(steady)) / p["k"], period)
@@ -83,10 +82,10 @@ def exact_motion(setting: str, step: float) -> Exact:
 
 def record(motion: Exact, cell: Cell, seed: int, columns: str = "x F") -> Curve:
     """Give a noisy record of a motion; it begins at rest, or anywhere, and ends anywhere."""
-    random = np.random.default_rng([seed, round(1e6 * cell.step), round(1e6 * cell.noise)])
+    random = np.random.default_rng([seed, CELLS.index(cell)])
     t, x, _, F = motion.made
     first = 0 if seed % 3 == 0 else int(random.integers(t.size // 3))
-    last = t.size - int(random.integers(motion.period / cell.step))
+    last = t.size - int(random.integers(int(motion.period / cell.step)))
     noise = {
         name: cell.noise * size * random.standard_normal(t.size) if name in cell.on.split() else 0.0
         for name, size in (("x", motion.swing), ("F", motion.swing * motion.p["k"]))

@@ -19,9 +19,10 @@ _LEAST_SAMPLES = 40
 _EVEN = 1e-6
 """Of a step: how far steps may differ where each is one of a solver's."""
 
-_NEAR, _MOST, _LEAST = 0.15, 0.9, 0.02
+_NEAR, _MOST, _LEAST, _TURNS = 0.15, 0.9, 0.02, 0.1
 """Of the friction force: how far a value may be off static or kinetic friction; the part of the
-samples that must be so near; and the part that must be driven against the pull."""
+samples that must be so near; the part that must be driven against the pull; and how often for
+each of these the force must turn."""
 
 
 def chatters(motion: Motion, law: Law, p: Mapping[str, float]) -> bool:
@@ -44,8 +45,18 @@ def chatters(motion: Motion, law: Law, p: Mapping[str, float]) -> bool:
     friction = z[1:-1] - np.diff(y, 2) / (law.w * step) ** 2
     per_force = max(p["m"] * p["g"] + p["load"], 0.0) / p["k"]
     full, kinetic = p["mu_s"] * per_force, used_mu_k(p["mu_s"], p["mu_k"]) * per_force
-    # The spring is known up to a constant, and the two ways are alike.
     low, high = np.quantile(friction, [0.01, 0.99])
-    forth = friction - 0.5 * (low + high)
-    off = np.minimum(np.abs(np.abs(forth) - full), np.abs(np.abs(forth) - kinetic))
-    return bool(np.mean(off < _NEAR * full) > _MOST and np.mean(forth < 0.0) > _LEAST)
+    back = friction < 0.5 * (low + high)
+    if not 0.0 < np.mean(back) < 1.0:
+        return False
+    turns = np.count_nonzero(np.diff(back))
+    if np.mean(back) < _LEAST or turns < _TURNS * np.count_nonzero(back):
+        return False
+    # The spring is known up to a constant; either pair of values may be the two of one size.
+    pairs = (low + high, np.median(friction[back]) + np.median(friction[~back]))
+    for middle in (0.5 * pair for pair in pairs):
+        size = np.abs(friction - middle)
+        off = np.minimum(np.abs(size - full), np.abs(size - kinetic))
+        if np.mean(off < _NEAR * full) > _MOST:
+            return True
+    return False

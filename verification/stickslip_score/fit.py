@@ -16,7 +16,7 @@ ON_THE_LAW = 1.25
 """Excess up to which a curve lies on the law: its digits once, and once more because the least
 squares share them out."""
 
-_ROUNDED, _FLIPS = 0.7, 4.0
+_ROUNDED, _FLIPS = 1.0, 4.0
 """Of what the digits allow: the rms distance of samples that are rounded to counts, 1/sqrt(3) and
 a little noise, and the largest one that this noise makes where it turns a count over."""
 

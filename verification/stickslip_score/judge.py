@@ -106,9 +106,7 @@ def _look(motion: Motion, law: Law) -> tuple[Motion, Phases, dict[str, Fit]]:
     exact = computed[2].get("exact")
     if exact is not None and exact.by_digits:
         return computed
-    noise = motion.noise or scatter_of(motion.t, motion.y)
-    if not noise > 0.0:
-        return computed
+    noise = motion.noise or max(motion.digits, scatter_of(motion.t, motion.y))
     measured = _seen(motion.with_noise(noise), law)
     white = [fit.rms for fit in measured[2].values() if fit.white]
     known = motion.with_noise(min([noise, *white]))

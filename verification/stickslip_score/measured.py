@@ -54,6 +54,11 @@ def decide_measured(e: Evidence) -> Judgement:
         return Cause.OTHER, drift(e)
     if e.lies_on("gap and mass"):
         return another_mass(e)
+    if e.phases.only_rests and e.motion.t[-1] - e.motion.t[0] > e.law.relief / e.law.v:
+        return Cause.NOISY, (
+            f"the {noise_in_words(e)}, hides the motion: the mass is not seen to leave its place, "
+            f"and a jump of {length(e.law.quantities()['delta_x'])} is due"
+        )
     if not e.fits:
         return without_a_slip(e)
     if said := another_speed(e):

@@ -243,7 +243,7 @@ def _noises(
 def _alike(y: Floats, digits: float, noise: float) -> bool:
     """Tell whether neighbouring samples are alike more often than noise lets them be."""
     alike = float(np.mean(np.abs(np.diff(y[:_LOOKED_AT])) <= 2.0 * digits))
-    by_chance = math.erf(digits / noise) if noise else 1.0
+    by_chance = math.erf(digits / noise) if noise else 0.0
     return alike > 3.0 * by_chance + 0.02
 
 
