@@ -37,7 +37,7 @@ OUTSIDE = {
         {"numpy", "mpmath", "fmpy", "jsonschema", "lazy_loader", "pebble"}
     ),
     "stickslip_verification.truth": frozenset({"mpmath"}),
-    "stickslip_score": frozenset({"lazy_loader", "mpmath", "numpy"}),
+    "stickslip_score": frozenset({"lazy_loader", "mpmath", "numpy", "scipy"}),
     "stickslip_design": frozenset({"lazy_loader", "mpmath", "numpy"}),
     "stickslip": frozenset({"typer", "rich", "matplotlib", "numpy"}),
 }

@@ -69,6 +69,8 @@ def read_curve(path: Path | str, names: Mapping[str, str] | None = None) -> Curv
         table, numbers = _any_table(layout)
     read = {column.quantity: table[:, i].copy() for i, column in enumerate(columns)}
     del table
+    for column in columns:
+        _check_points(layout, column, read[column.quantity])
     kept = _increasing(layout, read, numbers)
     if not np.all(kept):
         read = {quantity: column[kept] for quantity, column in read.items()}
@@ -251,6 +253,18 @@ def _thousands(layout: _Layout, number: int, text: str) -> CurveError:
         f"{layout.file}, line {number}: {text!r} may have a separator of thousands; write numbers "
         "without"
     )
+
+
+def _check_points(layout: _Layout, column: Column, found: Floats) -> None:
+    """Refuse a column that goes from 999 to 1.000: its points separate thousands."""
+    size = np.abs(found)
+    below, above = (size >= 900.0) & (size < 1000.0), (size >= 1.0) & (size < 1.1)
+    wraps = (below[1:] & above[:-1]) | (below[:-1] & above[1:])
+    if wraps.any() and np.all(np.abs(1e3 * found - np.round(1e3 * found)) < 1e-6):
+        raise CurveError(
+            f"{layout.file}: {column.name} goes from 999 to 1.000 and back: its points may "
+            "separate thousands; write numbers without"
+        )
 
 
 def _numbers(

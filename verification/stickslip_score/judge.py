@@ -101,18 +101,24 @@ def _look(motion: Motion, law: Law) -> tuple[Motion, Phases, dict[str, Fit]]:
     told by how they lie about the law.
     """
     if motion.step * law.w < COARSE:
-        return _seen(motion, law)
+        motion, phases, fits = _seen(motion, law)
+        return _refined(motion, fits), phases, fits
     computed = _seen(motion.with_noise(0.0), law)
     exact = computed[2].get("exact")
     if exact is not None and exact.by_digits:
         return computed
     noise = motion.noise or max(motion.digits, scatter_of(motion.t, motion.y))
     measured = _seen(motion.with_noise(noise), law)
-    white = [fit.rms for fit in measured[2].values() if fit.white]
-    known = motion.with_noise(min([noise, *white]))
-    if white and not known.rests():
+    known = _refined(measured[0], measured[2])
+    if any(fit.white for fit in measured[2].values()) and not known.rests():
         return (known, *measured[1:])
     return measured if motion.noise and not motion.rests() else computed
+
+
+def _refined(motion: Motion, fits: Mapping[str, Fit]) -> Motion:
+    """Return the motion with the noise that a law leaves on which its samples lie."""
+    white = [fit.rms for fit in fits.values() if fit.white]
+    return motion.with_noise(min([motion.noise, *white])) if motion.noise else motion
 
 
 def _seen(motion: Motion, law: Law) -> tuple[Motion, Phases, dict[str, Fit]]:
