@@ -25,7 +25,7 @@ def _column(option: str, what: str) -> Any:
     return typer.Option(
         option,
         metavar="NAME",
-        help=f"Column of {what}, with its unit where the header has none: 'x [mm]'; default: guessed.",
+        help=f"Column of {what}, with the unit that the header lacks ('x [mm]'); default: guessed.",
         show_default=False,
     )
 
