@@ -31,9 +31,11 @@ _SAMPLES_OF_A_CYCLE = 6
 def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
     """Judge a curve against the exact steady cycle, docs/theory.md (7) to (10), (13).
 
-    The figures are means over all complete cycles, which begin and end with a break-away, so that
-    the first load-up is none. Where all samples lie on the law of the block with some gap, they
-    are read off that law; else each event is known between two samples.
+    The noise of the columns is estimated first. The figures are means over all complete cycles,
+    which begin and end with a break-away, so that the first load-up is none. Where all samples lie
+    on the law of the block with some gap, to their digits or their noise, they are read off that
+    law; else each event is known between two samples. Resolutions follow from digits, noise and
+    sampling. A v of the wrong sign is turned, and a finding says so.
 
     Parameters
     ----------
@@ -47,7 +49,7 @@ def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
     ValueError
         A parameter is unknown or out of range; the message names it.
     CurveError
-        v is 0: nothing is pulled.
+        v is 0, so that nothing is pulled, or x or F is a power of 1000 too large or too small.
     """
     try:
         with np.errstate(over="raise"):
