@@ -316,6 +316,8 @@ def _gap_of_jump(law: Law, jump: float) -> float:
 
 
 def _too_few(e: Evidence) -> Judgement:
+    if not e.motion.rests():
+        return Cause.NOISY, _too_few_for_noise(e)
     near = e.fits.get("gap")
     swing = math.hypot(e.law.D, e.law.v / e.law.w)
     if near is not None and near.worst < 0.25 * swing:
