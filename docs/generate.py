@@ -28,6 +28,7 @@ from stickslip_verification import (
 from stickslip_verification.model.verdict import Kind
 from stickslip_verification.report.svg import differences
 from stickslip_verification.suite.schemas import FILES
+from stickslip_verification.suite.sequences import COUNT, SEED
 
 HERE = Path(__file__).parent
 
@@ -130,7 +131,7 @@ def _range(row: Variable) -> str:
 def verdict(fmu: Path) -> Iterator[str]:
     """Give the lines of the verdict page: kinds of truth, cases, how many checks of each hold."""
     cases = load_cases()
-    result = verify(fmu, cases)
+    result = verify(fmu, cases, sequences=COUNT)
     counts = result.summary
     yield from f"""\
 # The verdict
@@ -138,7 +139,8 @@ def verdict(fmu: Path) -> Iterator[str]:
 For everybody who must decide whether to trust the FMU. This page counts what was checked,
 in which cases, and with what result.
 
-**{counts["passed"]} passed, {counts["failed"]} failed**, in {len(cases)} cases.
+**{counts["passed"]} passed, {counts["failed"]} failed**, in {len(cases)} cases
+and {len(result.sequences)} random sequences.
 
 This is code and solution verification in the terms of ASME V&V 10. It shows that the FMU
 and the reference solve the equations of [theory.md](theory.md), and how exactly. Whether
@@ -167,6 +169,8 @@ The table counts, for each case, the checks that passed on the FMU and on the re
         of_case = [each for each in result.checks if each.case == case.id]
         sides = " | ".join(_holding(of_case, side) for side in ("fmu", "reference"))
         yield f"| `{case.id}` | {case.title} | {sides} |"
+    drawn = [each for each in result.checks if each.case in set(result.sequences)]
+    yield f"| | random sequences of seed {SEED} | {_holding(drawn, 'fmu')} | – |"
     of_fmu = [each for each in result.checks if not each.case]
     held = _holding(of_fmu, "fmu")
     yield f"| | the FMU itself: its declarations, refusals, messages and calls | {held} | |"
