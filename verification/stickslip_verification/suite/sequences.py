@@ -418,7 +418,7 @@ class _Plan:
         draw, present = self._draw, self._values[name]
         way = draw.random()
         if way < 0.2:
-            return present + draw.choice((-1.0, 1.0)) * scale * _log_uniform(draw, 1e-4, 1e-2)
+            return present + draw.choice((-1.0, 1.0)) * scale * _log_uniform(draw, 1e-6, 1e-2)
         if way < 0.35:
             return -present if name != "load" else abs(present)
         return 0.0 if way < 0.45 and name != "v" else drawn
@@ -429,7 +429,7 @@ class _Plan:
             UNDAMPED: 0.0,
             BELOW: _log_uniform(self._draw, 3e-4, 0.9),
             CRITICAL: 1.0,
-            ABOVE: _log_uniform(self._draw, 1.1, 30.0),
+            ABOVE: _log_uniform(self._draw, 1.1, 60.0),
         }[damping]
         if damping in (BELOW, ABOVE) and self._draw.random() < 0.2:
             off = _log_uniform(self._draw, 1e-6, 1e-2)
