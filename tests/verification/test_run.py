@@ -25,7 +25,7 @@ FEW = [named(name) for name in ("one-step", "tuned", "reversals", "damped-cycle"
 @pytest.fixture(scope="module")
 def ours(fmu_path: Path) -> Verdict:
     """Return the verdict on our FMU in a few cases."""
-    return verify(fmu_path, FEW, jobs=1)
+    return verify(fmu_path, FEW, sequences=12, jobs=1)
 
 
 def wrong(verdict: Verdict) -> list[CheckResult]:

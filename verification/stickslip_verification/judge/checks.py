@@ -238,7 +238,8 @@ def judge_in_band(
             return replace(empty, failure=f"{quantity} is {got[broken[0]]} at t = {time:.6g} s")
         if not where.any():
             continue
-        allowed, found = band.allowed(quantity)[read][where], np.abs(got - expected)[where]
+        allowed = band.allowed(quantity)[read][where]
+        found = np.abs(got[where] - expected[where])
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = np.where(found == 0.0, 0.0, found / allowed)
         place = last_worst(ratios)

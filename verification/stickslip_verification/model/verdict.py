@@ -331,12 +331,14 @@ class Verdict:
 
     @property
     def proven(self) -> bool:
-        """Whether the FMU met a truth at all.
+        """Whether the FMU met a truth about a motion at all.
 
-        That FMU and reference agree, or that the reference is right, makes no FMU green.
+        That FMU and reference agree, that the reference is right, or that calls are answered as
+        they should be, makes no FMU green.
         """
         return any(
             r.verdict == Outcome.PASS
+            and r.case
             and r.decides
             and r.side == "fmu"
             and r.truth in (Kind.CLOSED_FORM, Kind.INVARIANT)

@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
+import numpy as np
+
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
@@ -13,7 +15,7 @@ from stickslip_verification.judge.band import MOST_LOST, Band, numerical, of_any
 from stickslip_verification.judge.checks import REFERENCE_CONTRACT, UNDECIDED, Contract
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import CheckResult, Klass, Motion, Table
+from stickslip_verification.model.verdict import SEQUENCE, CheckResult, Klass, Motion, Table
 from stickslip_verification.run.baseline import Baseline, Progress, Trial
 from stickslip_verification.suite.invariants import Invariants
 from stickslip_verification.suite.sequences import PLAIN
@@ -95,6 +97,7 @@ def judge(
         band = _band(trial.baseline, contract)
         judge_sequence = partial(_in_band, empty, contract, band)
         yield _judge(empty, trial.baseline, answer, judge_sequence)
+    yield from _lost(trials, contract)
     for invariant in invariants.probes:
         yield invariant_checks.judge_probe(invariant, contract, answers.probes[invariant.id])
 
@@ -197,15 +200,23 @@ def _band(baseline: Baseline, contract: Contract) -> Band | None:
     return None if nearby is None or nearby.value is None else numerical(exact, nearby.value)
 
 
+def _lost(trials: Sequence[Trial], contract: Contract) -> Iterator[CheckResult]:
+    """Yield a failure where too many points of the random sequences, which are short, are lost."""
+    bands = [_band(trial.baseline, contract) for trial in trials]
+    undecided = [band.undecided for band in bands if band is not None]
+    lost = float(np.mean(np.concatenate(undecided))) if undecided else 0.0
+    if lost > MOST_LOST:
+        reason = f"lost: the sequences {UNDECIDED} at {lost:.0%} of their points"
+        yield replace(invariant_checks.blank(trials[0].manner, "", contract), failure=reason)
+
+
 def _in_band(
     empty: CheckResult, contract: Contract, band: Band | None, exact: Exact, record: Run
 ) -> CheckResult:
     """Judge every output of a run in a band, and whether the band decides enough."""
     assert band is not None
-    if band.lost > MOST_LOST:
-        return replace(
-            empty, failure=f"lost: its course {UNDECIDED} at {band.lost:.0%} of its points"
-        )
+    if band.lost > MOST_LOST and not empty.case.startswith(SEQUENCE):
+        return replace(empty, failure=f"lost: it {UNDECIDED} at {band.lost:.0%} of its points")
     return checks.judge_in_band(empty, OUTPUT_NAMES, contract, band, record)
 
 
