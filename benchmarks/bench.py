@@ -25,11 +25,13 @@ from stickslip_fmu.block import Block
 from stickslip_fmu.packer import build
 from stickslip_fmu.spec import SPEC, TABLE
 from stickslip_ref import Parameters, simulate, steady_cycle
+from stickslip_score import read_curve, score
 
 ROUNDS = 15
 CALLS = 5_000
 INSTANCES = 50
 POINTS = 1_000_000
+ROWS = 2_000_000
 TEN_OUTPUTS = ["x", "x_dot", "x_pull", "z", "F", "F_friction", "F_s", "t_stick", "t_slip", "T"]
 
 
@@ -174,6 +176,20 @@ def measure_steady_cycle() -> Measurement:
     )
 
 
+def measure_score(folder: Path) -> Measurement:
+    """Time reading and judging a file of two million rows against NumPy that only reads it."""
+    file = folder / "curve.csv"
+    run = simulate(Parameters(), 1e-4 * ROWS, times=1e-4 * np.arange(ROWS))
+    columns = np.column_stack([run.t, run.x, run.F])
+    np.savetxt(file, columns, "%.9g", delimiter=",", header="time,x,F", comments="")
+    ours, plain = best_of(
+        3, lambda: score(read_curve(file), {}), lambda: np.loadtxt(file, delimiter=",", skiprows=1)
+    )
+    return Measurement(
+        "score, file of 2 10^6 rows", "row", ours / ROWS, plain / ROWS, "numpy.loadtxt", 4.0
+    )
+
+
 def measure_page(folder: Path) -> list[Measurement]:
     """Time the page's redraw after a move of a slider; nothing, and a word, without a browser."""
     file = folder / "stick-slip.html"
@@ -211,6 +227,7 @@ def measure() -> list[Measurement]:
             *measure_block(),
             measure_reference(),
             measure_steady_cycle(),
+            measure_score(Path(folder)),
             *measure_page(Path(folder)),
         ]
 

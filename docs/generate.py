@@ -28,6 +28,7 @@ from stickslip_verification import (
 from stickslip_verification.model.verdict import Kind
 from stickslip_verification.report.svg import differences
 from stickslip_verification.suite.schemas import FILES
+from stickslip_verification.suite.sequences import COUNT, SEED
 
 HERE = Path(__file__).parent
 
@@ -93,6 +94,8 @@ For everybody who connects the FMU in a system simulator. This page lists its va
 name, unit, range, and when each may be set. It is made from the variable table of the FMU.
 
 - The standard is FMI 2.0 co-simulation, the model identifier `StickSlip`.
+- An annotation of the type `org.stickslip.contract` names the contract, `stickslip-exact` in
+  version 1: this interface with its start values, and the exact motion to rounding.
 - All values are in SI units. Tools may show mm, mm/s and N/mm instead.
 - A fixed parameter is set before the start.
 - A tunable parameter or an input is set at any time and acts from the next step on.
@@ -128,7 +131,7 @@ def _range(row: Variable) -> str:
 def verdict(fmu: Path) -> Iterator[str]:
     """Give the lines of the verdict page: kinds of truth, cases, how many checks of each hold."""
     cases = load_cases()
-    result = verify(fmu, cases)
+    result = verify(fmu, cases, sequences=COUNT)
     counts = result.summary
     yield from f"""\
 # The verdict
@@ -136,7 +139,8 @@ def verdict(fmu: Path) -> Iterator[str]:
 For everybody who must decide whether to trust the FMU. This page counts what was checked,
 in which cases, and with what result.
 
-**{counts["passed"]} passed, {counts["failed"]} failed**, in {len(cases)} cases.
+**{counts["passed"]} passed, {counts["failed"]} failed**, in {len(cases)} cases
+and {len(result.sequences)} random sequences.
 
 This is code and solution verification in the terms of ASME V&V 10. It shows that the FMU
 and the reference solve the equations of [theory.md](theory.md), and how exactly. Whether
@@ -165,9 +169,11 @@ The table counts, for each case, the checks that passed on the FMU and on the re
         of_case = [each for each in result.checks if each.case == case.id]
         sides = " | ".join(_holding(of_case, side) for side in ("fmu", "reference"))
         yield f"| `{case.id}` | {case.title} | {sides} |"
+    drawn = [each for each in result.checks if each.case in set(result.sequences)]
+    yield f"| | random sequences of seed {SEED} | {_holding(drawn, 'fmu')} | – |"
     of_fmu = [each for each in result.checks if not each.case]
     held = _holding(of_fmu, "fmu")
-    yield f"| | the FMU itself: its declarations, refusals and messages | {held} | |"
+    yield f"| | the FMU itself: its declarations, refusals, messages and calls | {held} | |"
 
 
 def checks() -> Iterator[str]:
@@ -186,8 +192,9 @@ means for a user of the FMU, and which bug is the likeliest.
 
 - Numbers in brackets are the equations of [theory.md](theory.md).
 - A check of class `physics` has a tolerance and decides for every FMU.
-- A check of class `contract` decides for the exact block, the FMU of `stickslip build`. For
-  any other FMU it is noted, and decides with `--strict`.
+- A check of class `contract` decides for an FMU that is held to the exact contract: its
+  description names `stickslip-exact 1`, or `--contract exact` says so. For any other FMU it
+  is noted, and decides with `--strict`.
 - The last column counts the planted faults whose description names this check. A planted
   fault must fail at least one of the checks that it names.
 

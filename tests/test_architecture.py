@@ -33,11 +33,9 @@ OUTSIDE = {
     "fmukit": frozenset[str](),
     "stickslip_fmu": frozenset[str](),
     "stickslip_ref": frozenset({"numpy", "scipy"}),
-    "stickslip_verification": frozenset(
-        {"numpy", "mpmath", "fmpy", "jsonschema", "lazy_loader", "pebble"}
-    ),
+    "stickslip_verification": frozenset({"numpy", "mpmath", "fmpy", "jsonschema", "lazy_loader"}),
     "stickslip_verification.truth": frozenset({"mpmath"}),
-    "stickslip_score": frozenset({"lazy_loader", "mpmath", "numpy"}),
+    "stickslip_score": frozenset({"lazy_loader", "mpmath", "numpy", "scipy"}),
     "stickslip_design": frozenset({"lazy_loader", "mpmath", "numpy"}),
     "stickslip": frozenset({"typer", "rich", "matplotlib", "numpy"}),
 }

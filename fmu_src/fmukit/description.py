@@ -4,10 +4,10 @@ import hashlib
 import os
 import uuid
 from datetime import datetime, timezone
-from typing import Dict, Iterator, Mapping, Tuple
+from typing import Dict, Iterator, Mapping, Sequence, Tuple
 from xml.etree.ElementTree import Element, SubElement
 
-from .model import Experiment, Spec
+from .model import Annotation, Experiment, Spec
 from .table import Quantity, Table, Variable
 
 # Categories of the messages of every face.
@@ -104,6 +104,13 @@ def add_experiment(root: Element, experiment: Experiment) -> None:
     }
     given = {name: repr(value) for name, value in attributes.items() if value is not None}
     SubElement(root, "DefaultExperiment", given)
+
+
+def add_annotations(parent: Element, tag: str, key: str, given: Sequence[Annotation]) -> None:
+    """Add annotations, each an element `tag` whose attribute `key` is the type."""
+    for annotation in given:
+        element = SubElement(parent, tag, {key: annotation.type})
+        SubElement(element, annotation.element, dict(annotation.attributes))
 
 
 def drop_empty_lists(root: Element) -> None:

@@ -1,6 +1,6 @@
 """The protocol of a model, its error, and the specification that an FMU is made of."""
 
-from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Protocol, Type
+from typing import TYPE_CHECKING, Any, Dict, Mapping, NamedTuple, Optional, Protocol, Tuple, Type
 
 from .table import Table, Values
 
@@ -142,6 +142,24 @@ class Experiment(NamedTuple):
     step_size: Optional[float] = None
 
 
+class Annotation(NamedTuple):
+    """An annotation of the model: one XML element, for tools that know its type.
+
+    Attributes
+    ----------
+    type
+        Reverse domain name, such as org.example.units: the type in FMI 3.0, the tool in FMI 2.0.
+    element
+        Name of the element.
+    attributes
+        Attributes of the element.
+    """
+
+    type: str
+    element: str
+    attributes: Mapping[str, str]
+
+
 class Spec(NamedTuple):
     """A model with everything that its description says.
 
@@ -163,6 +181,8 @@ class Spec(NamedTuple):
         The class of the model.
     experiment
         Default experiment.
+    annotations
+        Annotations of the model.
     """
 
     name: str
@@ -174,6 +194,7 @@ class Spec(NamedTuple):
     values: Type[Values]
     model: Type[Model]
     experiment: Experiment = Experiment()
+    annotations: Tuple[Annotation, ...] = ()
 
     @property
     def table(self) -> Table:

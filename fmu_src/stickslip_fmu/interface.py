@@ -7,9 +7,15 @@ and one attribute of `block.Block`.
 
 from typing import Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
+from fmukit.model import Annotation
 from fmukit.table import ABOVE_ZERO, Item, Quantity, Table, Unit, Variable
 
 from .meter import MOST_SLIPS
+
+CONTRACT = Annotation(
+    "org.stickslip.contract", "Contract", {"name": "stickslip-exact", "version": "1"}
+)
+"""The promise that the FMU keeps to this interface and is exact to rounding, whatever the law."""
 
 _UNITS: Dict[str, Unit] = {
     "kg": Unit({"kg": 1}),

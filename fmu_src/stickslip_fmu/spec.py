@@ -3,7 +3,7 @@
 from fmukit.model import Experiment, Spec
 
 from .block import Block
-from .interface import table_of
+from .interface import CONTRACT, table_of
 from .laws.coulomb.law import COULOMB
 from .laws.law import Law
 from .release import DATE, VERSION
@@ -32,6 +32,7 @@ def spec_of(friction_law: Law) -> Spec:
         values=LawSettings,
         model=LawBlock,
         experiment=Experiment(0.0, 10.0, 0.01),
+        annotations=(CONTRACT,),
     )
 
 

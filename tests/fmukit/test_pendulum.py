@@ -7,12 +7,13 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Literal
+from xml.etree import ElementTree
 
 import fmpy
 import pytest
 
 from fmukit.packer import build_fmu
-from tests.fmu.conformity import CHECKERS
+from tests.fmu.conformity import CHECKERS, by_fmpy, by_schema, description_of
 
 from .grumbling import TOLD
 from .swinging import STEPS
@@ -142,6 +143,33 @@ def test_the_kit_packs_where_nothing_else_of_ours_is(tmp_path: Path) -> None:
     )
     given, _ = swung(tmp_path / "Pendulum.fmu", tmp_path)
     assert given["again"] == [given["given"][3:]] * 2
+
+
+NOTED = """
+from fmukit.model import Annotation
+from tests.fmukit.pendulum import SPEC as PENDULUM
+
+MASTER = Annotation("org.example.master", "Rate", {"unit": "Hz", "value": "100"})
+PLOT = Annotation("org.example.plot", "Colour", {"name": "blue & \\"green\\" <"})
+SPEC = PENDULUM._replace(annotations=(MASTER, PLOT))
+"""
+
+
+@pytest.mark.parametrize(
+    ("face", "path", "key"),
+    [(2, "VendorAnnotations/Tool", "name"), (3, "Annotations/Annotation", "type")],
+)
+def test_a_model_may_have_annotations(
+    tmp_path: Path, face: Literal[2, 3], path: str, key: str
+) -> None:
+    """They stand where the schema of either version has them, and say what was written."""
+    fmu = build_fmu(NOTED, tmp_path / "Noted.fmu", "noted_", face=face)
+    assert by_schema(fmu) == by_fmpy(fmu) == []
+    found = ElementTree.fromstring(description_of(fmu)).findall(path)
+    assert [(each.get(key), [(one.tag, one.attrib) for one in each]) for each in found] == [
+        ("org.example.master", [("Rate", {"unit": "Hz", "value": "100"})]),
+        ("org.example.plot", [("Colour", {"name": 'blue & "green" <'})]),
+    ]
 
 
 BUOYANT = """

@@ -15,6 +15,7 @@ from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.kept import FOLDER, kept
 from stickslip_verification.drive.stepping import setting_of
 from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER
+from stickslip_verification.model.verdict import ChosenContract
 from stickslip_verification.run.baseline import compute
 from stickslip_verification.run.verify import verify
 from stickslip_verification.suite.cases import Case
@@ -121,6 +122,10 @@ def test_invariants_of_coulombs_slip_are_not_tried_on_another_law() -> None:
     names = {each.id for each in baseline.invariants}
     assert {"energy-balance", "stick-holds-x", "jump-is-v-T", "heat-never-falls"} <= names
     assert not {"slip-propagates", "heat-of-dry-friction", "phases-join"} & names
+    # A law may add outputs to the interface.
+    assert "declared-variables" not in {
+        each.id for each in load_invariants().of_laws([baseline.case.law])
+    }
     left = load_invariants().of_laws(["tests.laws.falling:FALLING"])
     assert {each.id for each in load_invariants()} > {each.id for each in left}
     assert load_invariants().of_laws(["coulomb"]).only({"slip-friction"}).residuals
@@ -149,11 +154,12 @@ def falling_fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build(tmp_path_factory.mktemp("falling"), law="tests.laws.falling:FALLING")
 
 
-def test_the_fmu_of_the_law_passes_its_cases_at_the_tolerances_of_the_exact_block(
+def test_the_fmu_of_the_law_keeps_the_exact_contract_on_its_cases(
     falling_fmu: Path,
 ) -> None:
-    """Courses, invariants, other runs and the reference: every check of both cases passes."""
-    verdict = verify(falling_fmu, load_cases(folder=CASES), strict=True, jobs=1)
+    """Its description names it, and every check of both cases passes at the exact tolerances."""
+    verdict = verify(falling_fmu, load_cases(folder=CASES), jobs=1)
+    assert verdict.contract == ChosenContract("exact", "its description names stickslip-exact 1")
     assert [r for r in verdict.checks if not r.passed] == []
     assert all(result.decides for result in verdict.checks)
     sides = {(result.case, result.side) for result in verdict.checks if result.case}

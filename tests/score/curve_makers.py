@@ -161,3 +161,17 @@ def _stepped(
     t: Floats = h * np.arange(count + 1, dtype=np.float64)
     at = np.array(positions)
     return Made(t, at, np.array(velocities), q["k"] * (q["v"] * t - at))
+
+
+def euler_with_the_sign(p: Parameters, duration: float, h: float) -> Made:
+    """Step by semi-implicit Euler with friction by the sign of the velocity, and never at rest."""
+    q = with_defaults(p)
+    N = q["m"] * q["g"]
+
+    def step(x: float, u: float, time: float, _: bool) -> tuple[float, float, bool]:
+        force = q["k"] * (q["v"] * time - x)
+        mu = q["mu_s"] if abs(u) < 0.05 * q["v"] else q["mu_k"]
+        u += h * (force - math.copysign(mu * N, u or force)) / q["m"]
+        return x + h * u, u, True
+
+    return _stepped(q, duration, h, step)

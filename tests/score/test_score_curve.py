@@ -63,6 +63,68 @@ def test_columns_can_be_named(tmp_path: Path) -> None:
     assert curve.F is not None
 
 
+def test_a_name_carries_the_unit_that_the_header_lacks(tmp_path: Path) -> None:
+    """The person who knows that x is in mm says so with the name of its column."""
+    file = written(tmp_path, table("time,x,F"))
+    curve = read_curve(file, {"x": "x [mm]", "t": "TIME (ms)"})
+    assert curve.x is not None
+    assert curve.x[-1] == pytest.approx(7e-6)
+    assert curve.t[-1] == pytest.approx(0.7e-3)
+    with pytest.raises(CurveError, match="no column"):
+        read_curve(written(tmp_path, table("time,x [m],F")), {"x": "x [mm]"})
+
+
+def numbers(form: str, separator: str = ";", quote: str = "") -> str:
+    """Give a position that passes 1000 um, in a form with `,` and `.` as in English."""
+    cells = [(f"{0.5 * i:.1f}", format(999.0 + 0.5 * i, form)) for i in range(8)]
+    rows = [f"{t}{separator}{quote}{x}{quote}" for t, x in cells]
+    return "\n".join([f"t{separator}x [um]", *rows]) + "\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        numbers(",.0f"),
+        numbers(",.1f"),
+        numbers(",.1f", ","),
+        numbers(",.1f", ",", '"'),
+        numbers(",.0f").replace(",", "."),
+        numbers(",.1f").replace(",", "'"),
+        numbers(",.0f").replace(",", " "),
+        numbers(",.1f").replace(".", ";").replace(",", ".").replace(";", ",").replace(",x", ";x"),
+        "t;x\n" + "\n".join(f"{i},0;1.00{i}" for i in range(8)),
+    ],
+)
+def test_thousands_are_refused_and_never_another_number(tmp_path: Path, text: str) -> None:
+    """A comma or point that may separate thousands is refused, whatever separates the cells."""
+    with pytest.raises(CurveError):
+        read_curve(written(tmp_path, text))
+
+
+def test_decimal_commas_are_read_where_they_can_be_nothing_else(tmp_path: Path) -> None:
+    """In any row one comma tells for the file; in quotes it may stand between commas too."""
+    rows = [f"{1000 + i};1,00{i}" for i in range(8)]
+    with pytest.raises(CurveError, match="'1,000' may have a separator of thousands"):
+        read_curve(written(tmp_path, "\n".join(["t;x", *rows])))
+    for text in (
+        "\n".join(["t;x", *rows, "1008;0,5"]),
+        "\n".join(["t;x", *[f"{i},5;1,00{i}" for i in range(8)]]),
+        "\n".join(["t,x", *[f'"{i},5","1,00{i}"' for i in range(8)]]),
+    ):
+        curve = read_curve(written(tmp_path, text))
+        assert curve.x is not None
+        assert curve.x[:8] == pytest.approx(1.0 + 0.001 * np.arange(8))
+
+
+def test_cells_beyond_the_header_are_refused(tmp_path: Path) -> None:
+    """More cells than names mean that a comma inside a number was taken for a separator."""
+    text = table("time,x,F").replace("0.3,0.003,6", "0,3,0.003,6")
+    with pytest.raises(CurveError, match="line 5: 4 cells under a header of 3"):
+        read_curve(written(tmp_path, text))
+    empty = table("time,x,F").replace("\n", ",\n").replace("F,", "F")
+    assert read_curve(written(tmp_path, empty)).t.size == len(ROWS)
+
+
 def test_an_own_file_gives_force_and_not_frequency(tmp_path: Path) -> None:
     """Among F, f, T and time the case of the letter tells which is which."""
     curve = read_curve(written(tmp_path, table("time,T,f").replace("time,T,f", "f,time,F")))
@@ -127,6 +189,15 @@ def test_the_digits_of_printed_numbers_are_counted(form: str) -> None:
     printed = np.array([float(f"{number:{form}}") for number in true])
     lost = float(np.max(np.abs(printed - true)))
     assert 0.999 * lost <= Curve.of(np.arange(500.0), x=printed).x_rounding <= 1.1 * lost
+
+
+@pytest.mark.parametrize("step", [1e-6, 2.0**-20, 1e-4 / 3.0])
+def test_counts_of_an_encoder_are_counted(step: float) -> None:
+    """Whatever digits a count times its step is written with, it carries half a step."""
+    true = 5e-3 * np.sin(np.linspace(0.0, 3.0, 500))
+    counted = step * np.round(true / step)
+    assert Curve.of(np.arange(500.0), x=counted).x_rounding == pytest.approx(0.5 * step)
+    assert Curve.of(np.arange(500.0), x=true).x_rounding < 1e-15
 
 
 def test_round_times_on_an_even_grid_are_exact() -> None:

@@ -108,7 +108,8 @@ def model_exchange_fmu(slider_mm: Path, foreign_folder: Path) -> Path:
 def misbehaving(foreign_folder: Path) -> Callable[[str], Path]:
     """Return what builds an FMU that does something on its third step.
 
-    Its argument is crash (the whole process), hang (for ever), discard (the step) or raise.
+    Its argument is crash (the whole process), hang (for ever), discard (the step), raise, eat (a
+    gigabyte), print or log (a lot).
     """
 
     def build(what: str) -> Path:

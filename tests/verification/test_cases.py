@@ -12,7 +12,7 @@ from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.judge.checks import extract, places
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import GROUPS
-from stickslip_verification.model.verdict import Kind
+from stickslip_verification.model.verdict import CaseGroup, Kind
 from stickslip_verification.suite.cases import At, Case, Truth
 
 from .records import exact_of
@@ -225,6 +225,23 @@ def test_ids_are_unique(tmp_path: Path) -> None:
     (tmp_path / "zwei.toml").write_text(GOOD, encoding="utf-8")
     with pytest.raises(CaseError, match=r"zwei.toml: id: 'good' is taken by good.toml"):
         load_cases(folder=tmp_path)
+
+
+def test_a_case_is_grouped_by_what_it_sets() -> None:
+    """The group follows from the file; every group but that of other laws has cases."""
+    groups = {case.id: case.group for case in load_cases()}
+    assert set(groups.values()) == {*CaseGroup} - {CaseGroup.LAWS}
+    assert {case for case, group in groups.items() if group == CaseGroup.DEFAULT} == {
+        "default",
+        "crumbs",
+        "long-run",
+        "one-step",
+    }
+    assert groups["clamp-tuned"] == CaseGroup.CONVENTIONS
+    assert groups["overdamped-turn"] == CaseGroup.CHANGES
+    assert groups["reversals-damped"] == CaseGroup.STARTS
+    assert groups["damped-cycle"] == CaseGroup.DAMPING
+    assert groups["stiff"] == CaseGroup.SETTINGS
 
 
 def test_cases_are_chosen_by_pattern(tmp_path: Path) -> None:

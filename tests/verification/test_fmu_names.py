@@ -1,11 +1,12 @@
 """The names file: what it may say, and what is said when it says something else."""
 
-import re
 from pathlib import Path
 
 import pytest
 
-from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_fmu.packer import build
+from stickslip_verification import load_cases
+from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import (
     INPUT_UNITS,
@@ -16,8 +17,14 @@ from stickslip_verification.drive.fmu.names import (
     Target,
     load_names,
 )
+from stickslip_verification.drive.stepping import require_law
 from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.truth import friction_law
 from stickslip_verification.truth.parameters import START_VALUES
+
+from .foreign import building
+
+FALLING = Path(__file__).parents[1] / "laws" / "falling"
 
 
 @pytest.fixture
@@ -94,15 +101,15 @@ def test_a_names_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
 
 
 def test_mapped_names_that_the_fmu_lacks_are_all_told(slider_mm: Path) -> None:
-    """Every name that the FMU does not have is named, with ours, and the nearest it does have."""
+    """Every name that the FMU does not have is named, with ours, and then what it does have."""
     names = NameMap({"x": Target("slider.q"), "F": Target("nothing"), "v": Target("drive.speed")})
     with pytest.raises(FmuError) as caught:
         FmuFile(slider_mm, names)
-    assert re.fullmatch(
-        r"SliderMm\.fmu: has no variable 'slider\.q' for x \(near it: 'slider\.[sv]'\), "
-        r"'nothing' for F",
-        str(caught.value),
-    )
+    lacks, has = str(caught.value).split("; it has ")
+    assert lacks == "SliderMm.fmu: has no variable 'slider.q' for x, 'nothing' for F"
+    near = has.removesuffix(" and 14 more").split(", ")
+    assert len(near) == 8
+    assert set(near[:2]) == {"slider.s [millimetre]", "slider.v [mm/s]"}
 
 
 @pytest.mark.parametrize(
@@ -125,6 +132,57 @@ def test_a_variable_of_the_wrong_sort_is_refused(
     with pytest.raises(FmuError) as caught:
         FmuFile(slider_mm, NameMap(entry))
     assert str(caught.value) == f"SliderMm.fmu: {said}"
+
+
+def test_what_an_fmu_has_is_told_with_unit_and_description(slider_mm: Path, tmp_path: Path) -> None:
+    """The nearest first; a long description is cut, and the message stays on one line."""
+
+    def described(description: str) -> str:
+        text = "The way of the slider &#10; along the rail, counted from where it was at the start"
+        return description.replace('name="slider.s"', f'name="slider.s" description="{text}"')
+
+    fmu = building.altered(slider_mm, tmp_path / "told.fmu", described)
+    with pytest.raises(FmuError) as caught:
+        require(FmuFile(fmu))
+    assert (
+        "has no variable m, k, mu_s, mu_k, v, x; map them with --names (`stickslip names`"
+        in str(caught.value)
+    )
+    shown = "slider.s [millimetre] (The way of the slider along the rail, c\N{HORIZONTAL ELLIPSIS})"
+    assert shown in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_names_file_may_name_the_parameters_of_a_law(file: Path) -> None:
+    """Those of the law that is tried, and of no other."""
+    file.write_text('x = "mass.s"\nslope = { name = "friction.slope", sign = -1 }\n', "utf-8")
+    own = friction_law("tests.laws.falling:FALLING").parameters
+    assert load_names(file, own).targets["slope"] == Target("friction.slope", sign=-1)
+    with pytest.raises(NamesError, match="line 2: 'slope' is no variable of the suite"):
+        load_names(file)
+
+
+def test_a_parameter_of_a_law_is_set_under_its_name_in_the_fmu(
+    fmu_path: Path, tmp_path: Path
+) -> None:
+    """It is found by the names file; one that is mapped to nothing there is told."""
+    renamed = building.altered(
+        build(tmp_path, law="tests.laws.falling:FALLING"),
+        tmp_path / "renamed.fmu",
+        lambda text: text.replace('name="slope"', 'name="friction.slope"'),
+    )
+    own = friction_law("tests.laws.falling:FALLING").parameters
+    (case, *_) = load_cases("falling", FALLING / "cases")
+    with pytest.raises(FmuError, match="has no variable slope, which the friction law"):
+        require_law(FmuFile(renamed), case)
+    fmu = FmuFile(renamed, NameMap({"slope": Target("friction.slope")}))
+    require_law(fmu, case)
+    assert fmu.variables["slope"].their_name == "friction.slope"
+    assert own[0].name == "slope"
+    with pytest.raises(FmuError, match=r"has no variable 'slop' for slope; it has friction\.slope"):
+        FmuFile(renamed, NameMap({"slope": Target("slop")}))
+    with pytest.raises(FmuError, match=r"slope \('F'\) must be a parameter or an input, not a"):
+        require_law(FmuFile(renamed, NameMap({"slope": Target("F")})), case)
 
 
 def test_without_a_map_our_own_names_count(foreign_fmu: Path) -> None:

@@ -106,7 +106,7 @@ def test_one_case_alone_leaves_things_unused(alone: set[str]) -> None:
         (
             r'id = "first-load-up"',
             'id = "splitting"',
-            "default / splitting: an invariant has this id",
+            r"line 17, checks\[0\]\.id: 'splitting' is taken by an invariant",
         ),
         (r'quantity = "F_s"', 'quantity = "y"', r"checks\[1\]\.quantity: 'y' is not a known"),
         (r"\[experiment\]", "[experiment", "default.toml: line"),

@@ -10,7 +10,14 @@ import pytest
 
 from stickslip_verification import CheckResult, Verdict, write_json
 from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.model.verdict import Detection, KillMatrix, ObservedOrder, Second
+from stickslip_verification.model.verdict import (
+    ChosenContract,
+    Detection,
+    KillMatrix,
+    ObservedOrder,
+    Second,
+    Table,
+)
 from stickslip_verification.report import provenance
 
 LAYOUT = [
@@ -69,11 +76,12 @@ def test_the_report_has_the_agreed_layout(tmp_path: Path) -> None:
     assert list(report) == [
         "summary",
         "passed",
-        "ours",
         "by_kind",
         "checks",
         "orders",
         "kills",
+        "contract",
+        "tables",
         "provenance",
     ]
     counts = {"passed": 1, "failed": 1, "noted": 0, "not_applicable": 0}
@@ -116,6 +124,40 @@ def test_what_stands_behind_a_verdict_is_in_the_file(tmp_path: Path) -> None:
     assert report["passed"] is False
 
 
+def test_tables_and_the_contract_are_in_the_file(tmp_path: Path) -> None:
+    """A table keeps its numbers as numbers, and a number that is not finite is null."""
+    file = tmp_path / "report.json"
+    table = Table("Counts", "What was tried.", ("what", "c = 0"), [("load", 3), ("v", math.inf)])
+    chosen = ChosenContract("physics", "--contract physics")
+    write_json(Verdict([result()], contract=chosen, tables=[table]), file)
+    report = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)
+    assert report["contract"] == {"name": "physics", "why": "--contract physics"}
+    assert report["tables"] == [
+        {
+            "title": "Counts",
+            "about": "What was tried.",
+            "head": ["what", "c = 0"],
+            "rows": [["load", 3], ["v", None]],
+            "note": "",
+        }
+    ]
+
+
+def test_a_table_whose_rows_do_not_fit_its_head_is_refused() -> None:
+    """The message names the table and the row."""
+    with pytest.raises(ValueError, match=r"table 'Counts': row \['load'\] has 1 cells, the head 2"):
+        Table("Counts", "", ("what", "c = 0"), [["load"]])
+
+
+def test_random_sequences_are_counted_apart_from_cases() -> None:
+    """The FMU as a whole is neither a case nor a sequence."""
+    verdict = Verdict(
+        [result(), result(case="sequence-017"), result(case=""), result(), result(case="heat")]
+    )
+    assert verdict.cases == ["default", "heat"]
+    assert verdict.sequences == ["sequence-017"]
+
+
 def test_a_failed_write_leaves_the_old_report(tmp_path: Path) -> None:
     """A report that cannot be written whole does not touch what was there."""
     file = tmp_path / "report.json"
@@ -140,6 +182,7 @@ def test_the_provenance_names_the_bytes_that_were_judged(foreign_fmu: Path) -> N
     assert told["fmu"]["sha256"] == hashlib.sha256(foreign_fmu.read_bytes()).hexdigest()
     assert {"python", "stickslip", "numpy", "scipy", "mpmath", "fmpy"} <= set(told["versions"])
     assert told["command"] == "stickslip verify"
+    assert "can rewrite what that code reports" in told["trust"]
     assert told["platform"]
     json.dumps(told, allow_nan=False)
 

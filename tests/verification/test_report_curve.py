@@ -1,6 +1,7 @@
 """What is drawn of a motion: corners stay corners, a stick stays flat, nothing is made up."""
 
 import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -115,6 +116,17 @@ def test_a_picture_says_the_same_each_time() -> None:
     assert len(drawn) < 120_000
     assert "<metadata" not in drawn
     assert "http" not in drawn
+
+
+@pytest.mark.parametrize(
+    ("reference", "names"),
+    [(1e-7, {"tolerance, FMU", "tolerance, reference"}), (1e-12, {"tolerance, both"})],
+)
+def test_tolerances_that_lie_together_share_a_name(reference: float, names: set[str]) -> None:
+    """A foreign FMU has the tolerances of the reference: two names would lie on one another."""
+    moved = replace(motion("default"), records={"fmu": motion("default").exact})
+    drawn = draw_case(moved, {"fmu": 1e-12, "reference": reference})
+    assert set(re.findall("tolerance, [A-Za-z]+", drawn)) == names
 
 
 def test_a_side_that_went_astray_is_still_drawn() -> None:

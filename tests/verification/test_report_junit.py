@@ -2,7 +2,7 @@
 
 import xml.etree.ElementTree as ET
 
-from stickslip_verification.model.verdict import Second, Verdict
+from stickslip_verification.model.verdict import ChosenContract, Second, Verdict
 from stickslip_verification.report.junit import as_junit
 from tests.verification.test_report import result
 
@@ -48,12 +48,15 @@ def test_the_layout_is_the_one_that_readers_know() -> None:
     """No element has a child or an attribute that the common readers of JUnit do not expect."""
     children = {
         "testsuites": {"testsuite"},
-        "testsuite": {"testcase"},
+        "testsuite": {"properties", "testcase"},
+        "properties": {"property"},
         "testcase": {"failure", "skipped", "system-out"},
     }
     attributes = {
         "testsuites": {"name", "tests", "failures", "errors", "skipped"},
         "testsuite": {"name", "tests", "failures", "errors", "skipped"},
+        "properties": set(),
+        "property": {"name", "value"},
         "testcase": {"classname", "name"},
         "failure": {"message", "type"},
         "skipped": {"message"},
@@ -61,6 +64,19 @@ def test_the_layout_is_the_one_that_readers_know() -> None:
     for element in ET.fromstring(as_junit(Verdict(RESULTS))).iter():
         assert {child.tag for child in element} <= children.get(element.tag, set())
         assert set(element.attrib) == attributes.get(element.tag, set())
+
+
+def test_the_contract_and_its_reason_are_properties_of_the_verdict() -> None:
+    """A CI system shows which contract was kept, and why that one."""
+    chosen = ChosenContract("physics", "--contract physics")
+    root = ET.fromstring(as_junit(Verdict(RESULTS, contract=chosen)))
+    suite = root.find("testsuite[@name='the verdict']")
+    assert suite is not None
+    assert suite[0].tag == "properties"
+    assert {each.get("name"): each.get("value") for each in suite[0]} == {
+        "contract": "physics",
+        "why": "--contract physics",
+    }
 
 
 def test_a_message_of_an_fmu_cannot_break_the_file() -> None:

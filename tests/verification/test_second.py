@@ -10,7 +10,13 @@ import pytest
 from stickslip_verification.judge.checks import EXACT_CONTRACT, judge
 from stickslip_verification.judge.second_values import Accepted, AcceptError, accept, load_accepted
 from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import CheckResult, Measured, Second, Verdict
+from stickslip_verification.model.verdict import (
+    CheckResult,
+    ChosenContract,
+    Measured,
+    Second,
+    Verdict,
+)
 
 from .records import Draft, exact_of, named, planted
 from .test_report import result as plain
@@ -162,10 +168,10 @@ def test_a_drift_is_what_accepting_is_for(tmp_path: Path) -> None:
 
 
 def test_a_foreign_verdict_is_not_accepted(tmp_path: Path) -> None:
-    """Second values are our own FMU's."""
+    """Second values are those of an FMU held to the exact contract."""
     file = tmp_path / "accepted.json"
     with pytest.raises(AcceptError, match="only the exact block"):
-        accept(Verdict(checks=[result()], ours=False), file)
+        accept(Verdict([result()], contract=ChosenContract("physics", "said")), file)
     assert not file.exists()
 
 

@@ -1,11 +1,15 @@
 """A file is there whole, or as it was before."""
 
+import errno
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from stickslip_verification import replacing
+from stickslip_verification.model.whole_file import write_all
 
 
 def test_an_interrupted_write_leaves_the_old_file(tmp_path: Path) -> None:
@@ -36,3 +40,41 @@ def test_a_replaced_file_has_the_permissions_of_a_new_one(tmp_path: Path) -> Non
         os.umask(before)
     assert file.read_bytes() == b"new"
     assert file.stat().st_mode & 0o777 == 0o640
+
+
+def test_files_are_written_all_or_none(tmp_path: Path) -> None:
+    """Where the second file cannot be written, the first is as it was; the error names it."""
+    first, second = tmp_path / "first", tmp_path / "folder"
+    first.write_bytes(b"old")
+    second.mkdir()
+    with pytest.raises(IsADirectoryError) as caught:
+        write_all({second: b"new", first: b"new"})
+    assert caught.value.filename == str(second)
+    assert sorted(tmp_path.iterdir()) == [first, second]
+
+
+FILLING = """\
+import resource, signal, sys
+from pathlib import Path
+from stickslip_verification.model.whole_file import write_all
+
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+folder = Path(sys.argv[1])
+try:
+    write_all({folder / "a": b"a" * 90_000, folder / "b": b"b" * 110_000, folder / "c": b"c"})
+except OSError as error:
+    print(Path(error.filename).name, error.strerror)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="files have no largest size there")
+def test_a_file_that_does_not_fit_is_named(tmp_path: Path) -> None:
+    """A file that grows too large is named, and none of those written with it is left."""
+    (tmp_path / "a").write_bytes(b"old")
+    run = subprocess.run(
+        [sys.executable, "-c", FILLING, tmp_path], capture_output=True, text=True, check=True
+    )
+    assert run.stdout == f"b {os.strerror(errno.EFBIG)}\n"
+    assert list(tmp_path.iterdir()) == [tmp_path / "a"]
+    assert (tmp_path / "a").read_bytes() == b"old"

@@ -17,9 +17,10 @@ import pytest
 
 from stickslip.commands.shared import pack_evidence
 from stickslip.errors import CommandError
-from stickslip_verification import load_cases
+from stickslip_verification import load_cases, load_mutants
 from stickslip_verification import verify as judge
 from stickslip_verification.drive.fmu.digest import content_digest
+from stickslip_verification.drive.planting import plant
 from stickslip_verification.suite.cases import CASES_FOLDER
 from stickslip_verification.suite.faults import FAULTS_FOLDER
 from tests.interrupting import session, wait_for_work
@@ -125,6 +126,77 @@ def test_a_foreign_fmu_passes_by_its_names(command: Command, slider: Path) -> No
     assert "noted (contract: it decides with --strict)" in answer.out
 
 
+def test_the_contract_is_told_with_its_reason(
+    command: Command, tmp_path: Path, fmu_path: Path
+) -> None:
+    """On the terminal and in all three files: the description names it, or --contract does."""
+    arguments = ("--fmu", fmu_path, "--cases", "one-step")
+    for more, name, why in (
+        ((), "exact", "its description names stickslip-exact 1"),
+        (("--contract", "physics"), "physics", "--contract physics"),
+        (("--contract", "exact", "--all"), "exact", "--contract exact"),
+    ):
+        answer = command.verify(*arguments, *more)
+        assert answer.code == 0, answer.out
+        assert f"contract: {name} ({why})" in answer.out
+        assert report_in(tmp_path / "report")["contract"] == {"name": name, "why": why}
+        for file in ("index.html", "junit.xml"):
+            assert why in (tmp_path / "report" / file).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("options", "told"), [((), "<body>"), (("--full",), '<body class="full">')]
+)
+def test_the_report_prints_every_comparison_on_demand(
+    command: Command, fmu_path: Path, tmp_path: Path, options: tuple[str, ...], told: str
+) -> None:
+    """--full marks the page: its style prints what is else left out."""
+    assert command.verify("--fmu", fmu_path, "--cases", "one-step", *options).code == 0
+    assert told in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
+
+
+def test_fitness_is_told_beside_the_verdict(
+    command: Command, tmp_path: Path, fmu_path: Path
+) -> None:
+    """Of an FMU that integrates with 1 ms: yes or no for each quantity; the exit code stays 1."""
+    bad = plant(fmu_path, load_mutants("fixed-step-1ms")[0], tmp_path / "bad.fmu")
+    arguments = ("--fmu", bad, "--cases", "default")
+    for within, share, word in (("2%", "2 %", "yes"), ("0.0002", "0.02 %", "no")):
+        answer = command.verify(*arguments, "--within", within)
+        assert answer.code == 1
+        assert f"Fitness: within {share}?" in answer.out
+        row = next(line for line in answer.out.splitlines() if "jump (" in line)
+        assert word in row.split()
+        tables = report_in(tmp_path / "report")["tables"]
+        assert isinstance(tables, list)
+        assert tables[0]["title"] == f"Fitness: within {share}?"
+        assert f"within {share}?" in (tmp_path / "report" / "index.html").read_text("utf-8")
+    assert "places are not within it; the report lists them" in answer.out
+
+
+def test_a_names_file_is_begun(command: Command, tmp_path: Path, slider: Path) -> None:
+    """To the terminal, or to a file that is never overwritten; verify takes it as it is."""
+    shown = command("names", slider)
+    assert (shown.code, shown.err) == (0, "")
+    written = command("names", slider, "-o", "names.toml")
+    assert (written.code, written.out) == (0, "names.toml\n")
+    assert (tmp_path / "names.toml").read_text(encoding="utf-8") == shown.out
+    again = command("names", slider, "-o", "names.toml")
+    assert (again.code, again.out) == (2, "")
+    assert again.err == "stickslip: -o names.toml: it is there already, and may have been edited\n"
+    answer = command.verify(
+        "--fmu", slider, "--names", "names.toml", "--cases", "one-step", "-o", "r.json"
+    )
+    assert answer.code == 0, answer.out
+    for arguments, told in (
+        (("names", "none.fmu"), "none.fmu: no such file"),
+        (("names", slider, "-o", "none/names.toml"), "-o none/names.toml: "),
+    ):
+        refused = command(*arguments)
+        assert (refused.code, refused.err.count("\n")) == (2, 1)
+        assert told in refused.err
+
+
 def test_own_cases_can_be_run(command: Command, fmu_path: Path, tmp_path: Path) -> None:
     """--cases takes a file or a folder of a person's own cases."""
     mine = tmp_path / "mine"
@@ -186,10 +258,20 @@ def test_a_baseline_shows_how_margins_moved(command: Command, fmu_path: Path) ->
         (["--fault", "state-*", "--mutants"], "--fault does not go with --mutants"),
         (["--jobs", "0"], "--jobs"),
         (["--time-limit", "-1"], "--time-limit"),
+        (["--budget", "0"], "--budget 0.0: must be above 0 s"),
+        (["--memory", "nan"], "--memory nan: must be 0.1 GB at least"),
         (
             ["--accept", "--fmu", "{slider}", "--names", "{names}"],
             "only the exact block is accepted",
         ),
+        (["--within", "1"], "--within 1: must be above 0 % and below 100 %, as 1% or as 0.01"),
+        (["--within", "0"], "must be above 0 %"),
+        (["--within", "nan"], "--within 'nan' is not a finite number"),
+        (["--within", "1 mm"], "--within '1 mm' is a length"),
+        (["--contract", "other"], "'other' is not one of 'exact', 'physics'"),
+        (["--contract", "exact", "--strict"], "--strict does not go with --contract"),
+        (["--contract", "exact", "--accept"], "--accept does not go with --contract"),
+        (["--contract", "exact", "--pack"], "--pack does not go with --contract"),
         (["-o", "{text}/report"], "-o "),
     ],
 )

@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from stickslip_score.evidence import Evidence
-from stickslip_score.law import Law
+from stickslip_score.held import explained_by_drift
+from stickslip_score.law import Law, root
 from stickslip_score.phases import NO_GAP, Stick
 from stickslip_score.result import Cause, Judgement
 from stickslip_score.sliding import judge_sliding
@@ -25,6 +26,13 @@ _HIDDEN = 8.0
 """Half units of the last digit within which jumps that vary are not told from equal ones: two for
 either level, at either end of their range."""
 
+_DEVIATIONS, _OFFSETS = 3.0, 5.0
+"""Standard deviations of noise that a break-away may be off, and those of the mean of the samples
+that their offset may be: it hangs on the break-away as well."""
+
+_TELLS_NOISE = 40
+"""Samples below which noise is not told from a departure, unless the mass rests to its digits."""
+
 _SEES_SLIPS = 0.5
 """Radians of the oscillation between samples up to which each slip, of pi or more, has six."""
 
@@ -35,52 +43,63 @@ smoothed friction changes by the factor mu_s/(2 mu_k - mu_s) meanwhile."""
 _HIGHS_OF_A_DRIFT = 4
 """Turns of the spring, and times their scatter, from which on a drift is one."""
 
-_CHATTER = 0.05
-"""Share of samples of a stick at which the mass turns back. One that rests or creeps has none."""
-
 
 def decide(e: Evidence) -> Judgement:
     """Return the most likely cause, and the sentence that says why."""
     if e.motion.mismatch:
         return Cause.OTHER, e.motion.mismatch
     if e.lies_on("exact"):
-        return _on_the_exact_law(e)
-    if e.exact is None and (judged := judge_sliding(e)):
+        return exact_law(e)
+    if e.exact is None and not e.chatters and (judged := judge_sliding(e)):
         return judged
-    creeping = [stick for stick in e.phases.sticks if _creeps(stick)]
-    loading = [stick for stick in e.phases.sticks if stick.samples > 1]
     if e.lies_on("one coefficient"):
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+        return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
+    if e.chatters:
+        return Cause.FIXED_STEP, (
+            "the solver chatters in stick: friction acts in full now one way, now the other, "
+            "instead of holding the mass at rest, because each step passes over its sign change"
+        )
+    creeping = creeping_sticks(e)
+    if e.motion.t.size < _TELLS_NOISE and not e.motion.rests():
+        return Cause.NOISY, _too_few_for_noise(e)
+    if explained_by_drift(e.fits):
+        return Cause.OTHER, drift(e)
     if creeping and e.motion.from_force and _is_even(creeping):
         return Cause.OTHER, _another_stiffness(e, creeping)
-    if creeping and (creeping[0] is loading[0] or 2 * len(creeping) >= len(loading)):
+    if creeping:
         return _creeping(e, creeping)
     if not e.phases.high_samples:
-        return _without_a_slip(e)
-    if drifting := _another_speed(e):
+        return without_a_slip(e)
+    if drifting := another_speed(e):
         return Cause.OTHER, drifting
     if e.lies_on("gap"):
-        return _another_gap(e)
+        return _late_by_a_step(e) or another_gap(e)
     if e.lies_on("gap and mass"):
-        return _another_mass(e)
+        return another_mass(e)
     if e.seen_gap < NO_GAP * e.law.D:
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
-    if _chatters(e):
-        return Cause.FIXED_STEP, _chatter(e)
+        return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
     return _unlawful(e)
 
 
-def _creeps(stick: Stick) -> bool:
-    return not stick.rests and bool(stick.creep) and stick.chatter < _CHATTER
+def creeping_sticks(e: Evidence) -> list[Stick]:
+    """Return the sticks in which the mass creeps; none where it creeps in few of them."""
+    loading = [stick for stick in e.phases.sticks if stick.samples > 1]
+    creeping = [stick for stick in loading if not stick.rests and bool(stick.creep)]
+    first = creeping and creeping[0] is loading[0]
+    return creeping if first or 2 * len(creeping) >= len(loading) else []
 
 
-def _on_the_exact_law(e: Evidence) -> Judgement:
+def exact_law(e: Evidence) -> Judgement:
+    """Judge a curve on the exact law by the spring force at its break-away."""
     found = e.fits["exact"]
     extension = e.motion.extension(found.t_break, found.offset)
     step = float(np.max(np.diff(e.motion.t)))
     # Samples that pass over the slips tell a break-away only between two of them.
     when = found.spread["t_break"] if step * e.law.w < _SEES_SLIPS else step
-    digits = 4.0 * e.motion.allowed + e.motion.z_allowed + e.law.v * when
+    if e.motion.noise:
+        when += _DEVIATIONS * found.deviation("t_break")
+    digits = 4.0 * e.motion.digits + e.motion.z_allowed + e.law.v * when
+    digits += _OFFSETS * e.motion.noise / math.sqrt(e.motion.t.size)
     if e.motion.absolute and abs(extension - e.break_away) > digits + _SAME_FORCE * e.highest:
         seen, due = e.p["k"] * extension, e.p["k"] * e.break_away
         return Cause.OTHER, (
@@ -97,6 +116,14 @@ def _on_the_exact_law(e: Evidence) -> Judgement:
     )
 
 
+def _too_few_for_noise(e: Evidence) -> str:
+    said = f"{e.motion.t.size} samples are too few to tell noise from a cause"
+    if not e.fits:
+        return said
+    off = min(fit.rms for fit in e.fits.values())
+    return f"{said}; they are off the exact solution by {length(off)} rms"
+
+
 def _is_even(creeping: list[Stick]) -> bool:
     """Tell whether the creep does not follow the force, as that of smoothed friction does."""
     return abs(float(np.nanmedian([stick.late_over_early for stick in creeping])) - 1.0) < _EVEN
@@ -111,7 +138,7 @@ def _another_stiffness(e: Evidence, creeping: list[Stick]) -> str:
     )
 
 
-def _another_speed(e: Evidence) -> str:
+def another_speed(e: Evidence) -> str:
     """Say so where the mass does not keep up with the pulled end over the cycles."""
     times, highs = e.phases.high_times, e.phases.highs
     if times.size < _HIGHS_OF_A_DRIFT:
@@ -126,7 +153,8 @@ def _another_speed(e: Evidence) -> str:
     )
 
 
-def _one_coefficient(e: Evidence) -> str:
+def one_coefficient(e: Evidence) -> str:
+    """Say which gap is left of that between break-away and kinetic friction."""
     gap = e.seen_gap
     return (
         "one friction coefficient: the spring shows a gap between break-away and kinetic friction "
@@ -163,7 +191,8 @@ def _peak(e: Evidence) -> str:
     return "the static peak is kept"
 
 
-def _without_a_slip(e: Evidence) -> Judgement:
+def without_a_slip(e: Evidence) -> Judgement:
+    """Judge a curve in which the spring does not turn."""
     resting = [stick for stick in e.phases.sticks if stick.rests]
     if not resting:
         if e.exact is None:
@@ -180,54 +209,58 @@ def _without_a_slip(e: Evidence) -> Judgement:
     return Cause.EXACT, "the mass rests as far as the curve goes: it shows no break-away to judge"
 
 
-def _another_gap(e: Evidence) -> Judgement:
+def _late_by_a_step(e: Evidence) -> Judgement | None:
+    """Return fixed steps where late break-aways explain a gap that is a little too wide."""
     D = e.fits["gap"].law.D
-    if D < NO_GAP * e.law.D:
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
-    ratio = _gap_ratio(e, D)
     step = 2.0 * (D - e.law.D) / e.law.v
     # Late by none to one step, jumps vary by up to twice what they are off on average.
-    if 0.0 < step <= float(np.max(np.diff(e.motion.t))) and _HIDDEN * (e.motion.allowed) > 4.0 * (
+    if 0.0 < step <= float(np.max(np.diff(e.motion.t))) and _HIDDEN * e.motion.allowed > 4.0 * (
         D - e.law.D
     ):
         return Cause.FIXED_STEP, (
             f"fixed steps: break-aways that are late by up to {time(step)} explain the period and "
-            f"the jump; the digits do not tell them from (mu_s - mu_k) N {percent(ratio)}"
+            "the jump; the digits do not tell them from "
+            f"(mu_s - mu_k) N {percent(gap_ratio(e, D))}"
         )
+    return None
+
+
+def another_gap(e: Evidence) -> Judgement:
+    """Judge a curve that lies on the law of another gap."""
+    D = e.fits["gap"].law.D
+    if D < NO_GAP * e.law.D:
+        return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
     return Cause.OTHER, (
         "the curve is a clean stick-slip motion of another gap: the spring relief is that of "
-        f"(mu_s - mu_k) N {percent(ratio)}"
+        f"(mu_s - mu_k) N {percent(gap_ratio(e, D))}"
     )
 
 
-def _another_mass(e: Evidence) -> Judgement:
+def drift(e: Evidence) -> str:
+    """Say so where a slow drift of the force is all that is off the exact solution."""
+    return (
+        "apart from a slow drift of the spring force the samples lie on the exact solution, to "
+        f"{force(e.p['k'] * e.fits['drift'].worst)}: the zero of the force sensor drifts, or k or "
+        "v differ a little from the given values"
+    )
+
+
+def another_mass(e: Evidence) -> Judgement:
+    """Judge a curve that lies on the law of another gap and another mass."""
     law = e.fits["gap and mass"].law
     if law.D < NO_GAP * e.law.D:
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+        return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
     return Cause.OTHER, (
         "the curve is a clean stick-slip motion of another oscillator: k/m is "
-        f"{percent((law.w / e.law.w) ** 2)} and (mu_s - mu_k) N/k {percent(_gap_ratio(e, law.D))}"
+        f"{percent((law.w / e.law.w) ** 2)} and (mu_s - mu_k) N/k {percent(gap_ratio(e, law.D))}"
     )
 
 
-def _gap_ratio(e: Evidence, D: float) -> float:
+def gap_ratio(e: Evidence, D: float) -> float:
+    """Return the gap of the friction forces that belongs to a D, over the given one."""
     drag = 2.0 * e.law.zeta * e.law.v / e.law.w
     gap = e.law.D + drag
     return (D + drag) / gap if gap else math.inf
-
-
-def _chatters(e: Evidence) -> bool:
-    sticks = [stick for stick in e.phases.sticks if stick.samples >= 5]
-    return bool(sticks) and float(np.median([stick.chatter for stick in sticks])) > _CHATTER
-
-
-def _chatter(e: Evidence) -> str:
-    share = float(np.median([s.chatter for s in e.phases.sticks if s.samples >= 5]))
-    return (
-        f"the solver chatters in stick: the mass turns back at "
-        f"{100.0 * share:.0f} % of the samples "
-        "instead of resting, because each step passes over the sign change of the friction"
-    )
 
 
 def _unlawful(e: Evidence) -> Judgement:
@@ -274,26 +307,14 @@ def _solver_step(e: Evidence) -> float:
 
 def _gap_of_jump(law: Law, jump: float) -> float:
     """Return the gap with which a slip jumps so far [m]."""
-    low, high = 0.0, jump
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        shown = law.with_gap(middle).quantities()["delta_x"]
-        if math.isnan(shown) or shown < jump:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
+
+    def farther(gap: float) -> float:
+        shown = law.with_gap(gap).quantities()["delta_x"]
+        return -jump if math.isnan(shown) else shown - jump
+
+    return root(farther, 0.0, jump)
 
 
 def _too_few(e: Evidence) -> Judgement:
-    near = e.fits.get("gap")
-    swing = math.hypot(e.law.D, e.law.v / e.law.w)
-    if near is not None and near.worst < 0.25 * swing:
-        return Cause.FIXED_STEP, (
-            "the samples are too few to tell the events; they scatter about the exact motion by "
-            f"{length(near.worst)}, as from events at the steps of a solver"
-        )
-    return (
-        Cause.OTHER,
-        "the samples are too few to tell the cause; they are not on the exact solution",
-    )
+    """Judge samples too few to tell the events: what is off the law may be noise."""
+    return Cause.NOISY, _too_few_for_noise(e)

@@ -83,7 +83,8 @@ def find_columns(header: Sequence[str], names: Mapping[str, str]) -> list[Column
     header
         The cells of the header line.
     names
-        Column names by quantity (t, x, x_dot, F) that are not to be guessed.
+        Column names by quantity (t, x, x_dot, F) that are not to be guessed; one may carry the
+        unit that the header lacks.
 
     Raises
     ------
@@ -97,15 +98,13 @@ def find_columns(header: Sequence[str], names: Mapping[str, str]) -> list[Column
     columns = []
     for quantity in _QUANTITIES:
         if quantity in names:
-            index = _named(names[quantity], cells)
+            index, text = _named(names[quantity], cells)
         else:
             guessed = _guessed(quantity, cells)
             if guessed is None:
                 continue
-            index = guessed
-        columns.append(
-            Column(quantity, index, cells[index], _unit(cells[index], _QUANTITIES[quantity]))
-        )
+            index, text = guessed, cells[guessed]
+        columns.append(Column(quantity, index, cells[index], _unit(text, _QUANTITIES[quantity])))
     there = {column.quantity for column in columns}
     listed = f"the columns are {', '.join(cells)}"
     if "t" not in there:
@@ -132,18 +131,26 @@ def _split(cell: str) -> tuple[str, str]:
     return groups["name"].strip(), (groups.get("square") or groups.get("round") or "").strip()
 
 
-def _named(wanted: str, cells: Sequence[str]) -> int:
-    """Return the column that a person named: by its whole text, its name, or either in any case."""
+def _named(wanted: str, cells: Sequence[str]) -> tuple[int, str]:
+    """Return the column that a person named, and the text that tells its unit.
+
+    It is named by its whole text, by its name, by either in any case, or by its name with the
+    unit that the header lacks.
+    """
     plain = [_split(cell)[0] for cell in cells]
-    for there, looked_for in (
-        (cells, wanted),
-        (plain, wanted),
-        ([cell.casefold() for cell in cells], wanted.casefold()),
-        ([name.casefold() for name in plain], wanted.casefold()),
+    name, unit = _split(wanted)
+    without_unit = [cell if not _split(cell)[1] else "" for cell in cells]
+    for there, looked_for, text in (
+        (cells, wanted, ""),
+        (plain, wanted, ""),
+        ([cell.casefold() for cell in cells], wanted.casefold(), ""),
+        ([cell.casefold() for cell in plain], wanted.casefold(), ""),
+        (without_unit, name if unit else None, wanted),
+        ([cell.casefold() for cell in without_unit], name.casefold() if unit else None, wanted),
     ):
-        found = [index for index, name in enumerate(there) if name == looked_for]
+        found = [index for index, cell in enumerate(there) if cell == looked_for]
         if len(found) == 1:
-            return found[0]
+            return found[0], text or cells[found[0]]
         if found:
             raise CurveError(f"{len(found)} columns are called {wanted}")
     raise CurveError(f"no column {wanted!r}; the columns are {', '.join(cells)}")

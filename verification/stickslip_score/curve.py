@@ -14,8 +14,14 @@ Floats = NDArray[np.float64]
 LEAST_SAMPLES = 5
 """Fewer cannot show a stick on either side of a slip and a sample between."""
 
-_LOOKED_AT = 2000
+_LOOKED_AT = 500
 """Samples whose digits are counted; the longest of so many numbers carries all digits."""
+
+_RUNS, _RUN = 4, 500
+"""Runs of neighbouring samples in which counts are looked for, and samples of each."""
+
+_ROUNDINGS = 1024.0 * 2.0**-53
+"""Of the largest number: moves below it are none."""
 
 
 _ON_THE_GRID = 0.01
@@ -103,7 +109,10 @@ def with_rounding(columns: Mapping[str, Floats], sizes: Mapping[str, float]) -> 
     sizes
         The units by quantity, in SI.
     """
-    si = {name: column * sizes[name] for name, column in columns.items()}
+    si = {
+        name: column if sizes[name] == 1.0 else column * sizes[name]
+        for name, column in columns.items()
+    }
     half = {name: half_unit(column) * sizes[name] for name, column in columns.items()}
     return Curve(
         si["t"],
@@ -122,7 +131,8 @@ def half_unit(column: Floats) -> float:
 
     Numbers are printed to so many digits or to so many decimals. The shortest text of each tells
     both; the coarser of the two is what was printed. Numbers that single precision holds exactly
-    carry no more than its 24 bits.
+    carry no more than its 24 bits. Counts of an encoder or converter times its step carry no more
+    than the step, whatever was printed.
     """
     finite = column[np.isfinite(column) & (column != 0.0)]
     if not finite.size:
@@ -139,7 +149,29 @@ def half_unit(column: Floats) -> float:
         in_single = some.size > 1 and np.all(some.astype(np.float32) == some) and digits > 9
     if in_single:
         unit = max(unit, largest * 2.0**-23)
-    return 0.5 * float(unit)
+    return 0.5 * max(float(unit), _count_step(column))
+
+
+def _count_step(column: Floats) -> float:
+    """Return the step of which all moves from sample to sample are multiples, by Euclid's division.
+
+    Moves of any size have a step of the size of their rounding. Returns 0 for a column that never
+    stays where it is: that of an even motion has one step as well.
+    """
+    starts = np.linspace(0, max(column.size - _RUN, 0), _RUNS).astype(np.int64)
+    moves = np.concatenate([np.abs(np.diff(column[i : i + _RUN])) for i in starts])
+    nothing = _ROUNDINGS * float(np.max(np.abs(column)))
+    parts = np.unique(moves[moves > nothing])
+    if parts.size == 0 or np.all(moves > nothing):
+        return 0.0
+    while parts.size > 1:
+        least = parts[0]
+        counts = np.round(parts / least)
+        rest = np.abs(parts - least * counts)
+        parts = np.unique(np.append(rest[rest > nothing * counts], least))
+        if parts[0] == least:
+            break
+    return float(parts[0])
 
 
 def half_unit_of_time(t: Floats) -> float:

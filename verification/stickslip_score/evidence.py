@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip_score.fit import ON_THE_LAW, Fit
+from stickslip_score.fit import Fit
+from stickslip_score.held import on_the_law
 from stickslip_score.law import Law
 from stickslip_score.measure import Measured
 from stickslip_score.motion import Motion
@@ -30,6 +31,8 @@ class Evidence:
         The curve and what was seen of it.
     fits
         The curve held against the law, by name: exact, one coefficient, gap, gap and mass.
+    chatters
+        Whether each sample is a step of a solver that chatters.
     slide
         The curve held against sliding without end, from any start; None where a cycle exists.
     """
@@ -41,11 +44,12 @@ class Evidence:
     phases: Phases
     measured: Measured
     fits: Mapping[str, Fit]
+    chatters: bool
     slide: Slide | None
 
     def lies_on(self, name: str) -> bool:
-        """Tell whether all samples lie on this law, to their digits."""
-        return name in self.fits and self.fits[name].excess <= ON_THE_LAW
+        """Tell whether all samples lie on this law, to their digits or their noise."""
+        return name in self.fits and on_the_law(self.fits[name], self.motion)
 
     @property
     def break_away(self) -> float:

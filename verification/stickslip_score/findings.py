@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip_score.departure import rests_of
 from stickslip_score.evidence import Evidence
-from stickslip_score.words import speed, time
+from stickslip_score.words import force, length, speed, time
 
 
 def findings(e: Evidence) -> list[str]:
@@ -21,10 +21,24 @@ def findings(e: Evidence) -> list[str]:
     if e.exact is not None:
         step = float(np.max(np.diff(e.motion.t)))
         if 2.0 * step > e.exact["t_slip"]:
+            doubt = ": is t in ms?" if step > e.exact["period"] else ""
             found.append(
                 f"coarse samples: up to {time(step)} apart, where a slip takes "
-                f"{time(e.exact['t_slip'])}"
+                f"{time(e.exact['t_slip'])}{doubt}"
             )
+    if e.motion.drift:
+        found.append(
+            f"F drifts by {force(e.motion.drift)} against k (v t - x): the zero of its sensor, or "
+            "k or v a little off"
+        )
+    found += [
+        f"{name} has a noise of {unit(size)} rms"
+        for name, size, unit in (
+            ("x", e.motion.noises.get("x", 0.0), length),
+            ("F", e.p["k"] * e.motion.noises.get("F", 0.0), force),
+        )
+        if size
+    ]
     if e.motion.x_dot is not None:
         found += _moving_at_rest(e)
     return found

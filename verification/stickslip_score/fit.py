@@ -1,22 +1,36 @@
 """Whether a curve lies on the law of the block, with which gap, and how surely."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import least_squares
+from scipy.signal import correlate
 
 from stickslip_score.curve import Floats
-from stickslip_score.law import Law
+from stickslip_score.law import EPSILON, Law
+from stickslip_score.noise import scatter_of
 
 ON_THE_LAW = 1.25
 """Excess up to which a curve lies on the law: its digits once, and once more because the least
 squares share them out."""
 
-_ENOUGH = 3000
-"""Samples that the search looks at; the result is checked on all of them."""
+_ROUNDED, _FLIPS = 1.0, 4.0
+"""Of what the digits allow: the rms distance of samples that are rounded to counts, 1/sqrt(3) and
+a little noise, and the largest one that this noise makes where it turns a count over."""
 
-_STEPS = 60
+_WHITE, _WHITE_OF_FEW = 1.1, 3.0
+"""A residual is noise where its rms is at most 1.1 times its scatter from sample to sample, and
+3/sqrt(n) more for n samples, of which the scatter is known to 1/sqrt(n) about."""
+
+_ENOUGH_TO_START, _ENOUGH, _MOST = 1000, 3000, 10_000
+"""Samples that the search for a start looks at, that the search looks at, and from which the result
+is computed; it is checked on all of them."""
+
+_CORRELATED = 8192
+"""Neighbouring samples of a residual whose correlation is looked at."""
+
 _FEW = 150
 _FROM_EACH = 16
 """Samples up to which the search starts anew from so many places."""
@@ -28,6 +42,15 @@ _WIDE = 0.6
 by itself, as long as some samples are in slips."""
 _FINE = 0.02
 """The same where a single sample at the very beginning or end of a slip may be all there is."""
+
+
+_PARTS, _LEAST_CYCLES, _SHAPE = 8, 3, 4.0
+"""Parts of a cycle in which distances are averaged, cycles that tell whether they repeat, and how
+much larger than by chance the variance of their mean over the cycles is where they do. By chance
+it is 4 times as large in one of 10,000 records."""
+
+_NOTHING = 1e-100
+"""Length of a derivative that is none."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +68,19 @@ class Fit:
     excess
         Largest distance of a sample from the law, in units of what its digits allow: up to 1 the
         curve lies on the law.
-    worst
-        The same in metres.
+    worst, rms
+        Largest and root mean square distance of a sample from the law [m].
+    white
+        Whether the distances are noise, each sample's independent of the next one's.
+    repeats
+        Whether the distances have a shape that comes again in each cycle.
+    samples
+        How many there are.
     spread
         How far each free number may be off for the digits of the samples, by name: t_break [s],
         D [m], w [rad/s].
+    covariance
+        Of the free numbers, in the order of `spread`, from the distances of the samples.
     """
 
     law: Law
@@ -57,163 +88,250 @@ class Fit:
     offset: float
     excess: float
     worst: float
+    rms: float
+    white: bool
+    repeats: bool
+    samples: int
     spread: dict[str, float]
+    covariance: Floats
+
+    @property
+    def by_digits(self) -> bool:
+        """Whether all samples lie on the law, to their digits."""
+        rounded = self.rms / _ROUNDED <= self.worst / self.excess if self.excess else True
+        return self.excess <= ON_THE_LAW or (rounded and self.excess <= _FLIPS)
+
+    def deviation(self, name: str) -> float:
+        """Return the standard deviation of a free number, in its unit."""
+        at = list(self.spread).index(name)
+        return math.sqrt(max(float(self.covariance[at, at]), 0.0))
+
+
+@dataclass(frozen=True)
+class Samples:
+    """What a law is fitted to: times [s], positions [m], how far one may be off for its digits [m].
+
+    `drifts` is the degree of a polynomial in time that counts as no motion, 0 for a constant.
+    """
+
+    t: Floats
+    y: Floats
+    allowed: float
+    drifts: int = 0
+
+    def thinned(self, most: int) -> "Samples":
+        """Return at most so many of the samples, evenly."""
+        stride = -(-self.t.size // most)
+        return replace(self, t=self.t[::stride], y=self.y[::stride])
+
+    def centred(self, r: Floats) -> Floats:
+        """Return distances, shape (n,) or (n, m), without what is a constant or drift in them."""
+        if not self.drifts:
+            return np.asarray(r - np.mean(r, axis=0))
+        at = 2.0 * (self.t - self.t[0]) / (self.t[-1] - self.t[0]) - 1.0
+        basis, _ = np.linalg.qr(np.polynomial.legendre.legvander(at, self.drifts))
+        return np.asarray(r - basis @ (basis.T @ r))
 
 
 def fit(
-    t: Floats,
-    y: Floats,
-    allowed: Floats,
+    samples: Samples,
     law: Law,
-    window: tuple[float, float],
-    free: Sequence[str],
+    starts: Iterable[float],
+    free: Sequence[str] = (),
 ) -> Fit:
     """Fit break-away, offset and the numbers of `law` named in `free` by least squares.
 
     Parameters
     ----------
-    t, y
-        Samples from about the first break-away on [s, m], shape (n,).
-    allowed
-        How far each may be from the truth for its digits [m], shape (n,), > 0.
+    samples
+        From about the first break-away on, or of a motion that goes on for ever.
     law
         Where the search starts.
-    window
-        Times between which the first break-away is [s].
+    starts
+        First break-aways from which to search [s], at least one.
     free
         Of D, w.
     """
-    stride = -(-t.size // _ENOUGH)
-    some = (t[::stride], y[::stride], allowed[::stride])
-    found: Fit | None = None
-    for begin in _starts(*some[:2], law, window, fine=not free and t.size <= _FEW):
+    some = samples.thinned(_ENOUGH)
+    least = math.inf
+    for begin in starts:
         numbers = {"t_break": begin, **{name: float(getattr(law, name)) for name in free}}
-        numbers = _gauss_newton(*some, law, numbers, _STEPS)
-        tried = _account(*some, law, numbers)
-        if found is None or tried.excess < found.excess:
-            found, best = tried, numbers
-        if found.excess <= ON_THE_LAW:
+        numbers = _least_squares(some, law, numbers)
+        r = _residual(some, law, numbers)
+        if (cost := float(r @ r)) < least:
+            least, best = cost, numbers
+        if _half_range(r) <= ON_THE_LAW * samples.allowed:
             break
-    assert found is not None
-    if stride == 1 or found.excess > ON_THE_LAW:
-        return found
-    return _account(t, y, allowed, law, _gauss_newton(t, y, allowed, law, best, 3))
+    more = samples.thinned(_MOST)
+    if more.t.size > some.t.size:
+        best = _least_squares(more, law, best)
+    found = _account(more, law, best)
+    # So many samples tell noise; that all lie on the law, only all of them do.
+    some_only = more.t.size < samples.t.size
+    return _checked(samples, law, best, found) if some_only and found.by_digits else found
 
 
-def _applied(law: Law, numbers: dict[str, float]) -> Law:
-    return replace(law, D=numbers.get("D", law.D), w=numbers.get("w", law.w))
-
-
-def _residual(t: Floats, y: Floats, law: Law, numbers: dict[str, float]) -> Floats:
-    r = y - _applied(law, numbers).position(t - numbers["t_break"])
-    return np.asarray(r - np.mean(r))
-
-
-def _starts(t: Floats, y: Floats, law: Law, window: tuple[float, float], fine: bool) -> list[float]:
-    """Return the break-aways from which to search, the most promising first.
+def starts_in(
+    samples: Samples, law: Law, window: tuple[float, float], most: int | None = None
+) -> list[float]:
+    """Return the break-aways within a window [s] from which to search, the most promising first.
 
     Few samples that mostly rest tell a break-away by those in a slip alone, and the search does
     not find its way from one of them to another.
     """
-    apart = _FINE if fine else _WIDE
-    count = max(_SEEDS, math.ceil((window[1] - window[0]) * law.w / apart))
+    some = samples.thinned(_ENOUGH_TO_START)
+    fine = most is None and some.t.size <= _FEW
+    count = max(_SEEDS, math.ceil((window[1] - window[0]) * law.w / (_FINE if fine else _WIDE)))
     candidates = np.linspace(*window, min(count, _MOST_SEEDS))
     cost = np.array(
-        [np.sum(_residual(t, y, law, {"t_break": float(begin)}) ** 2) for begin in candidates]
+        [np.sum(_residual(some, law, {"t_break": float(begin)}) ** 2) for begin in candidates]
     )
     beside = np.concatenate([[np.inf], cost, [np.inf]])
     valleys = np.flatnonzero((cost < beside[:-2]) & (cost <= beside[2:]))
     best = valleys[np.argsort(cost[valleys], kind="stable")]
-    return [float(begin) for begin in candidates[best[: _FROM_EACH if t.size <= _FEW else 1]]]
+    kept = most or (_FROM_EACH if some.t.size <= _FEW else 1)
+    return [float(begin) for begin in candidates[best[:kept]]]
 
 
-def _derivatives(
-    t: Floats, y: Floats, law: Law, numbers: dict[str, float]
-) -> tuple[Floats, Floats]:
-    """Return the residual and its derivatives, shape (n, number of free numbers)."""
-    r = _residual(t, y, law, numbers)
-    columns = []
-    for name in numbers:
-        step = _step(name, law)
-        up = _residual(t, y, law, {**numbers, name: numbers[name] + step})
-        down = _residual(t, y, law, {**numbers, name: numbers[name] - step})
-        columns.append((up - down) / (2.0 * step))
-    return r, np.stack(columns, axis=1)
-
-
-def _step(name: str, law: Law) -> float:
-    """Return a step for a derivative: small against the number, large against rounding."""
-    return {
-        "t_break": 1e-6 / law.w,
-        "D": 1e-6 * (abs(law.D) + law.v / law.w),
-        "w": 1e-7 * law.w,
-    }[name]
-
-
-def _gauss_newton(
-    t: Floats, y: Floats, allowed: Floats, law: Law, numbers: dict[str, float], steps: int
-) -> dict[str, float]:
-    """Levenberg's damped least squares; stops when a step no longer moves the curve."""
-    names = list(numbers)
-    damping = 1e-3
-    r, J = _derivatives(t, y, law, numbers)
-    cost = float(r @ r)
-    for _ in range(steps):
-        scale = np.sqrt(np.sum(J * J, axis=0)) + 1e-300
-        normal = (J / scale).T @ (J / scale)
-        for _attempt in range(8):
-            move = (
-                -np.linalg.solve(normal + damping * np.eye(len(names)), (J / scale).T @ r) / scale
-            )
-            tried = {name: numbers[name] + float(d) for name, d in zip(names, move, strict=True)}
-            if _sensible(tried, law):
-                tried_r = _residual(t, y, law, tried)
-                tried_cost = float(tried_r @ tried_r)
-                if tried_cost <= cost:
-                    break
-            damping = min(damping * 10.0, 1e6)
-        else:
-            return numbers
-        moved = float(np.max(np.abs(J @ move))) * (1.0 + damping)
-        small = moved < 1e-3 * float(np.min(allowed))
-        numbers, cost, damping = tried, tried_cost, max(damping * 0.1, 1e-12)
-        if small:
-            return numbers
-        r, J = _derivatives(t, y, law, numbers)
-    return numbers
-
-
-def _sensible(numbers: dict[str, float], law: Law) -> bool:
+def _applied(law: Law, numbers: Mapping[str, float]) -> Law:
     # Static friction is not the smaller one; a slip from mu_s = mu_k begins at minus the drag.
     least = -2.0 * law.zeta * law.v / law.w * (1.0 + 1e-12)
-    return numbers.get("D", 0.0) >= least and 0.2 < numbers.get("w", law.w) / law.w < 5.0
+    w = min(max(numbers.get("w", law.w), 0.2 * law.w), 5.0 * law.w)
+    return replace(law, D=max(numbers.get("D", law.D), least), w=w)
 
 
-def _account(t: Floats, y: Floats, allowed: Floats, law: Law, numbers: dict[str, float]) -> Fit:
-    r, J = _derivatives(t, y, law, numbers)
-    r = r - 0.5 * (np.max(r) + np.min(r))
+def _residual(samples: Samples, law: Law, numbers: Mapping[str, float]) -> Floats:
+    after = samples.t - numbers["t_break"]
+    return samples.centred(samples.y - _applied(law, numbers).position(after))
+
+
+def _jacobian(samples: Samples, law: Law, numbers: Mapping[str, float]) -> Floats:
+    """Return the residual's derivatives, shape (n, number of free numbers)."""
+    columns = []
+    for name, step in _steps(numbers, law).items():
+        laws = [_applied(law, {**numbers, name: numbers[name] + d}) for d in (-step, step)]
+        late = step if name == "t_break" else 0.0
+        down, up = (
+            each.position(samples.t - numbers["t_break"] - d)
+            for each, d in zip(laws, (-late, late), strict=True)
+        )
+        # A step beyond what the law allows stops there.
+        moved = 2.0 * late or getattr(laws[1], name) - getattr(laws[0], name)
+        columns.append((down - up) / (moved or math.inf))
+    return samples.centred(np.stack(columns, axis=1))
+
+
+def _steps(numbers: Mapping[str, float], law: Law) -> dict[str, float]:
+    """Return steps for derivatives: small against the numbers, large against rounding."""
+    sizes = {"t_break": 1.0 / law.w, "D": abs(law.D) + law.v / law.w, "w": 0.1 * law.w}
+    return {name: 1e-6 * sizes[name] for name in numbers}
+
+
+def _least_squares(samples: Samples, law: Law, numbers: dict[str, float]) -> dict[str, float]:
+    """Return the numbers, moved to the least squares next to them."""
+    if samples.t.size <= len(numbers):
+        return numbers
+    scales = np.array(list(_steps(numbers, law).values())) * 1e6
+    origin = np.array(list(numbers.values()))
+
+    def named(moves: Floats) -> dict[str, float]:
+        return dict(zip(numbers, (origin + scales * moves).tolist(), strict=True))
+
+    size = float(np.ptp(samples.y)) or 1.0
+    done = least_squares(
+        lambda moves: _residual(samples, law, named(moves)) / size,
+        np.zeros(len(numbers)),
+        lambda moves: _jacobian(samples, law, named(moves)) * scales / size,
+        method="lm",
+        x_scale=1.0,
+        ftol=1e-10,
+        xtol=1e-14,
+        gtol=4.0 * EPSILON,
+        max_nfev=60,
+    )
+    found = named(done.x)
+    kept = _applied(law, found)
+    return {
+        name: value if name == "t_break" else getattr(kept, name) for name, value in found.items()
+    }
+
+
+def _account(samples: Samples, law: Law, numbers: dict[str, float]) -> Fit:
+    r, J = _residual(samples, law, numbers), _jacobian(samples, law, numbers)
     found = _applied(law, numbers)
-    position = found.position(t - numbers["t_break"])
+    position = found.position(samples.t - numbers["t_break"])
     # Least squares is linear in the samples: each moves the result by its row of the inverse.
-    with np.errstate(all="ignore"):
-        inverse = np.linalg.pinv(J)
-    reach = np.abs(inverse) @ allowed
+    scale = np.maximum(np.sqrt(np.sum(J * J, axis=0)), _NOTHING)
+    normal = np.linalg.pinv((J / scale).T @ (J / scale), hermitian=True)
+    reach = np.sum(np.abs((J / scale) @ normal), axis=0) * samples.allowed / scale
     # Samples that all rest say of a break-away only between which two it is.
-    unseen = np.max(np.abs(J), axis=0) * float(np.max(np.diff(t))) < allowed[0]
-    if unseen[0]:
-        reach[0] = float(np.max(np.diff(t)))
+    step = float(np.max(np.diff(samples.t)))
+    if float(np.max(np.abs(J[:, 0]))) * step < samples.allowed:
+        reach[0] = step
+    rms = math.sqrt(float(r @ r) / max(r.size - len(numbers) - 1 - samples.drifts, 1))
+    variance = rms**2 * _correlation(r)
     return Fit(
         law=found,
         t_break=numbers["t_break"],
-        offset=float(np.mean(y - position)),
-        excess=float(np.max(np.abs(r) / allowed)),
-        worst=float(np.max(np.abs(r))),
+        offset=float(np.mean(samples.y - position)),
+        excess=_half_range(r) / samples.allowed,
+        worst=_half_range(r),
+        rms=rms,
+        white=is_white(samples.t, r),
+        repeats=_repeats(samples.t - numbers["t_break"], r, found.quantities()["period"]),
+        samples=samples.t.size,
         spread={name: float(d) for name, d in zip(numbers, reach, strict=True)},
+        covariance=variance * normal / np.outer(scale, scale),
     )
 
 
-def reach(law: Law, spread: float, quantity: str) -> float:
-    """Return how far a quantity of the cycle moves when D moves by `spread` either way."""
-    middle = law.quantities()[quantity]
-    moved = [law.with_gap(max(law.D + d, 0.0)).quantities()[quantity] for d in (-spread, spread)]
-    return max((abs(value - middle) for value in moved if not math.isnan(value)), default=math.nan)
+def _checked(samples: Samples, law: Law, numbers: dict[str, float], by_some: Fit) -> Fit:
+    """Return a fit to some of the samples with its largest distance from all of them."""
+    worst = _half_range(_residual(samples, law, numbers))
+    return replace(by_some, excess=worst / samples.allowed, worst=worst, samples=samples.t.size)
+
+
+def _half_range(r: Floats) -> float:
+    """Return the largest distance from the middle of the distances."""
+    return 0.5 * float(np.ptp(r))
+
+
+def is_white(t: Floats, r: Floats) -> bool:
+    """Tell whether distances from a law are noise, each sample's independent of the next one's."""
+    rms = math.sqrt(float(np.mean(r * r)))
+    return rms <= _WHITE * (1.0 + _WHITE_OF_FEW / math.sqrt(r.size)) * scatter_of(t, r)
+
+
+def _repeats(after: Floats, r: Floats, period: float) -> bool:
+    """Tell whether distances vary with the time since the last break-away, over cycles alike.
+
+    Means over parts of each cycle scatter about their mean over all cycles; that mean scatters
+    less by the number of cycles, unless it is a shape.
+    """
+    cycle = np.floor(after / period)
+    kept = cycle >= 0.0
+    if not kept.any() or not cycle[-1] >= _LEAST_CYCLES:
+        return True
+    part = np.floor((after - cycle * period)[kept] / period * _PARTS).astype(np.int64) % _PARTS
+    index = cycle[kept].astype(np.int64) * _PARTS + part
+    shape = (int(cycle[-1]) + 1) * _PARTS
+    counts = np.bincount(index, minlength=shape).reshape(-1, _PARTS)
+    sums = np.bincount(index, r[kept], minlength=shape).reshape(-1, _PARTS)
+    means = sums / np.maximum(counts, 1)
+    seen = np.maximum(np.sum(counts > 0, axis=0), 1)
+    common = np.sum(means, axis=0) / seen
+    scatter = np.sum(np.where(counts > 0, means - common, 0.0) ** 2)
+    freedom = max(float(np.sum(counts > 0)) - _PARTS, 1.0)
+    return bool(np.mean(seen * common**2) > _SHAPE * scatter / freedom)
+
+
+def _correlation(r: Floats) -> float:
+    """Return by how much the variance of a mean exceeds that of independent samples, >= 1."""
+    some = r[:_CORRELATED]
+    power = float(some @ some)
+    if power == 0.0:
+        return 1.0
+    lags = correlate(some, some, method="fft")[some.size :] / power
+    # Beyond two deviations of the correlation of independent samples it is no more than chance.
+    small = lags < 2.0 / math.sqrt(some.size)
+    return 1.0 + 2.0 * float(np.sum(lags[: int(np.argmax(small)) if small.any() else None]))

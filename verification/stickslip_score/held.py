@@ -1,14 +1,14 @@
 """A curve held against the law: as it should be, and as it might be instead."""
 
 import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip_score.curve import Floats
 from stickslip_score.departure import Rest, rests_of
-from stickslip_score.fit import ON_THE_LAW, Fit, fit
-from stickslip_score.law import Law
+from stickslip_score.fit import Fit, Samples, fit, starts_in
+from stickslip_score.law import Law, root
 from stickslip_score.motion import Motion
 from stickslip_score.phases import Phases
 
@@ -18,22 +18,34 @@ they show."""
 
 _LEAST_SAMPLES = 5
 
+_DRIFTS, _DRIFTS_IN_A_CYCLE = 8, 1.5
+"""Degree of the polynomial that a sensor's zero may follow over a record, as it warms up, and the
+most that a cycle may have of it, so that it is no motion."""
+
+
+_LITTLE = 0.1
+"""Of the distance from a law: what another explanation may leave of it."""
+
 
 @dataclass(frozen=True)
 class _Part:
-    """The samples from about a break-away on, and the times between which it is [s].
+    """Samples, a law, and the times between which its first break-away is [s].
 
     Where they are coarse, a mass and a gap together would explain anything.
     """
 
-    t: Floats
-    y: Floats
-    allowed: Floats
+    samples: Samples
+    law: Law
     window: tuple[float, float]
-    coarse: bool
+    coarse: bool = False
 
     def fit(self, law: Law, *free: str) -> Fit:
-        return fit(self.t, self.y, self.allowed, law, self.window, free)
+        return fit(self.samples, law, starts_in(self.samples, law, self.window), free)
+
+
+def on_the_law(found: Fit, motion: Motion) -> bool:
+    """Tell whether all samples lie on the law, to their digits or, where they have it, noise."""
+    return found.by_digits or (motion.noise > 0.0 and found.white)
 
 
 def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
@@ -42,31 +54,80 @@ def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
     A curve on the exact law is held against the free gap alone besides; one that lies on a law
     with another gap is not held against another mass. A curve may start in a slip that no
     break-away began, or its samples may pass over its first cycle, so that the second turn of the
-    spring may serve as well as the first, and cycles may have gone before. Where the law has no
-    cycle, the spring need not turn, and the rests of the mass tell the break-away.
+    spring may serve as well as the first, and cycles may have gone before. A curve that shows no
+    turn, or hides its turns in noise, is searched whole. Where the law has no cycle, the spring
+    need not turn, and the rests of the mass tell the break-away.
     """
     if math.isinf(law.t_slip):
         return _hold_without_cycle(motion, law)
-    parts = [part for high in _first_highs(phases) if (part := _part(motion, phases, law, high))]
-    if not parts:
+    if phases.only_rests:
         return {}
-    ways = [(part, replace(law, continued=way)) for way in (False, True) for part in parts]
-    for part, way in ways:
-        exact = part.fit(way)
-        if exact.excess <= ON_THE_LAW:
-            return {"exact": exact, "gap": part.fit(way, "D")}
-    starts_at_rest = phases.sticks[0].begin is None if phases.sticks else False
-    part = parts[0] if starts_at_rest else parts[-1]
-    found = {"exact": part.fit(law)}
+    tried = []
+    for alike in _alternatives(motion, phases, law):
+        held = [(part.fit(part.law), part) for part in alike]
+        tried += held
+        # Noise hides a slip too many at either end, so that the nearer one is right.
+        exact, part = min(held, key=lambda pair: pair[0].rms)
+        if on_the_law(exact, motion):
+            return {"exact": exact, "gap": fit(part.samples, part.law, [exact.t_break], ["D"])}
+    if motion.noise:
+        exact, part = min(tried, key=lambda pair: pair[0].rms)
+        law = part.law
+    else:
+        parts = _parts(motion, phases, law)
+        if not parts:
+            return {}
+        starts_at_rest = phases.sticks[0].begin is None if phases.sticks else False
+        part = parts[0] if starts_at_rest else parts[-1]
+        exact = part.fit(law)
+    found = {"exact": exact}
     one = law.with_gap(-2.0 * law.zeta * law.v / law.w)
     found["one coefficient"] = part.fit(one)
     period = _period(phases)
     seeds = [law, *_another_gap(law, period)]
-    found["gap"] = min((part.fit(seed, "D") for seed in seeds), key=_excess)
-    if found["gap"].excess > ON_THE_LAW and not part.coarse:
+    found["gap"] = min((part.fit(seed, "D") for seed in seeds), key=_rms)
+    if not on_the_law(found["gap"], motion) and not part.coarse:
         seeds += _another_mass(law, period)
-        found["gap and mass"] = min((part.fit(seed, "D", "w") for seed in seeds), key=_excess)
+        found["gap and mass"] = min((part.fit(seed, "D", "w") for seed in seeds), key=_rms)
+    if motion.from_force and not any(on_the_law(each, motion) for each in found.values()):
+        found |= _with_drift(motion, part)
     return found
+
+
+def _alternatives(motion: Motion, phases: Phases, law: Law) -> Iterator[list[_Part]]:
+    """Give parts of the curve with the law as it may have begun there, the likeliest first.
+
+    Noise may show turns where the spring has none, so that the whole comes first there.
+    """
+    before = replace(law, continued=True)
+    period = law.quantities()["period"]
+    t = motion.t
+    first_turn = phases.high_times[0] if phases.high_times.size else t[-1]
+    samples = _samples(motion, 0)
+    whole = [
+        _Part(samples, before, (float(t[0]) - period, float(t[0]))),
+        _Part(samples, law, (float(t[0]), float(min(first_turn + period, t[-1])))),
+    ]
+    cut = [[part] for way in (law, before) for part in _parts(motion, phases, way)]
+    yield from [whole, *cut] if motion.noise else [*cut, whole]
+
+
+def _samples(motion: Motion, first: int) -> Samples:
+    return Samples(motion.t[first:], motion.y[first:], motion.digits)
+
+
+def _with_drift(motion: Motion, part: _Part) -> dict[str, Fit]:
+    """Hold a curve that comes from the force against the exact law on a zero that drifts."""
+    t = part.samples.t
+    cycles = float(t[-1] - t[0]) / part.law.quantities()["period"]
+    drifts = max(1, min(_DRIFTS, math.floor(_DRIFTS_IN_A_CYCLE * cycles)))
+    drifting = replace(part, samples=replace(part.samples, drifts=drifts))
+    ways = [replace(part.law, continued=way) for way in (False, True)]
+    exact = min((drifting.fit(way) for way in ways), key=_rms)
+    return {
+        "drift": exact,
+        "gap and drift": fit(drifting.samples, exact.law, [exact.t_break], ["D"]),
+    }
 
 
 def _hold_without_cycle(motion: Motion, law: Law) -> dict[str, Fit]:
@@ -76,50 +137,65 @@ def _hold_without_cycle(motion: Motion, law: Law) -> dict[str, Fit]:
         exact = _departing(motion, rest, law)
         if exact is None:
             continue
-        if exact.excess <= ON_THE_LAW:
-            return {"exact": exact}
+        if on_the_law(exact, motion):
+            return {"exact": exact, **_gap_beside(motion, rest, exact)}
         seeds = (_departing(motion, rest, seed, "D") for seed in (law, one))
         here = {
             "exact": exact,
             "one coefficient": _departing(motion, rest, one),
-            "gap": min((fit for fit in seeds if fit), key=_excess, default=None),
+            "gap": min((fit for fit in seeds if fit), key=_rms, default=None),
         }
         for name, fitted in here.items():
-            if fitted and (name not in found or fitted.excess < found[name].excess):
+            if fitted and (name not in found or fitted.rms < found[name].rms):
                 found[name] = fitted
     return found
+
+
+def _gap_beside(motion: Motion, rest: Rest, exact: Fit) -> dict[str, Fit]:
+    """Hold a curve with noise against a free gap besides: noise may hide another one."""
+    if not motion.noise:
+        return {}
+    return {"gap": fit(_samples(motion, rest.first), exact.law, [exact.t_break], ["D"])}
 
 
 def _departing(motion: Motion, rest: Rest, law: Law, *free: str) -> Fit | None:
     """Fit a law that breaks away at the end of a rest; None where there is nothing to fit."""
     window = rest.window(motion, law)
-    t, y = motion.t[rest.first :], motion.y[rest.first :]
-    if window is None or t.size < _LEAST_SAMPLES:
+    if window is None or motion.t.size - rest.first < _LEAST_SAMPLES:
         return None
-    return fit(t, y, np.full(t.size, motion.allowed), law, window, free)
+    return _Part(_samples(motion, rest.first), law, window).fit(law, *free)
 
 
-def _excess(fit: Fit) -> float:
-    return fit.excess
+def explained_by_drift(fits: Mapping[str, Fit]) -> bool:
+    """Tell whether a slow drift takes away nearly all distance from the exact law."""
+    return "drift" in fits and fits["drift"].rms < _LITTLE * fits["exact"].rms
 
 
-def _first_highs(phases: Phases) -> list[int]:
-    return [index for index in phases.high_samples[:2] if index > 0]
+def _rms(found: Fit) -> float:
+    return found.rms
 
 
-def _part(motion: Motion, phases: Phases, law: Law, high: int) -> _Part | None:
+def _parts(motion: Motion, phases: Phases, law: Law) -> Sequence[_Part]:
+    """Return what begins before the first turns of the spring; empty where none is long enough."""
+    highs = [index for index in range(min(phases.highs.size, 2)) if phases.high_samples[index] > 0]
+    return [part for index in highs if (part := _part(motion, phases, law, index))]
+
+
+def _part(motion: Motion, phases: Phases, law: Law, index: int) -> _Part | None:
     """Return the samples from the break-away before a turn on; None where they are too few."""
+    high = max(int(np.searchsorted(motion.t, phases.high_times[index])), 1)
     begin = float(motion.t[high - 1]) - 1.5 * math.atan2(law.v, law.w * law.D) / law.w
+    begin -= 2.0 * motion.blur
     period = law.quantities()["period"]
     coarse = float(np.median(np.diff(motion.t))) > _COARSE * period
     if coarse:
         begin -= period
-    first = int(np.searchsorted(motion.t, max(begin, _rested_since(phases, motion.z[high]))))
-    t, y = motion.t[first:], motion.y[first:]
-    if t.size < _LEAST_SAMPLES:
+    rested = _rested_since(phases, float(phases.highs[index]))
+    first = int(np.searchsorted(motion.t, max(begin, rested)))
+    if motion.t.size - first < _LEAST_SAMPLES:
         return None
-    window = (begin, float(motion.t[min(high + 1, motion.t.size - 1)]))
-    return _Part(t, y, np.full(t.size, motion.allowed), window, coarse)
+    window = (begin, float(motion.t[min(high + 1, motion.t.size - 1)]) + motion.blur)
+    return _Part(_samples(motion, first), law, window, coarse)
 
 
 def _rested_since(phases: Phases, z_high: float) -> float:
@@ -140,15 +216,12 @@ def _another_gap(law: Law, period: float) -> list[Law]:
     """Return the law with the gap that gives the period, if there is one."""
     if math.isnan(period) or law.zeta >= 1.0:
         return []
-    low, high = 1e-3 * law.v / law.w, 0.5 * law.v * period
-    for _ in range(50):
-        middle = 0.5 * (low + high)
-        shown = law.with_gap(middle).quantities()["period"]
-        if math.isnan(shown) or shown < period:
-            low = middle
-        else:
-            high = middle
-    return [law.with_gap(0.5 * (low + high))]
+
+    def longer(D: float) -> float:
+        shown = law.with_gap(D).quantities()["period"]
+        return -period if math.isnan(shown) else shown - period
+
+    return [law.with_gap(root(longer, 1e-3 * law.v / law.w, 0.5 * law.v * period))]
 
 
 def _another_mass(law: Law, period: float) -> list[Law]:

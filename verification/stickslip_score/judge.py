@@ -6,14 +6,18 @@ from collections.abc import Mapping
 import numpy as np
 
 from stickslip_score.cause import decide
+from stickslip_score.chatter import chatters
 from stickslip_score.curve import Curve, CurveError
 from stickslip_score.evidence import Evidence
 from stickslip_score.findings import findings
-from stickslip_score.fit import ON_THE_LAW, Fit
-from stickslip_score.held import hold_against
+from stickslip_score.fit import Fit
+from stickslip_score.given import check_units, pulled_as
+from stickslip_score.held import explained_by_drift, hold_against, on_the_law
 from stickslip_score.law import Law
 from stickslip_score.measure import QUANTITIES, Measured, from_fit, from_sticks
-from stickslip_score.motion import Motion, motion_of
+from stickslip_score.measured import decide_measured
+from stickslip_score.motion import COARSE, Motion, motion_of
+from stickslip_score.noise import scatter_of
 from stickslip_score.phases import Phases, find_phases
 from stickslip_score.result import Compared, Score
 from stickslip_score.slide import Slide, fit_slide
@@ -27,9 +31,11 @@ _SAMPLES_OF_A_CYCLE = 6
 def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
     """Judge a curve against the exact steady cycle, docs/theory.md (7) to (10), (13).
 
-    The figures are means over all complete cycles, which begin and end with a break-away, so that
-    the first load-up is none. Where all samples lie on the law of the block with some gap, they
-    are read off that law; else each event is known between two samples.
+    The noise of the columns is estimated first. The figures are means over all complete cycles,
+    which begin and end with a break-away, so that the first load-up is none. Where all samples lie
+    on the law of the block with some gap, to their digits or their noise, they are read off that
+    law; else each event is known between two samples. Resolutions follow from digits, noise and
+    sampling. A v of the wrong sign is turned, and a finding says so.
 
     Parameters
     ----------
@@ -43,7 +49,7 @@ def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
     ValueError
         A parameter is unknown or out of range; the message names it.
     CurveError
-        v is 0: nothing is pulled.
+        v is 0, so that nothing is pulled, or x or F is a power of 1000 too large or too small.
     """
     try:
         with np.errstate(over="raise"):
@@ -57,16 +63,23 @@ def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
 def _score(curve: Curve, p: Mapping[str, float]) -> Score:
     if p["v"] == 0.0:
         raise CurveError("v = 0: nothing is pulled, so there is no cycle to compare with")
+    given_v = p["v"]
+    p = {**p, "v": pulled_as(curve, p)}
     exact = _exact(p)
     law = _law(p)
-    top_speed = law.v * (1.0 + math.hypot(1.0, law.w * law.D / law.v))
-    motion = motion_of(curve, p, top_speed)
-    phases = find_phases(motion, law)
-    fits = hold_against(motion, phases, law)
+    check_units(curve, p, exact)
+    motion = motion_of(curve, p, law)
+    chattering = chatters(motion, law, p)
+    if chattering:
+        motion = motion.with_noise(0.0)
+    motion, phases, fits = _look(motion, law)
     slide = fit_slide(motion, law) if exact is None else None
-    measured = _measured(motion, phases, fits, slide)
-    evidence = Evidence(p, exact, law, motion, phases, measured, fits, slide)
-    cause, explanation = decide(evidence)
+    measured = _measured(motion, phases, fits, slide, law)
+    evidence = Evidence(p, exact, law, motion, phases, measured, fits, chattering, slide)
+    cause, explanation = (decide_measured if motion.measured else decide)(evidence)
+    found = findings(evidence)
+    if p["v"] != given_v:
+        found.insert(0, f"the mass is pulled against the given v: judged with v = {p['v']:g} m/s")
     sign = math.copysign(1.0, p["v"])
     compared = {
         name: _compare(measured, exact, name, sign if name == "delta_x" else 1.0)
@@ -76,9 +89,43 @@ def _score(curve: Curve, p: Mapping[str, float]) -> Score:
         **compared,
         cause=cause,
         explanation=explanation,
-        findings=tuple(findings(evidence)),
+        findings=tuple(found),
         cycles=measured.cycles,
+        x_noise=motion.noises.get("x"),
+        F_noise=p["k"] * motion.noises["F"] if "F" in motion.noises else None,
     )
+
+
+def _look(motion: Motion, law: Law) -> tuple[Motion, Phases, dict[str, Fit]]:
+    """Return the motion, with noise where it has some, its phases and fits.
+
+    Samples that do not resolve the oscillation scatter for the motion as well, so that noise is
+    told by how they lie about the law.
+    """
+    if motion.step * law.w < COARSE:
+        motion, phases, fits = _seen(motion, law)
+        return _refined(motion, fits), phases, fits
+    computed = _seen(motion.with_noise(0.0), law)
+    exact = computed[2].get("exact")
+    if exact is not None and exact.by_digits:
+        return computed
+    noise = motion.noise or max(motion.digits, scatter_of(motion.t, motion.y))
+    measured = _seen(motion.with_noise(noise), law)
+    known = _refined(measured[0], measured[2])
+    if any(fit.white for fit in measured[2].values()) and not known.rests():
+        return (known, *measured[1:])
+    return measured if motion.noise and not motion.rests() else computed
+
+
+def _refined(motion: Motion, fits: Mapping[str, Fit]) -> Motion:
+    """Return the motion with the noise that a law leaves on which its samples lie."""
+    white = [fit.rms for fit in fits.values() if fit.white]
+    return motion.with_noise(min([motion.noise, *white])) if motion.noise else motion
+
+
+def _seen(motion: Motion, law: Law) -> tuple[Motion, Phases, dict[str, Fit]]:
+    phases = find_phases(motion.smoothed(law), law)
+    return motion, phases, hold_against(motion, phases, law)
 
 
 def _exact(p: Mapping[str, float]) -> dict[str, float] | None:
@@ -98,18 +145,34 @@ def _law(p: Mapping[str, float]) -> Law:
 
 
 def _measured(
-    motion: Motion, phases: Phases, fits: Mapping[str, Fit], slide: Slide | None
+    motion: Motion, phases: Phases, fits: Mapping[str, Fit], slide: Slide | None, law: Law
 ) -> Measured:
-    if slide is not None and slide.excess <= ON_THE_LAW:
+    if slide is not None and slide.on_the_law:
         return Measured({}, 0)
-    gap = fits.get("gap", fits.get("exact"))
-    if gap is not None and gap.excess <= ON_THE_LAW:
-        return from_fit(gap, float(motion.t[-1]))
+    found = _lawful(motion, fits)
+    if found is not None:
+        return from_fit(found, float(motion.t[-1]), motion.noise > 0.0)
     if phases.high_times.size > 1:
         between = (motion.t >= phases.high_times[0]) & (motion.t <= phases.high_times[-1])
         if np.count_nonzero(between) < _SAMPLES_OF_A_CYCLE * (phases.high_times.size - 1):
             return Measured({}, 0)
-    return from_sticks(phases.sticks, motion.allowed)
+    return from_sticks(phases.sticks, motion.smoothed(law).allowed)
+
+
+def _lawful(motion: Motion, fits: Mapping[str, Fit]) -> Fit | None:
+    """Return the law off which figures are read; None where the curve lies on none."""
+    names = ("gap", "gap and drift", *(["gap and mass"] if motion.noise else []))
+    found = [fits[name] for name in names if name in fits]
+    if not found:
+        found = list(fits.values())
+    for each in found:
+        if on_the_law(each, motion):
+            return each
+    if explained_by_drift(fits):
+        return fits["gap and drift"]
+    # Noise that neighbouring samples share is off every law, but not alike in all cycles.
+    slow = motion.noise > 0.0 and "gap" in fits and not fits["gap"].repeats
+    return fits["gap"] if slow else None
 
 
 def _compare(

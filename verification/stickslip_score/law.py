@@ -9,11 +9,15 @@ they are. docs/theory.md (3) to (8), (13).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from stickslip_score.curve import Floats
+
+EPSILON = float(np.finfo(np.float64).eps)
 
 _SCAN = 400
 """Points of a half turn on which a damped velocity is searched for its first zero."""
@@ -77,8 +81,11 @@ class Law:
         late = after if self.continued else np.maximum(after, 0.0)
         period = self.relief / self.v + t_slip
         count = np.floor(late / period)
-        within = np.minimum(late - count * period, t_slip)
-        return count * (self.v * period) + self._slip(within)
+        within = late - count * period
+        way = count * (self.v * period) + (self.v * t_slip + self.relief)
+        slips = within < t_slip
+        way[slips] += self._slip(within[slips]) - (self.v * t_slip + self.relief)
+        return np.asarray(way)
 
     def with_gap(self, D: float) -> Law:
         """Return the law with another gap."""
@@ -89,65 +96,62 @@ class Law:
         high = 1.0 / self.w
         while float(self._slip(np.array([high]))[0]) < way:
             high *= 2.0
-        low = 0.0
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            if float(self._slip(np.array([middle]))[0]) < way:
-                low = middle
-            else:
-                high = middle
-        return high
+        return root(lambda tau: float(self._slip(np.array([tau]))[0]) - way, 0.0, high)
 
     def response(self, tau: Floats) -> tuple[Floats, Floats]:
         """Return the free oscillation from extension 1 at rate 0, and from 0 at rate 1 [-, s]."""
-        unit = replace(self, D=1.0, v=0.0)._extension(tau)[0]
-        return unit, replace(self, D=0.0, v=1.0)._extension(tau)[0]
+        unit = replace(self, D=1.0, v=0.0)._extension(tau)
+        return unit, replace(self, D=0.0, v=1.0)._extension(tau)
 
     def _slip(self, tau: Floats) -> Floats:
         """Return the way of the mass [m] at times tau of one slip."""
-        return self.v * tau + self.D - self._extension(tau)[0]
+        return self.v * tau + self.D - self._extension(tau)
 
-    def _extension(self, tau: Floats) -> tuple[Floats, Floats]:
-        """Return extension beyond steady sliding [m] and its rate [m/s], docs/theory.md (3)."""
-        w, zeta, v, D = self.w, self.zeta, self.v, self.D
-        if zeta >= 1.0:
+    def _extension(self, tau: Floats) -> Floats:
+        """Return the extension beyond steady sliding [m], docs/theory.md (3)."""
+        if self.zeta >= 1.0:
             return self._overdamped(tau)
-        decay = zeta * w
-        envelope = np.exp(-decay * tau)
-        turn = w * math.sqrt((1.0 - zeta) * (1.0 + zeta))
-        cosine, sine = np.cos(turn * tau), np.sin(turn * tau) / turn
-        across = v + decay * D
-        z = envelope * (D * cosine + across * sine)
-        z_dot = envelope * (across * cosine - D * turn * turn * sine) - decay * z
-        return z, z_dot
+        decay, turn = self._rates()
+        across = (self.v + decay * self.D) / turn
+        z = self.D * np.cos(turn * tau) + across * np.sin(turn * tau)
+        return np.asarray(np.exp(-decay * tau) * z if decay else z)
 
-    def _overdamped(self, tau: Floats) -> tuple[Floats, Floats]:
+    def _speed(self, tau: Floats) -> Floats:
+        """Return the velocity of the mass [m/s] at times tau of one slip; zeta is below 1."""
+        decay, turn = self._rates()
+        across = self.v + decay * self.D
+        swing = across * np.cos(turn * tau) - self.D * turn * np.sin(turn * tau)
+        return np.asarray(self.v - np.exp(-decay * tau) * swing + decay * self._extension(tau))
+
+    def _rates(self) -> tuple[float, float]:
+        """Return decay and frequency of the free oscillation [1/s, rad/s]."""
+        return self.zeta * self.w, self.w * math.sqrt((1.0 - self.zeta) * (1.0 + self.zeta))
+
+    def _overdamped(self, tau: Floats) -> Floats:
         """Return the same for zeta >= 1, written so that close or distant rates cancel nowhere."""
         wide = self.zeta + math.sqrt((self.zeta - 1.0) * (self.zeta + 1.0))
         slow, apart = self.w / wide, self.w * (wide - 1.0 / wide)
         across = self.v + slow * self.D
-        envelope = np.exp(-slow * tau)
         since = -np.expm1(-apart * tau) / apart if apart else tau
-        z = envelope * (self.D + across * since)
-        z_dot = envelope * across * np.exp(-apart * tau) - slow * z
-        return z, z_dot
+        return np.asarray(np.exp(-slow * tau) * (self.D + across * since))
 
     def _damped_t_slip(self) -> float:
         if self.zeta >= 1.0:
             return math.inf
-        turn = self.w * math.sqrt((1.0 - self.zeta) * (1.0 + self.zeta))
+        _, turn = self._rates()
         # A damped slip that does not stop in its first turn never does; it starts with speed 0.
         tau = np.linspace(0.0, 2.0 * math.pi / turn, 2 * _SCAN + 1)[1:]
-        speed = self.v - self._extension(tau)[1]
-        stopped = np.flatnonzero(speed <= 0.0)
+        stopped = np.flatnonzero(self._speed(tau) <= 0.0)
         if not stopped.size or self.D <= 0.0:
             return math.inf
         high = float(tau[stopped[0]])
-        low = float(tau[stopped[0] - 1]) if stopped[0] else 0.0
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            if self.v - float(self._extension(np.array([middle]))[1][0]) > 0.0:
-                low = middle
-            else:
-                high = middle
-        return 0.5 * (low + high)
+        low = float(tau[stopped[0] - 1]) if stopped[0] else 0.5 * high
+        return root(lambda at: float(self._speed(np.array([at]))[0]), low, high)
+
+
+def root(rest: Callable[[float], float], low: float, high: float) -> float:
+    """Return where a function that changes its sign between two places is 0, to the last digit."""
+    if rest(low) * rest(high) >= 0.0:
+        return low if abs(rest(low)) < abs(rest(high)) else high
+    tiny = EPSILON * max(abs(low), abs(high))
+    return float(brentq(rest, low, high, xtol=tiny, rtol=4.0 * EPSILON))

@@ -1,14 +1,20 @@
 """What a curve's own cycles come to, with the resolution that its samples allow."""
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from stickslip_score.fit import Fit, reach
+import numpy as np
+
+from stickslip_score.fit import Fit
+from stickslip_score.law import Law
 from stickslip_score.phases import Event, Stick
 
 QUANTITIES = ("period", "t_stick", "t_slip", "delta_x")
+
+_DEVIATIONS = 3.0
+"""Standard deviations within which a figure read off the law is said to be."""
 
 
 @dataclass(frozen=True)
@@ -31,20 +37,23 @@ class Measured:
     jumps: tuple[float, ...] = ()
 
 
-def from_fit(fit: Fit, end: float) -> Measured:
+def from_fit(fit: Fit, end: float, noisy: bool) -> Measured:
     """Read the figures off the law on which all samples lie.
 
     Parameters
     ----------
     fit
-        A fit with D free and an excess of about 1 at most.
+        A fit with D free, and w where it is, on whose law the curve lies.
     end
         Time of the last sample [s]: only cycles and slips that it saw to their end count.
+    noisy
+        Whether the samples have noise besides their digits.
 
     Notes
     -----
     The resolution carries the digits of the samples through the least squares, twice: the sum
-    that bounds it is linear in D, and a sample may be off by as much as the fit was allowed.
+    that bounds it is linear in D, and a sample may be off by as much as the fit was allowed. With
+    noise it carries `_DEVIATIONS` standard deviations of the free numbers besides.
     """
     law = fit.law
     values = law.quantities()
@@ -56,20 +65,42 @@ def from_fit(fit: Fit, end: float) -> Measured:
         *(("period", "t_stick") if cycles else ()),
         *(("t_slip", "delta_x") if since >= values["t_slip"] else ()),
     ]
-    spread = 2.0 * fit.spread["D"]
+    free = [name for name in fit.spread if name != "t_break"]
+    moves = [{name: 2.0 * fit.spread[name]} for name in free]
+    by_noise = _independent(fit, free) if noisy else []
     # Digits of the double-precision arithmetic of the fit itself.
     floor = 1e-12
     return Measured(
         {
             name: (
                 values[name],
-                reach(law, spread, name)
+                sum(_reach(law, move, name) for move in moves)
+                + math.hypot(*(_reach(law, move, name) for move in by_noise))
                 + floor * values["period" if name != "delta_x" else "delta_x"],
             )
             for name in shown
         },
         cycles,
     )
+
+
+def _independent(fit: Fit, free: Sequence[str]) -> list[dict[str, float]]:
+    """Return moves of the free numbers that noise makes independently of each other."""
+    at = [list(fit.spread).index(name) for name in free]
+    sizes, axes = np.linalg.eigh(fit.covariance[np.ix_(at, at)])
+    columns = (axes * (_DEVIATIONS * np.sqrt(np.maximum(sizes, 0.0)))).T
+    return [dict(zip(free, column.tolist(), strict=True)) for column in columns]
+
+
+def _reach(law: Law, move: Mapping[str, float], quantity: str) -> float:
+    """Return how far a quantity of the cycle goes when numbers of the law move either way."""
+    middle = law.quantities()[quantity]
+    moved = []
+    for sign in (-1.0, 1.0):
+        numbers = {name: getattr(law, name) + sign * by for name, by in move.items()}
+        moved.append(replace(law, **{**numbers, "D": max(numbers.get("D", law.D), 0.0)}))
+    shown = [each.quantities()[quantity] for each in moved if each.w > 0.0]
+    return max((abs(value - middle) for value in shown if not math.isnan(value)), default=math.nan)
 
 
 def from_sticks(sticks: Sequence[Stick], allowed: float) -> Measured:

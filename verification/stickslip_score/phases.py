@@ -60,8 +60,6 @@ class Stick:
     late_over_early
         Creep in the third quarter of the phase over that in the second [-]; NaN where the mass
         rests.
-    chatter
-        Share of samples at which the slow mass turns back, where it gets nowhere by that.
     z_low, z_high
         Spring extension at the turns before and after [m]; NaN where there is none.
     samples
@@ -74,7 +72,6 @@ class Stick:
     rests: bool
     creep: float | None
     late_over_early: float
-    chatter: float
     z_low: float
     z_high: float
     samples: int
@@ -96,6 +93,8 @@ class Phases:
         Times of the highest extensions [s].
     fall
         Deepest fall of the spring [m].
+    only_rests
+        Whether the mass is not seen to move at all.
     """
 
     sticks: tuple[Stick, ...]
@@ -104,6 +103,7 @@ class Phases:
     lows: Floats
     high_times: Floats
     fall: float
+    only_rests: bool
 
 
 def find_phases(motion: Motion, law: Law) -> Phases:
@@ -117,11 +117,12 @@ def find_phases(motion: Motion, law: Law) -> Phases:
         The exact law: how long a mass that rests needs to run out and to start.
     """
     z = motion.z
+    only_rests = float(np.ptp(motion.y)) <= 2.0 * VISIBLE * motion.allowed
     fall = float(np.max(np.maximum.accumulate(z) - z))
     if fall <= 8.0 * motion.allowed:
         none = np.array([])
         stick = _stick(motion, law, 0, z.size - 1, math.nan, math.nan, fall)
-        return Phases(tuple([stick] if stick else []), (), none, none, none, fall)
+        return Phases(tuple([stick] if stick else []), (), none, none, none, fall, only_rests)
     turns = _turns(z, _DEEP * fall)
     highs = [index for index, up in turns if up]
     lows = [index for index, up in turns if not up]
@@ -141,15 +142,19 @@ def find_phases(motion: Motion, law: Law) -> Phases:
         lows=z[lows],
         high_times=motion.t[highs],
         fall=fall,
+        only_rests=only_rests,
     )
 
 
 def _turns(z: Floats, deep: float) -> list[tuple[int, bool]]:
     """Return the turns of z as (index, whether it is a highest), alternating, a highest first."""
+    first_of_equals = np.flatnonzero(np.diff(z, prepend=np.nan) != 0.0)
+    way = np.sign(np.diff(z[first_of_equals]))
+    extremes = first_of_equals[np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))]
     turns: list[tuple[int, bool]] = []
     rising = True
     best, at = float(z[0]), 0
-    for index, value in enumerate(z.tolist()):
+    for index, value in zip(extremes.tolist(), z[extremes].tolist(), strict=True):
         if rising:
             if value > best:
                 best, at = value, index
@@ -193,15 +198,16 @@ def _stick(
         i, j, hidden = from_, to, 0.0
     else:
         creep, late_over_early = (0.0 if j > i else None), math.nan
-    before, after = max(first + i - 1, 0), min(first + j + 1, motion.t.size - 1)
+    before = float(motion.t[max(first + i - 1, 0)]) - motion.blur
+    after = float(motion.t[min(first + j + 1, motion.t.size - 1)]) + motion.blur
+    hidden += motion.blur
     return Stick(
-        begin=Event(float(motion.t[before]), float(t[i]) + hidden) if begins else None,
-        end=Event(float(t[j]) - hidden, float(motion.t[after])) if ends else None,
+        begin=Event(before, float(t[i]) + hidden) if begins else None,
+        end=Event(float(t[j]) - hidden, after) if ends else None,
         level=level,
         rests=j > i and not creeps,
         creep=creep,
         late_over_early=late_over_early,
-        chatter=_chatter(np.diff(y[a : b + 1]), VISIBLE * motion.allowed),
         z_low=z_low,
         z_high=z_high,
         samples=to - from_ + 1,
@@ -211,20 +217,6 @@ def _stick(
 def _slope(t: Floats, y: Floats, a: int, b: int) -> float:
     """Return the mean velocity between two samples [m/s]; 0 where they are one."""
     return float((y[b] - y[a]) / (t[b] - t[a])) if b > a else 0.0
-
-
-def _chatter(moves: Floats, visible: float) -> float:
-    """Return the share of moves that turn back, where forth and back cancel; else 0.
-
-    A creeping mass turns once, where the spring force changes sign, and else goes one way.
-    """
-    seen = moves[np.abs(moves) > visible]
-    if seen.size < 2:
-        return 0.0
-    forth, back = float(np.sum(seen[seen > 0.0])), float(-np.sum(seen[seen < 0.0]))
-    if min(forth, back) < 0.5 * max(forth, back):
-        return 0.0
-    return float(np.count_nonzero(np.diff(np.sign(seen)))) / moves.size
 
 
 def plateau(t: Floats, y: Floats, band: float) -> tuple[int, int, float]:

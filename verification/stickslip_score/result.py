@@ -12,6 +12,7 @@ class Cause(StrEnum):
     FIXED_STEP = "fixed_step"
     REGULARISED = "regularised"
     SINGLE_COEFFICIENT = "single_coefficient"
+    NOISY = "noisy"
     OTHER = "other"
 
 
@@ -60,6 +61,8 @@ class Score:
         What else was seen, one sentence each.
     cycles
         Complete cycles, from break-away to break-away, behind the figures.
+    x_noise, F_noise
+        Standard deviation of the noise of x [m] and F [N]; None where the column is not given.
     """
 
     period: Compared
@@ -70,6 +73,8 @@ class Score:
     explanation: str
     findings: tuple[str, ...]
     cycles: int
+    x_noise: float | None = None
+    F_noise: float | None = None
 
 
 _UNITS = {"period": "s", "t_stick": "s", "t_slip": "s", "delta_x": "m"}
@@ -84,5 +89,6 @@ def as_json(score: Score) -> dict[str, Any]:
         "explanation": score.explanation,
         "findings": list(score.findings),
         "cycles": score.cycles,
-        "unit": dict(_UNITS),
+        "noise": {"x": score.x_noise, "F": score.F_noise},
+        "unit": {**_UNITS, "noise": {"x": "m", "F": "N"}},
     }

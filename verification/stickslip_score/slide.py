@@ -10,8 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip_score.fit import ON_THE_LAW, is_white
 from stickslip_score.law import Law
 from stickslip_score.motion import Motion
+
+_DEVIATIONS = 3.0
+"""Standard deviations of noise that a number of the arc may be off."""
 
 
 @dataclass(frozen=True)
@@ -23,14 +27,16 @@ class Slide:
     z_steady
         Spring extension to which it tends [m]; up to a constant where the motion has it so.
     spread
-        How far that may be off for the digits of the samples [m].
-    excess, worst
-        Largest distance of a sample from the arc, in units of what its digits allow and in metres.
+        How far that may be off for the digits and the noise of the samples [m].
+    on_the_law
+        Whether all samples lie on the arc, to their digits or their noise.
+    worst
+        Largest distance of a sample from the arc [m].
     """
 
     z_steady: float
     spread: float
-    excess: float
+    on_the_law: bool
     worst: float
 
 
@@ -47,10 +53,11 @@ def fit_slide(motion: Motion, law: Law) -> Slide | None:
     scale = np.max(np.abs(basis), axis=0)
     inverse = np.linalg.pinv(basis / scale) / scale[:, None]
     level, extension, rate = (float(number) for number in inverse @ z)
-    reach = np.abs(inverse) @ np.full(after.size, motion.allowed)
+    noise = _DEVIATIONS * motion.noise * np.sqrt(np.sum(inverse**2, axis=1))
+    reach = np.sum(np.abs(inverse), axis=1) * motion.digits + noise
     beyond, fastest = float(reach[1]), law.v + float(reach[2])
     r = z - basis @ np.array([level, extension, rate])
-    r = r - 0.5 * (np.max(r) + np.min(r))
+    worst = 0.5 * float(np.ptp(r))
     backward = rate > fastest
     from_rest = abs(rate - law.v) <= float(reach[2]) and extension < law.D - beyond
     if backward or from_rest:
@@ -58,6 +65,7 @@ def fit_slide(motion: Motion, law: Law) -> Slide | None:
     return Slide(
         z_steady=float(motion.z[0]) + level - extension,
         spread=float(reach[0]) + beyond,
-        excess=float(np.max(np.abs(r))) / motion.allowed,
-        worst=float(np.max(np.abs(r))),
+        on_the_law=worst <= ON_THE_LAW * motion.digits
+        or (motion.noise > 0.0 and is_white(motion.t, r)),
+        worst=worst,
     )

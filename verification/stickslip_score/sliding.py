@@ -6,7 +6,7 @@ import numpy as np
 
 from stickslip_score.departure import Rest, rests_of
 from stickslip_score.evidence import Evidence
-from stickslip_score.fit import ON_THE_LAW, Fit
+from stickslip_score.fit import Fit
 from stickslip_score.phases import LOST, NO_GAP
 from stickslip_score.result import Cause, Judgement
 from stickslip_score.words import force, length, percent, speed, time
@@ -23,22 +23,23 @@ def judge_sliding(e: Evidence) -> Judgement | None:
     pulled end's speed for as long as damping takes: slowness alone is no creep. Creep is motion
     before the break-away of the law that comes nearest.
     """
-    if e.slide is not None and e.slide.excess <= ON_THE_LAW:
-        return _on_the_exact_slide(e)
+    if e.slide is not None and e.slide.on_the_law:
+        return exact_slide(e)
     rest = rests_of(e.motion)[0]
     if e.lies_on("one coefficient"):
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+        return Cause.SINGLE_COEFFICIENT, slide_of_one_coefficient(e)
     if not e.fits:
-        return _without_departure(e, rest)
+        return without_departure(e, rest)
     nearest = min(e.fits.values(), key=lambda fit: fit.excess)
     if _creeps(e, rest, nearest):
         return _creep(e, nearest)
     if e.lies_on("gap"):
-        return _another_gap(e)
+        return _late_by_a_step(e) or another_slide(e)
     return _fixed_step(e, rest, nearest)
 
 
-def _on_the_exact_slide(e: Evidence) -> Judgement:
+def exact_slide(e: Evidence) -> Judgement:
+    """Judge a curve on the arc of sliding by the spring force to which it tends."""
     assert e.slide is not None
     due = e.break_away - e.law.D
     digits = 2.0 * e.slide.spread + e.motion.z_allowed
@@ -54,7 +55,7 @@ def _on_the_exact_slide(e: Evidence) -> Judgement:
     )
 
 
-def _without_departure(e: Evidence, rest: Rest) -> Judgement | None:
+def without_departure(e: Evidence, rest: Rest) -> Judgement | None:
     """Judge a mass that rests to the last sample, by the force that the spring then has."""
     if rest.last + 1 < e.motion.t.size:
         return None
@@ -69,7 +70,8 @@ def _without_departure(e: Evidence, rest: Rest) -> Judgement | None:
     return Cause.EXACT, "the mass rests as far as the curve goes: it shows no break-away to judge"
 
 
-def _one_coefficient(e: Evidence) -> str:
+def slide_of_one_coefficient(e: Evidence) -> str:
+    """Say how a mass leaves its rest whose friction has no gap."""
     gap = _gap(e, e.law.D)
     return (
         "one friction coefficient: the mass leaves its rest as where break-away and kinetic "
@@ -102,17 +104,20 @@ def _creep(e: Evidence, nearest: Fit) -> Judgement:
     )
 
 
-def _another_gap(e: Evidence) -> Judgement:
+def _late_by_a_step(e: Evidence) -> Judgement | None:
+    late = (e.fits["gap"].law.D - e.law.D) / e.law.v
+    if not 0.0 < late <= float(np.max(np.diff(e.motion.t))):
+        return None
+    said = f"fixed steps: a break-away late by {time(late)} explains the motion"
+    return Cause.FIXED_STEP, said
+
+
+def another_slide(e: Evidence) -> Judgement:
+    """Judge a curve that breaks away and slides as with another gap."""
     D = e.fits["gap"].law.D
     due, seen = _gap(e, e.law.D), _gap(e, D)
     if seen < NO_GAP * due:
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
-    late = (D - e.law.D) / e.law.v
-    if 0.0 < late <= float(np.max(np.diff(e.motion.t))):
-        return (
-            Cause.FIXED_STEP,
-            f"fixed steps: a break-away late by {time(late)} explains the motion",
-        )
+        return Cause.SINGLE_COEFFICIENT, slide_of_one_coefficient(e)
     ratio = percent(seen / due if due else math.inf)
     return Cause.OTHER, (
         "the curve breaks away and slides as the block does with another gap: "

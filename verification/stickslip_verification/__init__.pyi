@@ -3,6 +3,8 @@ from .drive.fmu.errors import FmuError as FmuError
 from .drive.fmu.names import NameMap as NameMap
 from .drive.fmu.names import NamesError as NamesError
 from .drive.fmu.names import load_names as load_names
+from .drive.fmu.starter import starter as starter
+from .drive.workers import Limits as Limits
 from .judge.second_values import AcceptError as AcceptError
 from .judge.second_values import accept as accept
 from .model.events import Event as Event
@@ -29,8 +31,7 @@ from .report.packed import packed_report as packed_report
 from .report.pdf import PdfUnavailableError as PdfUnavailableError
 from .report.pdf import check_pdf as check_pdf
 from .report.pdf import write_pdf as write_pdf
-from .report.plots import course_tolerances as course_tolerances
-from .report.plots import draw_case as draw_case
+from .report.plots import draw_cases as draw_cases
 from .report.words import ClaimSection as ClaimSection
 from .run.lint import lint as lint
 from .run.verify import verify as verify

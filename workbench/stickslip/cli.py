@@ -15,6 +15,7 @@ from typer.exceptions import TyperException
 from stickslip.commands.build import build
 from stickslip.commands.host import host
 from stickslip.commands.lint import lint
+from stickslip.commands.names import names
 from stickslip.commands.page import explore, page
 from stickslip.commands.prove import prove
 from stickslip.commands.score import score
@@ -40,7 +41,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-for command in (build, simulate, explore, page, verify, score, prove, lint, host):
+for command in (build, simulate, explore, page, verify, names, score, prove, lint, host):
     # Told whole: what is made of the text by itself is cut after 45 letters.
     app.command(short_help=(command.__doc__ or "").partition("\n")[0])(command)
 

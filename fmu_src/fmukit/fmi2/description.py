@@ -4,6 +4,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ..description import (
     LOG_CATEGORIES,
+    add_annotations,
     add_experiment,
     add_log_categories,
     add_units,
@@ -50,6 +51,7 @@ def model_description(spec: Spec, identity: str, generator: str) -> Element:
         SubElement(simple, quantity.kind, type_attributes(quantity))
     add_log_categories(root, LOG_CATEGORIES)
     add_experiment(root, spec.experiment)
+    add_annotations(SubElement(root, "VendorAnnotations"), "Tool", "name", spec.annotations)
     variables = SubElement(root, "ModelVariables")
     for variable in spec.table.rows:
         scalar = SubElement(variables, "ScalarVariable", variable_attributes(variable))

@@ -5,6 +5,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ..description import (
     LOG_CATEGORIES,
+    add_annotations,
     add_experiment,
     add_log_categories,
     add_units,
@@ -61,6 +62,7 @@ def model_description(spec: Spec, identity: str, generator: str) -> Element:
     add_experiment(root, spec.experiment)
     _add_variables(SubElement(root, "ModelVariables"), spec.table)
     _add_structure(SubElement(root, "ModelStructure"), spec.table)
+    add_annotations(SubElement(root, "Annotations"), "Annotation", "type", spec.annotations)
     drop_empty_lists(root)
     return root
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
+import fmpy
 from pythonfmu.builder import FmuBuilder
 from pythonfmu3.builder import FmuBuilder as FmuBuilder3
 
@@ -29,19 +31,32 @@ def build(
     get the name, because modules of one name are one in a process, whatever FMU they come from.
     """
     text = (HERE / f"{source}.py").read_text(encoding="utf-8")
-    face = re.search(r"class (\w+)\(Fmi(\d)Slave\)", text)
+    face = re.search(r"class (\w+)\((?:Fmi(\d)Slave|ForeignFace)\)", text)
     assert face is not None
     name = face[1] if name is None else name
-    text = text.replace(face[1], name).replace("from tests.verification.foreign.", "from ")
+    parts = re.findall(rf"(?m)^from {__package__}\.(\w+) import", text)
+    text = text.replace(face[1], name).replace(f"from {__package__}.", "from ")
     for setting, value in (settings or {}).items():
         text, changed = re.subn(rf"(?m)^{setting} = .*$", f"{setting} = {value}", text)
         assert changed == 1
     folder.mkdir(parents=True, exist_ok=True)
     script = folder / f"face_of_{name.lower()}.py"
     script.write_text(text, encoding="utf-8")
-    builder = FmuBuilder if face[2] == "2" else FmuBuilder3
-    block = Path(shutil.copy(HERE / "spring_and_slider.py", folder))
-    return Path(builder.build_FMU(script, dest=folder, project_files=[block], **options))
+    builder = FmuBuilder3 if face[2] == "3" else FmuBuilder
+    parts = [Path(shutil.copy(HERE / f"{part}.py", folder)) for part in parts]
+    return Path(builder.build_FMU(script, dest=folder, project_files=parts, **options))
+
+
+def pack_library(source: Path, fmu: Path, description: str, options: Sequence[str] = ()) -> Path:
+    """Compile a source in C to the library of an FMU, and pack it with its description."""
+    library = fmu.with_suffix(fmpy.sharedLibraryExtension)
+    subprocess.run(["cc", "-shared", "-fPIC", *options, "-o", library, source, "-lm"], check=True)
+    with zipfile.ZipFile(fmu, "w") as archive:
+        archive.writestr(DESCRIPTION, description)
+        suffix = fmpy.sharedLibraryExtension
+        folder = fmpy.platform if 'fmiVersion="2.0"' in description else fmpy.platform_tuple
+        archive.write(library, f"binaries/{folder}/{fmu.stem}{suffix}")
+    return fmu
 
 
 def altered(

@@ -1,14 +1,33 @@
-"""A foreign FMU 2.0 that does WHAT on its third step: crash, hang, discard or raise."""
+"""A foreign FMU 2.0 that misbehaves on its third step, in the way that WHAT names."""
 
 from __future__ import annotations
 
 import ctypes
+import os
+import sys
 import time
+from pathlib import Path
 from typing import Any
 
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+from pythonfmu.enums import Fmi2Status
 
 WHAT = "crash"
+NOTES = ""
+
+
+def leave_daemon() -> None:
+    """Start a process with another parent and another session, and note its number."""
+    if os.fork() == 0:
+        os.setsid()
+        daemon = os.fork()
+        if daemon == 0:
+            time.sleep(300.0)
+        else:
+            with Path(NOTES).open("a", encoding="utf-8") as notes:
+                notes.write(f"{daemon}\n")
+        os._exit(0)
+    os.wait()
 
 
 class Misbehaving(Fmi2Slave):  # type: ignore[misc]
@@ -32,6 +51,16 @@ class Misbehaving(Fmi2Slave):  # type: ignore[misc]
             return True
         if WHAT == "crash":
             ctypes.string_at(0)
+        if WHAT == "daemon":
+            leave_daemon()
+        if WHAT == "eat":
+            self.eaten = bytearray(1_000_000_000)
+        if WHAT == "print":
+            for stream in (sys.stdout, sys.stderr):
+                stream.write("moving on\n" * 1_000_000)
+        if WHAT == "log":
+            for _ in range(10_000):
+                self.log("moving on " * 1000, Fmi2Status.warning)
         while WHAT == "hang":
             time.sleep(1.0)
         if WHAT == "raise":

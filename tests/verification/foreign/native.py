@@ -6,13 +6,12 @@ Its step meets an event each time, and returns after one second if it is longer.
 from __future__ import annotations
 
 import inspect
-import subprocess
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-import fmpy
 import fmpy.fmi3
+
+from tests.verification.foreign.building import pack_library
 
 # Type to our name of the variable, its causality and its type in C.
 TYPES: Mapping[str, tuple[str, str, str]] = {
@@ -67,14 +66,9 @@ int fmi3Set{kind}(void *i, const unsigned *which, size_t n, const {c_type} *valu
 
 def build(folder: Path) -> Path:
     """Compile and pack the FMU."""
-    source, library, fmu = folder / "native.c", folder / "native.so", folder / "Native.fmu"
+    source = folder / "native.c"
     source.write_text(_source(), encoding="utf-8")
-    subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source], check=True)
-    with zipfile.ZipFile(fmu, "w") as archive:
-        archive.writestr("modelDescription.xml", _description())
-        suffix = fmpy.sharedLibraryExtension
-        archive.write(library, f"binaries/{fmpy.platform_tuple}/Native{suffix}")
-    return fmu
+    return pack_library(source, folder / "Native.fmu", _description())
 
 
 def _source() -> str:

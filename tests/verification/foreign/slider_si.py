@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import copy
 import math
+from functools import partial
 from typing import Any
 
 from pythonfmu3 import Boolean, Float64, Fmi3Causality, Fmi3Slave, Fmi3Variability, Int32, UInt64
 from pythonfmu3.fmi3slave import Fmi3StepResult
 from pythonfmu3.unit import Unit
 
-from tests.verification.foreign.spring_and_slider import SpringAndSlider
+from tests.verification.foreign.exact_block import ExactBlock
 
 UNITS = (
     Unit("kilogram", kg=1),
@@ -22,26 +24,26 @@ UNITS = (
 )
 
 PARAMETERS = (
-    ("mass", "kilogram", "mass"),
-    ("gravity", "m/s2", "gravity"),
-    ("stiffness", "N/m", "stiffness"),
-    ("mu_static", None, "mu_static"),
-    ("mu_kinetic", None, "mu_kinetic"),
+    ("mass", "kilogram", "m", 1.0),
+    ("gravity", "m/s2", "g", 9.81),
+    ("stiffness", "N/m", "k", 1000.0),
+    ("mu_static", None, "mu_s", 0.5),
+    ("mu_kinetic", None, "mu_k", 0.3),
 )
 OUTPUTS = (
-    ("slider_position", "m", "position"),
-    ("slider_speed", "m/s", "speed"),
-    ("driven_position", "m", "driven"),
-    ("extension", "m", "extension"),
-    ("spring_force", "N", "force"),
-    ("friction_force", "N", "friction"),
-    ("break_away_force", "N", "threshold"),
-    ("jump", "m", "jump"),
-    ("relief", "m", "relief"),
-    ("stick_time", "s", "stick_time"),
-    ("slip_time", "s", "slip_time"),
-    ("period", "s", "period"),
-    ("top_speed", "m/s", "top_speed"),
+    ("slider_position", "m", "x"),
+    ("slider_speed", "m/s", "x_dot"),
+    ("driven_position", "m", "x_pull"),
+    ("extension", "m", "z"),
+    ("spring_force", "N", "F"),
+    ("friction_force", "N", "F_friction"),
+    ("break_away_force", "N", "F_s"),
+    ("jump", "m", "delta_x"),
+    ("relief", "m", "spring_drop"),
+    ("stick_time", "s", "t_stick"),
+    ("slip_time", "s", "t_slip"),
+    ("period", "s", "T"),
+    ("top_speed", "m/s", "x_dot_peak"),
 )
 
 # A pull beyond this [m/s] makes the step say that the simulation is over.
@@ -49,11 +51,13 @@ FASTEST = 10.0
 
 
 class SliderSi(Fmi3Slave):  # type: ignore[misc]
-    """The slider behind a face of FMI 3.0."""
+    """The undamped slider behind a face of FMI 3.0."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self.block = SpringAndSlider()
+        self.given = {key: start for _, _, key, start in PARAMETERS} | {"v": 0.02}
+        self.shown: dict[str, float] = {}
+        self.block = ExactBlock(self.given, 0.0)
         self.time = 0.0
         self.register_variable(
             Float64(
@@ -61,48 +65,62 @@ class SliderSi(Fmi3Slave):  # type: ignore[misc]
             )
         )
         self.register_units(list(UNITS))
-        for name, unit, attribute in PARAMETERS:
-            self._real(name, unit, attribute, Fmi3Causality.parameter)
-        self._real("pull_speed", "m/s", "pull", Fmi3Causality.input)
-        for name, unit, attribute in OUTPUTS:
-            self._real(name, unit, attribute, Fmi3Causality.output)
+        parameter, fixed = Fmi3Causality.parameter, Fmi3Variability.fixed
+        for name, unit, key, _ in PARAMETERS:
+            self._given(name, unit, key, parameter, fixed)
+        self._given("pull_speed", "m/s", "v", Fmi3Causality.input, Fmi3Variability.continuous)
+        for name, unit, key in OUTPUTS:
+            variable = Float64(
+                name,
+                causality=Fmi3Causality.output,
+                variability=Fmi3Variability.continuous,
+                unit=unit,
+                getter=partial(self._see, key),
+            )
+            self.register_variable(variable)
         discrete = {"causality": Fmi3Causality.output, "variability": Fmi3Variability.discrete}
-        block = self.block
-        self.register_variable(Int32("phase", getter=lambda: block.phase, **discrete))
-        self.register_variable(UInt64("slips", getter=lambda: block.count, **discrete))
-        self.register_variable(Boolean("stuck", getter=lambda: block.phase == 0, **discrete))
+        for kind, name, key in (
+            (Int32, "phase", "mode"),
+            (UInt64, "slips", "n_slips"),
+            (Boolean, "stuck", "sticking"),
+        ):
+            self.register_variable(kind(name, getter=partial(self._see, key), **discrete))
 
-    def _real(self, name: str, unit: str | None, attribute: str, causality: Any) -> None:
-        variability = (
-            Fmi3Variability.fixed
-            if causality is Fmi3Causality.parameter
-            else Fmi3Variability.continuous
-        )
+    def _see(self, key: str) -> float:
+        return self.shown.get(key, 0)
+
+    def _given(self, name: str, unit: str | None, key: str, causality: Any, varies: Any) -> None:
         self.register_variable(
             Float64(
                 name,
                 causality=causality,
-                variability=variability,
+                variability=varies,
                 unit=unit,
-                getter=lambda: getattr(self.block, attribute),
-                setter=lambda value: setattr(self.block, attribute, value),
+                getter=lambda: self.given[key],
+                setter=lambda value: self.given.update({key: value}),
             )
         )
 
     def exit_initialization_mode(self) -> None:
         """Begin at rest."""
-        self.block.start()
+        self.block = ExactBlock(self.given, 0.0)
+        self.shown = self.block.outputs()
 
     def do_step(self, current_time: float, step_size: float) -> Any:
         """Move."""
-        if math.isfinite(self.block.pull):
-            self.block.move(step_size)
-        return Fmi3StepResult(terminateSimulation=not abs(self.block.pull) <= FASTEST)
+        pull = self.given["v"]
+        if math.isfinite(pull):
+            if pull != self.block.p["v"]:
+                self.block.change({"v": pull})
+            self.block.advance(current_time, step_size)
+            self.shown = self.block.outputs()
+        return Fmi3StepResult(terminateSimulation=not abs(pull) <= FASTEST)
 
     def _get_fmu_state(self) -> dict[str, Any]:
-        block = self.block
-        return {**vars(block), "arc": dict(block.arc), "slip_from": list(block.slip_from)}
+        kept = {"given": self.given, "shown": self.shown, "block": vars(self.block)}
+        return copy.deepcopy(kept)
 
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
-        kept = {**state, "arc": dict(state["arc"]), "slip_from": list(state["slip_from"])}
-        vars(self.block).update(kept)
+        kept = copy.deepcopy(state)
+        self.given, self.shown = kept["given"], kept["shown"]
+        vars(self.block).update(kept["block"])

@@ -5,10 +5,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip_verification import truth
+from stickslip_verification.model.events import Event, Transition
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Run
+from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.cases import Case, follow
 from stickslip_verification.suite.tolerances import Facts, facts_of
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A stick or a slip: its beginning [s], the slips completed before it, whether it sticks."""
+
+    begin: float
+    slips: int
+    sticks: bool
 
 
 @dataclass(frozen=True)
@@ -21,31 +32,58 @@ class Exact:
         Its samples, rounded to double once.
     start
         Every value at the start, the defaults included (SI).
-    event_times
-        Times of its transitions [s].
+    events
+        Its transitions.
     facts
         What the tolerances take from it.
     """
 
     record: Run
     start: Mapping[str, float]
-    event_times: Sequence[float]
+    events: Sequence[Event]
     facts: Facts
+
+    @property
+    def event_times(self) -> Sequence[float]:
+        """Times of the transitions [s]."""
+        return [event.time for event in self.events]
+
+    @property
+    def phases(self) -> Sequence[Phase]:
+        """Sticks and slips in order of time."""
+        found = [Phase(0.0, 0, bool(self.record.initial["sticking"]))]
+        for event in self.events:
+            slips = found[-1].slips + (event.kind != Transition.BREAK_AWAY)
+            found.append(Phase(event.time, slips, event.mode == 0))
+        return found
 
 
 def exact_motion(case: Case) -> Exact:
     """Compute the exact motion of a case in high precision, rounded to double once."""
     run = follow(case.parameters, case.steps, case.law)
-    outputs = {
-        name: np.array([float(sample[name]) for sample in run.samples]) for name in OUTPUT_NAMES
-    }
     return Exact(
         record=Run(
             times=np.array(case.times),
-            outputs=outputs,
+            outputs=sampled(run),
             initial={name: float(run.initial[name]) for name in OUTPUT_NAMES},
         ),
         start=case.start,
-        event_times=[float(event.time) for event in run.events],
+        events=[
+            Event(
+                float(each.time),
+                Transition(each.kind),
+                each.mode,
+                float(each.x),
+                float(each.z),
+            )
+            for each in run.events
+        ],
         facts=facts_of(run),
     )
+
+
+def sampled(run: truth.Run) -> dict[str, Series]:
+    """Return the outputs of an exact run as doubles."""
+    return {
+        name: np.array([float(sample[name]) for sample in run.samples]) for name in OUTPUT_NAMES
+    }

@@ -75,6 +75,15 @@ def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     return target
 
 
+def carries_source(fmu: Path) -> bool:
+    """Whether an FMU carries the packed source of the block, so that faults can change it."""
+    try:
+        _package(fmu, _read(fmu))
+    except MutantError:
+        return False
+    return True
+
+
 def _read(fmu: Path) -> dict[str, bytes]:
     try:
         with zipfile.ZipFile(fmu) as archive:

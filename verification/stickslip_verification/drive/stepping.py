@@ -16,8 +16,6 @@ from stickslip_verification.suite.experiment import CommunicationStep as Communi
 from stickslip_verification.suite.experiment import points
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, Parameter, changeable
 
-OUR_IDENTIFIER = "StickSlip"
-
 Read = Callable[[], list[float]]
 
 AfterStep = Callable[[float], bool]
@@ -26,11 +24,6 @@ AfterStep = Callable[[float], bool]
 
 class NotApplicableError(Exception):
     """The FMU lacks what a case or an invariant needs; the text says what."""
-
-
-def is_ours(fmu: FmuFile) -> bool:
-    """Whether an FMU says that it is our block: by its identifier, and by names as they are."""
-    return fmu.model_identifier == OUR_IDENTIFIER and not fmu.names.targets
 
 
 @dataclass(frozen=True)
@@ -60,8 +53,8 @@ class Setting:
 def setting_of(fmu: FmuFile, case: Case) -> Setting:
     """Return the setting of a case for this FMU.
 
-    Of ours only what the case sets is set, so that its defaults are tried too. Of any other FMU
-    all values are set, since its defaults may differ.
+    Where the FMU's own start values are tried (`FmuFile.own_starts`), only what the case names is
+    set. Elsewhere all values are set, since the FMU's may differ.
 
     Raises
     ------
@@ -70,7 +63,7 @@ def setting_of(fmu: FmuFile, case: Case) -> Setting:
         change one on the way.
     """
     require_law(fmu, case)
-    if is_ours(fmu):
+    if fmu.own_starts:
         return Setting(case.parameters, case.steps)
     values = case.start
     absent = lacking(fmu, values)
@@ -91,7 +84,7 @@ def require_law(fmu: FmuFile, case: Case) -> None:
     if absent:
         raise FmuError(
             f"{fmu.path}: has no variable {', '.join(absent)}, which the friction law {case.law} "
-            f"of the case {case.id} needs; build the FMU with this law"
+            f"of the case {case.id} needs; build the FMU with this law, or name it with --names"
         )
 
 

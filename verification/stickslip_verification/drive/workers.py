@@ -6,29 +6,31 @@ returns an `Answer`, also where the worker crashed.
 
 import contextlib
 import math
-import multiprocessing
 import os
 import signal
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import TimeoutError as Late
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from multiprocessing import forkserver, resource_tracker
-from multiprocessing.context import BaseContext
+from multiprocessing.connection import wait
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
-
-from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from stickslip_verification.drive import convergence
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.kept import kept
+from stickslip_verification.drive.manners import MANNERS
+from stickslip_verification.drive.moments import Moments, moments
+from stickslip_verification.drive.nearby import nearby_motions
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes import PROBES
+from stickslip_verification.drive.processes import OUT_OF_MEMORY, Worker
 from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.drive.stepping import NotApplicableError, run_case
 from stickslip_verification.model.run import Run
@@ -42,11 +44,34 @@ T = TypeVar("T")
 TIME_LIMIT = 60.0
 """Seconds that one run of a case may take; the longest of the suite takes a few."""
 
-PROBE_LIMIT = 10.0
-"""Seconds that one probe may take; it takes milliseconds."""
+PROBE_LIMIT = 60.0
+"""Seconds that one probe may take; the longest, of the memory of 1e5 steps, takes two."""
 
-_ERRORS = 2
-"""The descriptor of standard error."""
+MOST_PER_PROCESSOR = 4
+"""Processes for each processor; more of them only take memory from each other."""
+
+_GIGABYTE = 1e9
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What an FMU may take.
+
+    Attributes
+    ----------
+    budget
+        Seconds that all its runs without a result may take together: an FMU that hangs everywhere
+        is at its end then, whereas a slow one that finishes its runs is not.
+    memory
+        Gigabytes for each process that holds it, with all that it starts, see `processes`. None on
+        Windows.
+    """
+
+    budget: float = 120.0
+    memory: float = 4.0
+
+
+USUAL = Limits()
 
 
 def jobs_here() -> int:
@@ -54,6 +79,11 @@ def jobs_here() -> int:
     return max(
         1, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     )
+
+
+def allowed(jobs: int) -> int:
+    """Return how many of so many wanted processes may work at once."""
+    return min(jobs, MOST_PER_PROCESSOR * jobs_here())
 
 
 def exact(case: Case) -> Answer[Exact]:
@@ -66,9 +96,22 @@ def reference(case: Case) -> Answer[Run]:
     return _answer(kept, run_reference, case)
 
 
+def nearby(case: Case) -> Answer[tuple[Run, ...]]:
+    """Follow motions near the exact one of a case."""
+    return _answer(kept, nearby_motions, case)
+
+
 def observed_order(case: Case, invariant: Order) -> Answer[ObservedOrder]:
     """Observe how the reference's error falls with its tolerance."""
     return _answer(kept, convergence.observe, case, invariant)
+
+
+def open_fmu() -> Answer[bool]:
+    """Read the description of the FMU of this process; whether that is possible."""
+    try:
+        return Answer(_fmu() is not None)
+    except FmuError:
+        return Answer(False)
 
 
 def plain_run(case: Case) -> Answer[Run]:
@@ -81,27 +124,39 @@ def other_run(case: Case, run: str) -> Answer[Run]:
     return _answer(lambda: RUNS[run](_fmu(), case))
 
 
+def in_manner(case: Case, manner: str) -> Answer[Run]:
+    """Run the FMU of this process on a case in a manner, a key of `MANNERS`."""
+    return _answer(lambda: MANNERS[manner](_fmu(), case))
+
+
+def matched(case: Case, exact: Exact, run: Run) -> Answer[Moments]:
+    """Find the exact motion at the moments of an FMU's samples in a case."""
+    return _answer(moments, case, exact, run)
+
+
 def probe(invariant: Probe) -> Answer[list[str]]:
     """Try a probe on the FMU of this process."""
     return _answer(lambda: PROBES[invariant.probe](_fmu(), **invariant.arguments))
 
 
 class Pool:
-    """A few processes that work through tasks.
+    """A few processes that work through tasks while their answers are waited for.
 
-    Leaving its `with` block stops whatever still runs.
+    Leaving its `with` block ends whatever still runs, and what an FMU left behind.
 
     Parameters
     ----------
     jobs
-        How many processes.
+        How many processes; no more than `MOST_PER_PROCESSOR` for each processor, and no more than
+        there are tasks.
     time_limit
         Seconds that one task may take.
-    fmu, names, hooks
-        The FMU that the processes hold, and the map to its names; None for those without. Faults
-        planted between the suite and the FMU.
+    fmu, names, hooks, own_starts
+        The FMU that the processes hold, or None, and how it is opened: see `FmuFile`.
     fresh
         Whether each task gets a new process, for an FMU that lives only once in one.
+    limits
+        What the FMU may take; nothing is limited without an FMU.
     """
 
     def __init__(
@@ -113,16 +168,20 @@ class Pool:
         *,
         fresh: bool = False,
         hooks: Sequence[Hook] = (),
+        own_starts: bool | None = None,
+        limits: Limits = USUAL,
     ) -> None:
+        self._jobs = allowed(jobs)
         self._limit = time_limit
-        self._folder = tempfile.TemporaryDirectory(prefix="stickslip-")
-        self._pool = ProcessPool(
-            max_workers=jobs,
-            max_tasks=1 if fresh else 0,
-            initializer=_begin,
-            initargs=(self._folder.name, fmu, names, hooks),
-            context=_context(),
-        )
+        self._budget = limits.budget if fmu is not None else math.inf
+        self._memory = None if fmu is None else round(limits.memory * _GIGABYTE)
+        self._fresh = fresh
+        self._folder = tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True)
+        self._arguments = (self._folder.name, fmu, names, hooks, own_starts)
+        self._waiting: deque[_Order] = deque()
+        self._idle: list[Worker] = []
+        self._busy: dict[Worker, _Order] = {}
+        self._lost = 0.0
 
     def each(
         self,
@@ -134,11 +193,10 @@ class Pool:
 
         All tasks are scheduled at once. `most` [s] is a time limit below the pool's.
         """
-        limit = min(self._limit, most)
-        futures: list[ProcessFuture[Answer[T]]] = [
-            self._pool.schedule(task, args=each, timeout=limit) for each in arguments
-        ]
-        return (_outcome(future, limit) for future in futures)
+        orders = [_Order(task, each, min(self._limit, most)) for each in arguments]
+        self._waiting += orders
+        self._assign()
+        return map(self._answer_to, orders)
 
     def __enter__(self) -> Self:
         return self
@@ -149,9 +207,114 @@ class Pool:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._pool.stop()  # type: ignore[no-untyped-call]  # pebble leaves it without types
-        self._pool.join()
+        self._waiting.clear()
+        workers = (*self._idle, *self._busy)
+        for worker in workers:
+            worker.stop()
+        for worker in workers:
+            worker.end()
         self._folder.cleanup()
+
+    def _answer_to(self, order: "_Order") -> Answer[Any]:
+        while order.answer is None:
+            self._assign()
+            self._wait()
+        return order.answer
+
+    def _assign(self) -> None:
+        """Give each process a task, starting those that may be started."""
+        while self._waiting and (self._idle or len(self._busy) < self._jobs):
+            worker = self._idle.pop() if self._idle else self._start()
+            order = self._waiting.popleft()
+            order.begun = time.monotonic()
+            self._busy[worker] = order
+            # One that has ended in the meantime is found by `_wait`.
+            with contextlib.suppress(OSError):
+                worker.give(order.task, order.arguments)
+
+    def _start(self) -> Worker:
+        return Worker(_begin, self._arguments, self._memory)
+
+    def _wait(self) -> None:
+        """Wait for an answer, the end of a process, a time limit or the end of the budget."""
+        now = time.monotonic()
+        first = min(order.begun + order.limit for order in self._busy.values())
+        # A loss grows as fast as time does, in each process at once.
+        left = self._budget - self._lost_till(now)
+        handles = [handle for worker in self._busy for handle in worker.handles]
+        ready = wait(handles, max(0.0, min(first - now, left)))
+        now = time.monotonic()
+        for worker, order in list(self._busy.items()):
+            if any(handle in ready for handle in worker.handles):
+                self._take(worker, order, now)
+            elif now >= order.begun + order.limit:
+                failure = f"no answer within {order.limit:g} s; the process was ended"
+                self._drop(worker, order, Answer(failure=failure, late=True), now)
+        if self._lost_till(now) >= self._budget:
+            self._give_up()
+
+    def _lost_till(self, now: float) -> float:
+        """Return the time [s] spent on tasks that failed or are not answered yet."""
+        running = sum(now - order.begun for order in self._busy.values())
+        return (self._lost + running) / max(1, len(self._busy) + len(self._idle))
+
+    def _take(self, worker: Worker, order: "_Order", now: float) -> None:
+        """Take the answer of a process, or the reason why it gives none."""
+        try:
+            answer = worker.answer()
+        except (EOFError, OSError):
+            code = worker.exit_code()
+            end = "gave half an answer and was ended" if code is None else _end(code)
+            self._drop(worker, order, Answer(failure=f"the process {end}"), now)
+            return
+        except Exception as error:
+            self._drop(worker, order, Answer(failure=f"no readable answer: {_reason(error)}"), now)
+            return
+        if not isinstance(answer, Answer):
+            self._drop(worker, order, Answer(failure="no readable answer"), now)
+        elif self._fresh:
+            self._drop(worker, order, answer, now)
+        else:
+            self._settle(order, answer, now)
+            del self._busy[worker]
+            self._idle.append(worker)
+
+    def _drop(self, worker: Worker, order: "_Order", answer: Answer[Any], now: float) -> None:
+        """Settle a task and end its process."""
+        self._settle(order, answer, now)
+        del self._busy[worker]
+        worker.end()
+
+    def _settle(self, order: "_Order", answer: Answer[Any], now: float) -> None:
+        order.answer = answer
+        if answer.failure is not None:
+            self._lost += now - order.begun
+
+    def _give_up(self) -> None:
+        """Answer all tasks that are left with the end of the budget."""
+        failure = (
+            f"not finished: runs without a result took {self._budget:g} s, all that the FMU has "
+            "for them; --budget gives more"
+        )
+        for worker in self._busy:
+            worker.stop()
+        for worker in self._busy:
+            worker.end()
+        for order in (*self._busy.values(), *self._waiting):
+            order.answer = Answer(failure=failure, late=True)
+        self._busy.clear()
+        self._waiting.clear()
+
+
+@dataclass(eq=False)
+class _Order:
+    """A task, since when it runs, and its answer."""
+
+    task: Callable[..., Answer[Any]]
+    arguments: tuple[Any, ...]
+    limit: float
+    begun: float = 0.0
+    answer: Answer[Any] | None = None
 
 
 @dataclass
@@ -161,28 +324,23 @@ class _Held:
     path: Path | None = None
     names: NameMap | None = None
     hooks: Sequence[Hook] = ()
+    own_starts: bool | None = None
     file: FmuFile | None = None
 
 
 _HELD = _Held()
 
 
-def _outcome(future: ProcessFuture[Answer[T]], limit: float) -> Answer[T]:
-    try:
-        return future.result()
-    except Late:
-        return Answer(failure=f"no answer within {limit:g} s; the process was ended", late=True)
-    except ProcessExpired as error:
-        return Answer(failure=f"the process {_end(error.exitcode)}")
-    except Exception as error:
-        return Answer(failure=_reason(error))
-
-
-def _begin(folder: str, fmu: Path | None, names: NameMap | None, hooks: Sequence[Hook]) -> None:
-    """Set up a worker: it ignores Ctrl-C, and an FMU's prints are discarded."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _begin(
+    folder: str,
+    fmu: Path | None,
+    names: NameMap | None,
+    hooks: Sequence[Hook],
+    own_starts: bool | None,
+) -> None:
+    """Set up a worker: an FMU's prints are discarded."""
     tempfile.tempdir = folder
-    _HELD.path, _HELD.names, _HELD.hooks = fmu, names, hooks
+    _HELD.path, _HELD.names, _HELD.hooks, _HELD.own_starts = fmu, names, hooks, own_starts
     if fmu is not None:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         for stream in (1, 2):
@@ -193,7 +351,7 @@ def _begin(folder: str, fmu: Path | None, names: NameMap | None, hooks: Sequence
 def _fmu() -> FmuFile:
     if _HELD.file is None:
         assert _HELD.path is not None
-        _HELD.file = FmuFile(_HELD.path, _HELD.names, _HELD.hooks)
+        _HELD.file = FmuFile(_HELD.path, _HELD.names, _HELD.hooks, own_starts=_HELD.own_starts)
     return _HELD.file
 
 
@@ -202,6 +360,8 @@ def _answer(function: Callable[..., T], *arguments: Any) -> Answer[T]:
         return Answer(function(*arguments))
     except NotApplicableError as error:
         return Answer(not_applicable=str(error))
+    except MemoryError:
+        return Answer(failure="MemoryError: more memory than --memory gives")
     except (Exception, SystemExit, KeyboardInterrupt) as error:
         # Code that a fault brings along may try to leave; Ctrl-C does not reach this process.
         return Answer(failure=_reason(error))
@@ -212,50 +372,9 @@ def _reason(error: BaseException) -> str:
 
 
 def _end(code: int) -> str:
+    if code == OUT_OF_MEMORY:
+        return "was ended: the FMU had more memory than --memory gives"
     if code < 0:
         with contextlib.suppress(ValueError):
             return f"crashed ({signal.Signals(-code).name})"
     return f"ended by itself with exit code {code}"
-
-
-def _context() -> BaseContext:
-    """Return the context that starts workers fastest: forks of a server with all modules loaded."""
-    methods: Mapping[str, None] = dict.fromkeys(multiprocessing.get_all_start_methods())
-    context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
-    if "forkserver" in methods:
-        context.set_forkserver_preload([__name__])
-        _start_server()
-    return context
-
-
-def _start_server() -> None:
-    """Start the fork server with Ctrl-C blocked and standard error discarded from the start.
-
-    By itself it ignores Ctrl-C only once its modules are loaded, after about a second. A worker
-    that it forks during an interrupt would print a traceback of no use.
-    """
-    resource_tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        with _silent():
-            forkserver.ensure_running()
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-@contextlib.contextmanager
-def _silent() -> Iterator[None]:
-    """Discard the standard error of processes started in this block."""
-    try:
-        kept = os.dup(_ERRORS)
-    except OSError:  # closed already
-        yield
-        return
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, _ERRORS)
-    os.close(nowhere)
-    try:
-        yield
-    finally:
-        os.dup2(kept, _ERRORS)
-        os.close(kept)

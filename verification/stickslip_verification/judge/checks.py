@@ -7,14 +7,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip_verification.drive.exact import Exact
+from stickslip_verification.judge.band import Band
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import CheckResult, Klass, Measure, Measured
 from stickslip_verification.suite.cases import At, Case, Check
 from stickslip_verification.suite.tolerances import INTEGRATION, ROUNDING
+
+UNDECIDED = "hangs on less than the error of a numerical solution"
+"""Said of a point at which nearby exact motions differ in stick and slip."""
 
 RESOLUTION = {"fmu": 1e-14, "reference": 1e-12}
 """What rounding between processors and mathematical libraries moves, as a part of the scale. Two
@@ -34,9 +39,9 @@ class Contract:
     ----------
     side
         fmu or reference.
-    ours
-        Whether it promises the interface, so that a missing output is a failure and not a feature
-        that it lacks.
+    interface
+        Whether it promises the interface, so that its own start values are tried, and a missing
+        output is a failure and not a feature that it lacks.
     exact
         Whether it is held to the tolerances of the exact block, or to those of a numerical
         solution.
@@ -45,7 +50,7 @@ class Contract:
     """
 
     side: str
-    ours: bool = True
+    interface: bool = True
     exact: bool = True
     contract: bool = True
 
@@ -58,11 +63,16 @@ class Contract:
         """Whether a failure in a check of this class fails the verdict."""
         return klass == Klass.PHYSICS or self.contract
 
+    @property
+    def banded(self) -> bool:
+        """Whether a run is right in the band of a numerical solution about the exact motion."""
+        return self.side == "fmu" and not self.exact
+
 
 EXACT_CONTRACT = Contract("fmu")
 REFERENCE_CONTRACT = Contract("reference", exact=False)
-PHYSICS_CONTRACT = Contract("fmu", ours=False, exact=False, contract=False)
-STRICT_CONTRACT = Contract("fmu", ours=False)
+PHYSICS_CONTRACT = Contract("fmu", interface=False, exact=False, contract=False)
+STRICT_CONTRACT = Contract("fmu", interface=False)
 
 
 class CheckError(ValueError):
@@ -141,8 +151,15 @@ def errors(measure: str, got: Series, expected: Series, scale: float) -> Series:
         return np.where(difference == 0.0, 0.0, difference / size)
 
 
-def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Run) -> CheckResult:
-    """Compare one side's record with the truth of one check.
+def judge(
+    case: Case,
+    check: Check,
+    contract: Contract,
+    exact: Exact,
+    record: Run,
+    band: Band | None = None,
+) -> CheckResult:
+    """Compare one side's record with the truth of one check, given a `band` within that band.
 
     Never raises for what a side did: a missing output, a NaN or an infinity is a failed check
     with its reason. An output that a foreign FMU does not have makes the check not applicable.
@@ -157,6 +174,8 @@ def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Ru
         return replace(empty, failure=f"the truth cannot be computed: {error}")
     if not np.all(np.isfinite(expected)):
         return replace(empty, failure="the truth is not a finite number here")
+    if band is not None:
+        return judge_in_band(empty, [check.quantity], contract, band, record, chosen)
     try:
         got = extract(check.quantity, record, exact.start)[chosen]
     except (CheckError, IndexError) as error:
@@ -180,6 +199,77 @@ def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Ru
         passed=bool(found[worst] <= empty.tolerance),
         measured=Measured(float(np.mean(got)), size, resolution),
     )
+
+
+def judge_in_band(
+    empty: CheckResult,
+    quantities: Sequence[str],
+    contract: Contract,
+    band: Band,
+    record: Run,
+    points: Sequence[int] | None = None,
+) -> CheckResult:
+    """Judge whether quantities of a run stay in a band; the result shows the worst of them.
+
+    ``record`` may hold some of the points of the exact motion only, and ``points`` restricts what
+    is looked at further. What the run lacks is not judged; the result is not applicable where
+    nothing is left.
+    """
+    empty = replace(empty, measure=Measure.ABSOLUTE, because=band.because)
+    try:
+        read = _places_of(record, band.exact.record)
+    except CheckError as error:
+        return replace(empty, failure=str(error))
+    chosen = np.isin(read, np.arange(band.exact.record.times.size) if points is None else points)
+    worst, nearest, lacking = None, -1.0, []
+    for quantity in quantities:
+        try:
+            extract(quantity, record, band.exact.start)
+        except LackingError as error:
+            lacking.append(error)
+            continue
+        except CheckError as error:
+            return replace(empty, failure=str(error))
+        expected, got = band.pair(quantity, record, read)
+        where = chosen & band.judged(quantity)[read] & np.isfinite(expected)
+        broken = np.flatnonzero(where & ~np.isfinite(got))
+        if len(broken):
+            time = float(record.times[broken[0]])
+            return replace(empty, failure=f"{quantity} is {got[broken[0]]} at t = {time:.6g} s")
+        if not where.any():
+            continue
+        allowed = band.allowed(quantity)[read][where]
+        found = np.abs(got[where] - expected[where])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = np.where(found == 0.0, 0.0, found / allowed)
+        place = last_worst(ratios)
+        if ratios[place] > nearest:
+            nearest = float(ratios[place])
+            scale = 0.0 if QUANTITIES[quantity].discrete else band.largest(quantity)
+            worst = replace(
+                empty,
+                quantity=quantity,
+                unit=QUANTITIES[quantity].unit,
+                measure=Measure.OF_SCALE if scale else Measure.ABSOLUTE,
+                expected=float(expected[where][place]),
+                got=float(got[where][place]),
+                error=float(found[place]) / (scale or 1.0),
+                tolerance=float(allowed[place]) / (scale or 1.0),
+                passed=nearest <= 1.0,
+            )
+    if worst is not None:
+        return worst
+    if lacking:
+        return without_value(empty, contract, lacking[0])
+    return replace(empty, not_applicable=f"it {UNDECIDED}, or was only agreed on")
+
+
+def _places_of(record: Run, exact: Run) -> NDArray[np.intp]:
+    """Return where the points of a record are among those of the exact motion."""
+    at = np.minimum(np.searchsorted(exact.times, record.times), exact.times.size - 1)
+    if not np.array_equal(exact.times[at], record.times) or len(set(at)) < len(at):
+        raise CheckError(f"{record.times.size} samples at other points than the case has")
+    return at
 
 
 def last_worst(found: Series) -> int:
@@ -212,7 +302,7 @@ def without_value(
     empty: CheckResult, contract: Contract, error: Exception, expected: float | None = None
 ) -> CheckResult:
     """Return the result where the side has no value to compare: not applicable, or a failure."""
-    if isinstance(error, LackingError) and not contract.ours:
+    if isinstance(error, LackingError) and not contract.interface:
         return replace(empty, not_applicable=f"it has {error}", expected=expected)
     return replace(empty, failure=str(error), expected=expected)
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
-from stickslip_verification.judge.checks import Contract, errors, last_worst
+from stickslip_verification.judge.band import Band
+from stickslip_verification.judge.checks import Contract, errors, judge_in_band, last_worst
 from stickslip_verification.judge.invariant_checks import blank
 from stickslip_verification.judge.metrics import Course
 from stickslip_verification.judge.metrics.course import Mask
@@ -29,22 +30,24 @@ def judge_run(
     exact: Exact,
     plain: Run,
     other: Answer[Run],
+    band: Band | None = None,
 ) -> CheckResult:
     """Judge whether another run of the FMU gave the motion of the plain one, the start included.
 
-    A numerical solution need not repeat a quantity better than the case asks it to know it.
+    A numerical solution has to stay in its band about the exact motion instead.
     """
-    column = "fmu" if contract.exact else "numerical"
     empty = replace(
         blank(invariant, case.id, contract),
         quantity="every output",
         unit="1",
         measure=Measure.ABSOLUTE if invariant.tolerance is None else Measure.OF_SCALE,
-        tolerance=0.0 if invariant.tolerance is None else invariant.tolerance[column],
+        tolerance=invariant.tolerance or 0.0,
         because=invariant.because,
     )
     if other.value is None:
         return replace(empty, failure=other.failure, not_applicable=other.not_applicable)
+    if band is not None:
+        return judge_in_band(empty, OUTPUT_NAMES, contract, band, other.value)
     first, second = _with_start(plain), _with_start(other.value)
     if {n: s.shape for n, s in first.items()} != {n: s.shape for n, s in second.items()}:
         return replace(empty, failure="the runs have other outputs, or other numbers of samples")
@@ -52,13 +55,7 @@ def judge_run(
         return _same_bits(empty, first, second)
     course = Course(case, plain, exact.record, np.array(exact.event_times))
     scales = {name: course.scale_of(name) for name in first}
-    allowed = dict.fromkeys(first, empty.tolerance)
-    if not contract.exact:
-        for check in case.checks:
-            if check.quantity in allowed:
-                known = check.tolerance[contract.column]
-                allowed[check.quantity] = max(allowed[check.quantity], known)
-    return _same_motion(empty, first, second, scales, allowed)
+    return _same_motion(empty, first, second, scales)
 
 
 def _with_start(record: Run) -> dict[str, Series]:
@@ -92,9 +89,8 @@ def _same_motion(
     plain: Mapping[str, Series],
     other: Mapping[str, Series],
     scales: Mapping[str, float],
-    allowed: Mapping[str, float],
 ) -> CheckResult:
-    worst, nearest = replace(empty, error=0.0), -1.0
+    worst, largest = replace(empty, error=0.0), -1.0
     for name, expected in plain.items():
         got, quantity = other[name], QUANTITIES[name]
         measure = Measure.ABSOLUTE if quantity.discrete else Measure.OF_SCALE
@@ -103,11 +99,10 @@ def _same_motion(
             reason = f"{name} is no finite number in one of them"
             return replace(empty, quantity=name, failure=reason)
         place = last_worst(found)
-        if found[place] > nearest * allowed[name]:
-            nearest = float(found[place]) / allowed[name]
+        if found[place] > largest:
+            largest = float(found[place])
             worst = replace(
                 worst,
-                tolerance=allowed[name],
                 quantity=name,
                 unit=quantity.unit,
                 expected=float(expected[place]),
@@ -116,7 +111,7 @@ def _same_motion(
             )
     return replace(
         worst,
-        passed=nearest <= 1.0,
+        passed=largest <= empty.tolerance,
         measured=Measured(worst.error or 0.0, 1.0, SPLIT_GRAIN * empty.tolerance),
     )
 

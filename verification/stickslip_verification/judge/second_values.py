@@ -33,7 +33,7 @@ class Accepted:
     def attach(self, results: Iterable[CheckResult], *, fmu: bool = True) -> list[CheckResult]:
         """Return the results with their second values, where there are any.
 
-        Those of an FMU that is not ours (`fmu` False) have none.
+        Those of an FMU whose values were not accepted (`fmu` False) have none.
         """
         return [
             replace(result, second=self._second(result))
@@ -77,9 +77,10 @@ def accept(verdict: Verdict, file: Path = FILE) -> int:
     Raises
     ------
     AcceptError
-        The FMU is not ours, a check failed against its truth, or a planted fault survived.
+        The FMU is not held to the exact contract, a check failed against its truth, or a planted
+        fault survived.
     """
-    if not verdict.ours:
+    if not verdict.exact:
         raise AcceptError("only the exact block is accepted, and this FMU is another one")
     if verdict.kills is not None and not verdict.kills.passed:
         raise AcceptError("the suite did not catch every planted fault")

@@ -3,9 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from typing import Any, Final
 
 from stickslip_verification.model.run import Run
+
+SEQUENCE: Final = "sequence-"
+"""Start of the case id of a random sequence; the rest is its number."""
 
 
 class Kind(StrEnum):
@@ -146,11 +149,24 @@ class CheckResult:
         return self.verdict in (Outcome.FAIL, Outcome.DRIFT)
 
 
+class CaseGroup(StrEnum):
+    """The groups of cases, in the order of the report."""
+
+    DEFAULT = "Default parameters"
+    SETTINGS = "Other settings"
+    DAMPING = "Damping"
+    CHANGES = "Changes in the run"
+    STARTS = "Start values"
+    LAWS = "Other friction laws"
+    CONVENTIONS = "Conventions of the interface"
+
+
 @dataclass(frozen=True)
 class Motion:
     """What the sides did in a case, beside the exact motion: for its plot.
 
-    ``records`` holds the sides that ran, by name; ``event_times`` [s] are exact.
+    ``records`` holds the sides that ran, by name; ``event_times`` [s] are exact. ``group`` is where
+    the report shows the case.
     """
 
     case: str
@@ -159,6 +175,7 @@ class Motion:
     exact: Run
     event_times: Sequence[float]
     records: Mapping[str, Run]
+    group: CaseGroup = CaseGroup.SETTINGS
 
 
 @dataclass(frozen=True)
@@ -215,11 +232,63 @@ class KillMatrix:
 
 
 @dataclass(frozen=True)
+class Table:
+    """A table of the report, in a section of its own.
+
+    Attributes
+    ----------
+    title
+        Heading of the section.
+    about
+        One sentence above the table.
+    head
+        Headings of the columns.
+    rows
+        Cells; the first of a row names it. A number is written as such, with its unit in the
+        heading; a cell without a count holds the reason as text.
+    note
+        Text below the table, or "".
+
+    Raises
+    ------
+    ValueError
+        A row has more or fewer cells than the head.
+    """
+
+    title: str
+    about: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[str | int | float]]
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse a row that does not fit the head."""
+        for row in self.rows:
+            if len(row) != len(self.head):
+                raise ValueError(
+                    f"table {self.title!r}: row {row[:1]} has {len(row)} cells, "
+                    f"the head {len(self.head)}"
+                )
+
+
+@dataclass(frozen=True)
+class ChosenContract:
+    """The contract that an FMU is held to.
+
+    ``name`` is exact, physics or strict; ``why`` says where the choice comes from, such as
+    "--contract physics".
+    """
+
+    name: str
+    why: str
+
+
+@dataclass(frozen=True)
 class Verdict:
     """All results of a run, what stands behind them, and where they come from.
 
-    `run.verify` makes it. ``ours`` tells whether the FMU is judged as our own, ``kills`` is None
-    where no faults were planted.
+    `run.verify` makes it. ``kills`` is None where no faults were planted. ``tables`` are shown in
+    the report as they are.
     """
 
     checks: Sequence[CheckResult]
@@ -227,7 +296,13 @@ class Verdict:
     motions: Sequence[Motion] = ()
     orders: Sequence[ObservedOrder] = ()
     kills: KillMatrix | None = None
-    ours: bool = True
+    contract: ChosenContract = ChosenContract("exact", "no other one was chosen")
+    tables: Sequence[Table] = ()
+
+    @property
+    def exact(self) -> bool:
+        """Whether the FMU is held to the exact contract."""
+        return self.contract.name == "exact"
 
     @property
     def summary(self) -> dict[str, int]:
@@ -241,13 +316,29 @@ class Verdict:
         return {kind: count(results) for kind, results in sorted_out.items() if results}
 
     @property
-    def proven(self) -> bool:
-        """Whether the FMU met a truth at all.
+    def cases(self) -> list[str]:
+        """Ids of the cases, random sequences and the FMU as a whole left out, as they ran."""
+        return [case for case in self._named if not case.startswith(SEQUENCE)]
 
-        That FMU and reference agree, or that the reference is right, makes no FMU green.
+    @property
+    def sequences(self) -> list[str]:
+        """Ids of the random sequences, as they ran."""
+        return [case for case in self._named if case.startswith(SEQUENCE)]
+
+    @property
+    def _named(self) -> list[str]:
+        return [case for case in dict.fromkeys(r.case for r in self.checks) if case]
+
+    @property
+    def proven(self) -> bool:
+        """Whether the FMU met a truth about a motion at all.
+
+        That FMU and reference agree, that the reference is right, or that calls are answered as
+        they should be, makes no FMU green.
         """
         return any(
             r.verdict == Outcome.PASS
+            and r.case
             and r.decides
             and r.side == "fmu"
             and r.truth in (Kind.CLOSED_FORM, Kind.INVARIANT)

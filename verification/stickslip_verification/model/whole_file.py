@@ -1,11 +1,13 @@
-"""Writing a file whole or not at all."""
+"""Writing a file whole or not at all, or several files all or none."""
 
 import os
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import IO
+
+_PART = ".part"
 
 
 @contextmanager
@@ -14,24 +16,57 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
 
     It is written beside its place, in a folder that exists. Where the block fails, `path` is left
     as it was. The permissions are those of a file that this process makes.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written, as on a full disk; it names `path`.
     """
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".part")
-    part = Path(name)
     try:
-        with os.fdopen(handle, "wb") as stream:
-            yield stream
-        part.chmod(0o666 & ~_umask())
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=_PART)
+        part = Path(name)
+        try:
+            with os.fdopen(handle, "wb") as stream:
+                yield stream
+            part.chmod(0o666 & ~_umask())
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        # A full disk names no file.
+        if error.errno is None or not str(error.filename or _PART).endswith(_PART):
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write `path`, making its folder; an interrupted write leaves the old file as it was."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as file:
-        # What an FMU said may hold half a character; that must not cost the report.
-        file.write(content.encode("utf-8", "replace") if isinstance(content, str) else content)
+    """Write `path`, making its folder; an interrupted write leaves the old file as it was.
+
+    Raises
+    ------
+    OSError
+        As `replacing`.
+    """
+    write_all({path: content})
+
+
+def write_all(files: Mapping[Path, str | bytes]) -> None:
+    """Write files as `write_whole` does; none takes its place before all are written.
+
+    Raises
+    ------
+    OSError
+        As `replacing`.
+    """
+    with ExitStack() as stack:
+        for path, content in files.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # What an FMU said may hold half a character; that must not cost the report.
+            whole = content.encode("utf-8", "replace") if isinstance(content, str) else content
+            stream = stack.enter_context(replacing(path))
+            stream.write(whole)
+            # What is still in a buffer might not fit.
+            stream.flush()
 
 
 def _umask() -> int:

@@ -13,10 +13,10 @@ from markupsafe import Markup
 
 from stickslip_verification.drive import convergence
 from stickslip_verification.model.margins import error_text
-from stickslip_verification.model.verdict import ObservedOrder, Outcome, Verdict
-from stickslip_verification.model.whole_file import write_whole
+from stickslip_verification.model.verdict import ObservedOrder, Outcome, Table, Verdict
+from stickslip_verification.model.whole_file import write_all
 from stickslip_verification.report import earlier as baseline
-from stickslip_verification.report import kill_view, order_plot, plots, svg, view
+from stickslip_verification.report import first_screen, kill_view, order_plot, plots, svg, view
 from stickslip_verification.report.environment import environment, text_of
 from stickslip_verification.report.json_file import json_text
 from stickslip_verification.report.junit import as_junit
@@ -24,6 +24,9 @@ from stickslip_verification.report.words import KINDS, SIDES, WORTH, ClaimSectio
 from stickslip_verification.suite.catalogue import Meaning
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
+
+CURVE = "curve"
+"""The id of the picture on the first screen."""
 
 NAMELESS = {
     "file": "the FMU",
@@ -41,12 +44,14 @@ LABELS = {
     "fmu.content": "SHA-256 of what is in it, without extra/",
     "fmu.sha256": "SHA-256 of the FMU, as judged",
     "fmu.fmi_version": "FMI version",
+    "fmu.contract": "contract in its description",
     "fmu.names": "names of its variables",
     "fmu.problems": "odd in the file",
     "git": "revision",
     "git.revision": "revision",
     "git.dirty": "uncommitted changes",
     "command": "to reproduce",
+    "trust": "if the FMU is not honest",
 }
 """What the parts of the provenance are called; others go by their own names."""
 
@@ -58,6 +63,7 @@ def render(
     meanings: Mapping[str, Meaning] = NO_MEANINGS,
     margins: baseline.Moves | None = None,
     drawn: Mapping[str, str] | None = None,
+    full: bool = False,
     compact: bool = False,
 ) -> str:
     """Return the report as HTML; the same but for its last block for the same results.
@@ -73,37 +79,52 @@ def render(
     margins
         How margins moved since an earlier report, where there is one.
     drawn
-        For a case, its plot as `draw_case` gives it; cases that are missing are drawn here.
+        The plots as `draw_cases` gives them; drawn here where they are not given.
+    full
+        Whether every comparison is printed; else a case that passed is printed as one line.
     compact
-        The form for `write_pdf`: per case what failed and, for each quantity, the comparison
-        nearest to its tolerance, up to a number. The page says so.
+        The form for `write_pdf`: what is not printed is left out.
     """
     failures = view.failed_checks(verdict, meanings)
     noted = view.failed_checks(verdict, meanings, (Outcome.NOTED,))
     nearest = view.nearest(verdict)
     linked = frozenset(
-        [number for _, numbers in (*failures, *noted) for number in numbers]
+        [number for found in (*failures, *noted) for number in found.numbers]
         + [number for _, number in nearest]
     )
+    pictures = dict(plots.draw_cases(verdict) if drawn is None else drawn)
+    shown = first_screen.shown_case(pictures, failures)
+    curve = ""
+    if shown is not None:
+        curve = pictures[shown].replace("<svg", f'<svg id="{CURVE}"', 1)
+        pictures[shown] = _again(pictures[shown])
     return environment().get_template("index.html.j2").render(
         word="pass" if verdict.passed else "fail",
-        reasons=_reasons(verdict),
+        sentence=first_screen.sentence(verdict),
+        reasons=first_screen.reasons(verdict),
+        causes=first_screen.causes(failures),
+        farthest=first_screen.farthest(verdict),
+        contract=verdict.contract,
+        contracts=first_screen.CONTRACTS,
+        curve=Markup(curve),
+        shown=shown,
         fmu=NAMELESS | dict(verdict.provenance.get("fmu") or {}),
-        ours=verdict.ours,
-        strict=verdict.contract_decides,
+        full=full,
         compact=compact,
-        most=view.SHOWN_PER_CASE,
+        whole=view.PRINTED_WHOLE,
         checks=verdict.checks,
-        tried=len({result.case for result in verdict.checks} - {""}),
         summary=verdict.summary,
-        kinds=_kinds(verdict),
+        kinds=view.table_view(_kinds(verdict)),
+        kind_names=KINDS,
         seconds=view.second_values(verdict),
-        failures=[found for found, _ in failures],
-        noted=[found for found, _ in noted],
+        failures=failures,
+        noted=noted,
         nearest=[place for place, _ in nearest],
-        cases=view.case_views(verdict, _drawn(verdict, drawn or {}), linked, compact=compact),
+        tables=[view.table_view(t, f"table-{n}") for n, t in enumerate(verdict.tables)],
+        groups=view.case_groups(verdict, pictures, linked, compact=compact),
         kills=None if verdict.kills is None else kill_view.of(verdict.kills),
-        orders=[_order(order, number) for number, order in enumerate(verdict.orders)],
+        orders=[_drawn_order(order, number) for number, order in enumerate(verdict.orders)],
+        order_table=view.table_view(_orders(verdict.orders)),
         claims=[_claim(claim, number) for number, claim in enumerate(claims)],
         moves=None if margins is None else _moves(margins),
         provenance=list(_told(_dated(verdict, margins))),
@@ -120,70 +141,63 @@ def write_report(
     meanings: Mapping[str, Meaning] = NO_MEANINGS,
     margins: baseline.Moves | None = None,
     drawn: Mapping[str, str] | None = None,
+    full: bool = False,
 ) -> None:
-    """Write index.html, report.json and junit.xml into `folder`, each whole or not at all.
+    """Write index.html, report.json and junit.xml into `folder`, all or none.
 
     Everything is made before the first file is touched. The arguments are those of `render`.
     """
-    page = render(verdict, claims=claims, meanings=meanings, margins=margins, drawn=drawn)
+    page = render(
+        verdict, claims=claims, meanings=meanings, margins=margins, drawn=drawn, full=full
+    )
     files = {"report.json": json_text(verdict), "junit.xml": as_junit(verdict), "index.html": page}
-    for name, text in files.items():
-        write_whole(folder / name, text)
+    write_all({folder / name: text for name, text in files.items()})
 
 
-def _reasons(verdict: Verdict) -> list[str]:
-    """Say why a verdict fails."""
-    reasons: list[str] = []
-    if verdict.passed:
-        return reasons
-    if not verdict.checks:
-        reasons.append("Nothing was compared, so nothing is verified.")
-    elif not verdict.proven:
-        reasons.append("No comparison of the FMU with a closed form or an invariant passed.")
-    if verdict.kills is not None and not verdict.kills.passed:
-        reasons.append("A planted fault survived, or an idle check has no reason to stay.")
-    return reasons
+def _kinds(verdict: Verdict) -> Table:
+    columns = ("passed", "failed", "noted", "not_applicable")
+    nothing = dict.fromkeys(columns, 0)
+    rows: list[Sequence[str | int]] = []
+    for kind, name in KINDS.items():
+        counts = nothing | verdict.by_kind.get(kind, {})
+        rows.append([name, *(counts[column] for column in columns), WORTH[kind]])
+    head = [column.replace("_", " ") for column in columns]
+    return Table("Kinds of truth", "", ["kind of truth", *head, "what it is worth"], rows)
 
 
-def _kinds(verdict: Verdict) -> list[dict[str, Any]]:
-    nothing = {"passed": 0, "failed": 0, "noted": 0, "not_applicable": 0}
-    return [
-        {
-            "key": kind,
-            "name": name,
-            "numbers": [
-                (label.replace("_", " "), number)
-                for label, number in (nothing | verdict.by_kind.get(kind, {})).items()
-            ],
-            "worth": WORTH[kind],
-        }
-        for kind, name in KINDS.items()
-    ]
+def _again(picture: str) -> str:
+    """Return what shows the picture of the first screen a second time, without its lines."""
+    return picture[: picture.index(">") + 1] + f'<use href="#{CURVE}"/></svg>'
 
 
-def _drawn(verdict: Verdict, drawn: Mapping[str, str]) -> dict[str, str]:
-    return {
-        motion.case: Markup(
-            drawn[motion.case]
-            if motion.case in drawn
-            else plots.draw_case(motion, plots.course_tolerances(verdict.checks, motion.case))
+def _orders(orders: Sequence[ObservedOrder]) -> Table:
+    head = ("case", "quantity", "promised", "observed", "from level to level", "levels",
+            "error at the coarsest tolerance", "at the finest")  # fmt: skip
+    rows: list[Sequence[str | int]] = []
+    for order in orders:
+        between = [slope for slope in order.orders if math.isfinite(slope)]
+        (finest, at_finest), *_, (coarsest, at_coarsest) = sorted(
+            zip(order.tolerances, order.errors, strict=True)
         )
-        for motion in verdict.motions
-    }
+        rows.append(
+            [
+                order.case,
+                order.quantity,
+                f"{order.expected:.2g}",
+                _slope(convergence.slope(list(order.tolerances), list(order.errors))),
+                f"{_slope(min(between))} to {_slope(max(between))}" if between else "–",
+                len(order.tolerances),
+                f"{error_text(at_coarsest)} at {error_text(coarsest)}",
+                f"{error_text(at_finest)} at {error_text(finest)}",
+            ]
+        )
+    return Table("Observed orders", "", head, rows)
 
 
-def _order(order: ObservedOrder, number: int) -> dict[str, Any]:
-    between = [slope for slope in order.orders if math.isfinite(slope)]
-    ends = sorted(zip(order.tolerances, order.errors, strict=True))
+def _drawn_order(order: ObservedOrder, number: int) -> dict[str, Any]:
     return {
         "case": order.case,
         "quantity": order.quantity,
-        "expected": f"{order.expected:.2g}",
-        "observed": _slope(convergence.slope(list(order.tolerances), list(order.errors))),
-        "between": f"{_slope(min(between))} to {_slope(max(between))}" if between else "–",
-        "levels": len(order.tolerances),
-        "coarsest": f"{error_text(ends[-1][1])} at {error_text(ends[-1][0])}",
-        "finest": f"{error_text(ends[0][1])} at {error_text(ends[0][0])}",
         "plot": Markup(order_plot.draw_order(order, number)),
     }
 
@@ -200,19 +214,22 @@ def _claim(claim: ClaimSection, number: int) -> ClaimSection:
 
 
 def _moves(moves: baseline.Moves) -> dict[str, Any]:
-    def rows(found: Sequence[baseline.Move]) -> list[dict[str, str]]:
-        return [
-            {
-                "case": view.case_name(move.case),
-                "check": move.check,
-                "side": SIDES.get(move.side, move.side),
-                "before": _margin(move.before),
-                "now": _margin(move.now),
-                "verdict_before": move.before.verdict,
-                "verdict_now": move.now.verdict,
-            }
+    head = ("case", "check", "side", "margin then", "now", "verdict then", "now")
+
+    def table(title: str, found: Sequence[baseline.Move]) -> view.TableView:
+        rows = [
+            [
+                view.case_name(move.case),
+                move.check,
+                SIDES.get(move.side, move.side),
+                _margin(move.before),
+                _margin(move.now),
+                move.before.verdict,
+                move.now.verdict,
+            ]
             for move in found
         ]
+        return view.table_view(Table(title, "", head, rows))
 
     def names(keys: Sequence[baseline.Key]) -> list[str]:
         return [
@@ -228,9 +245,9 @@ def _moves(moves: baseline.Moves) -> dict[str, Any]:
         "shrank": moves.shrank,
         "changed": moves.changed,
         "tables": [
-            ("Verdicts that changed", rows(moves.changed)),
-            ("Margins that grew", rows(moves.grew)),
-            ("Margins that shrank", rows(moves.shrank)),
+            table("Verdicts that changed", moves.changed),
+            table("Margins that grew", moves.grew),
+            table("Margins that shrank", moves.shrank),
         ],
         "new": names(moves.new),
         "gone": names(moves.gone),

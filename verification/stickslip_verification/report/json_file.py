@@ -42,11 +42,12 @@ def as_json(verdict: Verdict) -> dict[str, Any]:
     return {
         "summary": dict(verdict.summary),
         "passed": verdict.passed,
-        "ours": verdict.ours,
         "by_kind": verdict.by_kind,
         "checks": [_row(result) for result in verdict.checks],
         "orders": [_plain(asdict(order)) for order in verdict.orders],
         "kills": None if verdict.kills is None else _kills(verdict.kills),
+        "contract": asdict(verdict.contract),
+        "tables": [_plain(asdict(table)) for table in verdict.tables],
         "provenance": _plain(verdict.provenance),
     }
 

@@ -50,6 +50,9 @@ def _add_verdict(root: ET.Element, verdict: Verdict) -> None:
     wrong = sum(bool(reason) for _, reason in rows)
     counts = {"tests": str(len(rows)), "failures": str(wrong), "errors": "0", "skipped": "0"}
     suite = ET.SubElement(root, "testsuite", {"name": THE_VERDICT} | counts)
+    properties = ET.SubElement(suite, "properties")
+    for name, value in (("contract", verdict.contract.name), ("why", verdict.contract.why)):
+        ET.SubElement(properties, "property", name=name, value=_clean(value))
     for name, reason in rows:
         test = ET.SubElement(suite, "testcase", classname=THE_VERDICT, name=_clean(name))
         if reason:

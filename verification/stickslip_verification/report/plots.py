@@ -11,7 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stickslip_verification.model.run import Run, Series
-from stickslip_verification.model.verdict import CheckResult, Measure, Motion
+from stickslip_verification.model.verdict import (
+    SEQUENCE,
+    CheckResult,
+    Measure,
+    Motion,
+    Verdict,
+)
 from stickslip_verification.report import curve, svg
 from stickslip_verification.report.house_style import (
     BLUE,
@@ -32,6 +38,9 @@ MARKS: Final = 40
 NOTHING: Final = 1e-18
 """Where an error of exactly 0 is drawn: below half a rounding of the scale, 1.1e-16."""
 
+TOLERANCES_APART: Final = 30.0
+"""Ratio of two tolerances from which their lines have room for a name each."""
+
 HOPELESS: Final = 1e6
 """The largest error, as part of the scale, that the panel makes room for."""
 
@@ -42,6 +51,19 @@ _HEIGHTS: Final = (5.0, 4.0, 4.5)
 """Page, margins, gaps [pt] and relative heights of the panels of a case."""
 
 _PREFIXES: Final = ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
+
+
+def draw_cases(verdict: Verdict) -> dict[str, str]:
+    """Draw the motion of every case that the report shows, by case; see `draw_case`.
+
+    Of the random sequences these are the ones that failed.
+    """
+    failed = {result.case for result in verdict.checks if result.failed}
+    return {
+        motion.case: draw_case(motion, course_tolerances(verdict.checks, motion.case))
+        for motion in verdict.motions
+        if motion.case in failed or not motion.case.startswith(SEQUENCE)
+    }
 
 
 def course_tolerances(checks: Sequence[CheckResult], case: str) -> dict[str, float]:
@@ -151,6 +173,9 @@ def _draw_errors(panel: Axes, motion: Motion, tolerances: Mapping[str, float], t
     panel.set_ylim(0.3 * NOTHING, 100.0 * min(largest, HOPELESS))
     panel.set_ylabel("error / scale")
     few = len(motion.exact.times) <= 30
+    # Nearer to each other, the names of the two lines would lie on one another.
+    known = [tolerance for tolerance in tolerances.values() if tolerance > 0.0]
+    alike = len(known) > 1 and max(known) < TOLERANCES_APART * min(known)
     for side, name, color, *_ in SIDES:
         for quantity, look in (("F", (0, (1, 1.2))), ("x", "-")):
             errors = found.get((side, quantity))
@@ -163,8 +188,11 @@ def _draw_errors(panel: Axes, motion: Motion, tolerances: Mapping[str, float], t
                        label=f"{name} {quantity}", marker=marker, ms=3.0)  # fmt: skip
         if side in tolerances and tolerances[side] > 0.0:
             panel.axhline(tolerances[side], color=color, lw=1.0, ls=(0, (5, 3)))
+            if alike and side != "fmu":
+                continue
             panel.annotate(
-                f"tolerance, {name}", (1.0, tolerances[side]), (0.0, 2.5), color=color,
+                "tolerance, both" if alike else f"tolerance, {name}",
+                (1.0, tolerances[side]), (0.0, 2.5), color=INK if alike else color,
                 xycoords=panel.get_yaxis_transform(), textcoords="offset points", fontsize=8.0,
                 ha="right", va="bottom",
             )  # fmt: skip

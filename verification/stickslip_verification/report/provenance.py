@@ -12,28 +12,39 @@ from typing import Any
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.digest import content_digest
 
+TRUST = (
+    "The FMU ran in processes of the suite, and shares them with the code that drives it. One that "
+    "means to deceive, a Python FMU above all, can rewrite what that code reports: this report "
+    "finds errors, not fraud."
+)
+"""What a verdict is worth if an FMU is not honest."""
+
 PACKAGES = ("stickslip", "numpy", "scipy", "mpmath", "fmpy", "pythonfmu", "pythonfmu3")
 
 
 def collect(fmu: FmuFile, command: str | None = None) -> dict[str, Any]:
     """Gather the provenance of a run on `fmu`, as JSON values.
 
-    ``command`` is what to type to get the same again. ``git`` is ``{"revision", "dirty"}`` of the
-    working copy this package stands in, or None where there is none; a version is None where the
-    package is not installed.
+    ``command`` is what to type to get the same again, ``trust`` a sentence for the reader. ``git``
+    is ``{"revision", "dirty"}`` of the working copy this package stands in, or None where there is
+    none; a version is None where the package is not installed.
     """
     names = fmu.names.file
+    with fmu.path.open("rb") as stream:
+        sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
     return {
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "fmu": {
             "file": fmu.path.name,
             "content": content_digest(fmu.path),
-            "sha256": hashlib.sha256(fmu.path.read_bytes()).hexdigest(),
+            "sha256": sha256,
             "fmi_version": fmu.fmi_version,
+            "contract": fmu.stated.told,
             "names": None if names is None else names.name,
             "problems": list(fmu.problems),
         },
         "command": command,
+        "trust": TRUST,
         "versions": {"python": platform.python_version()} | {p: _version(p) for p in PACKAGES},
         "platform": platform.platform(),
         "git": _git(Path(__file__).resolve().parents[1]),

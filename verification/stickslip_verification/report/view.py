@@ -1,27 +1,43 @@
-"""The verdict as the page shows it: cases in order, rows as text, reasons as numbered notes."""
+"""The verdict as the page shows it: cases in groups, rows and tables as text."""
 
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from stickslip_verification.model.margins import error_text, margin_of, value_text
-from stickslip_verification.model.verdict import CheckResult, Kind, Motion, Outcome, Verdict, count
+from stickslip_verification.model.verdict import (
+    SEQUENCE,
+    CaseGroup,
+    CheckResult,
+    Kind,
+    Klass,
+    Motion,
+    Outcome,
+    Table,
+    Verdict,
+    count,
+)
 from stickslip_verification.report.words import KINDS, MEASURES, SIDES, what_happened
 from stickslip_verification.suite.catalogue import Meaning
 
 NEAREST = 10
-"""How many margins page one names."""
-
-SHOWN_PER_CASE = 16
-"""Beside what failed, how many comparisons of a case the compact form shows."""
+"""How many margins the page names."""
 
 SHOWN_PER_CHECK = 5
-"""How many of the cases in which a check failed page one names."""
+"""How many of the cases in which a check failed the list of failures names."""
+
+PRINTED_WHOLE = 5
+"""How many failed cases are printed with every comparison; every other case is one line."""
+
+ITSELF = "The FMU itself"
+"""The group of what is checked on the FMU and not on a motion."""
+
+SEQUENCES = "Random sequences"
+"""The group of the random sequences, of which the page shows those that did not pass."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One comparison as text; ``note`` is the number of its reason, ``anchor`` "" if unlinked."""
+    """One comparison as text; ``anchor`` is "" if nothing on the page points at it."""
 
     anchor: str
     check: str
@@ -33,24 +49,23 @@ class Row:
     tolerance: str
     measure: str
     margin: str
-    note: int
+    because: str
     verdict: str
     story: str
 
 
 @dataclass(frozen=True)
-class Group:
-    """The comparisons of a case with one kind of truth; ``rows`` may show fewer than ``total``."""
+class KindOfRows:
+    """The comparisons of a case with one kind of truth, what did not pass first."""
 
     kind: str
     name: str
     rows: Sequence[Row]
-    total: int
 
 
 @dataclass(frozen=True)
 class CaseView:
-    """One case: its rows by kind of truth, the reasons of its tolerances, its plot or ""."""
+    """One case: its rows by kind of truth, its plot or "", and whether all of it is printed."""
 
     anchor: str
     id: str
@@ -58,9 +73,10 @@ class CaseView:
     about: str
     counts: Mapping[str, int]
     worst: str
-    groups: Sequence[Group]
-    notes: Sequence[str]
+    worst_of: str
+    kinds: Sequence[KindOfRows]
     plot: str
+    whole: bool = False
 
     @property
     def failed(self) -> bool:
@@ -69,8 +85,30 @@ class CaseView:
 
 
 @dataclass(frozen=True)
+class GroupView:
+    """Cases under one heading; ``total`` counts those that are not shown too."""
+
+    name: str
+    cases: Sequence[CaseView]
+    total: int
+    failed: int
+
+
+@dataclass(frozen=True)
+class TableView:
+    """A table as text; each heading and cell with whether it is of numbers."""
+
+    anchor: str
+    title: str
+    about: str
+    head: Sequence[tuple[str, bool]]
+    rows: Sequence[Sequence[tuple[str, bool]]]
+    note: str
+
+
+@dataclass(frozen=True)
 class Place:
-    """A result to be pointed at: where it is, and what is said of it."""
+    """A result to be pointed at, and what is said of it; ``anchor`` is "" if it is not shown."""
 
     anchor: str
     case: str
@@ -81,51 +119,99 @@ class Place:
 
 @dataclass(frozen=True)
 class FailedCheck:
-    """A check that failed somewhere: what that means, the worst places, how many there are."""
+    """A check that failed somewhere: what that means, the worst places, how many there are.
+
+    ``cases`` are those of its ``total`` results; ``numbers`` are those of the results that
+    ``places`` names, the worst first. ``of_reference`` tells whether the FMU
+    passed it everywhere, and the reference alone failed.
+    """
 
     check: str
-    kind_name: str
+    kind: Kind
+    klass: Klass
     meaning: Meaning | None
     places: Sequence[Place]
+    numbers: Sequence[int]
     total: int
+    cases: Sequence[str]
+    of_reference: bool
     noted: bool
 
 
-def case_views(
+def case_groups(
     verdict: Verdict, plots: Mapping[str, str], linked: frozenset[int], *, compact: bool = False
-) -> list[CaseView]:
-    """Return the cases, those with failures first, else in the order of the run.
+) -> list[GroupView]:
+    """Return the cases in their groups, the default ones first, in a group those that failed first.
 
-    ``linked`` has the numbers of the results that something on the page points at. In the
-    ``compact`` form a case shows, beside what failed or is noted or linked, only the comparison of
-    each quantity that is nearest to its tolerance, and `SHOWN_PER_CASE` of them at most.
+    Of the random sequences only those that failed are shown.
+
+    Parameters
+    ----------
+    verdict
+        What came out.
+    plots
+        For a case, its plot.
+    linked
+        Numbers of the results that something on the page points at.
+    compact
+        Leave out what is not printed: the comparisons of all but the first `PRINTED_WHOLE` failed
+        cases.
     """
     motions = {motion.case: motion for motion in verdict.motions}
-    cases: dict[str, list[tuple[int, CheckResult]]] = {}
+    results: dict[str, list[tuple[int, CheckResult]]] = {}
     for number, result in enumerate(verdict.checks):
-        cases.setdefault(result.case, []).append((number, result))
-    views = [
-        _case_view(
-            case,
-            results,
-            motions.get(case),
-            plots.get(case, ""),
-            linked,
-            _chosen(results, linked) if compact else {number for number, _ in results},
-        )
-        for case, results in cases.items()
-    ]
-    return sorted(views, key=lambda view: not view.failed)
+        results.setdefault(result.case, []).append((number, result))
+    groups: dict[str, list[str]] = {name: [] for name in (*CaseGroup, SEQUENCES, ITSELF)}
+    for case in results:
+        groups[_group_of(case, motions.get(case))].append(case)
+    failed = {case for case, found in results.items() if any(r.failed for _, r in found)}
+    printed = 0
+    views = []
+    for name, cases in groups.items():
+        here = []
+        for case in sorted(cases, key=lambda case: (case != "default", case not in failed)):
+            if name == SEQUENCES and case not in failed:
+                continue
+            printed += case in failed
+            whole = case in failed and printed <= PRINTED_WHOLE
+            left_out = compact and not whole
+            worst, worst_of = _worst([result for _, result in results[case]])
+            here.append(
+                CaseView(
+                    anchor=f"case-{case or 'fmu'}",
+                    id=case_name(case),
+                    title=_title(case, motions.get(case)),
+                    about=" ".join(motions[case].about.split()) if case in motions else "",
+                    counts=count([result for _, result in results[case]]),
+                    worst=worst,
+                    worst_of=worst_of,
+                    kinds=[] if left_out else list(_kinds(results[case], linked)),
+                    plot="" if left_out else plots.get(case, ""),
+                    whole=whole,
+                )
+            )
+        if cases:
+            views.append(GroupView(name, here, len(cases), len(failed.intersection(cases))))
+    return views
+
+
+def rows_of(results: Sequence[CheckResult]) -> list[KindOfRows]:
+    """Return results as rows by kind of truth, without anything that points at them."""
+    return list(_kinds(list(enumerate(results)), frozenset()))
 
 
 def failed_checks(
     verdict: Verdict,
     meanings: Mapping[str, Meaning],
     words: Sequence[str] = (Outcome.FAIL, Outcome.DRIFT),
-) -> list[tuple[FailedCheck, list[int]]]:
-    """Return each check with a verdict among `words`, the most frequent first.
+) -> list[FailedCheck]:
+    """Return each check with a verdict among `words`, that of the likeliest cause first.
 
-    With each come the numbers of the results that it names.
+    What the FMU fails comes before what the reference alone fails, what is held against a truth
+    before what is held against another program, and what fails in more cases before what fails in
+    fewer. Of two that fail equally often physics comes before contract, and an invariant first: it
+    looks at single samples, so it names the equation that is broken, while the exact motion is
+    missed after any fault.
     """
     checks: dict[str, list[tuple[int, CheckResult]]] = {}
     for number, result in enumerate(verdict.checks):
@@ -134,25 +220,42 @@ def failed_checks(
     views = []
     for check, found in checks.items():
         worst = sorted(found, key=lambda each: -(margin_of(each[1]) or 0.0))[:SHOWN_PER_CHECK]
-        first = found[0][1]
-        view = FailedCheck(
-            check=check,
-            kind_name=KINDS.get(first.truth, first.truth),
-            meaning=meanings.get(check),
-            places=[_place(number, result, what_happened(result)) for number, result in worst],
-            total=len(found),
-            noted=first.verdict == Outcome.NOTED,
+        results = [result for _, result in found]
+        views.append(
+            FailedCheck(
+                check=check,
+                kind=results[0].truth,
+                klass=results[0].klass,
+                meaning=meanings.get(check),
+                places=[_place(number, result, what_happened(result)) for number, result in worst],
+                numbers=[number for number, _ in worst],
+                total=len(found),
+                cases=list(dict.fromkeys(result.case for result in results)),
+                of_reference=all(result.side == "reference" for result in results),
+                noted=results[0].verdict == Outcome.NOTED,
+            )
         )
-        views.append((view, [number for number, _ in worst]))
-    return sorted(views, key=lambda each: -each[0].total)
+    return sorted(
+        views,
+        key=lambda each: (
+            each.of_reference,
+            each.kind not in (Kind.CLOSED_FORM, Kind.INVARIANT),
+            -len(each.cases),
+            each.klass == Klass.CONTRACT,
+            each.kind != Kind.INVARIANT,
+        ),
+    )
 
 
 def nearest(verdict: Verdict) -> list[tuple[Place, int]]:
     """Return the passed results that use most of their tolerance, and their numbers."""
     passed = [(n, r) for n, r in enumerate(verdict.checks) if r.verdict == Outcome.PASS]
     worst = sorted(passed, key=lambda each: -(margin_of(each[1]) or 0.0))[:NEAREST]
+    shown = {r.case for r in verdict.checks if r.failed or not r.case.startswith(SEQUENCE)}
     return [
-        (_place(n, r, error_text(margin_of(r))), n) for n, r in worst if (margin_of(r) or 0.0) > 0.0
+        (_place(n, r, error_text(margin_of(r)), shown=r.case in shown), n)
+        for n, r in worst
+        if (margin_of(r) or 0.0) > 0.0
     ]
 
 
@@ -163,62 +266,67 @@ def second_values(verdict: Verdict) -> dict[str, int]:
     return {"held": len(seconds) - drifted, "drifted": drifted}
 
 
+def table_view(table: Table, anchor: str = "") -> TableView:
+    """Return a table as text; the heading of a column with a number in it is that of numbers."""
+    rows = [[_cell(cell) for cell in row] for row in table.rows]
+    return TableView(
+        anchor=anchor,
+        title=table.title,
+        about=table.about,
+        head=[
+            (heading, any(row[column][1] for row in rows))
+            for column, heading in enumerate(table.head)
+        ],
+        rows=rows,
+        note=table.note,
+    )
+
+
+def _cell(cell: str | float) -> tuple[str, bool]:
+    return (cell, False) if isinstance(cell, str) else (value_text(cell), True)
+
+
 def case_name(case: str) -> str:
     """Name a case; the empty one holds what is checked on the FMU and not on a motion."""
     return case or "the FMU itself"
 
 
-def _place(number: int, result: CheckResult, text: str) -> Place:
+def _place(number: int, result: CheckResult, text: str, *, shown: bool = True) -> Place:
     side = SIDES.get(result.side, result.side)
-    return Place(f"r{number}", case_name(result.case), result.check, side, text)
+    anchor = f"r{number}" if shown else ""
+    return Place(anchor, case_name(result.case), result.check, side, text)
 
 
-def _case_view(
-    case: str,
-    results: Sequence[tuple[int, CheckResult]],
-    motion: Motion | None,
-    plot: str,
-    linked: frozenset[int],
-    chosen: set[int],
-) -> CaseView:
-    notes: dict[str, int] = {}
-    groups: dict[str, list[Row]] = {}
-    totals: Counter[str] = Counter(result.truth for _, result in results)
-    for number, result in sorted(results, key=lambda each: _rank(each[1].truth)):
-        if number not in chosen:
-            continue
-        note = notes.setdefault(result.because, len(notes) + 1)
-        row = _row(result, note, f"r{number}" if number in linked else "")
-        groups.setdefault(result.truth, []).append(row)
-    return CaseView(
-        anchor=f"case-{case or 'fmu'}",
-        id=case_name(case),
-        title=motion.title if motion else "" if case else "what it promises, whatever it moves",
-        about=" ".join(motion.about.split()) if motion else "",
-        counts=count([result for _, result in results]),
-        worst=_worst([result for _, result in results]),
-        groups=[
-            Group(kind, _group_name(kind), rows, totals[kind]) for kind, rows in groups.items()
-        ],
-        notes=list(notes),
-        plot=plot,
-    )
+def _group_of(case: str, motion: Motion | None) -> str:
+    if not case:
+        return ITSELF
+    if case.startswith(SEQUENCE):
+        return SEQUENCES
+    return CaseGroup.SETTINGS if motion is None else motion.group
 
 
-def _chosen(results: Sequence[tuple[int, CheckResult]], linked: frozenset[int]) -> set[int]:
-    """Return the numbers of the results that the compact form shows."""
-    nearest: dict[str, tuple[float, int]] = {}
-    chosen = set()
-    for number, result in results:
-        if result.verdict in (Outcome.FAIL, Outcome.DRIFT, Outcome.NOTED) or number in linked:
-            chosen.add(number)
-        used = margin_of(result)
-        if used is not None:
-            nearest[result.quantity] = max(
-                nearest.get(result.quantity, (-1.0, 0)), (used, number), key=lambda each: each[0]
-            )
-    worst = sorted(nearest.values(), key=lambda each: -each[0])[:SHOWN_PER_CASE]
-    return chosen | {number for _, number in worst}
+def _title(case: str, motion: Motion | None) -> str:
+    if motion is not None:
+        return motion.title
+    return "" if case else "What it declares, refuses and promises"
+
+
+def _kinds(
+    results: Sequence[tuple[int, CheckResult]], linked: frozenset[int]
+) -> Iterator[KindOfRows]:
+    """Yield the comparisons of each kind of truth, the strongest first; what failed leads."""
+    kinds: dict[str, list[tuple[int, CheckResult]]] = {}
+    for number, result in sorted(results, key=lambda each: _order(each[1])):
+        kinds.setdefault(result.truth, []).append((number, result))
+    for kind, found in kinds.items():
+        rows = [_row(result, f"r{n}" if n in linked else "") for n, result in found]
+        yield KindOfRows(kind, _name_of_kind(kind), rows)
+
+
+def _order(result: CheckResult) -> tuple[int, int]:
+    """Order by kind of truth, then failures, what is noted, and the rest as it ran."""
+    later = 0 if result.failed else 1 if result.verdict == Outcome.NOTED else 2
+    return _rank(result.truth), later
 
 
 def _rank(kind: str) -> int:
@@ -226,38 +334,34 @@ def _rank(kind: str) -> int:
     return list(KINDS).index(kind) if kind in KINDS else len(KINDS)
 
 
-def _group_name(kind: str) -> str:
+def _name_of_kind(kind: str) -> str:
     return KINDS.get(kind, kind) + (" (the weaker class)" if kind == Kind.CROSS_CODE else "")
 
 
-def _worst(results: Sequence[CheckResult]) -> str:
-    """Say which comparison uses most of its tolerance."""
+def _worst(results: Sequence[CheckResult]) -> tuple[str, str]:
+    """Say how much of its tolerance the worst comparison uses, and which one it is."""
     margins = [(margin_of(result) or 0.0, result) for result in results]
-    most = max((value for value, _ in margins), default=0.0)
+    most, worst = max(margins, key=lambda each: each[0])
     if most == 0.0:
-        return "all exact"
-    worst = next(result for value, result in margins if value == most)
-    side = SIDES.get(worst.side, worst.side)
-    return f"worst margin {error_text(most)} ({worst.check}, {side})"
+        return "all exact", ""
+    return f"worst margin {error_text(most)}", f"{worst.check}, {SIDES.get(worst.side, worst.side)}"
 
 
-def _row(result: CheckResult, note: int, anchor: str) -> Row:
+def _row(result: CheckResult, anchor: str) -> Row:
     plain = result.verdict == Outcome.PASS
     unit = "" if result.unit in ("", "1") else result.unit
     return Row(
         anchor=anchor,
         check=result.check,
         side=SIDES.get(result.side, result.side),
-        quantity=result.quantity
-        if result.unit in ("", "1")
-        else f"{result.quantity} [{result.unit}]",
+        quantity=f"{result.quantity} [{unit}]" if unit else result.quantity,
         expected=value_text(result.expected),
         got=value_text(result.got),
         error=error_text(result.error),
         tolerance=error_text(result.tolerance),
         measure=MEASURES.get(result.measure, "") or unit,
         margin=error_text(margin_of(result)),
-        note=note,
+        because=result.because,
         verdict=result.verdict,
         story="" if plain else what_happened(result),
     )

@@ -1,19 +1,24 @@
 """Runs of an FMU in every case, and the result of every check, invariant and probe."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+
+import numpy as np
 
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.judge import checks, run_checks
 from stickslip_verification.judge import invariant_checks as invariant_checks
-from stickslip_verification.judge.checks import REFERENCE_CONTRACT, Contract
+from stickslip_verification.judge.band import MOST_LOST, Band, numerical, of_any_sequence
+from stickslip_verification.judge.checks import REFERENCE_CONTRACT, UNDECIDED, Contract
+from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import CheckResult, Klass, Motion
-from stickslip_verification.run.baseline import Baseline, Progress
+from stickslip_verification.model.verdict import SEQUENCE, CheckResult, Klass, Motion, Table
+from stickslip_verification.run.baseline import Baseline, Progress, Trial
 from stickslip_verification.suite.invariants import Invariants
+from stickslip_verification.suite.sequences import PLAIN
 
 FINISHES = "runs-to-the-end"
 """The check that a run which does not finish fails; for the others nothing is there to judge."""
@@ -21,11 +26,16 @@ FINISHES = "runs-to-the-end"
 
 @dataclass(frozen=True)
 class Answers:
-    """Results of an FMU: plain run and other runs of each case, and complaints of the probes."""
+    """Results of an FMU.
+
+    The plain run and the other runs of each case, the complaints of the probes, and the run of each
+    trial of a sequence, in their order.
+    """
 
     plain: Mapping[str, Answer[Run]]
     runs: Mapping[tuple[str, str], Answer[Run]]
     probes: Mapping[str, Answer[list[str]]]
+    sequences: Sequence[Answer[Run]]
 
 
 def ask(
@@ -33,6 +43,7 @@ def ask(
     baseline: Sequence[Baseline],
     invariants: Invariants,
     progress: Progress | None = None,
+    trials: Sequence[Trial] = (),
 ) -> Answers:
     """Run the FMU of a pool through the cases of the baseline and what the invariants ask for."""
     cases = [each.case for each in baseline]
@@ -42,6 +53,9 @@ def ask(
     runs = pool.each(workers.other_run, asked)
     probes = pool.each(
         workers.probe, [(invariant,) for invariant in invariants.probes], most=workers.PROBE_LIMIT
+    )
+    tried = pool.each(
+        workers.in_manner, [(each.baseline.case, each.manner.manner) for each in trials]
     )
     found: dict[str, Answer[Run]] = {}
     others: dict[tuple[str, str], Answer[Run]] = {}
@@ -53,7 +67,10 @@ def ask(
         if progress is not None and done % len(kinds) == 0:
             progress(f"FMU in other runs: {case.id}", done // len(kinds), len(cases))
         others[case.id, kind] = next(runs)
-    return Answers(found, others, {invariant.id: next(probes) for invariant in invariants.probes})
+    asked_of = {invariant.id: next(probes) for invariant in invariants.probes}
+    if progress is not None and trials:
+        progress("FMU in random sequences", len(cases), len(cases))
+    return Answers(found, others, asked_of, list(tried))
 
 
 def judge(
@@ -61,10 +78,11 @@ def judge(
     invariants: Invariants,
     answers: Answers,
     contract: Contract,
+    trials: Sequence[Trial] = (),
     *,
     reference: bool = True,
 ) -> Iterator[CheckResult]:
-    """Yield the result of every check, case by case, then those of the FMU as a whole.
+    """Yield the result of every check, case by case, then of every sequence and probe.
 
     Without `reference` only what the FMU did is judged.
     """
@@ -74,8 +92,35 @@ def judge(
             # Every check of a case of class contract is itself of that class.
             results = (_by_contract(result, contract) for result in results)
         yield from results
+    for trial, answer in zip(trials, answers.sequences, strict=True):
+        empty = invariant_checks.blank(trial.manner, trial.baseline.case.id, contract)
+        band = _band(trial.baseline, contract)
+        judge_sequence = partial(_in_band, empty, contract, band)
+        yield _judge(empty, trial.baseline, answer, judge_sequence)
+    yield from _lost(trials, contract)
     for invariant in invariants.probes:
         yield invariant_checks.judge_probe(invariant, contract, answers.probes[invariant.id])
+
+
+def undecided_table(baseline: Iterable[Baseline], contract: Contract) -> Table:
+    """Count the points that are not judged since they hang on less than the error of a solution."""
+    rows: list[tuple[str | int, ...]] = []
+    points = 0
+    for each in baseline:
+        band = _band(each, contract)
+        if band is not None:
+            points += band.undecided.size
+            lost = int(band.undecided.sum())
+            if lost:
+                rows.append((each.case.id, lost, band.undecided.size))
+    count = sum(int(lost) for _, lost, _ in rows)
+    return Table(
+        title="Points not judged",
+        about=f"{count} of {points} communication points: there stick or slip {UNDECIDED}.",
+        head=("case", "points", "of"),
+        rows=rows,
+        note=f"Above {100.0 * MOST_LOST:g} % of its points a case fails as lost.",
+    )
 
 
 def motions(baseline: Sequence[Baseline], answers: Answers) -> Iterator[Motion]:
@@ -91,6 +136,7 @@ def motions(baseline: Sequence[Baseline], answers: Answers) -> Iterator[Motion]:
             exact=each.exact.value.record,
             event_times=each.exact.value.event_times,
             records={name: record for name, record in sides.items() if record is not None},
+            group=each.case.group,
         )
 
 
@@ -104,16 +150,26 @@ def _judge_case(
 ) -> Iterator[CheckResult]:
     case = baseline.case
     plain = answers.plain[case.id]
+    band = _band(baseline, contract) if contract.banded else None
     sides = [(contract, plain)] + ([(REFERENCE_CONTRACT, baseline.reference)] if reference else [])
     for check in case.checks:
         for side, answer in sides:
-            judge_side = partial(checks.judge, case, check, side)
+            in_band = band if side is contract else None
+            judge_side = partial(checks.judge, case, check, side, band=in_band)
             yield _judge(checks.blank(case, check, side), baseline, answer, judge_side)
     for invariant in baseline.invariants:
         for side, answer in sides:
             empty = invariant_checks.blank(invariant, case.id, side)
             judge_residual = partial(invariant_checks.judge_residual, invariant, case, side)
-            yield _judge(empty, baseline, answer, judge_residual)
+            result = _judge(empty, baseline, answer, judge_residual)
+            if band is not None and side is contract and invariant.id != FINISHES:
+                # What an invariant leaves over names the cause; the band decides.
+                result = replace(result, decides=False)
+            yield result
+    if band is not None:
+        for manner in (each for each in invariants.sequences if each.manner == PLAIN):
+            empty = invariant_checks.blank(manner, case.id, contract)
+            yield _judge(empty, baseline, plain, partial(_in_band, empty, contract, band))
     for run in invariants.runs:
         if run.holds_for(case.law):
             empty = invariant_checks.blank(run, case.id, contract)
@@ -121,12 +177,47 @@ def _judge_case(
                 yield _unanswered(empty, plain)
                 continue
             judge_run = partial(
-                run_checks.judge_run, run, case, contract, other=answers.runs[case.id, run.run]
+                run_checks.judge_run,
+                run,
+                case,
+                contract,
+                other=answers.runs[case.id, run.run],
+                band=band,
             )
             yield _judge(empty, baseline, plain, judge_run)
     yield from _judge_against_reference(
         baseline, invariants, answers, contract, reference=reference
     )
+
+
+def _band(baseline: Baseline, contract: Contract) -> Band | None:
+    """Return the band about the exact motion; None where the truth cannot be computed."""
+    exact, nearby = baseline.exact.value, baseline.nearby
+    if exact is None:
+        return None
+    if not contract.banded:
+        return of_any_sequence(exact)
+    return None if nearby is None or nearby.value is None else numerical(exact, nearby.value)
+
+
+def _lost(trials: Sequence[Trial], contract: Contract) -> Iterator[CheckResult]:
+    """Yield a failure where too many points of the random sequences, which are short, are lost."""
+    bands = [_band(trial.baseline, contract) for trial in trials]
+    undecided = [band.undecided for band in bands if band is not None]
+    lost = float(np.mean(np.concatenate(undecided))) if undecided else 0.0
+    if lost > MOST_LOST:
+        reason = f"lost: the sequences {UNDECIDED} at {lost:.0%} of their points"
+        yield replace(invariant_checks.blank(trials[0].manner, "", contract), failure=reason)
+
+
+def _in_band(
+    empty: CheckResult, contract: Contract, band: Band | None, exact: Exact, record: Run
+) -> CheckResult:
+    """Judge every output of a run in a band, and whether the band decides enough."""
+    assert band is not None
+    if band.lost > MOST_LOST and not empty.case.startswith(SEQUENCE):
+        return replace(empty, failure=f"lost: it {UNDECIDED} at {band.lost:.0%} of its points")
+    return checks.judge_in_band(empty, OUTPUT_NAMES, contract, band, record)
 
 
 def _by_contract(result: CheckResult, contract: Contract) -> CheckResult:
@@ -153,9 +244,11 @@ def _judge(
     judge: Callable[[Exact, Run], CheckResult],
 ) -> CheckResult:
     """Return what `judge` says of a run; without truth or run, `empty` with the reason."""
-    exact = baseline.exact
-    if exact.value is None:
-        return replace(empty, failure=f"the truth cannot be computed: {exact.failure}")
+    exact, nearby = baseline.exact, baseline.nearby
+    for truth in (exact, nearby):
+        if truth is not None and truth.value is None:
+            return replace(empty, failure=f"the truth cannot be computed: {truth.failure}")
+    assert exact.value is not None
     if answer.value is None:
         return _unanswered(empty, answer)
     return judge(exact.value, answer.value)
@@ -174,9 +267,10 @@ def _judge_against_reference(
     for invariant in invariants.agreements:
         check = invariant_checks.agreeing(invariant, case)
         if check is not None and invariant.holds_for(case.law):
-            yield invariant_checks.judge_agreement(
+            result = invariant_checks.judge_agreement(
                 invariant, case, check, contract, baseline.exact, records
             )
+            yield replace(result, decides=False) if contract.banded else result
     if reference:
         for order, seen in baseline.orders:
             yield from invariant_checks.judge_order(order, case.id, REFERENCE_CONTRACT, seen)

@@ -12,13 +12,16 @@ from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.judge.checks import EXACT_CONTRACT, Contract
 from stickslip_verification.model.verdict import CheckResult, Detection, KillMatrix
-from stickslip_verification.run.baseline import Baseline, Progress
+from stickslip_verification.run.baseline import Baseline, Progress, Trial
 from stickslip_verification.run.judged import Answers, ask, judge
 from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantError, reasons_to_stay
 from stickslip_verification.suite.invariants import Invariants
 
 LONGEST = 100.0
 """Cases of more simulated time [s] are left out: a mutant that integrates would take minutes."""
+
+_AT_ONCE = 40
+"""Random sequences that a mutant is tried on before it is seen whether one detects it."""
 
 TIME_LIMIT = 20.0
 """Seconds that a mutant may take for one run of a case."""
@@ -37,12 +40,15 @@ class How:
         Whether every mutant is tried on every check. Else it is tried on what its description
         foretells, case after case, and no further than the first such check that fails; only one
         that none of them detects is tried on everything. Idle checks are not known then.
+    limits
+        What each mutant may take.
     """
 
     names: NameMap | None = None
     contract: Contract = EXACT_CONTRACT
     fresh: bool = False
     whole: bool = True
+    limits: workers.Limits = workers.USUAL
 
 
 def detect(
@@ -53,6 +59,7 @@ def detect(
     jobs: int,
     progress: Progress | None = None,
     how: How = How(),
+    trials: Sequence[Trial] = (),
 ) -> KillMatrix:
     """Plant each fault in the FMU, verify the mutant, and collect the checks that it fails.
 
@@ -75,6 +82,8 @@ def detect(
         Counts the mutants.
     how
         How they are run and judged.
+    trials
+        Random sequences, each in its manner.
 
     Raises
     ------
@@ -89,10 +98,10 @@ def detect(
     rows: dict[str, Detection] = {}
     with (
         tempfile.TemporaryDirectory(prefix="stickslip-mutants-") as folder,
-        ThreadPoolExecutor(jobs) as threads,
+        ThreadPoolExecutor(workers.allowed(jobs)) as threads,
     ):
         futures = {
-            threads.submit(_try, fmu, mutant, short, invariants, Path(folder), how): mutant
+            threads.submit(_try, fmu, mutant, short, invariants, Path(folder), how, trials): mutant
             for mutant in mutants
         }
         try:
@@ -124,6 +133,7 @@ def _try(
     invariants: Invariants,
     folder: Path,
     how: How,
+    trials: Sequence[Trial],
 ) -> Detection:
     failing: Mapping[str, int] = {}
     broken = None
@@ -135,11 +145,13 @@ def _try(
     else:
         if not how.whole:
             with _pool(planted, mutant, how) as pool:
-                failing, broken = _first_foretold(pool, wanted, baseline, invariants, how.contract)
+                failing, broken = _first_foretold(
+                    pool, wanted, baseline, invariants, how.contract, trials
+                )
         if not failing and broken is None:
             with _pool(planted, mutant, how) as pool:
-                answers = ask(pool, baseline, invariants)
-            failing = _count(_failures(baseline, invariants, answers, how.contract))
+                answers = ask(pool, baseline, invariants, trials=trials)
+            failing = _count(_failures(baseline, invariants, answers, how.contract, trials))
             if all(answer.value is None for answer in answers.plain.values()):
                 first = next(iter(answers.plain.values()))
                 broken = f"it finished no case: {first.failure}"
@@ -154,7 +166,16 @@ def _try(
 
 
 def _pool(planted: Path, mutant: Mutant, how: How) -> workers.Pool:
-    return workers.Pool(1, TIME_LIMIT, planted, how.names, fresh=how.fresh, hooks=mutant.hooks)
+    return workers.Pool(
+        1,
+        TIME_LIMIT,
+        planted,
+        how.names,
+        fresh=how.fresh,
+        hooks=mutant.hooks,
+        own_starts=how.contract.interface,
+        limits=how.limits,
+    )
 
 
 def _first_foretold(
@@ -163,8 +184,9 @@ def _first_foretold(
     baseline: Sequence[Baseline],
     invariants: Invariants,
     contract: Contract,
+    trials: Sequence[Trial],
 ) -> tuple[Mapping[str, int], str | None]:
-    """Return what fails first of the checks `wanted`, in one case or of the FMU as a whole.
+    """Return what fails first of the checks `wanted`: in one case, some sequences, or as a whole.
 
     The second value says why the mutant cannot be judged, or is None.
     """
@@ -184,10 +206,16 @@ def _first_foretold(
         for each in sorted(baseline, key=lambda each: len(each.case.steps))
         if every_case or any(check.id in wanted for check in each.case.checks)
     ]
+    foretold = [trial for trial in trials if trial.manner in few.sequences]
+    some: list[Sequence[Trial]] = [
+        foretold[n : n + _AT_ONCE] for n in range(0, len(foretold), _AT_ONCE)
+    ]
     # The probes, about no case, are asked beside the first one.
-    for here in places or [[]]:
-        answers = ask(pool, here, few)
-        found = _failures(here, few, answers, contract)
+    for here, of_these in [*((place, ()) for place in places), *(([], part) for part in some)] or [
+        ([], ())
+    ]:
+        answers = ask(pool, here, few, trials=of_these)
+        found = _failures(here, few, answers, contract, of_these)
         failing = _count(result for result in found if result.check in wanted)
         if failing:
             return failing, None
@@ -199,11 +227,20 @@ def _first_foretold(
 
 
 def _failures(
-    baseline: Sequence[Baseline], invariants: Invariants, answers: Answers, contract: Contract
+    baseline: Sequence[Baseline],
+    invariants: Invariants,
+    answers: Answers,
+    contract: Contract,
+    trials: Sequence[Trial],
 ) -> Iterator[CheckResult]:
     """Yield the checks that failed for what the FMU did, and not for the time it took."""
     late = set(_late(answers, invariants))
-    for result in judge(baseline, invariants, answers, contract, reference=False):
+    late |= {
+        (trial.baseline.case.id, trial.manner.id)
+        for trial, answer in zip(trials, answers.sequences, strict=True)
+        if answer.late
+    }
+    for result in judge(baseline, invariants, answers, contract, trials, reference=False):
         if result.failed and not late & {(result.case, ""), (result.case, result.check)}:
             yield result
 
@@ -226,6 +263,12 @@ def _count(results: Iterable[CheckResult]) -> Mapping[str, int]:
 def _columns(baseline: Sequence[Baseline], invariants: Invariants) -> Iterable[str]:
     """Return the checks that an FMU can fail, each once, in the order of the suite."""
     of_cases = (check.id for each in baseline for check in each.case.checks)
-    families = (invariants.residuals, invariants.runs, invariants.agreements, invariants.probes)
+    families = (
+        invariants.residuals,
+        invariants.runs,
+        invariants.sequences,
+        invariants.agreements,
+        invariants.probes,
+    )
     of_invariants = (invariant.id for family in families for invariant in family)
     return dict.fromkeys((*of_cases, *of_invariants))

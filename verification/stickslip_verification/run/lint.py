@@ -62,7 +62,7 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
     except (InvariantError, MutantError) as error:
         return [*findings, str(error)]
     motions = {case.file: kept(exact_motion, case) for case in cases}
-    findings += _ids(cases, invariants)
+    findings += _ids(cases)
     findings += _motions(cases, motions)
     findings += _reasons(cases, invariants)
     findings += _sources(cases, invariants)
@@ -73,16 +73,12 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
     return findings
 
 
-def _ids(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
+def _ids(cases: Sequence[Case]) -> Iterator[str]:
     counted = Counter(case.id for case in cases)
     yield from (f"{name}: {n} cases have this id" for name, n in counted.items() if n > 1)
-    names = {invariant.id for invariant in invariants}
     for case in cases:
         if case.file.stem != case.id:
             yield f"{case.file.name}: its id is {case.id!r}, not the name of the file"
-        for check in case.checks:
-            if check.id in names:
-                yield f"{case.id} / {check.id}: an invariant has this id"
     for name, n in Counter(case.title for case in cases).items():
         if n > 1:
             yield f"{n} cases have the title {name!r}"

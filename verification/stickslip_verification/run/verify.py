@@ -7,17 +7,26 @@ from stickslip_verification.drive import workers
 from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.stepping import is_ours, require_law
-from stickslip_verification.judge.checks import EXACT_CONTRACT, PHYSICS_CONTRACT, STRICT_CONTRACT
+from stickslip_verification.drive.planting import carries_source
+from stickslip_verification.drive.stepping import may_change, require_law
 from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Verdict
 from stickslip_verification.report import provenance
-from stickslip_verification.run.baseline import Progress, compute
-from stickslip_verification.run.judged import ask, judge, motions
+from stickslip_verification.run.baseline import Progress, compute, trials
+from stickslip_verification.run.contract import CONTRACTS, Wanted, chosen_contract
+from stickslip_verification.run.coverage import coverage_table, gaps
+from stickslip_verification.run.fitness import fitness
+from stickslip_verification.run.judged import ask, judge, motions, undecided_table
 from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Mutant
 from stickslip_verification.suite.invariants import load_invariants
+from stickslip_verification.suite.sequences import SEED, Scope, draw_sequences
+from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
+
+LONGEST_OF_ANY = 60.0
+"""Simulated time [s] of the cases that any FMU is tried on; longer ones are for exact blocks, which
+do not integrate, or are chosen by themselves."""
 
 
 def verify(
@@ -26,11 +35,16 @@ def verify(
     progress: Progress | None = None,
     *,
     names: NameMap | None = None,
+    contract: Wanted | None = None,
     strict: bool = False,
     jobs: int | None = None,
     time_limit: float = workers.TIME_LIMIT,
+    sequences: int = 0,
+    seed: int = SEED,
+    limits: workers.Limits = workers.USUAL,
     mutants: Sequence[Mutant] = (),
     whole_matrix: bool = True,
+    within: float | None = None,
     command: str | None = None,
 ) -> Verdict:
     """Judge an FMU and the reference.
@@ -47,17 +61,29 @@ def verify(
     progress
         Called with what is being done, how much of it is done, and out of how much.
     names
-        Our names to the FMU's; given, the FMU is judged as foreign.
-    strict
-        Hold a foreign FMU to the contract and to the tolerances of the exact block too.
+        Our names to the FMU's.
+    contract, strict
+        The contract that the FMU is held to, see `chosen_contract`; by default the one that its
+        description names.
     jobs
         How many processes may work at once; None for one per processor.
     time_limit
         Seconds that the FMU may take for one run of a case.
+    sequences
+        How many random sequences are tried beside the cases; `suite.sequences.COUNT` fill the table
+        of what can happen.
+    seed
+        The same seed gives the same sequences.
+    limits
+        What else the FMU may take; each planted fault has a budget of its own.
     mutants
-        Faults to plant, to try the suite itself. Those that change the FMU are for ours only.
+        Faults to plant, to try the suite itself. Those that change the FMU need the source of
+        the block in it.
     whole_matrix
         Whether each fault is tried on every check, or on what it foretells alone.
+    within
+        Part of the largest value that the fitness allows, see `judge.fitness`; None for no table
+        of it.
     command
         What to type to get the same again, for the provenance.
 
@@ -65,44 +91,79 @@ def verify(
     ------
     FmuError
         The file cannot be driven at all, lacks what every case or the friction law of one needs,
-        or is to carry planted faults and is not ours; whatever else the FMU does wrong is a failed
-        check.
+        or has no source for the faults that are to be planted; whatever else the FMU does wrong is
+        a failed check.
     MutantError
         Faults are to be planted, and no case is short enough.
     """
+    _try_to_open(fmu, names, time_limit, limits)
     file = FmuFile(fmu, names)
     try:
         require(file)
         for case in cases:
             require_law(file, case)
-        contract = (
-            EXACT_CONTRACT if is_ours(file) else STRICT_CONTRACT if strict else PHYSICS_CONTRACT
-        )
+        chosen = chosen_contract(file, contract, strict=strict)
         inside = next((mutant for mutant in mutants if mutant.changes_the_fmu), None)
-        if inside is not None and not contract.ours:
-            raise FmuError(f"{fmu}: the fault {inside.id} can be planted in the exact block only")
+        if inside is not None and not carries_source(fmu):
+            raise FmuError(
+                f"{fmu}: the fault {inside.id} changes the Python source of the block, which this "
+                "FMU does not carry; faults in the calls can be planted in any FMU"
+            )
         origin = provenance.collect(file, command)
+        scope = Scope(
+            frozenset(name for name in START_VALUES if file.has(name)),
+            frozenset(name for name in CHANGEABLE if file.has(name) and may_change(file, name)),
+        )
     finally:
         file.close()
+    held_to = CONTRACTS[chosen.name]
+    if held_to.banded:
+        cases = [case for case in cases if case.stop_time <= LONGEST_OF_ANY] or cases
     invariants = load_invariants().of_laws({case.law for case in cases})
     jobs = workers.jobs_here() if jobs is None else jobs
-    baseline = compute(cases, invariants, jobs, progress)
+    baseline = compute(cases, invariants, jobs, progress, nearby=held_to.banded)
+    drawn = draw_sequences(seed, sequences if invariants.sequences else 0, scope)
+    tried = trials(drawn, invariants.sequences, jobs, nearby=held_to.banded)
     fresh = file.once_per_process
-    with workers.Pool(jobs, time_limit, fmu, names, fresh=fresh) as pool:
-        answers = ask(pool, baseline, invariants, progress)
+    with workers.Pool(
+        jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface, limits=limits
+    ) as pool:
+        answers = ask(pool, baseline, invariants, progress, tried)
     kills = None
     if mutants:
-        how = How(names, contract, fresh=fresh, whole=whole_matrix)
-        kills = detect(fmu, mutants, baseline, invariants, jobs, progress, how)
+        how = How(names, held_to, fresh=fresh, whole=whole_matrix, limits=limits)
+        kills = detect(fmu, mutants, baseline, invariants, jobs, progress, how, tried)
+    results = [
+        *judge(baseline, invariants, answers, held_to, tried),
+        *gaps(drawn, scope, held_to, invariants.sequences),
+    ]
+    # Drifts are those of the block that was accepted, and not of any that is exact.
+    accepted = held_to.interface and file.stated.exact
+    tables = [] if within is None else fitness(baseline, answers, within, jobs, progress)
+    if held_to.banded:
+        tried_on = [*baseline, *{each.baseline.case.id: each.baseline for each in tried}.values()]
+        tables.append(undecided_table(tried_on, held_to))
+    tables += [coverage_table(drawn, seed, scope)] if drawn else []
     return Verdict(
-        checks=load_accepted().attach(
-            judge(baseline, invariants, answers, contract), fmu=contract.ours
-        ),
+        checks=load_accepted().attach(results, fmu=accepted),
         provenance=origin,
         motions=list(motions(baseline, answers)),
         orders=[
             seen.value for each in baseline for _, seen in each.orders if seen.value is not None
         ],
         kills=kills,
-        ours=contract.ours,
+        contract=chosen,
+        tables=tables,
     )
+
+
+def _try_to_open(
+    fmu: Path, names: NameMap | None, time_limit: float, limits: workers.Limits
+) -> None:
+    """Refuse an FMU whose description cannot be read within limits: here there are none."""
+    time_limit = max(time_limit, workers.TIME_LIMIT)
+    limits = workers.Limits(2.0 * time_limit, limits.memory)
+    with workers.Pool(1, time_limit, fmu, names, limits=limits) as pool:
+        (opened,) = pool.each(workers.open_fmu, [()])
+    if opened.failure is not None:
+        raise FmuError(f"{fmu}: its description cannot be read: {opened.failure}")

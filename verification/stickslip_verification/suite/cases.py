@@ -16,7 +16,7 @@ from stickslip_verification import truth
 from stickslip_verification.model.data_file import objection, read_toml, where_is
 from stickslip_verification.model.formulas import CYCLE, FORMULAS
 from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES, QUANTITIES
-from stickslip_verification.model.verdict import Kind, Klass, Measure
+from stickslip_verification.model.verdict import CaseGroup, Kind, Klass, Measure
 from stickslip_verification.suite import schemas
 from stickslip_verification.suite.experiment import (
     CaseError,
@@ -24,6 +24,7 @@ from stickslip_verification.suite.experiment import (
     communication_steps,
     points,
 )
+from stickslip_verification.suite.invariants import invariant_ids
 from stickslip_verification.suite.tolerances import Facts, Rules, Tolerance, facts_of
 from stickslip_verification.truth.named import COULOMB_NAME
 from stickslip_verification.truth.parameters import Parameter, complete
@@ -102,6 +103,21 @@ class Case:
     def start(self) -> Mapping[str, float]:
         """Every value at the start, the defaults included (SI)."""
         return complete(self.parameters, self.own)
+
+    @property
+    def group(self) -> CaseGroup:
+        """The group of cases it belongs to, by what it sets."""
+        if self.klass == Klass.CONTRACT:
+            return CaseGroup.CONVENTIONS
+        if self.law != COULOMB_NAME:
+            return CaseGroup.LAWS
+        if any(step.changes for step in self.steps):
+            return CaseGroup.CHANGES
+        if any(name.endswith("_start") for name in self.parameters):
+            return CaseGroup.STARTS
+        if self.parameters.get("c"):
+            return CaseGroup.DAMPING
+        return CaseGroup.SETTINGS if self.parameters else CaseGroup.DEFAULT
 
     @property
     def times(self) -> tuple[float, ...]:
@@ -290,9 +306,11 @@ def _checks(file: Path, data: Mapping[str, Any], rules: Rules) -> tuple[Check, .
         checks.append(_check(f"{quantity}-course", quantity, None, at, tolerance))
     for n, entry in enumerate(data.get("checks", [])):
         check = _written(file, n, entry, rules)
-        if any(check.id == other.id for other in checks):
+        taken = "another check" if any(check.id == other.id for other in checks) else None
+        taken = "an invariant" if check.id in invariant_ids() else taken
+        if taken is not None:
             where = where_is(file, ("checks", n, "id"))
-            raise CaseError(file, where, f"{check.id!r} is taken by another check")
+            raise CaseError(file, where, f"{check.id!r} is taken by {taken}")
         checks.append(check)
     if not checks:
         raise CaseError(file, "", "it checks nothing: no courses, no cycle, no checks")

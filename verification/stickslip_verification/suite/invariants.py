@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -69,13 +70,20 @@ class ResidualInvariant(Invariant):
 class RunInvariant(Invariant):
     """Another run of the FMU (a key of `RUNS`) gives the same motion.
 
-    ``tolerance`` is by solution, fmu (ours, exact) or numerical (any other), as parts of each
-    output's largest value; None: bit for bit.
+    ``tolerance`` is that of the exact block, as a part of each output's largest value; None: bit
+    for bit.
     """
 
     run: str
-    tolerance: Mapping[str, float] | None
+    tolerance: float | None
     because: str
+
+
+@dataclass(frozen=True)
+class Manner(Invariant):
+    """The exact motion of random sequences, in a manner of calling the FMU (a key of `MANNERS`)."""
+
+    manner: str
 
 
 @dataclass(frozen=True)
@@ -119,6 +127,7 @@ class Invariants:
 
     residuals: Sequence[ResidualInvariant] = ()
     runs: Sequence[RunInvariant] = ()
+    sequences: Sequence[Manner] = ()
     probes: Sequence[Probe] = ()
     agreements: Sequence[Agreement] = ()
     orders: Sequence[Order] = ()
@@ -160,6 +169,7 @@ _SHARED: Mapping[str, Mapping[str, Any]] = {
 _FAMILIES: Mapping[str, type[Invariant]] = {
     "residuals": ResidualInvariant,
     "runs": RunInvariant,
+    "sequences": Manner,
     "probes": Probe,
     "agreements": Agreement,
     "orders": Order,
@@ -185,6 +195,15 @@ def load_invariants(folder: Path = FOLDER) -> Invariants:
             seen[invariant.id] = file
             families[family].append(invariant)
     return Invariants(**{family: tuple(invariants) for family, invariants in families.items()})
+
+
+@cache
+def invariant_ids() -> frozenset[str]:
+    """Return the ids of the suite's invariants, and those of the results that they give."""
+    invariants = load_invariants()
+    return frozenset(
+        {each.id for each in invariants} | {f"{each.id}-asymptotic" for each in invariants.orders}
+    )
 
 
 def _read(file: Path) -> Iterator[tuple[str, Invariant]]:

@@ -180,11 +180,9 @@ _RUN = {
     "run": _NAME,
     "because": _TEXT,
     **_LAWS,
-    "tolerance?": _by(
-        ("fmu", "numerical"),
-        _AMOUNT,
-        "of each output's largest value, of the exact block and of a numerical solution; absent: "
-        "bit for bit",
+    "tolerance?": _number(
+        "of the exact block, as a part of each output's largest value; absent: bit for bit",
+        minimum=0,
     ),
 }
 _HALVES = "on the difference of the slopes of the coarser and the finer half"
@@ -202,10 +200,19 @@ _ORDER = {
     "because": _by(("order", "halves"), _TEXT),
     **_MEANING,
 }
-_PROBE = {**_ENTRY, "probe": _NAME, **_MEANING, "arguments?": {"type": "object"}}
+_PROBE = {
+    **_ENTRY,
+    "class?": _one_of(Klass),
+    "source?": _EQUATION,
+    "probe": _NAME,
+    **_MEANING,
+    "arguments?": {"type": "object"},
+}
+_SEQUENCES = {**_JUDGED, "kind": _one_of((Kind.CLOSED_FORM, Kind.INVARIANT)), "manner": _NAME}
 _FAMILIES = {
     "residuals": (_RESIDUAL, "residuals in the samples of a case, on each side"),
     "runs": (_RUN, "another run of the same FMU that must give the same motion"),
+    "sequences": (_SEQUENCES, "random sequences, run in a manner of calling the FMU"),
     "probes": (_PROBE, "a question to the FMU as a whole, not to a motion"),
     "agreements": (
         {**_ENTRY, "quantity": _TEXT},

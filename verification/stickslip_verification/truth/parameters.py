@@ -127,6 +127,11 @@ def high_precision(digits: int) -> Context:
     return context
 
 
+def doubles() -> Context:
+    """Return the context that computes in doubles."""
+    return mpmath.fp
+
+
 def root_tolerance(context: Context) -> Number:
     """Return the relative size of a last step at which a root of `context` is done."""
     return context.ldexp(1, _ROOT_BITS - context.prec)

@@ -23,7 +23,10 @@ def _parameter(name: str, *spellings: str) -> Any:
 
 def _column(option: str, what: str) -> Any:
     return typer.Option(
-        option, metavar="NAME", help=f"Column of {what}; default: guessed.", show_default=False
+        option,
+        metavar="NAME",
+        help=f"Column of {what}, with the unit that the header lacks ('x [mm]'); default: guessed.",
+        show_default=False,
     )
 
 

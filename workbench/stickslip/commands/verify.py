@@ -1,11 +1,13 @@
 """`stickslip verify`: judge an FMU and the reference, and write the report."""
 
+import math
 import os
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,9 +23,27 @@ from stickslip.commands.shared import (
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
-    from stickslip_verification import Case, EarlierReport, Meaning, Mutant, NameMap, Verdict
+    from stickslip_verification import (
+        Case,
+        EarlierReport,
+        Limits,
+        Meaning,
+        Mutant,
+        NameMap,
+        Verdict,
+    )
 
 DEFAULT_REPORT = Path("report")
+
+LEAST_MEMORY = 0.1
+"""Gigabytes; the suite takes half of them itself."""
+
+
+class ContractName(StrEnum):
+    """The contracts that a person may choose."""
+
+    EXACT = "exact"
+    PHYSICS = "physics"
 
 
 def verify(
@@ -37,6 +57,10 @@ def verify(
         Path | None,
         typer.Option(metavar="FILE.toml", help="Names file: the FMU's names of the variables."),
     ] = None,
+    contract: Annotated[
+        ContractName | None,
+        typer.Option(help="The contract; default: exact if the FMU's description names it."),
+    ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Contract checks decide for any FMU.")
     ] = False,
@@ -47,17 +71,36 @@ def verify(
             help="Only the cases of this shell pattern ('damped-*'), or cases of your own.",
         ),
     ] = None,
+    sequences: Annotated[
+        int | None,
+        typer.Option(
+            min=0, help="Number of random sequences beside the cases; default: 320, 0 with --cases."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the random sequences.")] = 1,
     list_: Annotated[bool, typer.Option("--list", help="List the cases and exit.")] = False,
     all_: Annotated[
         bool, typer.Option("--all", help="Print every comparison, not one row per case.")
     ] = False,
     jobs: Annotated[
         int | None,
-        typer.Option(min=1, help="Number of parallel processes; default: one per processor."),
+        typer.Option(min=1, help="Parallel processes, 4 per processor at most; default: one."),
     ] = None,
     time_limit: Annotated[
         float, typer.Option(metavar="SECONDS", help="Limit for one run of the FMU.")
     ] = 60.0,
+    budget: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="Limit for all runs of the FMU without a result together; default: 120, or the "
+            "time limit if that is longer.",
+        ),
+    ] = None,
+    memory: Annotated[
+        float,
+        typer.Option(metavar="GB", help="Limit for a process of the FMU; none on Windows."),
+    ] = 4.0,
     mutants: Annotated[
         bool,
         typer.Option("--mutants", help="Run every planted fault on every check; some minutes."),
@@ -67,6 +110,14 @@ def verify(
         typer.Option(
             metavar="PATTERN|FILE.toml",
             help="Plant the faults of this pattern, or your own; run the checks that each names.",
+        ),
+    ] = None,
+    within: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PERCENT|RATIO",
+            help="Fitness too: is the FMU within this ('1%', 0.01) of jump, stick, slip, period, "
+            "forces?",
         ),
     ] = None,
     baseline: Annotated[
@@ -82,6 +133,9 @@ def verify(
     pdf: Annotated[
         Path | None, typer.Option(metavar="FILE.pdf", help="Write the report as PDF too.")
     ] = None,
+    full: Annotated[
+        bool, typer.Option("--full", help="Print every comparison in the report on paper.")
+    ] = False,
     output: Annotated[
         Path,
         typer.Option(
@@ -96,15 +150,32 @@ def verify(
     if list_:
         console().print(tables.case_table(chosen))
         return
-    _check(fmu, names, time_limit)
+    _check(fmu, names)
+    _check_contract(contract, strict, accept, pack)
+    share = _share(within)
+    limits = _limits(time_limit, budget, memory)
     _check_accept(accept, names, cases, chosen)
     _check_pack(pack, fmu, names, cases)
-    name_map = _names(names)
+    name_map = _names(names, chosen)
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
     faults = _mutants(mutants, fault)
-    verdict = _verdict(fmu, chosen, name_map, strict, jobs, time_limit, faults, mutants)
-    written = _write(verdict, chosen, earlier, output, pdf)
+    verdict = _verdict(
+        fmu,
+        chosen,
+        names=name_map,
+        contract=None if contract is None else contract.value,
+        strict=strict,
+        jobs=jobs,
+        time_limit=time_limit,
+        limits=limits,
+        sequences=_count_of(sequences, cases),
+        seed=seed,
+        within=share,
+        mutants=faults,
+        whole_matrix=mutants,
+    )
+    written = _write(verdict, chosen, earlier, output, pdf, full=full)
     screen = console()
     if all_:
         screen.print(tables.verdict_table(verdict, screen.width))
@@ -112,6 +183,10 @@ def verify(
         from stickslip.show.verdict_summary import verdict_summary
 
         screen.print(verdict_summary(verdict, _meanings(chosen)))
+    if share is not None:
+        from stickslip.show.fitness_table import fitness_table
+
+        screen.print(fitness_table(verdict))
     if earlier is not None:
         from stickslip.show.earlier_table import earlier_table
         from stickslip_verification import compare
@@ -143,10 +218,40 @@ def _cases(wanted: str | None) -> "list[Case]":
         raise CommandError(str(error)) from error
 
 
+def _count_of(sequences: int | None, cases: str | None) -> int:
+    """Return how many random sequences are tried: all of them, but none beside chosen cases."""
+    from stickslip_verification.suite.sequences import COUNT
+
+    if sequences is None:
+        return 0 if cases is not None else COUNT
+    return sequences
+
+
 def _meanings(cases: "Sequence[Case]") -> "Mapping[str, Meaning]":
     from stickslip_verification import load_invariants, meanings
 
     return meanings(cases, load_invariants())
+
+
+def _check_contract(contract: ContractName | None, strict: bool, accept: bool, pack: bool) -> None:
+    """Refuse a chosen contract beside what leaves no choice."""
+    for option, given in (("--strict", strict), ("--accept", accept), ("--pack", pack)):
+        if contract is not None and given:
+            raise CommandError(f"{option} does not go with --contract")
+
+
+def _share(within: str | None) -> float | None:
+    """Read the part of a quantity that the fitness allows."""
+    from stickslip.commands.units import parse
+
+    if within is None:
+        return None
+    share = parse(within, "1", "--within", "above 0 and below 1")
+    if not 0.0 < share < 1.0:
+        raise CommandError(
+            f"--within {within}: must be above 0 % and below 100 %, as 1% or as 0.01"
+        )
+    return share
 
 
 def _check_accept(
@@ -173,38 +278,48 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
         raise CommandError("--pack does not go with --cases: the report in the FMU is on all cases")
     if fmu is None:
         return
+    from stickslip_fmu.spec import SPEC
     from stickslip_verification.drive.fmu.archive import FmuFile
     from stickslip_verification.drive.fmu.errors import FmuError
-    from stickslip_verification.drive.stepping import is_ours
 
     try:
         file = FmuFile(fmu)
     except FmuError as error:
         raise CommandError(str(error)) from error
     file.close()
-    if not is_ours(file):
-        raise CommandError(f"--pack: {fmu} is not the exact block, by its model identifier")
+    if not file.stated.exact or file.model_identifier != SPEC.name:
+        raise CommandError(f"--pack: {fmu} is not the exact block as stickslip build makes it")
     check_writable(fmu, "--pack")
     if not os.access(fmu, os.W_OK):
         raise CommandError(f"--pack {fmu}: it is write-protected")
 
 
-def _check(fmu: Path | None, names: Path | None, time_limit: float) -> None:
+def _check(fmu: Path | None, names: Path | None) -> None:
     if fmu is not None and not fmu.is_file():
         raise CommandError(f"--fmu {fmu}: {'not a file' if fmu.exists() else 'no such file'}")
     if names is not None and fmu is None:
         raise CommandError("--names goes with --fmu: the default FMU has the standard names")
-    if not 0.0 < time_limit < float("inf"):
+
+
+def _limits(time_limit: float, budget: float | None, memory: float) -> "Limits":
+    from stickslip_verification import Limits
+
+    if not 0.0 < time_limit < math.inf:
         raise CommandError(f"--time-limit {time_limit!r}: must be above 0 s and finite")
+    if budget is not None and not 0.0 < budget < math.inf:
+        raise CommandError(f"--budget {budget!r}: must be above 0 s and finite")
+    if not LEAST_MEMORY <= memory < math.inf:
+        raise CommandError(f"--memory {memory!r}: must be {LEAST_MEMORY} GB at least and finite")
+    return Limits(max(Limits.budget, time_limit) if budget is None else budget, memory)
 
 
-def _names(file: Path | None) -> "NameMap | None":
+def _names(file: Path | None, cases: "Sequence[Case]") -> "NameMap | None":
     from stickslip_verification import NamesError, load_names
 
     if file is None:
         return None
     try:
-        return load_names(file)
+        return load_names(file, [each for case in cases for each in case.own])
     except NamesError as error:
         raise CommandError(f"--names {error}") from error
 
@@ -259,35 +374,17 @@ def _check_targets(output: Path, pdf: Path | None) -> None:
             raise CommandError(f"--pdf: {error}") from error
 
 
-def _verdict(
-    fmu: Path | None,
-    cases: "Sequence[Case]",
-    names: "NameMap | None",
-    strict: bool,
-    jobs: int | None,
-    time_limit: float,
-    mutants: "Sequence[Mutant]",
-    whole_matrix: bool,
-) -> "Verdict":
+def _verdict(fmu: Path | None, cases: "Sequence[Case]", **options: Any) -> "Verdict":
+    """Judge the FMU; the options are those of `stickslip_verification.verify`."""
     from stickslip_verification import FmuError, MutantError, verify
 
     if fmu is None:
         fmu = current_fmu()
+    command = shlex.join(["stickslip", *sys.argv[1:]])
     # The friction law of a case may stand in a module here.
     with here_on_path(), long_work("Verifying", here=False) as progress:
         try:
-            return verify(
-                fmu,
-                cases,
-                progress,
-                names=names,
-                strict=strict,
-                jobs=jobs,
-                time_limit=time_limit,
-                mutants=mutants,
-                whole_matrix=whole_matrix,
-                command=shlex.join(["stickslip", *sys.argv[1:]]),
-            )
+            return verify(fmu, cases, progress, command=command, **options)
         except (FmuError, MutantError) as error:
             raise CommandError(str(error)) from error
 
@@ -298,13 +395,15 @@ def _write(
     earlier: "EarlierReport | None",
     output: Path,
     pdf: Path | None,
+    *,
+    full: bool,
 ) -> list[Path]:
     """Write the report, and give the files that a person may want to open."""
     from stickslip.progress import Meter
     from stickslip.show import verdict_report
 
     with Meter("Writing the report"):
-        return verdict_report.write(verdict, cases, earlier, output, pdf)
+        return verdict_report.write(verdict, cases, earlier, output, pdf, full=full)
 
 
 def _accept(verdict: "Verdict") -> None:

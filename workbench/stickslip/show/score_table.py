@@ -38,7 +38,7 @@ def score_table(score: Score) -> RenderableType:
         _table(score, named=named, resolved=resolved)
         for named, resolved in ((True, True), (True, False), (False, False))
     ]
-    style = "bold green" if score.cause == "exact" else "bold red"
+    style = {"exact": "bold green", "noisy": "bold yellow"}.get(score.cause, "bold red")
     cause = Text.assemble((score.cause, style), f": {_sentence(score)}")
     return Fitted(forms, cause, *(Text(f"note: {finding}") for finding in score.findings))
 

@@ -10,8 +10,7 @@ from stickslip_verification import (
     EarlierReport,
     Verdict,
     compare,
-    course_tolerances,
-    draw_case,
+    draw_cases,
     load_invariants,
     meanings,
     render,
@@ -27,6 +26,8 @@ def write(
     earlier: EarlierReport | None,
     output: Path,
     pdf: Path | None,
+    *,
+    full: bool = False,
 ) -> list[Path]:
     """Write a report and give the files that a person or a program opens first.
 
@@ -42,6 +43,8 @@ def write(
         Folder of the whole report, or a file ending in .json that gets the JSON alone.
     pdf
         Where the PDF goes, or None.
+    full
+        Whether every comparison is printed; else a case that passed is printed as one line.
     """
     written = []
     if output.suffix == ".json":
@@ -52,17 +55,17 @@ def write(
     known = meanings(cases, load_invariants())
     moves = None if earlier is None else compare(earlier, verdict)
     claims = _claims()
-    drawn = {
-        motion.case: draw_case(motion, course_tolerances(verdict.checks, motion.case))
-        for motion in verdict.motions
-    }
+    drawn = draw_cases(verdict)
     if output.suffix != ".json":
-        write_report(verdict, output, claims=claims, meanings=known, margins=moves, drawn=drawn)
+        write_report(
+            verdict, output, claims=claims, meanings=known, margins=moves, drawn=drawn, full=full
+        )
         written += [output / "index.html", output / "report.json"]
     if pdf is not None:
         page = render(
-            verdict, claims=claims, meanings=known, margins=moves, drawn=drawn, compact=True
-        )
+            verdict, claims=claims, meanings=known, margins=moves, drawn=drawn, full=full,
+            compact=not full,
+        )  # fmt: skip
         write_pdf(page, pdf)
         written.append(pdf)
     return written

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from stickslip.show.fitted import Fitted
 from stickslip_verification import CheckResult, KillMatrix, Meaning, Verdict, margin
-from stickslip_verification.model.verdict import Kind
+from stickslip_verification.model.verdict import SEQUENCE, Kind
 
 _KINDS: Final[dict[str, str]] = {
     Kind.CLOSED_FORM: "exact motion and closed forms",
@@ -38,8 +38,14 @@ def verdict_summary(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Render
         _kinds(verdict),
         *_detections(verdict.kills),
         *_failures(verdict, meanings),
+        contract(verdict),
         counts(verdict),
     )
+
+
+def contract(verdict: Verdict) -> Text:
+    """Say in one line which contract the FMU is held to, and why."""
+    return Text(f"contract: {verdict.contract.name} ({verdict.contract.why})")
 
 
 def counts(verdict: Verdict) -> Text:
@@ -72,11 +78,13 @@ def _cases(verdict: Verdict, *, worst: bool) -> Table:
     table.add_column("verdict", no_wrap=True)
     cases: dict[str, list[CheckResult]] = {}
     for result in verdict.checks:
-        cases.setdefault(result.case, []).append(result)
+        drawn = result.case.startswith(SEQUENCE)
+        cases.setdefault(SEQUENCE if drawn else result.case, []).append(result)
+    sequences = f"{len(verdict.sequences)} random sequences"
     for case, results in cases.items():
         nearest = max((r for r in results if r.decides), key=_margin, default=results[0])
         table.add_row(
-            case or "the FMU itself",
+            sequences if case == SEQUENCE else case or "the FMU itself",
             *(_holding([r for r in results if r.side == side]) for side in _SIDES),
             f"{_margin(nearest):.2g}",
             *([nearest.check if _margin(nearest) > 0.0 else ""] if worst else []),

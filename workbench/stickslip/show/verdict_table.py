@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from stickslip.show.fitted import Fitted
-from stickslip.show.verdict_summary import counts
+from stickslip.show.verdict_summary import contract, counts
 from stickslip_verification import Case, CheckResult, Verdict, margin
 
 _PAIRS: Final = ("error\nFMU", "error\nref.", "tol.\nFMU", "tol.\nref.")
@@ -32,6 +32,7 @@ def verdict_table(verdict: Verdict, width: int | None = None) -> RenderableType:
     fitted = Fitted(
         [_full_table(verdict.checks), _short_table(verdict.checks)],
         *_failures(verdict.checks),
+        contract(verdict),
         counts(verdict),
     )
     return fitted if width is None else Constrain(fitted, width)

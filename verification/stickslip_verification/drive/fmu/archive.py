@@ -4,7 +4,7 @@ import shutil
 import weakref
 import xml.etree.ElementTree as ElementTree
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +17,28 @@ from stickslip_verification.drive.fmu.fmi3 import Fmi3Instance
 from stickslip_verification.drive.fmu.hooks import hooked
 from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.fmu.unpacking import new_folder
-from stickslip_verification.drive.fmu.variables import Variable, collect, collect_own, extra_outputs
+from stickslip_verification.drive.fmu.stated import StatedContract, stated_contract
+from stickslip_verification.drive.fmu.unpacking import (
+    DESCRIPTION,
+    MOST_DESCRIBED,
+    check_size,
+    new_folder,
+    unpack,
+)
+from stickslip_verification.drive.fmu.variables import (
+    Variable,
+    collect,
+    collect_own,
+    extra_outputs,
+    listing,
+)
 from stickslip_verification.suite.faults import Hook
 from stickslip_verification.truth.parameters import Parameter
 
 _FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
 
-DESCRIPTION = "modelDescription.xml"
+_MOST_PROBLEMS = 100
+_LONGEST_PROBLEM = 1000
 
 REQUIRED: tuple[str, ...] = ("m", "k", "mu_s", "mu_k", "v", "x")
 """What an FMU must have to be judged as a stick-slip block at all."""
@@ -41,11 +55,18 @@ class FmuFile:
         Our names to its names, where they differ.
     hooks
         Faults planted between the master and its instances.
+    own_starts
+        Whether the FMU's own start values are tried; None for where it promises them: its
+        description names the exact contract, and no names differ.
 
     Attributes
     ----------
     fmi_version
         2.0 or 3.0.
+    stated
+        The contract that its description names.
+    own_starts
+        Whether a case leaves parameters that it does not name at the FMU's start values.
     variables
         The variables that are ours, by our names.
     extra_outputs
@@ -60,16 +81,24 @@ class FmuFile:
     Raises
     ------
     FmuError
-        No such file, not an FMU, not for co-simulation, neither FMI 2.0 nor 3.0, not for this
-        platform; or a variable of ours that cannot be used, see `collect`.
+        No such file, not an FMU, too much to unpack, not for co-simulation, neither FMI 2.0 nor
+        3.0, not for this platform; or a variable of ours that cannot be used, see `collect`.
     """
 
     def __init__(
-        self, path: Path, names: NameMap | None = None, hooks: Sequence[Hook] = ()
+        self,
+        path: Path,
+        names: NameMap | None = None,
+        hooks: Sequence[Hook] = (),
+        *,
+        own_starts: bool | None = None,
     ) -> None:
         self.path = path
         self.names = NameMap() if names is None else names
-        description, self.problems = _read(path)
+        description, self.problems, self.stated = _read(path)
+        if own_starts is None:
+            own_starts = self.stated.exact and not self.names.targets
+        self.own_starts = own_starts
         interface = description.coSimulation
         _check_platform(path)
         self.fmi_version: str = description.fmiVersion[:3]
@@ -85,20 +114,21 @@ class FmuFile:
         self.extra_outputs: tuple[str, ...] = extra_outputs(description, self.variables)
         self.folder = new_folder()
         self.close = weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
-        try:
-            fmpy.extract(str(path), unzipdir=str(self.folder))
-        except Exception as error:
-            raise FmuError(f"{path}: cannot be unpacked ({one_line(error)})") from None
+        unpack(path, self.folder)
 
     def has(self, name: str) -> bool:
         """Whether the FMU has this variable of ours."""
         return name in self.variables
 
+    def listing(self, wanted: Collection[str]) -> str:
+        """Tell on one line what the FMU has, those most like the wanted names first."""
+        return listing(self._description, wanted)
+
     def look_for(self, parameters: Iterable[Parameter]) -> None:
         """Add what the FMU has of the parameters of a friction law to its variables."""
         units = {each.name: each.unit for each in parameters if not self.has(each.name)}
         if units:
-            added = collect_own(self.path.name, self._description, units)
+            added = collect_own(self.path.name, self._description, self.names, units)
             self.variables = {**self.variables, **added}
 
     def instantiate(self) -> FmuInstance:
@@ -121,10 +151,18 @@ def require(fmu: FmuFile, names: Iterable[str] = REQUIRED) -> None:
     lacking = missing(fmu, names)
     if lacking:
         them = "them" if len(lacking) > 1 else "it"
-        raise FmuError(f"{fmu.path}: has no variable {', '.join(lacking)}; map {them} with --names")
+        raise FmuError(
+            f"{fmu.path}: has no variable {', '.join(lacking)}; map {them} with --names "
+            f"(`stickslip names` begins the file); {fmu.listing(lacking)}"
+        )
 
 
-def _read(path: Path) -> tuple[Any, tuple[str, ...]]:
+def description_of(path: Path) -> Any:
+    """Return the model description of an FMU as FMPy has it; `FmuError` for what is no FMU."""
+    return _read(path)[0]
+
+
+def _read(path: Path) -> tuple[Any, tuple[str, ...], StatedContract]:
     if not path.exists():
         raise FmuError(f"{path}: no such file")
     if not path.is_file():
@@ -133,21 +171,29 @@ def _read(path: Path) -> tuple[Any, tuple[str, ...]]:
         raise FmuError(f"{path}: not an FMU (not a zip archive)")
     problems: tuple[str, ...] = ()
     try:
+        check_size(path)
         with zipfile.ZipFile(path) as archive:
             if DESCRIPTION not in archive.namelist():
                 raise FmuError(f"{path}: not an FMU (no {DESCRIPTION} in it)")
             # FMPy would say this in words of its own, or of Python's.
-            _check_description(path, ElementTree.fromstring(archive.read(DESCRIPTION)))
+            with archive.open(DESCRIPTION) as stream:
+                # Without a number of bytes, zipfile unpacks more than the archive says.
+                text = stream.read(MOST_DESCRIBED)
+            root = ElementTree.fromstring(text)
+            _check_description(path, root)
         try:
             description = fmpy.read_model_description(str(path))
         except fmpy.model_description.ValidationError as error:
-            problems = tuple(" ".join(str(problem).split()) for problem in error.problems)
+            problems = tuple(
+                " ".join(str(problem).split())[:_LONGEST_PROBLEM]
+                for problem in error.problems[:_MOST_PROBLEMS]
+            )
             description = fmpy.read_model_description(str(path), validate=False)
     except FmuError:
         raise
     except Exception as error:
         raise FmuError(f"{path}: not an FMU ({one_line(error)})") from None
-    return description, problems
+    return description, problems, stated_contract(root)
 
 
 def _check_description(path: Path, root: ElementTree.Element) -> None:

@@ -18,8 +18,13 @@ def content_digest(fmu: Path) -> str:
     with zipfile.ZipFile(fmu) as archive:
         names = (name for name in archive.namelist() if not name.endswith("/"))
         lines = [
-            f"{hashlib.sha256(archive.read(name)).hexdigest()}  {name}\n"
+            f"{_digest(archive, name)}  {name}\n"
             for name in sorted(names, key=str.encode)
             if not name.startswith(EVIDENCE)
         ]
     return hashlib.sha256("".join(lines).encode()).hexdigest()
+
+
+def _digest(archive: zipfile.ZipFile, name: str) -> str:
+    with archive.open(name) as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()  # type: ignore[arg-type]

@@ -27,7 +27,20 @@ FLOATING = frozenset({"Real", "Float64", "Float32"})
 State = ctypes.c_void_p
 """A state that the FMU keeps; to be freed by the instance that gave it."""
 
+_MOST_MESSAGES = 1000
+_LONGEST_MESSAGE = 2000
+
 _COUNTER = itertools.count(1)
+
+
+class Messages(list[str]):
+    """What an FMU said: the first messages and the last one, the beginning of each."""
+
+    def append(self, text: str) -> None:
+        """Add a message; where there are `_MOST_MESSAGES`, it takes the place of the last one."""
+        if len(self) == _MOST_MESSAGES:
+            self.pop()
+        super().append(text[:_LONGEST_MESSAGE])
 
 
 class Unpacked(Protocol):
@@ -59,7 +72,7 @@ class FmuInstance(ABC):
 
     def __init__(self, fmu: Unpacked) -> None:
         self.file = fmu
-        self.messages: list[str] = []
+        self.messages = Messages()
         self._name = f"{fmu.model_identifier}-{next(_COUNTER)}"
         self._untouched = frozenset(
             name

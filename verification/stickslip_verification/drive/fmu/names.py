@@ -3,14 +3,14 @@
 import difflib
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from stickslip_verification.model.data_file import DataError, read_text
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
-from stickslip_verification.truth.parameters import PARAMETERS
+from stickslip_verification.truth.parameters import PARAMETERS, Parameter
 
 INPUT_UNITS: Mapping[str, str] = {each.name: each.unit for each in PARAMETERS}
 """What the suite sets, parameters and inputs, with its unit."""
@@ -56,11 +56,18 @@ class NameMap:
     file: Path | None = None
 
 
-def load_names(file: Path) -> NameMap:
+def load_names(file: Path, own: Iterable[Parameter] = ()) -> NameMap:
     """Read a names file: ``x = "mass.s"`` or ``x = { name = "mass.s", unit = "mm", sign = -1 }``.
 
     The entries stand at the top of the file or in a table ``[names]``. An empty name says that the
     FMU has no such variable.
+
+    Parameters
+    ----------
+    file
+        The TOML file.
+    own
+        Parameters of a friction law, which it may name beside the variables of the suite.
 
     Raises
     ------
@@ -77,10 +84,11 @@ def load_names(file: Path) -> NameMap:
         entries = data["names"]
         for key in (key for key in data if key != "names"):
             raise NamesError(file, _line(text, key), f"{key!r} stands beside the table [names]")
+    known = {*UNITS, *(each.name for each in own)}
     targets: dict[str, Target] = {}
     for key, value in entries.items():
         where = _line(text, key)
-        if key not in UNITS:
+        if key not in known:
             raise NamesError(file, where, f"{key!r} is no variable of the suite; {_nearest(key)}")
         target = _target(file, where, key, value)
         taken = [ours for ours, other in targets.items() if other.name == target.name != NOT_THERE]

@@ -1,13 +1,85 @@
-"""A folder to unpack an FMU in, whose name every wrapper can read."""
+"""Unpacks an FMU within limits, into a folder whose name every wrapper can read."""
 
 import tempfile
+import zipfile
 from pathlib import Path
 from typing import Final
 
-from stickslip_verification.drive.fmu.errors import FmuError
+import fmpy
+
+from stickslip_verification.drive.fmu.errors import FmuError, one_line
+
+DESCRIPTION = "modelDescription.xml"
+
+MOST_UNPACKED: Final = 2_000_000_000
+"""Bytes of all files of an FMU."""
+
+MOST_DESCRIBED: Final = 64_000_000
+"""Bytes of a model description; one with 100,000 variables has some 30 million."""
+
+MOST_FILES: Final = 100_000
+"""Files and folders of an FMU: empty ones take room as well."""
+
+MOST_RATIO: Final = 200
+"""Bytes unpacked for each packed one, in a file and in all; source and binaries reach 10."""
+
+FREE: Final = 10_000_000
+"""Bytes of a file that may have any ratio: a small table of zeros packs to a thousandth."""
+
+FREE_IN_ALL: Final = 100_000_000
+"""Bytes of all files that may have any ratio."""
 
 _ELSEWHERE: Final = ("/tmp", "/var/tmp")
 """Where to unpack if the folder for temporary files has another name than plain."""
+
+
+def check_size(path: Path) -> None:
+    """Refuse an FMU that unpacks to more than the limits of this module, before it is unpacked.
+
+    What the archive says of itself is what counts: `zipfile` unpacks no more of a file than that.
+
+    Raises
+    ------
+    FmuError
+        If it unpacks to too much, with the file and the limit.
+    zipfile.BadZipFile
+        If it is no archive.
+    """
+    with zipfile.ZipFile(path) as archive:
+        entries = archive.infolist()
+    total = sum(entry.file_size for entry in entries)
+    if len(entries) > MOST_FILES:
+        raise FmuError(f"{path}: has {len(entries)} files; at most {MOST_FILES} are unpacked")
+    if total > MOST_UNPACKED:
+        most = _mb(MOST_UNPACKED)
+        raise FmuError(f"{path}: unpacks to {_mb(total)}; at most {most} are unpacked")
+    for entry in entries:
+        if entry.filename == DESCRIPTION and entry.file_size > MOST_DESCRIBED:
+            size, most = _mb(entry.file_size), _mb(MOST_DESCRIBED)
+            raise FmuError(f"{path}: {DESCRIPTION} has {size}; at most {most} are read")
+        if entry.file_size > max(FREE, MOST_RATIO * entry.compress_size):
+            raise _grows(path, f"its file {entry.filename!r}", entry.file_size)
+    # Packed files may overlap, but the archive has no more bytes than it has.
+    if total > max(FREE_IN_ALL, MOST_RATIO * path.stat().st_size):
+        raise _grows(path, "it", total)
+
+
+def unpack(path: Path, folder: Path) -> None:
+    """Unpack an FMU that `check_size` lets pass.
+
+    Raises
+    ------
+    FmuError
+        If a file in it is damaged or has the name of one elsewhere, or the folder cannot be
+        written.
+    """
+    try:
+        fmpy.extract(path, unzipdir=folder)
+    except OSError as error:
+        reason = error.strerror or one_line(error)
+        raise FmuError(f"{path}: cannot be unpacked into {folder} ({reason})") from None
+    except Exception as error:
+        raise FmuError(f"{path}: cannot be unpacked ({one_line(error)})") from None
 
 
 def new_folder() -> Path:
@@ -32,6 +104,16 @@ def new_folder() -> Path:
         f"{usual}: FMUs made with pythonfmu cannot be unpacked in a folder of this name; "
         "set TMPDIR to one with letters of ASCII and digits"
     )
+
+
+def _grows(path: Path, what: str, size: int) -> FmuError:
+    return FmuError(
+        f"{path}: {what} unpacks to {_mb(size)}, more than {MOST_RATIO} times its packed size"
+    )
+
+
+def _mb(size: int) -> str:
+    return f"{size / 1e6:,.0f} MB"
 
 
 def _is_plain(folder: str) -> bool:

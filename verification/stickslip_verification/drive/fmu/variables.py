@@ -1,7 +1,8 @@
 """The variables of an FMU by our names: which of its variables is ours, in what unit."""
 
 import difflib
-from collections.abc import Mapping
+import re
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,13 @@ NUMBERS = frozenset(
     | {f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)}
 )
 """Kinds of variable whose value is a number, of FMI 2.0 and 3.0."""
+
+
+MOST_LISTED = 8
+"""Variables of an FMU that a message lists; `stickslip names` lists all."""
+
+MOST_LETTERS = 40
+"""Letters of a description in such a list."""
 
 
 @dataclass(frozen=True)
@@ -68,21 +76,23 @@ def collect(label: str, description: Any, names: NameMap) -> dict[str, Variable]
         sort, a unit that is unknown or of another dimension.
     """
     theirs = {variable.name: variable for variable in description.modelVariables}
-    units = _units(description)
+    units = units_defined(description)
     absent = {
         ours: target.name
         for ours, target in names.targets.items()
         if target.name != NOT_THERE and target.name not in theirs
     }
     if absent:
-        raise FmuError(f"{label}: has no variable {_absent(absent, theirs)}")
+        lacking = ", ".join(f"{name!r} for {ours}" for ours, name in absent.items())
+        has = listing(description, absent.values())
+        raise FmuError(f"{label}: has no variable {lacking}; {has}")
     taken = {target.name for target in names.targets.values()}
     found = {}
     for ours in UNITS:
         target = names.targets.get(ours)
         if target is None:
             guess = theirs.get(ours)
-            if ours in taken or guess is None or not _looks_like(ours, guess):
+            if ours in taken or guess is None or not looks_like(ours, guess):
                 continue
             target = Target(ours)
         elif target.name == NOT_THERE:
@@ -91,18 +101,23 @@ def collect(label: str, description: Any, names: NameMap) -> dict[str, Variable]
     return found
 
 
-def collect_own(label: str, description: Any, wanted: Mapping[str, str]) -> dict[str, Variable]:
+def collect_own(
+    label: str, description: Any, names: NameMap, wanted: Mapping[str, str]
+) -> dict[str, Variable]:
     """Find parameters of a friction law, by name and unit, in a model description of FMPy.
 
-    They are looked for by their own names, among parameters and inputs; raises as `collect` does.
+    One that the map leaves out is looked for by its own name, among parameters and inputs; raises
+    as `collect` does.
     """
     theirs = {variable.name: variable for variable in description.modelVariables}
-    units = _units(description)
-    return {
-        name: _variable(label, name, Target(name), theirs[name], units, unit)
-        for name, unit in wanted.items()
-        if name in theirs and theirs[name].causality in SETTABLE
-    }
+    units = units_defined(description)
+    found = {}
+    for name, unit in wanted.items():
+        target = names.targets.get(name, Target(name))
+        variable = theirs.get(target.name)
+        if variable is not None and (name in names.targets or variable.causality in SETTABLE):
+            found[name] = _variable(label, name, target, variable, units, unit)
+    return found
 
 
 def extra_outputs(description: Any, variables: Mapping[str, Variable]) -> tuple[str, ...]:
@@ -115,15 +130,50 @@ def extra_outputs(description: Any, variables: Mapping[str, Variable]) -> tuple[
     )
 
 
-def _absent(absent: Mapping[str, str], theirs: Mapping[str, Any]) -> str:
-    parts = []
-    for ours, name in absent.items():
-        near = difflib.get_close_matches(name, theirs, n=1)
-        parts.append(f"{name!r} for {ours}" + (f" (near it: {near[0]!r})" if near else ""))
-    return ", ".join(parts)
+def listing(description: Any, wanted: Collection[str]) -> str:
+    """Tell on one line what an FMU has: those most like the wanted names first, and how many more.
+
+    Parameters
+    ----------
+    description
+        The model description of FMPy.
+    wanted
+        Names that are looked for, the FMU's or ours.
+    """
+
+    def likeness(variable: Any) -> float:
+        last = re.split(r"[.\]]+", variable.name.rstrip("]."))[-1]
+        return max(
+            difflib.SequenceMatcher(None, name.lower(), part.lower()).ratio()
+            for name in wanted
+            for part in (variable.name, last)
+        )
+
+    variables = [each for each in description.modelVariables if each.type in NUMBERS]
+    first = sorted(variables, key=likeness, reverse=True)[:MOST_LISTED]
+    more = len(variables) - len(first)
+    shown = ", ".join(map(told, first)) or "no number"
+    return f"it has {shown}" + (f" and {more} more" if more else "")
 
 
-def _looks_like(ours: str, variable: Any) -> bool:
+def told(variable: Any) -> str:
+    """Return name, unit and description of a variable of an FMU, for people."""
+    unit = unit_of(variable)
+    text = " ".join((variable.description or "").split())
+    if len(text) > MOST_LETTERS:
+        text = text[: MOST_LETTERS - 1].rstrip() + "\N{HORIZONTAL ELLIPSIS}"
+    return f"{variable.name}{f' [{unit}]' if unit else ''}{f' ({text})' if text else ''}"
+
+
+def unit_of(variable: Any) -> str | None:
+    """Return the unit that an FMU declares for a variable or for its type; None without one."""
+    declared: Any = variable.declaredType
+    unit: str | None = variable.unit or (declared.unit if declared else None)
+    return unit
+
+
+def looks_like(ours: str, variable: Any) -> bool:
+    """Whether a variable of an FMU is declared as what this one of ours is: set, or read."""
     wanted = SETTABLE if ours in INPUT_UNITS else {"output"}
     return variable.causality in wanted and variable.variability != "constant"
 
@@ -143,10 +193,7 @@ def _variable(
         raise FmuError(f"{label}: {called} is of type {theirs.type}, not a number")
     if theirs.dimensions:
         raise FmuError(f"{label}: {called} is an array; only scalars can be verified")
-    unit_name = target.unit
-    if unit_name is None:
-        declared_type = theirs.declaredType
-        unit_name = theirs.unit or (declared_type.unit if declared_type else None)
+    unit_name = unit_of(theirs) if target.unit is None else target.unit
     change = conversion(
         _unit(label, ours, called, unit_name, units, expected, given=target.unit is not None),
         target.sign,
@@ -193,7 +240,7 @@ def _unit(
     return unit
 
 
-def _units(description: Any) -> dict[str, Unit]:
+def units_defined(description: Any) -> dict[str, Unit]:
     """Return the units that the FMU defines by SI base units, and only those."""
     units = {}
     for entry in description.unitDefinitions:

@@ -7,11 +7,12 @@
       .map((part) => box.querySelector(`summary .${part}`).textContent.toLowerCase())
       .join(" "),
     groups: [...box.querySelectorAll("tbody")],
-    rows: [...box.querySelectorAll("tbody tr:not(.group)")].map((row) => ({
+    rows: [...box.querySelectorAll("tbody tr:not(.kind)")].map((row) => ({
       row,
       text: row.textContent.toLowerCase(),
     })),
   }));
+  const headings = [...document.querySelectorAll("section.group")];
   const opened = cases.map(({ box }) => box.open);
 
   function apply() {
@@ -31,13 +32,16 @@
         here += fits ? 1 : 0;
       }
       for (const group of groups) {
-        group.hidden = !group.querySelector("tr:not(.group):not([hidden])");
+        group.hidden = !group.querySelector("tr:not(.kind):not([hidden])");
       }
       box.hidden = here === 0;
       box.open = active ? here > 0 && here < 60 : opened[n];
       shown += here;
       all += rows.length;
     });
+    for (const heading of headings) {
+      heading.hidden = Boolean(active) && !heading.querySelector("details.case:not([hidden])");
+    }
     form.querySelector("output").textContent = active ? `${shown} of ${all} shown` : "";
   }
 
@@ -62,7 +66,8 @@
   let before = [];
   addEventListener("beforeprint", () => {
     before = cases.map(({ box }) => box.open);
-    setAll(true);
+    const full = document.body.classList.contains("full");
+    for (const { box } of cases) box.open = full || box.classList.contains("whole");
   });
   addEventListener("afterprint", () => cases.forEach(({ box }, n) => (box.open = before[n])));
   form.hidden = false;

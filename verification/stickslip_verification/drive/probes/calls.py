@@ -1,0 +1,299 @@
+"""Probes that play calls of a master, and look at the motion that follows.
+
+The calls are data: see `Call`.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import chain
+from typing import Any
+
+from stickslip_verification.drive.fmu.archive import FmuFile, available
+from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.instance import FmuInstance
+from stickslip_verification.drive.probes.common import defaults, need, need_instances
+from stickslip_verification.drive.stepping import NotApplicableError, lacking, may_change
+from stickslip_verification.model import formulas
+from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
+from stickslip_verification.truth.parameters import complete
+
+Call = Mapping[str, Any]
+"""One call of a master.
+
+``{ set = { name = value } }`` sets variables in one call, in this order (SI). ``{ start = time }``
+initializes at a start time [s]. ``{ step = h }`` makes a step of h [s], with ``times`` so many.
+"""
+
+Row = Mapping[str, float]
+"""Outputs at one time, by name (SI)."""
+
+_MOST_TOLD = 3
+"""Outputs that a complaint names; more would not help to find the fault."""
+
+
+class Caller:
+    """A master of one instance: it plays calls and knows the time.
+
+    Our default of every parameter and input is set first, since those of the FMU may differ.
+    """
+
+    def __init__(self, fmu: FmuFile, instance: FmuInstance) -> None:
+        self.instance = instance
+        self.names = available(fmu, OUTPUT_NAMES)
+        self.start = 0.0
+        self._steps: list[float] = []
+        self._read = instance.reader(self.names)
+        instance.set(defaults(fmu))
+
+    @property
+    def since(self) -> float:
+        """Time since the start [s]."""
+        return math.fsum(self._steps)
+
+    def resume(self, since: float) -> None:
+        """Go on at a time since the start [s], from a state that was set."""
+        self._steps = [since]
+
+    def play(self, calls: Iterable[Call]) -> list[Row]:
+        """Play calls; return the outputs after each step."""
+        rows = []
+        for call in calls:
+            if "set" in call:
+                self.instance.set(call["set"])
+            elif "start" in call:
+                self.start = call["start"]
+                self.instance.start({}, self.start)
+            else:
+                for _ in range(call.get("times", 1)):
+                    self.instance.step(self.start + self.since, call["step"])
+                    self._steps.append(call["step"])
+                    rows.append(self.row())
+        return rows
+
+    def row(self) -> Row:
+        """Read the outputs."""
+        return dict(zip(self.names, self._read(), strict=True))
+
+
+def check_playable(fmu: FmuFile, calls: Iterable[Call]) -> None:
+    """Raise `NotApplicableError` if the FMU lacks a variable that is set, or cannot change it."""
+    running = False
+    for call in calls:
+        running = running or "start" in call
+        values = call.get("set", {})
+        need(fmu, lacking(fmu, values))
+        fixed = [name for name in values if running and not may_change(fmu, name)]
+        if fixed:
+            raise NotApplicableError(f"it cannot change {', '.join(fixed)} on the way")
+
+
+def same_motion(
+    fmu: FmuFile,
+    calls: Sequence[Call],
+    like: Sequence[Call],
+    then: Sequence[Call],
+    tolerance: float | None = None,
+    may_refuse: bool = False,
+    ignored: Sequence[str] = (),
+) -> list[str]:
+    """Complain if two sequences of calls do not lead to the same motion.
+
+    Parameters
+    ----------
+    fmu
+        The FMU.
+    calls, like
+        Two sequences, each played on an instance of its own.
+    then
+        What is played after either; the outputs after its steps are compared.
+    tolerance
+        Of the largest value in the same unit; None for bit for bit. If the start times differ,
+        `t_event` may count from 0 or from the start; then it is not compared bit for bit.
+    may_refuse
+        Whether the FMU may refuse `calls`, which by its own convention may be out of range.
+    ignored
+        Names of outputs that are not compared.
+    """
+    check_playable(fmu, chain(calls, then))
+    check_playable(fmu, chain(like, then))
+    need_instances(fmu)
+    with fmu.instantiate() as instance:
+        caller = Caller(fmu, instance)
+        caller.play(like)
+        other_start = caller.start
+        expected = caller.play(then)
+    with fmu.instantiate() as instance:
+        caller = Caller(fmu, instance)
+        try:
+            caller.play(calls)
+        except FmuError as error:
+            if may_refuse:
+                raise NotApplicableError(f"it refuses the calls: {error}") from None
+            raise
+        got = caller.play(then)
+    later = caller.start - other_start
+    if later and "t_event" in caller.names:
+        if tolerance is None:
+            ignored = [*ignored, "t_event"]
+        got = [_dated(a, b, later) for a, b in zip(got, expected, strict=True)]
+    return differences(got, expected, tolerance, ignored)
+
+
+def gives(
+    fmu: FmuFile,
+    calls: Sequence[Call],
+    outputs: Row,
+    tolerance: float | None = None,
+) -> list[str]:
+    """Complain if the outputs after the calls are not these.
+
+    `tolerance` is a part of the value; None: the same number.
+    """
+    check_playable(fmu, calls)
+    names = available(fmu, outputs)
+    if not names:
+        need(fmu, outputs)
+    with fmu.instantiate() as instance:
+        caller = Caller(fmu, instance)
+        caller.play(calls)
+        row = caller.row()
+    return [
+        f"{name} is {row[name]!r}, not {outputs[name]!r}"
+        for name in names
+        if not abs(row[name] - outputs[name]) <= (tolerance or 0.0) * abs(outputs[name])
+    ]
+
+
+def steps_onto_restick(
+    fmu: FmuFile,
+    calls: Sequence[Call],
+    into: float,
+    over: float,
+    then: Sequence[Call],
+    tolerance: float,
+    rests: bool = False,
+) -> list[str]:
+    """Complain if a step that ends exactly where a slip ends changes what follows.
+
+    Parameters
+    ----------
+    fmu
+        The FMU.
+    calls
+        They end in a slip.
+    into
+        Time since the break-away at their end [s].
+    over
+        Length of a step that ends in the stick after that slip [s].
+    then
+        Steps that follow after a step to the end of the slip; the first ends in the stick.
+    tolerance
+        Of the largest value in the same unit.
+    rests
+        Whether the mass must rest already at the end of the slip.
+    """
+    check_playable(fmu, chain(calls, then))
+    need(fmu, ["t_slip"])
+    need_instances(fmu)
+    with fmu.instantiate() as instance:
+        caller = Caller(fmu, instance)
+        caller.play(calls)
+        (row,) = caller.play([{"step": over}])
+    t_slip = row["t_slip"]
+    first, *others = then
+    left = t_slip - into
+    if not 0.0 < left < over:
+        return [f"{into + over!r} s after the break-away t_slip is {t_slip!r}"]
+    with fmu.instantiate() as instance:
+        caller = Caller(fmu, instance)
+        caller.play(calls)
+        expected = caller.play([{"step": left + first["step"]}, *others])
+    with fmu.instantiate() as instance:
+        caller = Caller(fmu, instance)
+        caller.play(calls)
+        (end,) = caller.play([{"step": left}])
+        got = caller.play(then)
+    resting = {"sticking": 1.0, "mode": 0.0, "n_slips": 1.0, "x_dot": 0.0} if rests else {}
+    complaints = [
+        f"at the end of the slip {name} is {end[name]!r}, not {value!r}"
+        for name, value in resting.items()
+        if name in end and end[name] != value
+    ]
+    return complaints + differences(got, expected, tolerance)
+
+
+def starts_at(fmu: FmuFile, time: float) -> list[str]:
+    """Complain if `t_event` does not count from the start time [s]."""
+    need(fmu, ["t_event"])
+    first = time + float(formulas.first_load_up(complete({})))
+    with fmu.instantiate() as instance:
+        caller = Caller(fmu, instance)
+        caller.play([{"start": time}])
+        begin = caller.row()["t_event"]
+        rows = caller.play([{"step": 0.001, "times": 300}])
+    if fmu.fmi_version == "3.0":
+        # The interface promises it from the first step on: the wrapper tells it no sooner.
+        begin = rows[0]["t_event"]
+    dated = rows[-1]["t_event"]
+    complaints = [] if begin == time else [f"t_event begins with {begin!r}, not {time!r}"]
+    # Rounding of absolute times, and of a few additions.
+    if not abs(dated - first) <= 16.0 * math.ulp(first):
+        complaints.append(f"the first break-away is dated {dated!r}, not {first!r}")
+    return complaints
+
+
+def differences(
+    got: Sequence[Row],
+    expected: Sequence[Row],
+    tolerance: float | None = None,
+    ignored: Iterable[str] = (),
+) -> list[str]:
+    """Tell where two motions differ, one line for each of the first outputs that do.
+
+    Parameters
+    ----------
+    got, expected
+        Their outputs, row by row.
+    tolerance
+        Of the largest value in the same unit in any row; what is discrete must be equal. None: all
+        must be equal, NaN to NaN.
+    ignored
+        Names of outputs that are not compared.
+    """
+    scales = {} if tolerance is None else _scales(chain(got, expected))
+    told = []
+    for name in got[0]:
+        allowed = 0.0
+        if tolerance is not None and not QUANTITIES[name].discrete:
+            allowed = tolerance * scales[QUANTITIES[name].unit]
+        pairs = ((a[name], b[name]) for a, b in zip(got, expected, strict=True))
+        wrong = next(_apart(pairs, allowed), None)
+        if wrong is not None and name not in ignored:
+            told.append(f"{name} is {wrong[1]!r} and not {wrong[2]!r} after step {wrong[0] + 1}")
+    return told[:_MOST_TOLD]
+
+
+def _dated(row: Row, like: Row, later: float) -> Row:
+    """Return a row with `t_event` as in a run that began earlier, if it counts from 0."""
+    dated = row["t_event"] - later
+    nearer = abs(dated - like["t_event"]) < abs(row["t_event"] - like["t_event"])
+    return {**row, "t_event": dated} if nearer else row
+
+
+def _scales(rows: Iterable[Row]) -> dict[str, float]:
+    """Return the largest finite magnitude in each unit."""
+    scales: dict[str, float] = {}
+    for row in rows:
+        for name, value in row.items():
+            unit, discrete = QUANTITIES[name].unit, QUANTITIES[name].discrete
+            magnitude = abs(value) if math.isfinite(value) and not discrete else 0.0
+            scales[unit] = max(scales.get(unit, 0.0), magnitude)
+    return scales
+
+
+def _apart(
+    pairs: Iterable[tuple[float, float]], allowed: float
+) -> Iterator[tuple[int, float, float]]:
+    for number, (a, b) in enumerate(pairs):
+        if not abs(a - b) <= allowed and a != b and not (math.isnan(a) and math.isnan(b)):
+            yield number, a, b

@@ -1,0 +1,237 @@
+"""Probes of memory: what is done over and over must not keep any."""
+
+import gc
+import statistics
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, closing, contextmanager
+from pathlib import Path
+
+from stickslip_verification.drive.fmu.archive import FmuFile, available
+from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.drive.probes import fresh_process
+from stickslip_verification.drive.probes.common import defaults, need_instances
+from stickslip_verification.drive.probes.fresh_process import FreshProcessError
+from stickslip_verification.drive.stepping import NotApplicableError
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.truth.parameters import START_VALUES
+
+_PAGES = Path("/proc/self/statm")
+"""Pages of this process: all, resident, shared, ... (Linux)."""
+
+_PAGE = 4096
+"""Size of a page [B]."""
+
+_PARTS = 10
+"""Parts of a measurement, of a tenth of the count or of the time; the first warms up."""
+
+_FEWEST = 4
+"""Parts below which a measurement that was cut short says nothing."""
+
+_PATIENCE = 4.0
+"""How much longer than the time of the processor a measurement may take by the wall clock."""
+
+_NOISE = 12 * _PAGE
+"""Growth over a part that no loss is told of: what an allocator may take ahead [B]."""
+
+_STEP = 0.001
+"""An ordinary communication step [s]."""
+
+_SLAVE_MODULE = "resources/slavemodule.txt"
+"""Where pythonfmu's wrapper finds the name of the module that it executes."""
+
+_MODULE_KEPT = 16
+"""Memory per byte of that module which the wrapper keeps of each execution, 5 with a plain one."""
+
+
+def memory_of_steps(fmu: FmuFile, count: int, most: float, seconds: float) -> list[str]:
+    """Complain if steps, reads or sets keep memory.
+
+    Parameters
+    ----------
+    fmu
+        The FMU.
+    count
+        Number of steps; of four, one is after a read of all outputs and one after a set.
+    most
+        Memory that a step may keep [B].
+    seconds
+        Time of the processor after which the measurement ends with fewer [s].
+    """
+    return _growing(fmu, "step", count, most, seconds)
+
+
+def memory_of_states(fmu: FmuFile, count: int, most: float, seconds: float) -> list[str]:
+    """Complain if states keep memory that were taken, set, serialized and freed.
+
+    Arguments as in `memory_of_steps`; every fourth state is serialized too.
+    """
+    if not fmu.can_get_and_set_state:
+        raise NotApplicableError("it cannot get and set its state, by its description")
+    return _growing(fmu, "state", count, most, seconds)
+
+
+def memory_of_instances(fmu: FmuFile, count: int, most: float, seconds: float) -> list[str]:
+    """Complain if instances keep memory that were made, run and freed.
+
+    Arguments as in `memory_of_steps`. Of an FMU in Python what its wrapper keeps is allowed too:
+    it executes the slave's module for each instance.
+    """
+    need_instances(fmu)
+    return _growing(fmu, "instance", count, most + _MODULE_KEPT * _module(fmu), seconds)
+
+
+@contextmanager
+def _stepping(fmu: FmuFile) -> Iterator[Callable[[], object]]:
+    with fmu.instantiate() as instance:
+        instance.start(defaults(fmu))
+        read, number = instance.reader(available(fmu, OUTPUT_NAMES)), 0
+        inputs = [name for name in ("v", "F_ext") if fmu.has(name)]
+
+        def do() -> None:
+            nonlocal number
+            if number % 4 == 2:
+                read()
+            elif number % 4 == 0:
+                # Every set is to other values.
+                more = 1e-9 * number
+                instance.set({name: START_VALUES[name] + more for name in inputs})
+            instance.step(number * _STEP, _STEP)
+            instance.messages.clear()
+            number += 1
+
+        yield do
+
+
+@contextmanager
+def _iterating(fmu: FmuFile) -> Iterator[Callable[[], object]]:
+    with fmu.instantiate() as instance:
+        instance.start(defaults(fmu))
+        number = 0
+
+        def do() -> None:
+            nonlocal number
+            state = instance.get_state()
+            instance.step(number * _STEP, _STEP)
+            instance.set_state(state)
+            if fmu.can_serialize_state and number % 4 == 0:
+                copy = instance.deserialize(instance.serialize(state))
+                instance.set_state(copy)
+                instance.free_state(copy)
+            instance.free_state(state)
+            # Every state is of another moment.
+            instance.step(number * _STEP, _STEP)
+            instance.messages.clear()
+            number += 1
+
+        yield do
+
+
+@contextmanager
+def _making(fmu: FmuFile) -> Iterator[Callable[[], object]]:
+    def do() -> None:
+        with fmu.instantiate() as instance:
+            instance.start(defaults(fmu))
+            instance.step(0.0, 0.3)
+
+    yield do
+
+
+_THINGS: Mapping[str, Callable[[FmuFile], AbstractContextManager[Callable[[], object]]]] = {
+    "step": _stepping,
+    "state": _iterating,
+    "instance": _making,
+}
+
+
+def _module(fmu: FmuFile) -> int:
+    """Return the size of the module that a wrapper executes for each instance [B], 0 if none."""
+    try:
+        name = (fmu.folder / _SLAVE_MODULE).read_text(encoding="utf-8").strip()
+        return (fmu.folder / "resources" / f"{name}.py").stat().st_size
+    except (OSError, ValueError):
+        return 0
+
+
+def _growing(fmu: FmuFile, what: str, count: int, most: float, seconds: float) -> list[str]:
+    """Complain if in most parts of a measurement the memory grows by more than `most` each time.
+
+    A loss grows in every part; what an allocator or a cache takes does so in few. The process is a
+    fresh one, for memory that was freed earlier would be filled first, and hide a loss.
+    """
+    if not _PAGES.exists():
+        raise NotApplicableError("the memory of a process is read on Linux only")
+    limit = fresh_process.LIMIT + _PATIENCE * seconds
+    try:
+        parts = fresh_process.call(
+            measure, fmu.path.absolute(), fmu.names, what, count, seconds, _PATIENCE, limit=limit
+        )
+    except FreshProcessError as error:
+        return [str(error)]
+    return judged(parts, what, most, seconds)
+
+
+def judged(parts: Sequence[tuple[int, int]], what: str, most: float, seconds: float) -> list[str]:
+    """Complain of a measurement, of which each part is a number of times and a growth [B].
+
+    Raises `NotApplicableError` for a measurement of too few parts.
+    """
+    if len(parts) < _FEWEST:
+        done = sum(times for times, _ in parts)
+        raise NotApplicableError(f"{done} times in {seconds:g} s are too few to see a loss")
+    # The first part warms up.
+    of, grown = (statistics.median(column) for column in zip(*parts[1:], strict=True))
+    if grown <= max(most * of, _NOISE):
+        return []
+    return [f"each {what} keeps {grown / of:.0f} bytes; {most:g} at most"]
+
+
+def measure(
+    path: Path, names: NameMap, what: str, count: int, seconds: float, patience: float
+) -> list[tuple[int, int]]:
+    """Return how often a thing was done in each part of a measurement, and the growth [B].
+
+    Parameters
+    ----------
+    path, names
+        The FMU's file and the map to its names.
+    what
+        step, state or instance.
+    count, seconds
+        As in `memory_of_steps`.
+    patience
+        How much longer it may take by the wall clock.
+    """
+    fmu = FmuFile(path, names)
+    whole = _Clock(seconds, patience)
+    parts: list[tuple[int, int]] = []
+    with closing(fmu), _THINGS[what](fmu) as do:
+        before = _resident()
+        while sum(times for times, _ in parts) < count and not whole.over():
+            done, part = 0, _Clock(seconds / _PARTS, patience)
+            while done < count // _PARTS and not part.over():
+                do()
+                done += 1
+            now = _resident()
+            parts.append((done, now - before))
+            before = now
+    return parts
+
+
+class _Clock:
+    """Time of the processor [s], and of the wall where the processor has much else to do."""
+
+    def __init__(self, seconds: float, patience: float) -> None:
+        self._processor = time.process_time() + seconds
+        self._wall = time.monotonic() + patience * seconds
+
+    def over(self) -> bool:
+        """Whether the time is over."""
+        return time.process_time() > self._processor or time.monotonic() > self._wall
+
+
+def _resident() -> int:
+    """Return the memory of this process that is in use and its own [B]."""
+    gc.collect()
+    _, resident, shared, *_ = map(int, _PAGES.read_text("ascii").split())
+    return (resident - shared) * _PAGE

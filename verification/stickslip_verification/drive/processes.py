@@ -1,0 +1,356 @@
+"""A worker process and its guard: limits on what an FMU may take, an end to all that it starts.
+
+Where the system has `fork`, the process that holds an FMU has a guard as its parent. The guard is
+the subreaper of all its descendants (Linux, prctl(2)): a daemon that leaves its session and its
+parent becomes a child of the guard. The guard ends all of them once the worker ends or is to be
+ended. Without subreapers it ends the session of the worker; Windows has neither. An FMU that kills
+its guard is ended with it, but a daemon of it is not.
+"""
+
+import contextlib
+import ctypes
+import itertools
+import multiprocessing
+import multiprocessing.util
+import os
+import pickle
+import select
+import signal
+import socket
+import struct
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from multiprocessing import forkserver, resource_tracker
+from multiprocessing.connection import Connection
+from multiprocessing.context import BaseContext
+from pathlib import Path
+from typing import Any, Final, NoReturn
+
+from stickslip_verification.drive.fmu.errors import FmuError
+
+MOST_ANSWERED: Final = 2**30
+"""Bytes of one answer that are taken; the longest record of the suite has some 10^7."""
+
+ENDING: Final = 5.0
+"""Seconds in which a guard ends its descendants; then it is ended itself."""
+
+LONGEST_SILENCE: Final = 20
+"""Seconds in which nothing comes of an answer that was begun."""
+
+SHORT_FOLDERS: Final = ("/tmp", "/var/tmp")
+"""Where sockets go if the folder for temporary files has too long a name."""
+
+LONGEST_FOLDER: Final = 70
+"""Bytes of the folder for temporary files that leave room for the sockets in it.
+
+The path of a socket has 103 bytes (macOS; 107 on Linux, unix(7)); multiprocessing appends 32.
+"""
+
+_ERRORS: Final = 2
+"""The descriptor of standard error."""
+
+_GUARD_PERIOD: Final = 20.0
+"""Milliseconds between two looks of a guard at its worker."""
+
+_LOOKS_FOR_MEMORY: Final = 25
+"""At each so many looks it adds up the memory, which takes some milliseconds."""
+
+OUT_OF_MEMORY: Final = 251
+"""Exit code of a guard whose worker, with what it started, had more memory than it may."""
+
+_PR_SET_PDEATHSIG: Final = 1
+_PR_SET_CHILD_SUBREAPER: Final = 36
+
+Task = Callable[..., Any]
+
+
+class Worker:
+    """A process that does one task after another.
+
+    Parameters
+    ----------
+    begin, arguments
+        What the process calls before its first task.
+    memory
+        Bytes that it and what it starts may have; None for one that holds no FMU. It has no limits
+        then, and no guard.
+    """
+
+    def __init__(self, begin: Task, arguments: tuple[Any, ...], memory: int | None) -> None:
+        context = _context()
+        self.connection, theirs = context.Pipe()
+        self._process = context.Process(  # type: ignore[attr-defined]  # typeshed leaves it out
+            target=_serve, args=(theirs, begin, arguments, memory)
+        )
+        self._process.start()
+        # With a copy here, the end of the process would not end the connection.
+        theirs.close()
+        self._has_guard = memory is not None and sys.platform != "win32"
+        _limit_silence(self.connection)
+
+    @property
+    def handles(self) -> tuple[Any, Any]:
+        """What `multiprocessing.connection.wait` takes: an answer, and the end of the process."""
+        return self.connection, self._process.sentinel
+
+    def give(self, task: Task, arguments: tuple[Any, ...]) -> None:
+        """Send a task; `OSError` if the process has ended."""
+        self.connection.send((task, arguments))
+
+    def answer(self) -> Any:
+        """Return what the process answered.
+
+        Raises
+        ------
+        EOFError, OSError
+            If it ended without an answer, or gave half of one.
+        Exception
+            If what it sent cannot be read.
+        """
+        if not self.connection.poll():
+            raise EOFError
+        return pickle.loads(self.connection.recv_bytes(MOST_ANSWERED))
+
+    def exit_code(self) -> int | None:
+        """Return the exit code, negative for a signal, as soon as it is known; None if it lives."""
+        self._process.join(ENDING)
+        code: int | None = self._process.exitcode
+        return code
+
+    def stop(self) -> None:
+        """Begin to end the process and what it started; `end` waits for it."""
+        if self._has_guard:
+            self.connection.close()
+        else:
+            self._process.terminate()
+
+    def end(self) -> None:
+        """End the process and what it started."""
+        self.stop()
+        self._process.join(ENDING + 1.0)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+        self._process.close()
+        self.connection.close()
+
+
+def _limit_memory(most: int) -> None:
+    """Limit the private memory of this process, and of each that it starts, to `most` bytes.
+
+    The limit is RLIMIT_DATA, getrlimit(2), which counts what can be written and belongs to one
+    process alone. RLIMIT_AS would also count what is merely reserved: runtimes with a garbage
+    collector reserve tens of gigabytes and use none of them. Shared memory and the sum over
+    processes are left to the guard, on Linux. Windows has no such limit; macOS takes it and does
+    not keep to it.
+    """
+    if sys.platform != "win32":
+        import resource
+
+        _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+        if hard != resource.RLIM_INFINITY:
+            most = min(most, hard)
+        resource.setrlimit(resource.RLIMIT_DATA, (most, most))
+
+
+def _limit_silence(connection: Connection) -> None:
+    """Have a wait for the rest of what is sent or taken end with an `OSError`: socket(7)."""
+    if sys.platform != "win32":
+        with socket.fromfd(connection.fileno(), socket.AF_UNIX, socket.SOCK_STREAM) as own:
+            for option in (socket.SO_RCVTIMEO, socket.SO_SNDTIMEO):
+                own.setsockopt(socket.SOL_SOCKET, option, struct.pack("ll", LONGEST_SILENCE, 0))
+
+
+def _serve(
+    connection: Connection, begin: Task, arguments: tuple[Any, ...], memory: int | None
+) -> None:
+    """Do what is sent, till the connection is closed."""
+    # Ctrl-C is for the process that asks.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if memory is not None:
+        _limit_memory(memory)
+        if sys.platform != "win32":
+            _fork_guarded(connection, memory)
+    begin(*arguments)
+    with contextlib.suppress(EOFError, ConnectionError):
+        while True:
+            task, of = connection.recv()
+            connection.send_bytes(pickle.dumps(task(*of)))
+
+
+def _fork_guarded(connection: Connection, memory: int) -> None:
+    """Return in a child, in a session of its own; this process becomes its guard."""
+    _prctl(_PR_SET_CHILD_SUBREAPER, 1)
+    worker = os.fork()
+    if worker == 0:
+        os.setsid()
+        _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        return
+    # Whoever ends all processes at once ends the one that asks, and then this one ends as well.
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    code = _watch(worker, connection, memory)
+    _end_descendants(worker)
+    _end_like(code)
+
+
+def _watch(worker: int, connection: Connection, memory: int) -> int:
+    """Wait for the end of the worker and return its exit code.
+
+    The guard ends it once the other end of the connection is closed, at the latest by the end of
+    the process that asks, or if the worker and its descendants have more memory than they may.
+    """
+    asking = select.poll()
+    # Without any event of interest, poll(2) reports that the other end was closed.
+    asking.register(connection, 0)
+    for look in itertools.count():
+        if asking.poll(_GUARD_PERIOD):
+            break
+        # Of other processes this reaps what the worker left behind.
+        ended, status = os.waitpid(-1, os.WNOHANG)
+        if ended == worker:
+            return os.waitstatus_to_exitcode(status)
+        if look % _LOOKS_FOR_MEMORY == 0 and _memory_of_descendants() > memory:
+            return OUT_OF_MEMORY
+    return -signal.SIGKILL
+
+
+def _end_descendants(worker: int) -> None:
+    """Kill the session of the worker and all children, till none is left.
+
+    The children of a killed child become children of this process.
+    """
+    last = time.monotonic() + ENDING
+    while time.monotonic() < last:
+        with contextlib.suppress(OSError):
+            os.killpg(worker, signal.SIGKILL)
+        for child in _children():
+            with contextlib.suppress(OSError):
+                os.kill(child, signal.SIGKILL)
+        try:
+            while os.waitpid(-1, os.WNOHANG)[0]:
+                pass
+        except ChildProcessError:
+            return
+        time.sleep(0.002)
+
+
+def _children() -> list[int]:
+    """Return the children of this process where /proc tells them."""
+    return [process for process, parent, _ in _processes() if parent == os.getpid()]
+
+
+def _memory_of_descendants() -> int:
+    """Return the bytes in memory of all descendants; pages that they share count for each."""
+    family = {os.getpid()}
+    others = list(_processes())
+    pages, grown = 0, True
+    while grown:
+        members = [each for each in others if each[1] in family]
+        others = [each for each in others if each[1] not in family]
+        family |= {process for process, _, _ in members}
+        pages += sum(resident for _, _, resident in members)
+        grown = bool(members)
+    return pages * os.sysconf("SC_PAGE_SIZE")
+
+
+def _processes() -> Iterator[tuple[int, int, int]]:
+    """Yield number, parent and pages in memory of each process: proc(5), fields of stat."""
+    for file in Path("/proc").glob("[0-9]*/stat"):
+        # It may have ended since it was listed.
+        with contextlib.suppress(OSError):
+            # The second field, a name, may hold blanks and brackets.
+            fields = file.read_bytes().rpartition(b")")[2].split()
+            yield int(file.parent.name), int(fields[1]), int(fields[21])
+
+
+def _end_like(code: int) -> NoReturn:
+    """End this process with an exit code, or by the signal that a negative one stands for."""
+    if code < 0:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        with contextlib.suppress(OSError):
+            signal.signal(-code, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {-code})
+        os.kill(os.getpid(), -code)
+    os._exit(abs(code))
+
+
+def _prctl(option: int, value: int) -> None:
+    """Set an option of this process where the kernel has it: Linux, prctl(2)."""
+    if sys.platform == "linux":
+        zero = ctypes.c_ulong(0)
+        ctypes.CDLL(None).prctl(option, ctypes.c_ulong(value), zero, zero, zero)
+
+
+def _context() -> BaseContext:
+    """Return the context that starts workers fastest: forks of a server with all modules loaded."""
+    methods: Mapping[str, None] = dict.fromkeys(multiprocessing.get_all_start_methods())
+    context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
+    if "forkserver" in methods:
+        context.set_forkserver_preload(["stickslip_verification.drive.workers"])
+        _start_server()
+    return context
+
+
+def _start_server() -> None:
+    """Start the fork server with Ctrl-C blocked and standard error discarded from the start.
+
+    By itself it ignores Ctrl-C only once its modules are loaded, after about a second. A worker
+    that it forks during an interrupt would print a traceback of no use.
+    """
+    choose_folder_of_sockets()
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        with _silent():
+            forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def choose_folder_of_sockets() -> None:
+    """Have the server's socket in a folder with a short name.
+
+    multiprocessing makes the folder of its sockets in that for temporary files, once in a process.
+
+    Raises
+    ------
+    FmuError
+        If there is no folder with a short name that can be written.
+    """
+    usual = tempfile.gettempdir()
+    chosen = multiprocessing.current_process()._config.get("tempdir")  # type: ignore[attr-defined]
+    if chosen is not None or len(os.fsencode(usual)) <= LONGEST_FOLDER:
+        return
+    try:
+        for tempfile.tempdir in SHORT_FOLDERS:
+            with contextlib.suppress(OSError):
+                multiprocessing.util.get_temp_dir()
+                return
+    finally:
+        tempfile.tempdir = usual
+    raise FmuError(
+        f"{usual}: the name of this folder for temporary files is too long for sockets, which "
+        f"take {LONGEST_FOLDER} bytes; set TMPDIR to a shorter one"
+    )
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """Discard the standard error of processes started in this block."""
+    try:
+        kept = os.dup(_ERRORS)
+    except OSError:  # closed already
+        yield
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, _ERRORS)
+    os.close(nowhere)
+    try:
+        yield
+    finally:
+        os.dup2(kept, _ERRORS)
+        os.close(kept)

@@ -1,0 +1,205 @@
+"""The band about the exact motion in which a run is right.
+
+For the exact block it is a bound that holds for any sequence of inputs. For a numerical solution it
+is as wide as the motions near the exact one lie from it, and as the rounding of what was added up;
+what our interface merely agreed on is not judged in it: values of the start, and what the meter
+counts of a start in motion.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip_verification.drive.exact import Exact
+from stickslip_verification.drive.nearby import OFF
+from stickslip_verification.model.events import Transition
+from stickslip_verification.model.quantities import OUTPUTS, QUANTITIES
+from stickslip_verification.model.run import Run, Series
+from stickslip_verification.suite.tolerances import DISTURBED
+
+Mask = NDArray[np.bool_]
+
+SPREAD = 4.0
+"""How often the spread of the nearby motions a solution may be off: they are only a few of all."""
+
+MOST_LOST = 0.05
+"""Largest share of the points of a case that may hang on less than the error of a solution."""
+
+BECAUSE = (
+    f"{SPREAD:g} times what the exact motion moves when its data are off by {OFF:g}, "
+    f"and {OFF:g} of the largest value of its kind for what is added up"
+)
+
+_METER = (
+    *("delta_x", "spring_drop", "t_stick", "t_slip", "T", "f", "x_dot_peak"),
+    *("n_slips", "t_event"),
+)
+"""Outputs of the meter, whose beginning is a matter of agreement."""
+
+
+@dataclass(frozen=True)
+class Band:
+    """What a run may differ by from the exact motion of a case, at each point.
+
+    Attributes
+    ----------
+    exact
+        The exact motion.
+    nearby
+        Motions near it, at the same points; none where nothing hangs on less than the error.
+    of_largest
+        What a run may be off anywhere, as a part of the largest value of the same kind.
+    because
+        Where that comes from.
+    agreed
+        Whether what our interface merely agreed on is judged too.
+    """
+
+    exact: Exact
+    nearby: Sequence[Run]
+    of_largest: float = OFF
+    because: str = BECAUSE
+    agreed: bool = False
+
+    @cached_property
+    def undecided(self) -> Mask:
+        """Points at which stick or slip hangs on less than the error of a numerical solution."""
+        return self._differs("mode") | self._differs("sticking")
+
+    @property
+    def lost(self) -> float:
+        """Share of the points that are undecided."""
+        return float(np.mean(self.undecided))
+
+    def judged(self, quantity: str) -> Mask:
+        """Return the points at which a quantity is physics, and decided."""
+        found = ~self.undecided
+        for output in QUANTITIES[quantity].needs:
+            found = found & self._meant(output)
+            if QUANTITIES[output].discrete:
+                found = found & ~self._differs(output)
+        return np.asarray(found & np.isfinite(self._samples(quantity, self.exact.record)))
+
+    def allowed(self, quantity: str) -> Series:
+        """Return what a quantity may be off at each point, in its unit."""
+        expected = self._samples(quantity, self.exact.record)
+        if QUANTITIES[quantity].discrete:
+            return np.zeros_like(expected)
+        widest = np.zeros_like(expected)
+        with np.errstate(invalid="ignore"):
+            for run in self.nearby:
+                widest = np.fmax(widest, np.abs(self._samples(quantity, run) - expected))
+        return np.asarray(SPREAD * widest + self.of_largest * self.largest(quantity))
+
+    def pair(self, quantity: str, run: Run, read: NDArray[np.intp]) -> tuple[Series, Series]:
+        """Return a quantity in the exact motion and in a run, at the points that the run has.
+
+        Slips are counted from the first event where the start counts none: NaN before, and
+        everywhere in a run that does not have that point.
+        """
+        expected = self._samples(quantity, self.exact.record)[read]
+        got = self._samples(quantity, run)
+        if quantity == "x_pull" and not self.agreed and read.size > 1:
+            # Where the pulled end is counted from is a matter of agreement.
+            return expected - expected[0], got - got[0]
+        if quantity == "n_slips" and self._starts_in_motion and not self.agreed:
+            first = np.flatnonzero(self._meant(quantity))[:1]
+            base = np.flatnonzero(np.isin(read, first))
+            expected = expected - (expected[base] if base.size else np.nan)
+            got = got - (got[base] if base.size else np.nan)
+        return expected, got
+
+    def _samples(self, quantity: str, run: Run) -> Series:
+        with np.errstate(all="ignore"):
+            samples = QUANTITIES[quantity].compute(run.outputs, self.exact.start)
+        return np.asarray(samples, dtype=np.float64)
+
+    def largest(self, quantity: str) -> float:
+        """Return the largest value in play of what has the unit of a quantity, in that unit."""
+        unit = QUANTITIES[quantity].unit
+        alike = [each.name for each in OUTPUTS if each.unit == unit != "1"]
+        values = [self.exact.record.outputs[name] for name in alike]
+        if not values:
+            values = [self._samples(quantity, self.exact.record)]
+        if unit == "m/s":
+            values.append(self._pull)
+        if unit == "s":
+            values.append(self._times)
+        finite = [np.abs(each[np.isfinite(each)]) for each in values]
+        return float(max(np.max(each, initial=0.0) for each in finite))
+
+    @property
+    def _pull(self) -> Series:
+        """Mean speed of the pulled end over each step [m/s]."""
+        record = self.exact.record
+        places = np.concatenate(([record.initial["x_pull"]], record.outputs["x_pull"]))
+        return np.asarray(np.diff(places) / np.diff(np.concatenate(([0.0], self._times))))
+
+    @property
+    def _times(self) -> Series:
+        return self.exact.record.times
+
+    def _differs(self, output: str) -> Mask:
+        expected = self.exact.record.outputs[output]
+        differs = np.zeros(expected.size, dtype=np.bool_)
+        for run in self.nearby:
+            differs |= run.outputs[output] != expected
+        return differs
+
+    def _meant(self, output: str) -> Mask:
+        """Return the points at which an output is physics, and not what our meter agreed on.
+
+        That is whether a start in motion is a slip, the first stick a stick, and a reversal a
+        break-away.
+        """
+        if self.agreed or output not in _METER:
+            return np.ones(self._times.size, dtype=np.bool_)
+        breaks = self._happened(Transition.BREAK_AWAY)
+        if output in ("T", "f"):
+            return self._cycled(breaks, 2)
+        if output == "t_stick":
+            return self._cycled(breaks, 1)
+        if output == "t_event":
+            return np.asarray(self._times > np.min(self._happened(*Transition), initial=np.inf))
+        ends = self._happened(Transition.RE_STICK, Transition.REVERSAL)
+        if output == "n_slips":
+            began = 0.0 if self._starts_in_motion else -np.inf
+        else:
+            began = float(np.min(breaks, initial=np.inf))
+        first = np.min(ends[ends > began], initial=np.inf)
+        whole = output == "n_slips" and not self._starts_in_motion
+        return np.asarray(whole | (self._times > first))
+
+    def _cycled(self, breaks: Series, back: int) -> Mask:
+        """Return the points after two break-aways at least, the last `back` without a reversal."""
+        # A break-away that a change brings about shows after the next step.
+        count = np.searchsorted(breaks, self._times)
+        since = np.append(breaks, np.inf)[np.where(count >= 2, count - back, -1)]
+        reversals = self._happened(Transition.REVERSAL)
+        turned = np.searchsorted(reversals, self._times) > np.searchsorted(reversals, since)
+        return np.asarray((count >= 2) & ~turned)
+
+    def _happened(self, *kinds: Transition) -> Series:
+        """Return the times of these transitions [s], those at the very start left out."""
+        events = self.exact.events
+        return np.array([each.time for each in events if each.kind in kinds and each.time > 0.0])
+
+    @property
+    def _starts_in_motion(self) -> bool:
+        first = self.exact.events[0] if self.exact.events else None
+        at_once = first is not None and first.time == 0.0
+        return at_once or self.exact.start["x_dot_start"] != 0.0
+
+
+def numerical(exact: Exact, nearby: Sequence[Run]) -> Band:
+    """Return the band of a numerical solution."""
+    return Band(exact, nearby)
+
+
+def of_any_sequence(exact: Exact) -> Band:
+    """Return the band of the exact block under any sequence of inputs."""
+    because = "the bound for any input sequence, of the largest value of its kind"
+    return Band(exact, (), DISTURBED, because, agreed=True)

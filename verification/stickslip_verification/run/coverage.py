@@ -1,0 +1,61 @@
+"""The table of what happened in the random sequences."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from stickslip_verification.judge.checks import Contract
+from stickslip_verification.judge.invariant_checks import blank
+from stickslip_verification.model.verdict import CheckResult, Table
+from stickslip_verification.suite.invariants import Manner
+from stickslip_verification.suite.sequences import (
+    CELLS,
+    COUNT,
+    DAMPINGS,
+    PHASES,
+    ROWS,
+    Cell,
+    RandomSequence,
+    Scope,
+    coverage,
+)
+
+
+def coverage_table(sequences: Sequence[RandomSequence], seed: int, scope: Scope) -> Table:
+    """Count how often what changed in which phase, at which damping."""
+    counts = coverage(sequences)
+    reasons: dict[str, int] = {}
+    for cell in CELLS:
+        reason = scope.hindrance(cell)
+        if reason is not None and not counts[cell]:
+            reasons[reason] = reasons.get(reason, 0) + 1
+    return Table(
+        title="Random sequences",
+        about=(
+            "How often what changed in which phase, at which damping from then on: "
+            f"{len(sequences)} sequences of seed {seed}."
+        ),
+        head=("what changes, and when", *DAMPINGS),
+        rows=[
+            [f"{row}, in {phase}", *(counts[Cell(row, phase, damping)] for damping in DAMPINGS)]
+            for row in ROWS
+            for phase in PHASES
+        ],
+        note=" ".join(f"{n} cells cannot be filled: {why}." for why, n in reasons.items()),
+    )
+
+
+def gaps(
+    sequences: Sequence[RandomSequence],
+    scope: Scope,
+    contract: Contract,
+    manners: Sequence[Manner],
+) -> Iterator[CheckResult]:
+    """Yield a failure of the suite where sequences that should fill the table leave cells empty."""
+    counts = coverage(sequences)
+    empty = [cell for cell in CELLS if not counts[cell] and scope.hindrance(cell) is None]
+    if len(sequences) >= COUNT and empty and manners:
+        cells = "; ".join(", ".join(cell) for cell in empty)
+        yield replace(
+            blank(manners[0], "", contract),
+            failure=f"the suite itself: its random sequences have no {cells}",
+        )

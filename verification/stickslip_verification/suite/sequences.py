@@ -1,0 +1,494 @@
+"""Random sequences: every change of inputs and parameters meets every phase, at every damping.
+
+A sequence is a case without checks of its own. It is drawn along its motion: of the changes that
+the next moments allow, the one that has happened least so far comes next. So a few hundred
+sequences fill the whole table of `coverage`, whatever the seed.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+from typing import NamedTuple
+
+from stickslip_verification import truth
+from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.experiment import CommunicationStep
+from stickslip_verification.suite.invariants import Manner
+from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
+
+SEED = 1
+"""The seed of the sequences that run by default."""
+
+COUNT = 320
+"""How many sequences run by default."""
+
+PLAIN = "plain"
+"""The manner that every sequence is run in."""
+
+STICK, FORWARD, BACKWARD = "stick", "forward slip", "backward slip"
+REVERSED = "slip after a reversal"
+PHASES = (STICK, FORWARD, BACKWARD, REVERSED)
+
+UNDAMPED, BELOW, CRITICAL, ABOVE = "c = 0", "below critical", "critical", "above critical"
+DAMPINGS = (UNDAMPED, BELOW, CRITICAL, ABOVE)
+
+CHANGES: Mapping[str, tuple[str, ...]] = {
+    "v": ("v",),
+    "v to 0": ("v",),
+    "load": ("load",),
+    "F_ext": ("F_ext",),
+    "F_ext to 0": ("F_ext",),
+    "load and F_ext that cancel": ("load", "F_ext"),
+    "v, load and F_ext": ("v", "load", "F_ext"),
+    "k": ("k",),
+    "c": ("c",),
+    "mu_s": ("mu_s",),
+    "mu_k": ("mu_k",),
+    "mu_s and mu_k": ("mu_s", "mu_k"),
+    "k, c, mu_s, mu_k and v": ("k", "c", "mu_s", "mu_k", "v"),
+    "the same values again": (),
+}
+"""Names of the changes, and what each of them sets."""
+
+_BALANCED = "load and F_ext that cancel"
+"""The change by which the force beyond friction stays what it was, in slip or at break-away."""
+
+_TO_ZERO = {"v to 0": "v", "F_ext to 0": "F_ext"}
+
+LOADED = "load and F_ext from the start"
+MOVING = "x_dot_start"
+ABOVE_ONE = "any change, mu_s above 1"
+UNPULLED = "any change, v = 0"
+_AT_START = {LOADED: frozenset({"load", "F_ext"}), MOVING: frozenset({"x_dot_start"})}
+ROWS = (*CHANGES, LOADED, MOVING, ABOVE_ONE, UNPULLED)
+"""What `coverage` counts, apart from phase and damping."""
+
+_SMALLEST_MARGIN = 1e-6
+"""A sequence that comes nearer to another course, relative, is drawn anew, so that a numerical
+solution decides each of them as the exact motion does: see `truth.Run.margin`."""
+
+_NEAREST = 0.02
+"""No change comes nearer to an event than this part of 1/w."""
+
+_HORIZON = 12.0
+"""How far the next change is looked for, in units of 1/w: two swings."""
+
+_FARTHEST = 60.0
+"""The same of a heavily damped slip, at most."""
+
+_SLOWEST, _QUICKEST = 20.0, 150.0
+"""Bounds of the angular frequency [rad/s], of the order of the default's 32."""
+
+_GRID = 16.0
+"""Angular frequencies are multiples of 1/16 and masses of 1/64, so that k = m w^2 and the critical
+c = 2 m w are doubles, and critical damping is met exactly."""
+
+
+class Cell(NamedTuple):
+    """A cell of the coverage: what happens, in which phase, and the damping from then on."""
+
+    row: str
+    phase: str
+    damping: str
+
+
+@dataclass(frozen=True)
+class RandomSequence:
+    """A random motion.
+
+    ``case`` is its setting, without checks; ``cells`` is what happens in it, once for each time.
+    """
+
+    case: Case
+    cells: tuple[Cell, ...]
+
+
+class _Span(NamedTuple):
+    """A phase of a motion from `start` to `stop` [s]."""
+
+    start: float
+    stop: float
+    phase: str
+
+
+class Scope(NamedTuple):
+    """What may be set: parameters and inputs at the start, and those that may change on the way."""
+
+    settable: frozenset[str]
+    changeable: frozenset[str]
+
+    def hindrance(self, cell: Cell) -> str | None:
+        """Return why a cell cannot be reached, or None if it can."""
+        needs = _AT_START.get(cell.row, frozenset()) - self.settable
+        needs |= frozenset(CHANGES.get(cell.row, ())) - self.changeable
+        if cell.damping != UNDAMPED:
+            needs |= {"c"} - self.settable
+        # Only a force turns a pulled mass round in every state.
+        if cell.phase in (BACKWARD, REVERSED) or cell.row == UNPULLED:
+            needs |= {"v", "F_ext"} - self.changeable
+        return f"it cannot set {', '.join(sorted(needs))}" if needs else None
+
+
+EVERYTHING = Scope(frozenset(START_VALUES), CHANGEABLE)
+"""The scope of an FMU with the whole interface."""
+
+CELLS = tuple(itertools.starmap(Cell, itertools.product(ROWS, PHASES, DAMPINGS)))
+
+
+def draw_sequences(
+    seed: int = SEED, count: int = COUNT, scope: Scope = EVERYTHING
+) -> list[RandomSequence]:
+    """Draw random sequences; the same seed gives the same.
+
+    From `COUNT` on, more than `count` are drawn where cells of the coverage are still empty, up to
+    half as many again.
+    """
+    counts: Counter[Cell] = Counter()
+    wanted = [cell for cell in CELLS if scope.hindrance(cell) is None]
+    drawn: list[RandomSequence] = []
+    for number in range(count + count // 2):
+        filled = count < COUNT or all(counts[cell] for cell in wanted)
+        if number >= count and filled:
+            break
+        sequence = _draw(seed, number, counts, scope)
+        counts.update(sequence.cells)
+        drawn.append(sequence)
+    return drawn
+
+
+def tried(
+    sequences: Sequence[RandomSequence], manners: Sequence[Manner]
+) -> list[tuple[Case, Manner]]:
+    """Return which sequence is run in which manner: each plainly, and in one of the others."""
+    plain = [manner for manner in manners if manner.manner == PLAIN]
+    others = [manner for manner in manners if manner.manner != PLAIN]
+    pairs = [(each.case, manner) for manner in plain for each in sequences]
+    if others:
+        turns = itertools.cycle(others)
+        pairs += [(each.case, manner) for each, manner in zip(sequences, turns, strict=False)]
+    return pairs
+
+
+def coverage(sequences: Iterable[RandomSequence]) -> Counter[Cell]:
+    """Count how often each cell occurs in sequences."""
+    return Counter(cell for sequence in sequences for cell in sequence.cells)
+
+
+def _draw(
+    seed: int,
+    number: int,
+    counts: Mapping[Cell, int],
+    scope: Scope,
+) -> RandomSequence:
+    for attempt in itertools.count():
+        draw = Random(f"sequence {number} of {seed}, attempt {attempt}")
+        plan = _Plan(draw, counts, scope)
+        for _ in range(draw.randint(4, 7)):
+            plan.add_change()
+        course = plan.finish()
+        if course.margin >= _SMALLEST_MARGIN and not _crept_out(course):
+            break
+    case = Case(
+        id=f"sequence-{number:03d}",
+        title=f"Random sequence {number} of seed {seed}",
+        about="Inputs and parameters change at random moments of every phase.",
+        parameters=plan.parameters,
+        steps=tuple(plan.steps),
+        checks=(),
+        file=Path(__file__),
+    )
+    return RandomSequence(case, tuple(plan.cells(course)))
+
+
+class _Plan:
+    """A sequence that grows, change by change."""
+
+    def __init__(
+        self,
+        draw: Random,
+        counts: Mapping[Cell, int],
+        scope: Scope,
+    ) -> None:
+        self._draw = draw
+        self._counts = Counter(counts)
+        self._scope = scope
+        drawn = self._start()
+        self._values = {
+            name: drawn.get(name, start) if name in scope.settable else start
+            for name, start in START_VALUES.items()
+        }
+        self._m = self._values["m"]
+        self.parameters = dict(self._values)
+        self.steps: list[CommunicationStep] = []
+        self._pending: dict[str, float] = {}
+        self._made: list[tuple[float, str]] = []
+        self._now = 0.0
+        if draw.random() < 0.3:
+            self._set_late()
+
+    def add_change(self) -> None:
+        """Add the change that has happened least, of those that the next moments allow."""
+        cells = {
+            Cell(kind, span.phase, damping): span
+            for span in self._spans()
+            for kind, names in CHANGES.items()
+            if self._scope.changeable.issuperset(names)
+            if kind not in _TO_ZERO or self._values[_TO_ZERO[kind]] != 0.0
+            for damping in self._dampings(names)
+        }
+        if not cells:
+            return
+        cell = min(cells, key=lambda cell: (self._counts[cell], self._draw.random()))
+        self._counts[cell] += 1
+        kind, phase, damping = cell
+        self._advance(cells[cell])
+        self._made.append((self._now, kind))
+        self._pending = self._changed(kind, phase, damping)
+        self._values |= self._pending
+
+    def finish(self) -> truth.Run:
+        """Let the last change act, and return the course of the whole in doubles."""
+        spans = self._spans()
+        if spans:
+            self._advance(self._draw.choice(spans))
+        return self._course(self.steps)
+
+    def cells(self, course: truth.Run) -> Iterator[Cell]:
+        """Yield what happens in the sequence."""
+        spans = list(_spans(course))
+        values = dict(self.parameters)
+        first = self._made[0][0] if self._made else self._now
+        start = values | dict(self.steps[0].changes)
+        for row, there in (
+            (LOADED, start["load"] != 0.0 and start["F_ext"] != 0.0),
+            (MOVING, start["x_dot_start"] != 0.0),
+        ):
+            if there:
+                for span in spans:
+                    if span.start < first:
+                        yield Cell(row, span.phase, _damping(start))
+        now, made = 0.0, dict(self._made)
+        for step in self.steps:
+            values |= step.changes
+            # The moments of changes are sums of the same steps.
+            if now in made:
+                phase = next(s.phase for s in reversed(spans) if s.start < now)
+                rows = [made[now]]
+                rows += [ABOVE_ONE] if values["mu_s"] > 1.0 else []
+                rows += [UNPULLED] if values["v"] == 0.0 else []
+                for row in rows:
+                    yield Cell(row, phase, _damping(values))
+            now += step.h
+
+    def _start(self) -> dict[str, float]:
+        draw = self._draw
+        m = draw.randint(8, 640) / 64.0
+        w = _on_grid(draw.uniform(_SLOWEST, _QUICKEST))
+        g = draw.choice((9.81, _on_grid(draw.uniform(1.0, 20.0)), draw.uniform(1.0, 20.0)))
+        mu_s = (
+            _log_uniform(draw, 1.05, 2.0) if draw.random() < 0.3 else _log_uniform(draw, 0.1, 1.0)
+        )
+        mu_k = mu_s * (1.0 - _log_uniform(draw, 0.05, 1.0))
+        if draw.random() < 0.5:
+            mu_s = _on_grid(mu_s, 64.0)
+            mu_k = min(_on_grid(mu_k, 64.0), mu_s - 1.0 / 64.0)
+        values = {"m": m, "k": m * w * w, "g": g, "mu_s": mu_s, "mu_k": mu_k}
+        values["c"] = self._damper(m, w, draw.choice(DAMPINGS))
+        weight = m * g
+        if draw.random() < 0.6:
+            values["load"] = _on_grid(weight * draw.uniform(-0.5, 1.0), 1024.0)
+            values["F_ext"] = _on_grid(mu_s * weight * draw.uniform(-0.6, 0.6), 1024.0)
+        N = weight + values.get("load", 0.0)
+        self._speed = (mu_s - mu_k) * N / (m * w * _log_uniform(draw, 0.1, 5.0))
+        values["v"] = self._speed * draw.choice((1.0, 1.0, -1.0))
+        force = mu_s * N * draw.choice((draw.uniform(-1.2, 1.2), draw.uniform(0.6, 0.99)))
+        values["z_start"] = (force - values.get("F_ext", 0.0)) / values["k"]
+        values["x_start"] = draw.choice(
+            (0.0, draw.uniform(-1.0, 1.0) * mu_s * weight / values["k"])
+        )
+        if draw.random() < 0.35:
+            values["x_dot_start"] = draw.choice((1.0, -1.0)) * self._speed * draw.uniform(0.3, 4.0)
+        return values
+
+    def _set_late(self) -> None:
+        """Start with other values, set the wanted ones between initialization and first step."""
+        weight = self._m * self._values["g"]
+        late = {
+            "v": -2.0 * self._values["v"],
+            "load": self._values["load"] + weight * self._draw.uniform(-0.3, 1.0),
+            "F_ext": self._values["mu_s"] * weight * self._draw.uniform(-2.0, 2.0),
+            "c": self._values["c"] + self._m,
+        }
+        for name, value in late.items():
+            if name in self._scope.settable & self._scope.changeable:
+                self._pending[name] = self._values[name]
+                self.parameters[name] = value
+
+    def _advance(self, span: _Span) -> None:
+        """Go on to a moment within a span, in one step or in a few, under the pending changes."""
+        draw = self._draw
+        edge = _NEAREST / self._w
+        moment = draw.uniform(max(span.start, self._now) + edge, span.stop - edge)
+        cuts = sorted(draw.uniform(self._now, moment) for _ in range(draw.choice((0, 0, 1, 3))))
+        for end in (*cuts, moment):
+            h = end - self._now
+            if h <= 0.0:
+                continue
+            self.steps.append(CommunicationStep(h, self._pending))
+            self._pending = {}
+            self._now += h
+
+    def _spans(self) -> list[_Span]:
+        """Return the phases of the next moments that are long enough for a change."""
+        # A heavily damped slip is slow: c/k is its time.
+        slow = self._values["c"] * self._w / self._values["k"]
+        ahead = min(_HORIZON * max(1.0, slow), _FARTHEST) / self._w
+        course = self._course([*self.steps, CommunicationStep(ahead, self._pending)])
+        shortest = 3.0 * _NEAREST / self._w
+        spans = (span._replace(start=max(span.start, self._now)) for span in _spans(course))
+        return [span for span in spans if span.stop - span.start > shortest]
+
+    def _course(self, steps: Sequence[CommunicationStep]) -> truth.Run:
+        return truth.run(
+            self.parameters, [truth.Step(s.h, dict(s.changes)) for s in steps], digits=None
+        )
+
+    @property
+    def _w(self) -> float:
+        return math.sqrt(self._values["k"] / self._m)
+
+    def _dampings(self, names: Collection[str]) -> Iterable[str]:
+        """Return the dampings that a change of these can bring about."""
+        if "c" in names:
+            return DAMPINGS
+        if names == ("k",) and self._values["c"] > 0.0:
+            return [each for each in DAMPINGS[1:] if self._frequencies(each) is not None]
+        return (_damping(self._values),)
+
+    def _changed(self, kind: str, phase: str, damping: str) -> dict[str, float]:
+        """Draw the values of a change."""
+        draw, values, names = self._draw, self._values, CHANGES[kind]
+        if not names:
+            return {name: values[name] for name in sorted(CHANGEABLE & self._scope.changeable)}
+        weight = self._m * values["g"]
+        new: dict[str, float] = {}
+        if "v" in names:
+            size = draw.choice((1.0, 1.0, -1.0)) * draw.uniform(0.3, 4.0)
+            new["v"] = self._about("v", self._speed * size, self._speed)
+        if "load" in names:
+            new["load"] = self._about("load", weight * draw.uniform(-0.7, 1.5), weight)
+        if "F_ext" in names:
+            force = values["mu_s"] * (weight + new.get("load", values["load"]))
+            new["F_ext"] = self._about("F_ext", force * draw.uniform(-2.5, 2.5), force)
+        if "k" in names:
+            bounds = self._frequencies(UNDAMPED if "c" in names else damping)
+            assert bounds is not None
+            w = _on_grid(draw.uniform(*bounds))
+            new["k"] = self._m * w * w
+        if "c" in names:
+            w = math.sqrt(new.get("k", values["k"]) / self._m)
+            new["c"] = self._damper(self._m, w, damping)
+        if kind == _BALANCED:
+            # Exact in doubles where all values are on a grid, as now and then they are.
+            coefficient = values["mu_s" if phase == STICK else "mu_k"]
+            way = -1.0 if phase == BACKWARD else 1.0
+            more = _on_grid(weight * draw.uniform(0.1, 1.0))
+            new = {
+                "load": values["load"] + more,
+                "F_ext": values["F_ext"] + way * coefficient * more,
+            }
+        if kind in _TO_ZERO:
+            new[_TO_ZERO[kind]] = 0.0
+        gap = _log_uniform(draw, 0.05, 0.8)
+        if "mu_s" in names:
+            above = min(values["mu_k"] / (1.0 - gap), 2.5)
+            new["mu_s"] = max(above, 1.02 * values["mu_k"], 0.05)
+        if "mu_k" in names:
+            new["mu_k"] = new.get("mu_s", values["mu_s"]) * (1.0 - gap)
+        return new
+
+    def _about(self, name: str, drawn: float, scale: float) -> float:
+        """Return a drawn value, now and then one next to the present one, its opposite, or 0."""
+        draw, present = self._draw, self._values[name]
+        way = draw.random()
+        if way < 0.2:
+            return present + draw.choice((-1.0, 1.0)) * scale * _log_uniform(draw, 1e-6, 1e-2)
+        if way < 0.35:
+            return -present if name != "load" else abs(present)
+        return 0.0 if way < 0.45 and name != "v" else drawn
+
+    def _damper(self, m: float, w: float, damping: str) -> float:
+        """Draw the coefficient c [N.s/m] of a damping."""
+        ratio = {
+            UNDAMPED: 0.0,
+            BELOW: _log_uniform(self._draw, 3e-4, 0.9),
+            CRITICAL: 1.0,
+            ABOVE: _log_uniform(self._draw, 1.1, 60.0),
+        }[damping]
+        if damping in (BELOW, ABOVE) and self._draw.random() < 0.2:
+            off = _log_uniform(self._draw, 1e-6, 1e-2)
+            return 2.0 * m * w * (1.0 + off if damping == ABOVE else 1.0 - off)
+        return 2.0 * m * _on_grid(ratio * w)
+
+    def _frequencies(self, damping: str) -> tuple[float, float] | None:
+        """Return the bounds of the angular frequency [rad/s] at which c gives a damping.
+
+        None where it would be too slow or too quick.
+        """
+        critical = self._values["c"] / (2.0 * self._m)
+        lowest, highest = {
+            UNDAMPED: (_SLOWEST, _QUICKEST),
+            BELOW: (1.05 * critical, 10.0 * critical),
+            CRITICAL: (critical, critical),
+            ABOVE: (0.4 * critical, 0.95 * critical),
+        }[damping]
+        lowest, highest = max(lowest, _SLOWEST), min(highest, _QUICKEST)
+        return (lowest, highest) if lowest <= highest else None
+
+
+def _spans(course: truth.Run) -> Iterator[_Span]:
+    """Yield the phases of a course."""
+    stop = float(course.times[-1])
+    events = course.events
+    began_at_rest = not events or events[0].kind == "break-away"
+    mode = course.samples[0]["mode"] if not events else course.initial["mode"]
+    phase = STICK if began_at_rest and (events or not mode) else _slip(mode)
+    start = 0.0
+    for event in events:
+        if event.time > start:
+            yield _Span(start, float(event.time), phase)
+        start = float(event.time)
+        phase = {"re-stick": STICK, "reversal": REVERSED}.get(event.kind, _slip(event.mode))
+    yield _Span(start, stop, phase)
+
+
+def _crept_out(course: truth.Run) -> bool:
+    """Whether a slip has become so slow that only rounding decides when it ends."""
+    fastest = max(abs(sample["x_dot"]) for sample in course.samples)
+    slowest = _SMALLEST_MARGIN * fastest
+    return any(sample["mode"] and abs(sample["x_dot"]) < slowest for sample in course.samples)
+
+
+def _slip(mode: int) -> str:
+    return FORWARD if mode > 0 else BACKWARD
+
+
+def _damping(values: Mapping[str, float]) -> str:
+    if values["c"] == 0.0:
+        return UNDAMPED
+    excess = values["c"] * values["c"] - 4.0 * values["k"] * values["m"]
+    return CRITICAL if excess == 0.0 else ABOVE if excess > 0.0 else BELOW
+
+
+def _on_grid(value: float, grid: float = _GRID) -> float:
+    return math.ceil(value * grid) / grid
+
+
+def _log_uniform(draw: Random, lowest: float, highest: float) -> float:
+    return math.exp(draw.uniform(math.log(lowest), math.log(highest)))
