@@ -62,7 +62,8 @@ def test_its_faulty_twin_fails(maker: str, faults: dict[str, str], tmp_path: Pat
     """A fault that no case of one step shows is found by what is tried besides the cases."""
     fmu = makers.make(maker, tmp_path, faults[maker])
     names = makers.names_of(maker)
-    verdict = verify(fmu, [named("one-step")], names=names, sequences=SOME, jobs=1)
+    tried = [named("one-step")]
+    verdict = verify(fmu, tried, names=names, sequences=SOME, time_limit=10.0, jobs=1)
     failed = {each.check for each in verdict.checks if each.failed and each.case != "one-step"}
     assert failed
     assert not verdict.passed
