@@ -1,0 +1,144 @@
+/* The seam of friction laws: the questions of the block, and what an answer must keep.
+ *
+ * An implementer
+ *
+ * 1. adds the data of its friction and of its arcs to the unions below, its tags to `enum arc_tag`
+ *    and their functions to the table in arcs.c;
+ * 2. defines LAW in a file of its own; the law of an FMU is the one that is linked;
+ * 3. may use sticking.h, where the mass sticks, breaks away at a force and comes to rest.
+ *
+ * It may assume that settings are constant along an arc, that arcs are passed in the order of time,
+ * that an arc is asked up to its duration and not beyond, and that each value is within its bounds.
+ * It leaves alone the meter, the sums of displacement, work and heat, and the faces. Nothing here
+ * points to anything: a block is copied as it is. */
+#ifndef STICKSLIP_LAW_H
+#define STICKSLIP_LAW_H
+
+#include "oscillator.h"
+#include "refusal.h"
+#include "table.h"
+
+#include <stdbool.h>
+
+/* How many numbers the own state of a friction law may have. */
+enum { MOST_OWN = 4 };
+
+/* The motion at a time along an arc. */
+struct motion {
+    double growth;       /* of the spring since the start of the arc [m] */
+    double x_dot;        /* velocity of the mass [m/s] */
+    double displacement; /* of the mass since the start of the arc [m] */
+    double friction;     /* on the mass, with its viscous part [N]; not set in `balance` */
+    bool balance;        /* friction balances spring and external force: at rest */
+};
+
+/* Where an arc starts. With the settings it determines the arc. */
+struct start {
+    int mode;      /* -1 slips backward, 0 sticks, +1 slips forward */
+    bool known;    /* whether `force` is given */
+    double z;      /* spring extension [m] */
+    double x_dot;  /* velocity of the mass [m/s] */
+    double force;  /* what the law knows better than as a difference of large forces [N] */
+    double age;    /* time at rest before [s], 0 in a slip */
+    double own[MOST_OWN]; /* state of the law itself, 0 beyond the law's count */
+};
+
+enum arc_tag { STICK, COULOMB_SLIP, ARC_TAGS };
+
+/* A load-up to a constant break-away force: sticking.c. */
+struct stick {
+    double k, v;
+    double way; /* what the force lacks of F_s in the direction of the pull [N], if way_known */
+    double z_end;
+    bool way_known;
+};
+
+/* A slip under constant kinetic friction: coulomb_slip.c. */
+struct coulomb_slip {
+    struct oscillator oscillator;
+    double v, kinetic, net;
+    double z_dot, push, acceleration, reach, swing, fade, peak_time;
+    bool from_rest;
+};
+
+/* The motion from one event or change of settings to the next event. */
+struct arc {
+    enum arc_tag tag;
+    int mode;           /* -1 slips backward, 0 sticks, +1 slips forward */
+    double duration;    /* [s], infinity where the arc has no end */
+    double z_start;     /* spring extension at the start [m] */
+    double x_dot_start; /* velocity of the mass at the start [m/s] */
+    double age;         /* time at rest at the start [s], 0 in a slip */
+    union {
+        struct stick stick;
+        struct coulomb_slip coulomb;
+    } of;
+};
+
+/* The functions of arcs of one tag. tau is the time since the start of the arc [s]. */
+struct arc_functions {
+    void (*start)(const struct arc *arc, struct start *start);
+    struct motion (*state)(const struct arc *arc, double tau);
+    struct motion (*end)(const struct arc *arc); /* with what is known there exactly */
+    double (*pull_work)(const struct arc *arc, double tau); /* [J] */
+    double (*heat)(const struct arc *arc, double tau, double displacement); /* [J] */
+    double (*extreme_velocity)(const struct arc *arc, double tau); /* of slips [m/s] */
+    void (*own)(const struct arc *arc, double tau, double own[MOST_OWN]);
+};
+
+extern const struct arc_functions *const ARCS[ARC_TAGS];
+
+/* Coulomb's law under given settings: coulomb.c. */
+struct coulomb {
+    struct oscillator oscillator;
+    double mu_k_used; /* kinetic coefficient after the clamp */
+};
+
+/* A friction law under given settings. */
+struct friction {
+    struct settings settings;
+    double F_s;     /* break-away force of a stick that has just begun [N] */
+    double kinetic; /* kinetic friction at standstill [N] */
+    double gap;     /* F_s - kinetic, known better than as a difference [N] */
+    bool varies;    /* whether break-away force or own state change along an arc */
+    union {
+        struct coulomb coulomb;
+    } of;
+};
+
+struct law {
+    int own_count; /* numbers of the law's own state */
+
+    /* Put settings in force; `before` is what held until now, or NULL. */
+    enum refusal (*under)(struct friction *made, const struct settings *settings,
+                          const struct friction *before);
+    /* Break-away force of a stick of this age [N]. */
+    double (*hold)(const struct friction *it, double age);
+    /* The arc that begins where the mass stands; mode 0 for a mass at rest. */
+    void (*begin)(const struct friction *it, int mode, double z, double x_dot, double age,
+                  const double own[MOST_OWN], struct arc *begun);
+    /* The arc that follows the end of `ended`, at spring extension z [m]. */
+    void (*after)(const struct friction *it, const struct arc *ended, double z,
+                  struct arc *following);
+    /* The arc that starts so: the same bits as the arc that `start` was read from. */
+    void (*arc)(const struct friction *it, const struct start *start, struct arc *made);
+    /* The slip that starts so under the net force without damping [N]; asked by sticking.c. */
+    void (*slip)(const struct friction *it, int mode, double z, double x_dot, double net,
+                 struct arc *made);
+    /* What the force lacks of F_s at the end of a slip [N]; asked by sticking.c. */
+    double (*way_to_break_away)(const struct friction *it, const struct arc *ended);
+    /* Whether both have the same equation of slip. */
+    bool (*same_slip)(const struct friction *one, const struct friction *other);
+    /* Whether the settings are taken, but not as they were given. */
+    bool (*warns)(const struct settings *settings);
+    /* An output of the law by its value reference. */
+    double (*output)(const struct friction *it, enum reference reference);
+};
+
+/* The law that is linked. */
+extern const struct law LAW;
+
+/* m g + load [N]; LIFTED_OFF where the load would lift the mass. */
+enum refusal normal_force(const struct settings *settings, double *normal);
+
+#endif
