@@ -18,6 +18,7 @@
 #include "table.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 /* What one step may hold: above it the caller would wait for minutes, so the step is refused. */
 enum { MOST_TRANSITIONS = 1 << 24 };
@@ -47,6 +48,9 @@ struct block_state {
     struct meter meter;
     bool started, changed;
 };
+
+/* Bytes of a block, for callers in another language. */
+size_t block_size(void);
 
 /* Begin with these settings; until the first transition t_event shows the start time [s]. */
 enum refusal block_start(struct block *block, const struct settings *settings, double start_time);

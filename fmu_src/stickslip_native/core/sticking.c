@@ -1,0 +1,147 @@
+#include "sticking.h"
+
+#include <math.h>
+
+/* The rest test forgives rounding: 8 units in the last place of the forces it compares. */
+static const double SLACK = 8.0 * 2.220446049250313e-16;
+
+int direction_from_rest(double spring, double external, double break_away)
+{
+    const double force = spring + external;
+    const double slack = SLACK * (fabs(spring) + fabs(external) + break_away);
+    if (fabs(force) <= break_away + slack) return 0;
+    return force > 0.0 ? 1 : -1;
+}
+
+/* The stick from spring extension z [m]; `way` is what the force still lacks of F_s in the direction
+ * of the pull [N], NULL where it is not known better than as a difference. */
+static void stick_make(const struct friction *it, double z, const double *way, double age,
+                       struct arc *made)
+{
+    const struct settings *settings = &it->settings;
+    const double k = settings->k, v = settings->v;
+    struct stick stick = {.k = k, .v = v, .z_end = z};
+    double duration = INFINITY;
+    if (way != NULL) {
+        stick.way = *way;
+        stick.way_known = true;
+    }
+    if (v != 0.0) {
+        stick.z_end = (copysign(it->F_s, v) - settings->F_ext) / k;
+        const double growth = way == NULL ? stick.z_end - z : copysign(1.0, v) * *way / k;
+        /* A rest that rounding put beyond the threshold breaks away at once. */
+        duration = growth / v;
+        if (duration < 0.0) duration = 0.0;
+    }
+    *made = (struct arc){
+        .tag = STICK, .duration = duration, .z_start = z, .age = age, .of.stick = stick};
+}
+
+static void stick_start(const struct arc *arc, struct start *start)
+{
+    const struct stick *stick = &arc->of.stick;
+    *start = (struct start){
+        .known = stick->way_known, .z = arc->z_start, .force = stick->way, .age = arc->age};
+}
+
+static struct motion stick_state(const struct arc *arc, double tau)
+{
+    return (struct motion){.growth = arc->of.stick.v * tau, .balance = true};
+}
+
+static struct motion stick_end(const struct arc *arc)
+{
+    return (struct motion){.growth = arc->of.stick.z_end - arc->z_start, .balance = true};
+}
+
+/* docs/theory.md (15) */
+static double stick_pull_work(const struct arc *arc, double tau)
+{
+    const double k = arc->of.stick.k, v = arc->of.stick.v;
+    return k * (v * tau) * (arc->z_start + 0.5 * v * tau);
+}
+
+static double stick_heat(const struct arc *arc, double tau, double displacement)
+{
+    (void)arc, (void)tau, (void)displacement;
+    return 0.0;
+}
+
+static double stick_extreme_velocity(const struct arc *arc, double tau)
+{
+    (void)arc, (void)tau;
+    return 0.0;
+}
+
+static void stick_own(const struct arc *arc, double tau, double own[MOST_OWN])
+{
+    (void)arc, (void)tau;
+    for (int n = 0; n < MOST_OWN; n++) own[n] = 0.0;
+}
+
+const struct arc_functions STICK_FUNCTIONS = {
+    .start = stick_start,
+    .state = stick_state,
+    .end = stick_end,
+    .pull_work = stick_pull_work,
+    .heat = stick_heat,
+    .extreme_velocity = stick_extreme_velocity,
+    .own = stick_own,
+};
+
+/* The slip from any state. */
+static void slip_from(const struct friction *it, int mode, double z, double x_dot,
+                      struct arc *made)
+{
+    const double net = it->settings.k * z + it->settings.F_ext - mode * it->kinetic;
+    LAW.slip(it, mode, z, x_dot, net, made);
+}
+
+double sticking_hold(const struct friction *it, double age)
+{
+    (void)age;
+    return it->F_s;
+}
+
+void sticking_begin(const struct friction *it, int mode, double z, double x_dot, double age,
+                    const double own[MOST_OWN], struct arc *begun)
+{
+    (void)own;
+    if (mode != 0) {
+        slip_from(it, mode, z, x_dot, begun);
+        return;
+    }
+    mode = direction_from_rest(it->settings.k * z, it->settings.F_ext, LAW.hold(it, age));
+    if (mode == 0)
+        stick_make(it, z, NULL, age, begun);
+    else
+        slip_from(it, mode, z, 0.0, begun);
+}
+
+void sticking_after(const struct friction *it, const struct arc *ended, double z,
+                    struct arc *following)
+{
+    if (ended->tag == STICK) {
+        const int mode = ended->of.stick.v > 0.0 ? 1 : -1;
+        LAW.slip(it, mode, ended->of.stick.z_end, 0.0, mode * it->gap, following);
+        return;
+    }
+    const struct settings *settings = &it->settings;
+    const int mode = ended->mode;
+    if (direction_from_rest(settings->k * z, settings->F_ext, it->F_s) == -mode) {
+        slip_from(it, -mode, z, 0.0, following);
+    } else if (mode * settings->v > 0.0) {
+        const double way = LAW.way_to_break_away(it, ended);
+        stick_make(it, z, &way, 0.0, following);
+    } else {
+        stick_make(it, z, NULL, 0.0, following);
+    }
+}
+
+void sticking_arc(const struct friction *it, const struct start *start, struct arc *made)
+{
+    if (start->mode == 0 || !start->known)
+        stick_make(it, start->z, start->known ? &start->force : NULL, start->age, made);
+    else
+        LAW.slip(it, start->mode, start->z, start->x_dot, start->force, made);
+}

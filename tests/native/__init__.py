@@ -1,0 +1,1 @@
+"""The native block and its FMU."""
