@@ -225,7 +225,7 @@ bool bytes_read(const unsigned char *bytes, size_t size, struct situation *made,
     }
     stream.at = expected - HASH_SIZE;
     if (number(&stream, 0, HASH_SIZE) != hash_of(bytes, expected - HASH_SIZE)) {
-        snprintf(reason, MESSAGE_SIZE, "the bytes of the state were changed: their checksum differs");
+        snprintf(reason, MESSAGE_SIZE, "the bytes of the state were changed: the checksum differs");
         return false;
     }
     stream.at = sizeof MAGIC;

@@ -1,4 +1,4 @@
-/* Visibility of the FMI functions: they and no other function are exported from the library. */
+/* Macros of the FMI functions: they and no other function are exported from the library. */
 #ifndef STICKSLIP_EXPORT_H
 #define STICKSLIP_EXPORT_H
 
@@ -8,6 +8,13 @@
 #define STICKSLIP_EXPORT __attribute__((visibility("default")))
 #else
 #define STICKSLIP_EXPORT
+#endif
+
+/* Behind a parameter that is there because FMI has it. */
+#if defined __GNUC__
+#define IGNORED __attribute__((unused))
+#else
+#define IGNORED
 #endif
 
 /* A name behind a prefix that is a macro itself. */

@@ -59,15 +59,13 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetDebugLogging)(fmi2Component c, fmi2Boole
 /* Instances. */
 
 STICKSLIP_EXPORT fmi2Component FMI2(fmi2Instantiate)(fmi2String name, fmi2Type type,
-                                                     fmi2String guid, fmi2String resources,
+                                                     fmi2String guid, fmi2String resources IGNORED,
                                                      const fmi2CallbackFunctions *callbacks,
-                                                     fmi2Boolean visible, fmi2Boolean logging_on)
+                                                     fmi2Boolean visible IGNORED,
+                                                     fmi2Boolean logging_on IGNORED)
 {
     static const fmi2CallbackFunctions NONE = {NULL, NULL, NULL, NULL, NULL};
     if (callbacks == NULL) callbacks = &NONE;
-    (void)resources;
-    (void)visible;
-    (void)logging_on;
     struct instance *made =
         instance_make(&FMI2_VERSION, "fmi2Instantiate", name, STICKSLIP_IDENTITY, guid,
                       (void (*)(void))callbacks->logger, callbacks->componentEnvironment);
@@ -87,15 +85,12 @@ STICKSLIP_EXPORT void FMI2(fmi2FreeInstance)(fmi2Component c)
 /* Phases. */
 
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetupExperiment)(fmi2Component c,
-                                                      fmi2Boolean tolerance_defined,
-                                                      fmi2Real tolerance, fmi2Real start_time,
-                                                      fmi2Boolean stop_time_defined,
-                                                      fmi2Real stop_time)
+                                                      fmi2Boolean tolerance_defined IGNORED,
+                                                      fmi2Real tolerance IGNORED,
+                                                      fmi2Real start_time,
+                                                      fmi2Boolean stop_time_defined IGNORED,
+                                                      fmi2Real stop_time IGNORED)
 {
-    (void)tolerance_defined;
-    (void)tolerance;
-    (void)stop_time_defined;
-    (void)stop_time;
     return status_of(instance_set_start(c, start_time));
 }
 
@@ -120,9 +115,8 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2Reset)(fmi2Component c)
 }
 
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real step,
-                                             fmi2Boolean no_earlier_state)
+                                             fmi2Boolean no_earlier_state IGNORED)
 {
-    (void)no_earlier_state;
     return status_of(instance_step(c, time, step, false));
 }
 
@@ -260,38 +254,24 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2DeSerializeFMUstate)(fmi2Component c, const
 /* Calls that the FMU does not offer. */
 
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetDirectionalDerivative)(
-    fmi2Component c, const fmi2ValueReference unknowns[], size_t unknown_count,
-    const fmi2ValueReference knowns[], size_t known_count, const fmi2Real seed[],
-    fmi2Real sensitivity[])
+    fmi2Component c, const fmi2ValueReference unknowns[] IGNORED, size_t unknown_count IGNORED,
+    const fmi2ValueReference knowns[] IGNORED, size_t known_count IGNORED,
+    const fmi2Real seed[] IGNORED, fmi2Real sensitivity[] IGNORED)
 {
-    (void)unknowns;
-    (void)unknown_count;
-    (void)knowns;
-    (void)known_count;
-    (void)seed;
-    (void)sensitivity;
     return status_of(instance_unsupported(c, "fmi2GetDirectionalDerivative"));
 }
 
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetRealInputDerivatives)(
-    fmi2Component c, const fmi2ValueReference references[], size_t count,
-    const fmi2Integer orders[], const fmi2Real values[])
+    fmi2Component c, const fmi2ValueReference references[] IGNORED, size_t count IGNORED,
+    const fmi2Integer orders[] IGNORED, const fmi2Real values[] IGNORED)
 {
-    (void)references;
-    (void)count;
-    (void)orders;
-    (void)values;
     return status_of(instance_unsupported(c, "fmi2SetRealInputDerivatives"));
 }
 
 STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetRealOutputDerivatives)(
-    fmi2Component c, const fmi2ValueReference references[], size_t count,
-    const fmi2Integer orders[], fmi2Real values[])
+    fmi2Component c, const fmi2ValueReference references[] IGNORED, size_t count IGNORED,
+    const fmi2Integer orders[] IGNORED, fmi2Real values[] IGNORED)
 {
-    (void)references;
-    (void)count;
-    (void)orders;
-    (void)values;
     return status_of(instance_unsupported(c, "fmi2GetRealOutputDerivatives"));
 }
 
@@ -303,11 +283,9 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2CancelStep)(fmi2Component c)
 /* Status of the last step: no step is ever pending, and none ends the simulation. These calls do
  * not depend on the motion. */
 
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetStatus)(fmi2Component c, const fmi2StatusKind kind,
-                                                fmi2Status *value)
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetStatus)(fmi2Component c, const fmi2StatusKind kind IGNORED,
+                                                fmi2Status *value IGNORED)
 {
-    (void)kind;
-    (void)value;
     return c == NULL ? fmi2Error : fmi2Discard;
 }
 
@@ -322,11 +300,10 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetRealStatus)(fmi2Component c, const fmi2S
     return fmi2OK;
 }
 
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetIntegerStatus)(fmi2Component c, const fmi2StatusKind kind,
-                                                       fmi2Integer *value)
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetIntegerStatus)(fmi2Component c,
+                                                       const fmi2StatusKind kind IGNORED,
+                                                       fmi2Integer *value IGNORED)
 {
-    (void)kind;
-    (void)value;
     return c == NULL ? fmi2Error : fmi2Discard;
 }
 
@@ -341,10 +318,9 @@ STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetBooleanStatus)(fmi2Component c, const fm
     return fmi2OK;
 }
 
-STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetStringStatus)(fmi2Component c, const fmi2StatusKind kind,
-                                                      fmi2String *value)
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetStringStatus)(fmi2Component c,
+                                                       const fmi2StatusKind kind IGNORED,
+                                                      fmi2String *value IGNORED)
 {
-    (void)kind;
-    (void)value;
     return c == NULL ? fmi2Error : fmi2Discard;
 }
