@@ -139,7 +139,8 @@ def measure_native() -> list[Measurement]:
             f"native: {what}",
             "call",
             ours.seconds,
-            empty.seconds,
+            # An empty step is as short as it is.
+            None if kind == "step_of_1e6_s" else empty.seconds,
             f"empty slave in C; growth {ours.growth} kB",
             at_most=limit,
         )

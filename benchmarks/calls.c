@@ -174,6 +174,8 @@ int main(int count, char **arguments)
         fprintf(stderr, "no instance\n");
         return 2;
     }
+    /* The first look at the memory takes some. */
+    resident_kB();
     measure("step", step, 0.0, CALLS, GROWTH);
     measure("step_and_motion", step_and_motion, 0.0, CALLS, GROWTH);
     measure("step_and_energies", step_and_energies, 5.0, CALLS, GROWTH);
