@@ -49,7 +49,7 @@ def test_exactly_the_names_of_fmi_are_exported(either_native: Path, tmp_path: Pa
     """No function of the block is visible, and none of the standard is missing."""
     library = library_of(either_native, tmp_path)
     exported = output_of("nm", "-D", "--defined-only", library).split()[2::3]
-    face = 3 if "fmi3" in native.name else 2
+    face = 3 if "fmi3" in either_native.name else 2
     assert set(exported) == standard_names(face)
     assert len(exported) == len(set(exported)) > 30
 

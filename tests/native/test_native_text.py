@@ -55,7 +55,8 @@ def _compiled(folder: Path, comma: bool = False) -> Text:
     here = Path(stickslip_native.__file__).parent
     for name, text in table_files(SPEC).items():
         (folder / name).write_text(text)
-    compile_ = ["cc", *FLAGS, "-fvisibility=default", f"-I{here / 'core'}", f"-I{folder}"]
+    folders = (here / "core", here / "laws" / "coulomb", folder)
+    compile_ = ["cc", *FLAGS, "-fvisibility=default", *(f"-I{each}" for each in folders)]
     renamed = ["-Dsnprintf=comma_snprintf", "-Dstrtod=comma_strtod"] if comma else []
     words = [*compile_, *renamed, "-c", here / "face" / "text.c", "-o", folder / "text.o"]
     subprocess.run(words, check=True)
