@@ -31,6 +31,12 @@ is linked to it cannot run where it is hidden."""
 TSC = ("npx", "--yes", "--package", "typescript@6.0.3", "--", "tsc")
 """The command of TypeScript's compiler: its version is said here alone, npm gets and keeps it."""
 
+ARM_LIBRARIES = "/usr/aarch64-linux-gnu"
+"""Folder with the C library of Linux ARM64: Debian's package libc6-arm64-cross."""
+
+WINE = "/usr/lib/wine/wine64"
+"""Wine for 64-bit programs: Debian has it off the PATH."""
+
 _LIMIT = 120.0
 """Seconds after which a trial counts as hung; the longest takes two."""
 
@@ -163,6 +169,31 @@ def _zig() -> None:
         raise LackingError(cause, "pip install '.[native]'")
 
 
+def _starts(packages: str, *command: str) -> None:
+    """Start a program of packages of Debian."""
+    cause = f"there is no program {command[0]}"
+    if shutil.which(command[0]) is not None:
+        done = _run(list(command))
+        if done.returncode == 0:
+            return
+        said = done.stderr.strip() or f"exit code {done.returncode}"
+        cause = f"{command[0]}: {said.splitlines()[0]}"
+    raise LackingError(cause, f"apt-get install {packages}")
+
+
+_qemu = partial(
+    _starts,
+    "qemu-user libc6-arm64-cross",
+    "qemu-aarch64",
+    "-L",
+    ARM_LIBRARIES,
+    # The loader of programs for ARM64, a program itself.
+    f"{ARM_LIBRARIES}/lib/ld-linux-aarch64.so.1",
+    "--version",
+)
+_wine = partial(_starts, "wine64", WINE, "--version")
+
+
 def _typescript() -> None:
     install = "apt-get install nodejs npm"
     if lost := [name for name in ("node", "npx") if shutil.which(name) is None]:
@@ -194,6 +225,8 @@ NEEDS = {
     "fmutool": Need("the FMU by fmutool -check", _toolbox),
     "cc": Need("the FMU in a host written in C, an FMU written in C", _compiler),
     "zig": Need("the native FMU for all platforms", _zig),
+    "qemu": Need("the native FMU on Linux ARM64", _qemu),
+    "wine": Need("the native FMU on Windows", _wine),
     "libpython": Need("the FMU in a program that is not Python", _libpython),
     "typescript": Need("the types of the page's script", _typescript),
     "browser": Need(
