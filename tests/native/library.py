@@ -3,7 +3,7 @@
 import ctypes
 import re
 import zipfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -196,8 +196,3 @@ def _passed(argument: Any) -> Any:
     if isinstance(argument, bool):
         return ctypes.c_bool(argument)
     return ctypes.c_double(argument) if isinstance(argument, float) else argument
-
-
-def functions(words: Iterable[str]) -> set[str]:
-    """Return those words that are names of FMI functions."""
-    return {each for each in words if re.fullmatch(r"fmi[23][A-Z]\w+", each)}
