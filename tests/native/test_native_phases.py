@@ -2,7 +2,6 @@
 
 import ctypes
 import re
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -123,15 +122,6 @@ def _in(library: Library, phase: str) -> ctypes.c_void_p:
 
 def _last(library: Library) -> str:
     return library.told[-1][3]
-
-
-def test_the_functions_of_the_standard_are_exported_and_no_other(library: Library) -> None:
-    """FMI 2.0 without model exchange, FMI 3.0 whole."""
-    listed = subprocess.run(
-        ["nm", "-D", "--defined-only", library.path], capture_output=True, text=True, check=True
-    ).stdout
-    exported = {line.split()[-1] for line in listed.splitlines()}
-    assert exported == _functions(library.face) - _MODEL_EXCHANGE
 
 
 def test_a_null_instance_is_refused_by_every_function(library: Library) -> None:

@@ -55,13 +55,9 @@ def _compiled(folder: Path, comma: bool = False) -> Text:
     here = Path(stickslip_native.__file__).parent
     for name, content in table_files(SPEC).items():
         (folder / name).write_text(content)
-    compile_: list[str | Path] = [
-        "cc",
-        *FLAGS,
-        "-fvisibility=default",
-        f"-I{here / 'core'}",
-        f"-I{folder}",
-    ]
+    folders = (here / "core", here / "laws" / "coulomb", folder)
+    compile_: list[str | Path] = ["cc", *FLAGS, "-fvisibility=default"]
+    compile_ += [f"-I{each}" for each in folders]
     renamed = ["-Dsnprintf=comma_snprintf", "-Dstrtod=comma_strtod"] if comma else []
     words = [*compile_, *renamed, "-c", here / "face" / "text.c", "-o", folder / "text.o"]
     subprocess.run(words, check=True)
