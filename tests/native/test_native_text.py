@@ -53,10 +53,11 @@ double comma_strtod(const char *text, char **end)
 def _compiled(folder: Path, comma: bool = False) -> Text:
     """Return number_text of the native FMU, compiled."""
     here = Path(stickslip_native.__file__).parent
-    for name, text in table_files(SPEC).items():
-        (folder / name).write_text(text)
+    for name, content in table_files(SPEC).items():
+        (folder / name).write_text(content)
     folders = (here / "core", here / "laws" / "coulomb", folder)
-    compile_ = ["cc", *FLAGS, "-fvisibility=default", *(f"-I{each}" for each in folders)]
+    compile_: list[str | Path] = ["cc", *FLAGS, "-fvisibility=default"]
+    compile_ += [f"-I{each}" for each in folders]
     renamed = ["-Dsnprintf=comma_snprintf", "-Dstrtod=comma_strtod"] if comma else []
     words = [*compile_, *renamed, "-c", here / "face" / "text.c", "-o", folder / "text.o"]
     subprocess.run(words, check=True)
@@ -112,9 +113,8 @@ def _random(count: int) -> Iterator[float]:
         elif kind < 0.8:
             yield random_.uniform(-1e3, 1e3)
         else:
-            yield float(
-                f"{random_.randint(1, 10 ** random_.randint(1, 17))}e{random_.randint(-30, 30)}"
-            )
+            digits = random_.randint(1, 10 ** random_.randint(1, 17))
+            yield float(f"{digits}e{random_.randint(-30, 30)}")
 
 
 def _check(text: Text, numbers: Iterable[float]) -> None:

@@ -73,11 +73,10 @@ class Player:
             slave.setupExperiment(startTime=arguments[0])
             slave.enterInitializationMode()
         elif name == "raw":
-            function, *numbers = arguments
-            pointers = [
-                ctypes.byref(ctypes.c_double()) if each == "&" else each for each in numbers
-            ]
-            getattr(slave, function)(slave.component, *pointers)
+            function, *others = arguments
+            place = ctypes.byref(ctypes.c_double())
+            passed = [place if each == "&" else each for each in others]
+            getattr(slave, function)(slave.component, *passed)
         else:
             getattr(slave, name)(*arguments)
 
