@@ -3,7 +3,7 @@
 import math
 import random
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import pytest
@@ -118,6 +118,18 @@ def _sequence(core: Core, seed: int) -> Iterator[tuple[list[float] | None, list[
             except ModelError:
                 yield None, None if native.refused != ACCEPTED else []
                 return
+
+
+def first_difference(core: Core, seeds: Iterable[int]) -> str | None:
+    """Return where native and Python block first differ in sequences of these seeds, or None."""
+    for seed in seeds:
+        for number, (expected, given) in enumerate(_sequence(core, seed)):
+            if expected is None or given is None:
+                if expected is not given:
+                    return f"seed {seed}, step {number}: {given}, not {expected}"
+            elif _bits(expected) != _bits(given):
+                return f"seed {seed}, step {number}: {given}, not {expected}"
+    return None
 
 
 @needs("cc")
