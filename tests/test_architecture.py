@@ -20,6 +20,7 @@ from tests.python import python
 OURS = (
     "fmukit",
     "stickslip_fmu",
+    "stickslip_native",
     "stickslip_ref",
     "stickslip_verification",
     "stickslip_score",
@@ -32,6 +33,7 @@ OURS = (
 OUTSIDE = {
     "fmukit": frozenset[str](),
     "stickslip_fmu": frozenset[str](),
+    "stickslip_native": frozenset[str](),
     "stickslip_ref": frozenset({"numpy", "scipy"}),
     "stickslip_verification": frozenset({"numpy", "mpmath", "fmpy", "jsonschema", "lazy_loader"}),
     "stickslip_verification.truth": frozenset({"mpmath"}),

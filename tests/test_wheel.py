@@ -19,6 +19,7 @@ PACKAGES = (
     "stickslip",
     "stickslip_design",
     "stickslip_fmu",
+    "stickslip_native",
     "stickslip_ref",
     "stickslip_score",
     "stickslip_verification",

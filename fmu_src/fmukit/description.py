@@ -31,12 +31,12 @@ def generation_time(release: str) -> str:
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def identity(package: str) -> str:
-    """Return the GUID of the packed package of this name, which is made of the content.
+def identity(content: str) -> str:
+    """Return the GUID that goes with a digest of the FMU's content.
 
     In braces and 8-4-4-4-12 digits, as importers know it.
     """
-    return f"{{{uuid.UUID(bytes=hashlib.sha256(package.encode()).digest()[:16])}}}"
+    return f"{{{uuid.UUID(bytes=hashlib.sha256(content.encode()).digest()[:16])}}}"
 
 
 def root_element(spec: Spec, version: str, identifier: Tuple[str, str], generator: str) -> Element:
@@ -51,7 +51,7 @@ def root_element(spec: Spec, version: str, identifier: Tuple[str, str], generato
     identifier
         Name and value of the attribute that identifies the FMU; no binary compares it.
     generator
-        Name and version of the wrapper.
+        Name and version of the tool that makes the FMU.
 
     Raises
     ------

@@ -22,7 +22,7 @@ _CHANGING = ["v", "load", "F_ext", "k", "c", "mu_s", "mu_k"]
 
 @pytest.fixture(scope="module")
 def core(tmp_path_factory: pytest.TempPathFactory) -> Core:
-    """The compiled core."""
+    """Compile the core once."""
     return Core(compile_core(tmp_path_factory.mktemp("core")))
 
 

@@ -1,5 +1,6 @@
 """The FMI 2.0 model description, made from the variable table."""
 
+from typing import Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement
 
 from ..description import (
@@ -30,7 +31,13 @@ _CAPABILITIES = {
 }
 
 
-def model_description(spec: Spec, identity: str, generator: str) -> Element:
+def model_description(
+    spec: Spec,
+    identity: str,
+    generator: str,
+    log_categories: Mapping[str, str] = LOG_CATEGORIES,
+    sources: Sequence[str] = (),
+) -> Element:
     """Return the root of modelDescription.xml.
 
     Parameters
@@ -40,16 +47,21 @@ def model_description(spec: Spec, identity: str, generator: str) -> Element:
     identity
         The GUID.
     generator
-        Name and version of the wrapper.
+        Name and version of the tool that makes the FMU.
+    log_categories
+        Categories of messages with their meanings.
+    sources
+        Files in sources/ that have to be compiled.
     """
     root = root_element(spec, "2.0", ("guid", identity), generator)
-    SubElement(root, "CoSimulation", {"modelIdentifier": spec.name, **_CAPABILITIES})
+    slave = SubElement(root, "CoSimulation", {"modelIdentifier": spec.name, **_CAPABILITIES})
+    _add_sources(slave, sources)
     add_units(root, spec.table)
     types = SubElement(root, "TypeDefinitions")
     for name, quantity in spec.table.quantities.items():
         simple = SubElement(types, "SimpleType", {"name": name})
         SubElement(simple, quantity.kind, type_attributes(quantity))
-    add_log_categories(root, LOG_CATEGORIES)
+    add_log_categories(root, log_categories)
     add_experiment(root, spec.experiment)
     add_annotations(SubElement(root, "VendorAnnotations"), "Tool", "name", spec.annotations)
     variables = SubElement(root, "ModelVariables")
@@ -59,6 +71,13 @@ def model_description(spec: Spec, identity: str, generator: str) -> Element:
     _add_structure(SubElement(root, "ModelStructure"), spec.table)
     drop_empty_lists(root)
     return root
+
+
+def _add_sources(slave: Element, sources: Sequence[str]) -> None:
+    if sources:
+        parent = SubElement(slave, "SourceFiles")
+        for name in sources:
+            SubElement(parent, "File", {"name": name})
 
 
 def _add_structure(parent: Element, table: Table) -> None:

@@ -1,6 +1,6 @@
 """The FMI 3.0 model description, made from the variable table."""
 
-from typing import Dict
+from typing import Dict, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 from ..description import (
@@ -42,7 +42,12 @@ def type_name(quantity: Quantity) -> str:
     return {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}[quantity.kind]
 
 
-def model_description(spec: Spec, identity: str, generator: str) -> Element:
+def model_description(
+    spec: Spec,
+    identity: str,
+    generator: str,
+    log_categories: Mapping[str, str] = _LOG_CATEGORIES,
+) -> Element:
     """Return the root of modelDescription.xml.
 
     Parameters
@@ -52,13 +57,15 @@ def model_description(spec: Spec, identity: str, generator: str) -> Element:
     identity
         The instantiation token.
     generator
-        Name and version of the wrapper.
+        Name and version of the tool that makes the FMU.
+    log_categories
+        Categories of messages with their meanings.
     """
     root = root_element(spec, "3.0", ("instantiationToken", identity), generator)
     SubElement(root, "CoSimulation", {"modelIdentifier": spec.name, **_CAPABILITIES})
     add_units(root, spec.table)
     _add_types(SubElement(root, "TypeDefinitions"), spec.table)
-    add_log_categories(root, _LOG_CATEGORIES)
+    add_log_categories(root, log_categories)
     add_experiment(root, spec.experiment)
     _add_variables(SubElement(root, "ModelVariables"), spec.table)
     _add_structure(SubElement(root, "ModelStructure"), spec.table)

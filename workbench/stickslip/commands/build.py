@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from stickslip.commands.options import FrictionLaw
-from stickslip.commands.shared import DEFAULT_FMU, build_fmu, long_work, pack_evidence, say, tell_of
+from stickslip.commands.shared import (
+    DEFAULT_FMU,
+    build_fmu,
+    build_native_fmu,
+    long_work,
+    pack_evidence,
+    say,
+    tell_of,
+)
+from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
     from stickslip_verification import Verdict
@@ -46,14 +55,32 @@ def build(
         bool, typer.Option("--bare", help="Leave out the evidence (extra/); saves a second.")
     ] = False,
     law: FrictionLaw = None,
+    native: Annotated[
+        bool,
+        typer.Option(
+            "--native", help="The FMU in C for all platforms, StickSlip_native.fmu; needs ziglang."
+        ),
+    ] = False,
+    this_machine: Annotated[
+        bool, typer.Option("--this-machine", help="With --native: for this machine, by its cc.")
+    ] = False,
 ) -> None:
     """Build the FMU; print its path, size and SHA-256.
 
     The FMU contains its documentation and its evidence: the default experiment, its result and a
     report on it. `stickslip verify --pack` replaces that report by the one on all cases. The FMU of
     a --law is named by the law's model and contains neither: both are about Coulomb's law.
+
+    The --native FMU needs no Python in the simulator. It knows Coulomb's law only.
     """
-    fmu = build_fmu(output, "-o", fmi.major, law)
+    if this_machine and not native:
+        raise CommandError("--this-machine is for --native; the Python FMU is not compiled")
+    if native and law is not None:
+        raise CommandError(f"--law {law}: the FMU of --native knows Coulomb's friction law only")
+    if native:
+        fmu = build_native_fmu(output, "-o", fmi.major, this_machine)
+    else:
+        fmu = build_fmu(output, "-o", fmi.major, law)
     failed = False
     if not bare and law is None:
         verdict = _verdict(fmu)

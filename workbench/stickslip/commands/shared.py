@@ -42,6 +42,36 @@ def build_fmu(
     `law` is the dotted name of a friction law. Its FMU has no documentation: the texts are about
     Coulomb's law.
     """
+    from stickslip.handbook import parts, parts_of_law
+    from stickslip_fmu.packer import build
+
+    with _building(target, option), here_on_path():
+        files = parts(fmi_version) if law is None else parts_of_law(fmi_version)
+        return build(target, files, fmi_version, law)
+
+
+def build_native_fmu(
+    target: Path, option: str, fmi_version: Literal[2, 3], this_machine: bool
+) -> Path:
+    """Build the native FMU into a file or a folder, which `option` named; `CommandError` if not.
+
+    For all platforms, or with the compiler of `this_machine` for that alone.
+    """
+    from stickslip.handbook import parts
+    from stickslip_native.compiler import CompilerError, compiler_for
+    from stickslip_native.packer import build
+
+    with _building(target, option):
+        try:
+            runtime = compiler_for(this_machine).runtime()
+            return build(target, parts(fmi_version, runtime), fmi_version, this_machine)
+        except CompilerError as error:
+            raise CommandError(str(error)) from error
+
+
+@contextlib.contextmanager
+def _building(target: Path, option: str) -> Iterator[None]:
+    """Show that an FMU is built, into a file or folder; `CommandError` if it cannot be written."""
     from stickslip.files import check_writable, make_folder
     from stickslip.progress import Meter
 
@@ -50,14 +80,9 @@ def build_fmu(
         check_writable(target, option)
     else:
         make_folder(target, option)
-    from stickslip.handbook import parts, parts_of_law
-    from stickslip_fmu.packer import build
-
     with Meter("Building the FMU"):
         try:
-            with here_on_path():
-                files = parts(fmi_version) if law is None else parts_of_law(fmi_version)
-                return build(target, files, fmi_version, law)
+            yield
         except OSError as error:
             reason = error.strerror or str(error)
             raise CommandError(f"{option} {target}: cannot write the FMU: {reason}") from error

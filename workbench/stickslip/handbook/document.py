@@ -17,11 +17,15 @@ _TITLES: Final = {
 """The tables of the interface, by causality and whether the cycle meter holds the value."""
 
 
-def document(fmi_version: int) -> str:
-    """Return documentation/index.html of the FMU for FMI 2.0 or 3.0 (2 or 3)."""
+def document(fmi_version: int, *, native: bool = False) -> str:
+    """Return documentation/index.html of the FMU for FMI 2.0 or 3.0 (2 or 3).
+
+    The `native` one is the FMU in C, the other one that in Python.
+    """
     return _rendered(
         "index.html.j2",
         fmi_version=fmi_version,
+        native=native,
         licences="../licenses" if fmi_version == 2 else "licenses",
         groups=_groups(),
     )

@@ -1,20 +1,26 @@
 """The files of the FMU that are there to be read, by their path in it."""
 
+from collections.abc import Mapping
 from typing import Literal
 
 from stickslip.handbook.document import document, notes_on_references
 from stickslip.handbook.icon import icon
-from stickslip.handbook.licences import licences
+from stickslip.handbook.licences import licences, licences_of_native
 from stickslip.page import page
 
 
-def parts(fmi_version: Literal[2, 3] = 2) -> dict[str, bytes]:
+def parts(
+    fmi_version: Literal[2, 3] = 2, runtime: Mapping[str, tuple[str, bytes]] | None = None
+) -> dict[str, bytes]:
     """Return the files that a person finds in the FMU.
 
     Parameters
     ----------
     fmi_version
         2 or 3: the two standards keep licences and the icon in different places.
+    runtime
+        None for the Python FMU. For the native one, name, description and licence of each part of a
+        compiler's runtime that is in its libraries.
 
     Returns
     -------
@@ -22,21 +28,24 @@ def parts(fmi_version: Literal[2, 3] = 2) -> dict[str, bytes]:
         ``documentation/index.html`` and what it leads to, the icon, the licences.
     """
     return {
-        "documentation/index.html": document(fmi_version).encode(),
+        "documentation/index.html": document(fmi_version, native=runtime is not None).encode(),
         "documentation/explore.html": page().encode(),
         "documentation/fmi-ls-ref.html": notes_on_references().encode(),
-        **parts_of_law(fmi_version),
+        **parts_of_law(fmi_version, runtime),
     }
 
 
-def parts_of_law(fmi_version: Literal[2, 3] = 2) -> dict[str, bytes]:
+def parts_of_law(
+    fmi_version: Literal[2, 3] = 2, runtime: Mapping[str, tuple[str, bytes]] | None = None
+) -> dict[str, bytes]:
     """Return the icon and the licences: the files of an FMU whatever its friction law."""
     licence_folder, icon_file = (
         ("licenses", "model.png")
         if fmi_version == 2
         else ("documentation/licenses", "terminalsAndIcons/icon.png")
     )
+    texts = licences(fmi_version) if runtime is None else licences_of_native(runtime)
     return {
         icon_file: icon(),
-        **{f"{licence_folder}/{name}": text for name, text in licences(fmi_version).items()},
+        **{f"{licence_folder}/{name}": text for name, text in texts.items()},
     }

@@ -1,0 +1,256 @@
+/* States as bytes: see the header. */
+#include "bytes.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+static const unsigned char MAGIC[8] = {'s', 'l', 'i', 'p', 's', 't', 'a', 't'};
+
+enum { VERSION = 1, HASH_SIZE = 8 };
+
+/* What is written of a situation. */
+struct saved {
+    struct block_state block;
+    struct settings values;
+    double time;
+    int32_t phase;
+    bool settled;
+};
+
+/* Bytes that are counted, written or read, one field after the other. */
+struct stream {
+    enum { COUNT, WRITE, READ } way;
+    unsigned char *to;
+    const unsigned char *from;
+    size_t at;
+    bool sound; /* what was read so far is finite, and 0 or 1 where it is a truth value */
+};
+
+static const uint64_t HASH_START = 14695981039346656037u;
+
+static uint64_t hash_with(uint64_t hash, const void *bytes, size_t count)
+{
+    const unsigned char *next = bytes;
+    for (size_t n = 0; n < count; n++) hash = (hash ^ next[n]) * 1099511628211u;
+    return hash;
+}
+
+uint64_t hash_of(const void *bytes, size_t count)
+{
+    return hash_with(HASH_START, bytes, count);
+}
+
+static uint64_t hash_of_names(void)
+{
+    uint64_t hash = HASH_START;
+    for (int n = 0; n < VARIABLES; n++)
+        if (ROWS[n].settable) hash = hash_with(hash, ROWS[n].name, strlen(ROWS[n].name) + 1);
+    return hash;
+}
+
+/* The number of `count` bytes; what is read replaces it. */
+static uint64_t number(struct stream *stream, uint64_t value, size_t count)
+{
+    uint64_t got = value;
+    if (stream->way == READ) got = 0;
+    for (size_t n = 0; n < count; n++) {
+        const size_t place = stream->at + n;
+        if (stream->way == WRITE) stream->to[place] = (unsigned char)(value >> (8 * n) & 0xff);
+        if (stream->way == READ) got |= (uint64_t)stream->from[place] << (8 * n);
+    }
+    stream->at += count;
+    return got;
+}
+
+static void real(struct stream *stream, double *value)
+{
+    uint64_t bits;
+    memcpy(&bits, value, sizeof bits);
+    bits = number(stream, bits, sizeof bits);
+    memcpy(value, &bits, sizeof bits);
+    if (!isfinite(*value)) stream->sound = false;
+}
+
+static void integer(struct stream *stream, int32_t *value)
+{
+    /* Two's complement, whatever the conversion of large numbers gives. */
+    const uint32_t bits = (uint32_t)number(stream, (uint32_t)*value, sizeof bits);
+    *value = bits <= INT32_MAX ? (int32_t)bits : -(int32_t)(UINT32_MAX - bits) - 1;
+}
+
+static void truth(struct stream *stream, bool *value)
+{
+    const uint64_t byte = number(stream, *value ? 1 : 0, 1);
+    *value = byte != 0;
+    if (byte > 1) stream->sound = false;
+}
+
+static void settings(struct stream *stream, struct settings *values)
+{
+    for (int n = 0; n < VARIABLES; n++)
+        if (ROWS[n].settable) real(stream, (double *)((char *)values + ROWS[n].offset));
+}
+
+static void sum(struct stream *stream, struct sum *value)
+{
+    real(stream, &value->high);
+    real(stream, &value->low);
+}
+
+static void visit(struct stream *stream, struct saved *it)
+{
+    struct start *start = &it->block.start;
+    struct meter *meter = &it->block.meter;
+    int32_t mode = start->mode;
+
+    settings(stream, &it->block.wanted);
+    settings(stream, &it->block.settings);
+    integer(stream, &mode);
+    start->mode = (int)mode;
+    truth(stream, &start->known);
+    real(stream, &start->z);
+    real(stream, &start->x_dot);
+    real(stream, &start->force);
+    real(stream, &start->age);
+    for (int n = 0; n < MOST_OWN; n++) real(stream, &start->own[n]);
+    sum(stream, &it->block.elapsed);
+    sum(stream, &it->block.x_start);
+    sum(stream, &it->block.W_pull);
+    sum(stream, &it->block.W_k);
+    sum(stream, &it->block.Q_friction);
+    real(stream, &meter->t_stick);
+    real(stream, &meter->t_slip);
+    real(stream, &meter->T);
+    real(stream, &meter->delta_x);
+    real(stream, &meter->spring_drop);
+    real(stream, &meter->x_dot_peak);
+    real(stream, &meter->t_event);
+    integer(stream, &meter->n_slips);
+    truth(stream, &meter->seen_break_away);
+    real(stream, &meter->peak);
+    sum(stream, &meter->phase);
+    sum(stream, &meter->cycle);
+    sum(stream, &meter->displacement);
+    sum(stream, &meter->relief);
+    truth(stream, &it->block.started);
+    truth(stream, &it->block.changed);
+    settings(stream, &it->values);
+    real(stream, &it->time);
+    integer(stream, &it->phase);
+    truth(stream, &it->settled);
+}
+
+/* All that comes before the fields. */
+static void head(struct stream *stream, uint64_t *version, uint64_t *length, uint64_t *names)
+{
+    *version = number(stream, *version, 4);
+    *length = number(stream, *length, 4);
+    *names = number(stream, *names, HASH_SIZE);
+}
+
+size_t bytes_count(void)
+{
+    struct saved none = {.time = 0.0};
+    struct stream stream = {.way = COUNT, .at = sizeof MAGIC + 4 + 4 + HASH_SIZE, .sound = true};
+    visit(&stream, &none);
+    return stream.at + HASH_SIZE;
+}
+
+void bytes_write(const struct situation *situation, unsigned char *bytes)
+{
+    struct saved saved = {
+        .values = situation->values,
+        .time = situation->time,
+        .phase = (int32_t)situation->phase,
+        .settled = situation->settled,
+    };
+    struct stream stream = {.way = WRITE, .to = bytes, .at = sizeof MAGIC, .sound = true};
+    uint64_t version = VERSION, length = bytes_count(), names = hash_of_names();
+    block_save(&situation->block, &saved.block);
+    memcpy(bytes, MAGIC, sizeof MAGIC);
+    head(&stream, &version, &length, &names);
+    visit(&stream, &saved);
+    number(&stream, hash_of(bytes, stream.at), HASH_SIZE);
+}
+
+/* Whether all values are within the bounds of their rows; the reason if not. */
+static bool within_bounds(const struct settings *values, char reason[MESSAGE_SIZE])
+{
+    for (int n = 0; n < VARIABLES; n++) {
+        if (!ROWS[n].settable) continue;
+        const double value = *(const double *)((const char *)values + ROWS[n].offset);
+        if (in_range(&ROWS[n], value)) continue;
+        range_text(&ROWS[n], value, reason);
+        return false;
+    }
+    return true;
+}
+
+/* Whether an instance can be in this phase with such a block and values. */
+static bool consistent(const struct saved *it)
+{
+    switch (it->phase) {
+    case INSTANTIATED:
+    case INITIALIZATION: return !it->block.started;
+    case STEPPING:
+        return it->settled && memcmp(&it->values, &it->block.wanted, sizeof it->values) == 0;
+    case TERMINATED: return true;
+    default: return false;
+    }
+}
+
+bool bytes_read(const unsigned char *bytes, size_t size, struct situation *made,
+                char reason[MESSAGE_SIZE])
+{
+    struct saved saved = {.time = 0.0};
+    struct stream stream = {.way = READ, .from = bytes, .at = sizeof MAGIC, .sound = true};
+    const size_t expected = bytes_count();
+    uint64_t version = 0, length = 0, names = 0;
+
+    if (size < sizeof MAGIC + 4 || memcmp(bytes, MAGIC, sizeof MAGIC) != 0) {
+        snprintf(reason, MESSAGE_SIZE, "the bytes hold no state");
+        return false;
+    }
+    if (number(&stream, 0, 4) != VERSION) {
+        snprintf(reason, MESSAGE_SIZE, "the bytes hold a state in another format than version %d",
+                 VERSION);
+        return false;
+    }
+    if (size != expected) {
+        snprintf(reason, MESSAGE_SIZE, "a state has %lu bytes, and these are %lu",
+                 (unsigned long)expected, (unsigned long)size);
+        return false;
+    }
+    stream.at = expected - HASH_SIZE;
+    if (number(&stream, 0, HASH_SIZE) != hash_of(bytes, expected - HASH_SIZE)) {
+        snprintf(reason, MESSAGE_SIZE, "the bytes of the state were changed: the checksum differs");
+        return false;
+    }
+    stream.at = sizeof MAGIC;
+    head(&stream, &version, &length, &names);
+    if (length != expected || names != hash_of_names()) {
+        snprintf(reason, MESSAGE_SIZE, "the bytes hold a state of another friction law");
+        return false;
+    }
+    visit(&stream, &saved);
+    if (!stream.sound) {
+        snprintf(reason, MESSAGE_SIZE, "the saved state has not the structure of a state");
+        return false;
+    }
+    if (!within_bounds(&saved.block.wanted, reason) ||
+        !within_bounds(&saved.block.settings, reason) || !within_bounds(&saved.values, reason))
+        return false;
+    const enum refusal refused =
+        consistent(&saved) ? block_restore(&made->block, &saved.block) : NO_SUCH_STATE;
+    if (refused != ACCEPTED) {
+        refusal_text(refused, &saved.block.settings, 0.0, 0.0, reason);
+        return false;
+    }
+    made->values = saved.values;
+    made->time = saved.time;
+    made->phase = (enum phase)saved.phase;
+    made->settled = saved.settled;
+    return true;
+}

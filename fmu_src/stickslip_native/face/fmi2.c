@@ -1,0 +1,326 @@
+/* The functions of FMI 2.0 for co-simulation.
+ *
+ * A call that is refused returns fmi2Error, and the instance refuses all that depends on its motion
+ * until fmi2Reset: instance.h. The memory functions of the simulator are not used. */
+#include "export.h"
+#include "fmi2_types.h"
+#include "identity.h"
+#include "instance.h"
+
+#include <stddef.h>
+
+static const struct type REALS = {"Real", 1u << SORT_REAL, false};
+static const struct type INTEGERS = {"Integer", 1u << SORT_INTEGER | 1u << SORT_ENUMERATION, false};
+static const struct type BOOLEANS = {"Boolean", 1u << SORT_BOOLEAN, false};
+static const struct type STRINGS = {"String", 0, false};
+
+static fmi2Status status_of(bool taken)
+{
+    return taken ? fmi2OK : fmi2Error;
+}
+
+/* Hand a message to the simulator, whose logger takes it for a printf format: each % is doubled.
+ * A format "%s" with the message behind it would not reach loggers without printf. */
+static void log_message(const struct instance *it, enum status status, const char *category,
+                        const char *text)
+{
+    char format[2 * MESSAGE_SIZE];
+    size_t length = 0;
+    for (; *text != '\0' && length + 2 < sizeof format; text++) {
+        if (*text == '%') format[length++] = '%';
+        format[length++] = *text;
+    }
+    format[length] = '\0';
+    ((fmi2CallbackLogger)it->logger)(it->environment, it->name, (fmi2Status)status, category,
+                                     format);
+}
+
+static const struct version FMI2_VERSION = {
+    {"Real", "Integer", "Boolean", "Integer"}, "GUID", log_message};
+
+/* Versions and log. */
+
+STICKSLIP_EXPORT const char *FMI2(fmi2GetTypesPlatform)(void)
+{
+    return "default";
+}
+
+STICKSLIP_EXPORT const char *FMI2(fmi2GetVersion)(void)
+{
+    return "2.0";
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean on,
+                                                      size_t count, const fmi2String categories[])
+{
+    return status_of(instance_log(c, "fmi2SetDebugLogging", on != 0, count, categories));
+}
+
+/* Instances. */
+
+STICKSLIP_EXPORT fmi2Component FMI2(fmi2Instantiate)(fmi2String name, fmi2Type type,
+                                                     fmi2String guid, fmi2String resources IGNORED,
+                                                     const fmi2CallbackFunctions *callbacks,
+                                                     fmi2Boolean visible IGNORED,
+                                                     fmi2Boolean logging_on IGNORED)
+{
+    static const fmi2CallbackFunctions NONE = {NULL, NULL, NULL, NULL, NULL};
+    if (callbacks == NULL) callbacks = &NONE;
+    struct instance *made =
+        instance_make(&FMI2_VERSION, "fmi2Instantiate", name, STICKSLIP_IDENTITY, guid,
+                      (void (*)(void))callbacks->logger, callbacks->componentEnvironment);
+    if (made != NULL && type != fmi2CoSimulation) {
+        instance_fail(made, "fmi2Instantiate: model exchange is not offered");
+        instance_free(made);
+        return NULL;
+    }
+    return made;
+}
+
+STICKSLIP_EXPORT void FMI2(fmi2FreeInstance)(fmi2Component c)
+{
+    instance_free(c);
+}
+
+/* Phases. */
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetupExperiment)(fmi2Component c,
+                                                      fmi2Boolean tolerance_defined IGNORED,
+                                                      fmi2Real tolerance IGNORED,
+                                                      fmi2Real start_time,
+                                                      fmi2Boolean stop_time_defined IGNORED,
+                                                      fmi2Real stop_time IGNORED)
+{
+    return status_of(instance_set_start(c, start_time));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2EnterInitializationMode)(fmi2Component c)
+{
+    return status_of(instance_enter_initialization(c));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2ExitInitializationMode)(fmi2Component c)
+{
+    return status_of(instance_exit_initialization(c));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2Terminate)(fmi2Component c)
+{
+    return status_of(instance_terminate(c));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2Reset)(fmi2Component c)
+{
+    return status_of(instance_reset(c));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real step,
+                                             fmi2Boolean no_earlier_state IGNORED)
+{
+    return status_of(instance_step(c, time, step, false));
+}
+
+/* Values. */
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetReal)(fmi2Component c,
+                                              const fmi2ValueReference references[], size_t count,
+                                              fmi2Real values[])
+{
+    if (!instance_begin_get(c, "fmi2GetReal", &REALS, references, count, values, count))
+        return fmi2Error;
+    for (size_t n = 0; n < count; n++)
+        if (!instance_get(c, &REALS, references, count, n, &values[n])) return fmi2Error;
+    return fmi2OK;
+}
+
+static fmi2Status get_integers(struct instance *it, const char *call, const struct type *type,
+                               const fmi2ValueReference references[], size_t count, int values[])
+{
+    double value;
+    if (!instance_begin_get(it, call, type, references, count, values, count)) return fmi2Error;
+    for (size_t n = 0; n < count; n++) {
+        if (!instance_get(it, type, references, count, n, &value)) return fmi2Error;
+        values[n] = (int)value;
+    }
+    return fmi2OK;
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetInteger)(fmi2Component c,
+                                                 const fmi2ValueReference references[],
+                                                 size_t count, fmi2Integer values[])
+{
+    return get_integers(c, "fmi2GetInteger", &INTEGERS, references, count, values);
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetBoolean)(fmi2Component c,
+                                                 const fmi2ValueReference references[],
+                                                 size_t count, fmi2Boolean values[])
+{
+    return get_integers(c, "fmi2GetBoolean", &BOOLEANS, references, count, values);
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetString)(fmi2Component c,
+                                                const fmi2ValueReference references[],
+                                                size_t count, fmi2String values[])
+{
+    double none;
+    if (!instance_begin_get(c, "fmi2GetString", &STRINGS, references, count, values, count))
+        return fmi2Error;
+    return status_of(count == 0 || instance_get(c, &STRINGS, references, count, 0, &none));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetReal)(fmi2Component c,
+                                              const fmi2ValueReference references[], size_t count,
+                                              const fmi2Real values[])
+{
+    if (!instance_begin_set(c, "fmi2SetReal", &REALS, references, count, values, count))
+        return fmi2Error;
+    for (size_t n = 0; n < count; n++)
+        if (!instance_set(c, &REALS, references[n], values[n])) return fmi2Error;
+    return status_of(instance_end_set(c));
+}
+
+static fmi2Status set_integers(struct instance *it, const char *call, const struct type *type,
+                               const fmi2ValueReference references[], size_t count,
+                               const int values[])
+{
+    if (!instance_begin_set(it, call, type, references, count, values, count)) return fmi2Error;
+    for (size_t n = 0; n < count; n++)
+        if (!instance_set(it, type, references[n], values[n])) return fmi2Error;
+    return status_of(instance_end_set(it));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetInteger)(fmi2Component c,
+                                                 const fmi2ValueReference references[],
+                                                 size_t count, const fmi2Integer values[])
+{
+    return set_integers(c, "fmi2SetInteger", &INTEGERS, references, count, values);
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetBoolean)(fmi2Component c,
+                                                 const fmi2ValueReference references[],
+                                                 size_t count, const fmi2Boolean values[])
+{
+    return set_integers(c, "fmi2SetBoolean", &BOOLEANS, references, count, values);
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetString)(fmi2Component c,
+                                                const fmi2ValueReference references[],
+                                                size_t count, const fmi2String values[])
+{
+    /* No variable is a String, so no text is read. */
+    if (!instance_begin_set(c, "fmi2SetString", &STRINGS, references, count, values, count))
+        return fmi2Error;
+    return status_of(count == 0 || instance_set(c, &STRINGS, references[0], 0.0));
+}
+
+/* States. */
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetFMUstate)(fmi2Component c, fmi2FMUstate *state)
+{
+    return status_of(instance_get_state(c, "fmi2GetFMUstate", state));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetFMUstate)(fmi2Component c, fmi2FMUstate state)
+{
+    return status_of(instance_set_state(c, state));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2FreeFMUstate)(fmi2Component c, fmi2FMUstate *state)
+{
+    return status_of(instance_free_state(c, "fmi2FreeFMUstate", state));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2SerializedFMUstateSize)(fmi2Component c, fmi2FMUstate state,
+                                                             size_t *size)
+{
+    return status_of(instance_state_size(c, "fmi2SerializedFMUstateSize", state, size));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2SerializeFMUstate)(fmi2Component c, fmi2FMUstate state,
+                                                        fmi2Byte bytes[], size_t size)
+{
+    return status_of(instance_write_state(c, "fmi2SerializeFMUstate", state,
+                                          (unsigned char *)bytes, size));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2DeSerializeFMUstate)(fmi2Component c, const fmi2Byte bytes[],
+                                                          size_t size, fmi2FMUstate *state)
+{
+    return status_of(instance_read_state(c, "fmi2DeSerializeFMUstate",
+                                         (const unsigned char *)bytes, size, state));
+}
+
+/* Calls that the FMU does not offer. */
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetDirectionalDerivative)(
+    fmi2Component c, const fmi2ValueReference unknowns[] IGNORED, size_t unknown_count IGNORED,
+    const fmi2ValueReference knowns[] IGNORED, size_t known_count IGNORED,
+    const fmi2Real seed[] IGNORED, fmi2Real sensitivity[] IGNORED)
+{
+    return status_of(instance_unsupported(c, "fmi2GetDirectionalDerivative"));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2SetRealInputDerivatives)(
+    fmi2Component c, const fmi2ValueReference references[] IGNORED, size_t count IGNORED,
+    const fmi2Integer orders[] IGNORED, const fmi2Real values[] IGNORED)
+{
+    return status_of(instance_unsupported(c, "fmi2SetRealInputDerivatives"));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetRealOutputDerivatives)(
+    fmi2Component c, const fmi2ValueReference references[] IGNORED, size_t count IGNORED,
+    const fmi2Integer orders[] IGNORED, fmi2Real values[] IGNORED)
+{
+    return status_of(instance_unsupported(c, "fmi2GetRealOutputDerivatives"));
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2CancelStep)(fmi2Component c)
+{
+    return status_of(instance_unsupported(c, "fmi2CancelStep"));
+}
+
+/* Status of the last step: no step is ever pending, and none ends the simulation. These calls do
+ * not depend on the motion. */
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetStatus)(fmi2Component c, const fmi2StatusKind kind IGNORED,
+                                                fmi2Status *value IGNORED)
+{
+    return c == NULL ? fmi2Error : fmi2Discard;
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetRealStatus)(fmi2Component c, const fmi2StatusKind kind,
+                                                    fmi2Real *value)
+{
+    struct instance *it = c;
+    if (it == NULL) return fmi2Error;
+    if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
+    if (!instance_given(it, "fmi2GetRealStatus", "value", value)) return fmi2Error;
+    *value = it->now.time;
+    return fmi2OK;
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetIntegerStatus)(fmi2Component c,
+                                                       const fmi2StatusKind kind IGNORED,
+                                                       fmi2Integer *value IGNORED)
+{
+    return c == NULL ? fmi2Error : fmi2Discard;
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetBooleanStatus)(fmi2Component c, const fmi2StatusKind kind,
+                                                       fmi2Boolean *value)
+{
+    struct instance *it = c;
+    if (it == NULL) return fmi2Error;
+    if (kind != fmi2Terminated) return fmi2Discard;
+    if (!instance_given(it, "fmi2GetBooleanStatus", "value", value)) return fmi2Error;
+    *value = 0;
+    return fmi2OK;
+}
+
+STICKSLIP_EXPORT fmi2Status FMI2(fmi2GetStringStatus)(fmi2Component c,
+                                                       const fmi2StatusKind kind IGNORED,
+                                                      fmi2String *value IGNORED)
+{
+    return c == NULL ? fmi2Error : fmi2Discard;
+}

@@ -1,0 +1,521 @@
+/* What both FMI versions share: see the header. */
+#include "instance.h"
+
+#include "bytes.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const PHASE_NAMES[PHASES] = {"instantiated", "initialization", "stepping",
+                                                "terminated"};
+
+/* A state that the simulator holds, or held: its mark is that of the FMU, or the complement. */
+struct state {
+    uint64_t mark;
+    struct state *next; /* of the freed ones, from the oldest on */
+    struct situation kept;
+};
+
+/* Messages. */
+
+void instance_tell(const struct instance *it, enum status status, const char *text)
+{
+    const bool warning = status == STATUS_WARNING;
+    if (it->logger == NULL || !(warning ? it->logs_warnings : it->logs_errors)) return;
+    it->version->log(it, status, warning ? "logStatusWarning" : "logStatusError", text);
+}
+
+bool instance_fail(struct instance *it, const char *reason)
+{
+    if (!it->failed) {
+        it->failed = true;
+        it->ready = false;
+        snprintf(it->fault, sizeof it->fault, "%s", reason);
+    }
+    instance_tell(it, STATUS_ERROR, it->fault);
+    return false;
+}
+
+/* Whether the instance can be called: it is none that failed. */
+static bool sound(struct instance *it)
+{
+    if (it == NULL) return false;
+    return it->failed ? instance_fail(it, it->fault) : true;
+}
+
+static bool refuse(struct instance *it, enum refusal refusal, double time, double step)
+{
+    char reason[MESSAGE_SIZE];
+    refusal_text(refusal, &it->now.values, time, step, reason);
+    return instance_fail(it, reason);
+}
+
+static bool require(struct instance *it, enum phase phase, const char *call)
+{
+    char reason[MESSAGE_SIZE];
+    if (it->now.phase == phase) return true;
+    snprintf(reason, sizeof reason, "%s is not allowed here: the instance is in phase %s", call,
+             PHASE_NAMES[it->now.phase]);
+    return instance_fail(it, reason);
+}
+
+bool instance_absent(struct instance *it, const char *call)
+{
+    char reason[MESSAGE_SIZE];
+    if (!sound(it)) return false;
+    snprintf(reason, sizeof reason,
+             "%s is not allowed here: this is co-simulation without event mode", call);
+    return instance_fail(it, reason);
+}
+
+bool instance_unsupported(const struct instance *it, const char *call)
+{
+    char reason[MESSAGE_SIZE];
+    if (it == NULL) return false;
+    snprintf(reason, sizeof reason, "FMI function not supported: %s", call);
+    instance_tell(it, STATUS_ERROR, reason);
+    return false;
+}
+
+bool instance_given(struct instance *it, const char *call, const char *name, const void *argument)
+{
+    char reason[MESSAGE_SIZE];
+    if (argument != NULL) return true;
+    snprintf(reason, sizeof reason, "%s: %s is NULL", call, name);
+    return instance_fail(it, reason);
+}
+
+bool instance_log(struct instance *it, const char *call, bool on, size_t count,
+                  const char *const categories[])
+{
+    bool warnings = on && count == 0, errors = on && count == 0;
+    if (it == NULL) return false;
+    if (count > 0 && !instance_given(it, call, "categories", categories)) return false;
+    for (size_t n = 0; n < count; n++) {
+        if (!instance_given(it, call, "a category", categories[n])) return false;
+        const bool all = strcmp(categories[n], "logAll") == 0;
+        if (on && (all || strcmp(categories[n], "logStatusWarning") == 0)) warnings = true;
+        if (on && (all || strcmp(categories[n], "logStatusError") == 0)) errors = true;
+    }
+    it->logs_warnings = warnings;
+    it->logs_errors = errors;
+    return true;
+}
+
+/* Tell the warning of the friction law, unless it was the last one told. */
+static void warn(struct instance *it)
+{
+    char text[MESSAGE_SIZE];
+    const struct settings *values = &it->now.values;
+    if (!LAW.warns(values)) {
+        it->warned = false;
+    } else if (!it->warned || !same_warning(values, &it->warned_of)) {
+        it->warned = true;
+        it->warned_of = *values;
+        warning_text(values, text);
+        instance_tell(it, STATUS_WARNING, text);
+    }
+}
+
+/* Instances and phases. */
+
+static double *value_of(struct settings *settings, const struct row *row)
+{
+    return (double *)((char *)settings + row->offset);
+}
+
+/* Start the block with the values set. */
+static bool start_block(struct instance *it)
+{
+    const enum refusal refused = block_start(&it->now.block, &it->now.values, it->now.time);
+    it->now.settled = refused == ACCEPTED;
+    return it->now.settled || refuse(it, refused, 0.0, 0.0);
+}
+
+bool instance_reset(struct instance *it)
+{
+    if (it == NULL) return false;
+    for (int n = 0; n < VARIABLES; n++)
+        if (ROWS[n].settable) *value_of(&it->now.values, &ROWS[n]) = ROWS[n].start;
+    it->now.time = 0.0;
+    it->now.phase = INSTANTIATED;
+    it->ready = it->failed = it->warned = false;
+    return start_block(it);
+}
+
+struct instance *instance_make(const struct version *version, const char *call, const char *name,
+                               const char *identity, const char *identity_given,
+                               void (*logger)(void), void *environment)
+{
+    char reason[MESSAGE_SIZE];
+    const struct instance none = {
+        .version = version,
+        .logger = logger,
+        .environment = environment,
+        .name = name == NULL ? "" : name,
+        .logs_warnings = true,
+        .logs_errors = true,
+    };
+    const size_t length = strlen(none.name) + 1;
+    struct instance *made = NULL;
+
+    if (name == NULL) {
+        snprintf(reason, sizeof reason, "%s: the instance name is NULL", call);
+    } else if (identity_given == NULL) {
+        snprintf(reason, sizeof reason, "%s: the %s is NULL", call, version->identity_name);
+    } else if (strcmp(identity_given, identity) != 0) {
+        snprintf(reason, sizeof reason, "%s: the %s is %.80s, and that of this FMU is %.80s", call,
+                 version->identity_name, identity_given, identity);
+    } else {
+        snprintf(reason, sizeof reason, "%s: out of memory", call);
+        made = calloc(1, sizeof *made + length);
+    }
+    if (made == NULL) {
+        instance_tell(&none, STATUS_ERROR, reason);
+        return NULL;
+    }
+    *made = none;
+    made->name = memcpy(made + 1, none.name, length);
+    made->mark = hash_of(identity, strlen(identity));
+    instance_reset(made);
+    return made;
+}
+
+void instance_free(struct instance *it)
+{
+    if (it == NULL) return;
+    while (it->oldest_freed != NULL) {
+        struct state *state = it->oldest_freed;
+        it->oldest_freed = state->next;
+        free(state);
+    }
+    free(it);
+}
+
+bool instance_set_start(struct instance *it, double start_time)
+{
+    char number[NUMBER_SIZE], reason[MESSAGE_SIZE];
+    if (!sound(it)) return false;
+    if (!isfinite(start_time)) {
+        number_text(start_time, number);
+        snprintf(reason, sizeof reason, "start time = %s s is out of range: a finite number",
+                 number);
+        return instance_fail(it, reason);
+    }
+    if (!require(it, INSTANTIATED, "setupExperiment")) return false;
+    it->now.time = start_time;
+    it->now.settled = false;
+    return true;
+}
+
+bool instance_enter_initialization(struct instance *it)
+{
+    if (!sound(it) || !require(it, INSTANTIATED, "enterInitializationMode")) return false;
+    it->now.phase = INITIALIZATION;
+    return true;
+}
+
+bool instance_exit_initialization(struct instance *it)
+{
+    if (!sound(it) || !require(it, INITIALIZATION, "exitInitializationMode")) return false;
+    if (!start_block(it)) return false;
+    it->now.phase = STEPPING;
+    warn(it);
+    return true;
+}
+
+bool instance_terminate(struct instance *it)
+{
+    if (!sound(it)) return false;
+    it->now.phase = TERMINATED;
+    it->ready = false;
+    return true;
+}
+
+/* Check the phase and warn; no call but another one between two steps can change either. */
+static bool prepare_step(struct instance *it)
+{
+    if (!sound(it) || !require(it, STEPPING, "doStep")) return false;
+    warn(it);
+    it->ready = true;
+    return true;
+}
+
+bool instance_step(struct instance *it, double time, double step, bool starts)
+{
+    if (it == NULL) return false;
+    if (!it->ready) {
+        if (!prepare_step(it)) return false;
+        if (starts) block_date_start(&it->now.block, time);
+    }
+    const enum refusal refused = block_advance(&it->now.block, time, step);
+    if (refused != ACCEPTED) return refuse(it, refused, time, step);
+    it->now.time = time + step;
+    return true;
+}
+
+/* Values. */
+
+static enum sort sort_of(const struct row *row)
+{
+    if (row->enumeration) return SORT_ENUMERATION;
+    return row->kind == REAL ? SORT_REAL : row->kind == INTEGER ? SORT_INTEGER : SORT_BOOLEAN;
+}
+
+/* Whether there is a variable with this reference, and of this type. */
+static bool has(const struct type *type, uint32_t reference)
+{
+    return reference < VARIABLES && (type->sorts >> sort_of(&ROWS[reference]) & 1u) != 0;
+}
+
+static bool is_time(const struct type *type, uint32_t reference)
+{
+    return type->has_time && reference == VARIABLES;
+}
+
+static bool refuse_reference(struct instance *it, const struct type *type, uint32_t reference)
+{
+    char reason[MESSAGE_SIZE];
+    if (reference < VARIABLES)
+        snprintf(reason, sizeof reason, "%s is of type %s, not %s", ROWS[reference].name,
+                 it->version->names[sort_of(&ROWS[reference])], type->name);
+    else
+        snprintf(reason, sizeof reason, "there is no variable with value reference %lu",
+                 (unsigned long)reference);
+    return instance_fail(it, reason);
+}
+
+/* Refuse to read: for a reference, or where all can be read for what the block says. */
+static bool refuse_get(struct instance *it, const struct type *type, const uint32_t references[],
+                       size_t count, enum refusal refusal)
+{
+    for (size_t n = 0; n < count; n++)
+        if (!has(type, references[n]) && !is_time(type, references[n]))
+            return refuse_reference(it, type, references[n]);
+    return refuse(it, refusal, 0.0, 0.0);
+}
+
+/* Check the lists of a call. */
+static bool lists(struct instance *it, const char *call, const uint32_t references[], size_t count,
+                  const void *values, size_t value_count)
+{
+    char reason[MESSAGE_SIZE];
+    if (count > 0 && !instance_given(it, call, "the list of value references", references))
+        return false;
+    if (value_count > 0 && !instance_given(it, call, "the list of values", values)) return false;
+    if (count == value_count) return true;
+    snprintf(reason, sizeof reason, "%lu value references came with %lu values",
+             (unsigned long)count, (unsigned long)value_count);
+    return instance_fail(it, reason);
+}
+
+bool instance_begin_get(struct instance *it, const char *call, const struct type *type,
+                        const uint32_t references[], size_t count, const void *values,
+                        size_t value_count)
+{
+    if (!sound(it) || !lists(it, call, references, count, values, value_count)) return false;
+    if (!it->now.settled && !start_block(it)) return false;
+    if (!it->now.block.stale) return true;
+    const enum refusal refused = block_refresh(&it->now.block);
+    return refused == ACCEPTED || refuse_get(it, type, references, count, refused);
+}
+
+bool instance_get(struct instance *it, const struct type *type, const uint32_t references[],
+                  size_t count, size_t position, double *value)
+{
+    const uint32_t reference = references[position];
+    enum refusal refused = ACCEPTED;
+    if (has(type, reference)) {
+        refused = block_read(&it->now.block, (enum reference)reference, value);
+        if (refused == ACCEPTED) return true;
+    } else if (is_time(type, reference)) {
+        *value = it->now.time;
+        return true;
+    }
+    return refuse_get(it, type, references, count, refused);
+}
+
+bool instance_begin_set(struct instance *it, const char *call, const struct type *type,
+                        const uint32_t references[], size_t count, const void *values,
+                        size_t value_count)
+{
+    if (!sound(it)) return false;
+    if (count > 0 && !instance_given(it, call, "the list of value references", references))
+        return false;
+    if (type->has_time)
+        for (size_t n = 0; n < count; n++)
+            if (is_time(type, references[n]))
+                return instance_fail(it, "time is the independent variable: it cannot be set");
+    return lists(it, call, references, count, values, value_count);
+}
+
+bool instance_set(struct instance *it, const struct type *type, uint32_t reference, double value)
+{
+    if (!has(type, reference)) return refuse_reference(it, type, reference);
+    char reason[MESSAGE_SIZE];
+    const struct row *row = &ROWS[reference];
+    const bool stepping = it->now.phase == STEPPING;
+    double *kept = value_of(&it->now.values, row);
+
+    if (it->now.phase == TERMINATED) {
+        snprintf(reason, sizeof reason, "%s cannot be set: the simulation is terminated",
+                 row->name);
+        return instance_fail(it, reason);
+    }
+    if (!row->settable) {
+        /* Before the start an importer may write back the start values that it read. */
+        if (!stepping && row->has_start && value == row->start) return true;
+        snprintf(reason, sizeof reason, "%s is an output: it cannot be set", row->name);
+        return instance_fail(it, reason);
+    }
+    if (stepping && row->fixed) {
+        if (value == *kept) return true;
+        snprintf(reason, sizeof reason, "%s is fixed: it cannot change after initialization",
+                 row->name);
+        return instance_fail(it, reason);
+    }
+    if (!in_range(row, value)) {
+        range_text(row, value, reason);
+        return instance_fail(it, reason);
+    }
+    if (!stepping) {
+        *kept = value;
+        it->now.settled = false;
+    } else if (value != *kept) {
+        *kept = value;
+        block_set(&it->now.block, (enum reference)reference, value);
+    }
+    return true;
+}
+
+bool instance_end_set(struct instance *it)
+{
+    if (it->now.phase != STEPPING) return true;
+    /* Whether there is something to warn of shows when all values for a step are set. */
+    it->ready = false;
+    const enum refusal refused = block_check(&it->now.block);
+    return refused == ACCEPTED || refuse(it, refused, 0.0, 0.0);
+}
+
+/* States. */
+
+static bool is_live(const struct instance *it, const void *handle)
+{
+    const struct state *state = handle;
+    return state != NULL && state->mark == it->mark;
+}
+
+static bool is_freed(const struct instance *it, const void *handle)
+{
+    const struct state *state = handle;
+    return state != NULL && state->mark == ~it->mark;
+}
+
+/* Take the longest freed state off the list. */
+static struct state *oldest_freed(struct instance *it)
+{
+    struct state *state = it->oldest_freed;
+    it->oldest_freed = state->next;
+    if (state->next == NULL) it->newest_freed = NULL;
+    it->freed--;
+    return state;
+}
+
+/* Put a situation where a handle points, or into a new state if it points to none. */
+static bool keep(struct instance *it, const char *call, const struct situation *situation,
+                 void **handle)
+{
+    char reason[MESSAGE_SIZE];
+    struct state *state = *handle;
+    if (!is_live(it, state))
+        state = it->freed < MOST_FREED ? malloc(sizeof *state) : oldest_freed(it);
+    if (state == NULL) {
+        snprintf(reason, sizeof reason, "%s: out of memory", call);
+        return instance_fail(it, reason);
+    }
+    state->mark = it->mark;
+    state->next = NULL;
+    state->kept = *situation;
+    *handle = state;
+    return true;
+}
+
+/* Whether a handle is a state that lives; `done` with it is what the call was to do. */
+static bool held(struct instance *it, const char *done, const void *handle)
+{
+    char reason[MESSAGE_SIZE];
+    if (is_live(it, handle)) return true;
+    snprintf(reason, sizeof reason, "the state to %s is none that this FMU handed out", done);
+    return instance_fail(it, reason);
+}
+
+bool instance_get_state(struct instance *it, const char *call, void **handle)
+{
+    return sound(it) && instance_given(it, call, "the pointer to the state", handle) &&
+           keep(it, call, &it->now, handle);
+}
+
+bool instance_set_state(struct instance *it, const void *handle)
+{
+    if (!sound(it) || !held(it, "set", handle)) return false;
+    it->now = ((const struct state *)handle)->kept;
+    it->ready = false;
+    return true;
+}
+
+bool instance_free_state(struct instance *it, const char *call, void **handle)
+{
+    if (it == NULL || !instance_given(it, call, "the pointer to the state", handle)) return false;
+    if (*handle != NULL && !is_freed(it, *handle)) {
+        if (!held(it, "free", *handle)) return false;
+        struct state *state = *handle;
+        state->mark = ~it->mark;
+        state->next = NULL;
+        if (it->newest_freed == NULL)
+            it->oldest_freed = state;
+        else
+            it->newest_freed->next = state;
+        it->newest_freed = state;
+        if (++it->freed > MOST_FREED) free(oldest_freed(it));
+    }
+    *handle = NULL;
+    return true;
+}
+
+bool instance_state_size(struct instance *it, const char *call, const void *handle, size_t *size)
+{
+    if (it == NULL || !held(it, "serialize", handle) || !instance_given(it, call, "size", size))
+        return false;
+    *size = bytes_count();
+    return true;
+}
+
+bool instance_write_state(struct instance *it, const char *call, const void *handle,
+                          unsigned char *bytes, size_t size)
+{
+    char reason[MESSAGE_SIZE];
+    if (it == NULL || !held(it, "serialize", handle) ||
+        !instance_given(it, call, "the list of bytes", bytes))
+        return false;
+    if (size < bytes_count()) {
+        snprintf(reason, sizeof reason, "a state has %lu bytes, and there is room for %lu",
+                 (unsigned long)bytes_count(), (unsigned long)size);
+        return instance_fail(it, reason);
+    }
+    bytes_write(&((const struct state *)handle)->kept, bytes);
+    return true;
+}
+
+bool instance_read_state(struct instance *it, const char *call, const unsigned char *bytes,
+                         size_t size, void **handle)
+{
+    char reason[MESSAGE_SIZE];
+    struct situation situation;
+    if (it == NULL || !instance_given(it, call, "the pointer to the state", handle) ||
+        !instance_given(it, call, "the list of bytes", bytes))
+        return false;
+    if (!bytes_read(bytes, size, &situation, reason)) return instance_fail(it, reason);
+    return keep(it, call, &situation, handle);
+}

@@ -1,0 +1,19 @@
+/* Everything that a later call depends on: what a state of an instance holds. */
+#ifndef STICKSLIP_SITUATION_H
+#define STICKSLIP_SITUATION_H
+
+#include "block.h"
+
+#include <stdbool.h>
+
+enum phase { INSTANTIATED, INITIALIZATION, STEPPING, TERMINATED, PHASES };
+
+struct situation {
+    struct block block;
+    struct settings values; /* as last set: before the start of the block they are not in it */
+    double time;            /* the start time, or the end of the last step [s] */
+    enum phase phase;
+    bool settled; /* whether the block was started from `values` */
+};
+
+#endif

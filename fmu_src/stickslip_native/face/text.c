@@ -1,0 +1,205 @@
+/* Texts of numbers, refusals and warnings: see the header. */
+#include "text.h"
+
+#include "block.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Digits that tell any two doubles apart. */
+enum { MOST_DIGITS = 17 };
+
+/* Powers of ten between which a number is written without an exponent: 1e-4 up to below 1e16. */
+enum { SMALLEST_FIXED = -4, BEYOND_FIXED = 16 };
+
+/* digits[0].digits[1]... times ten to the power of `exponent`. */
+struct decimal {
+    char digits[MOST_DIGITS + 1];
+    int count, exponent;
+};
+
+/* Round a finite number above 0 to `count` digits.
+ *
+ * The decimal point of printf is that of the locale, so whatever is no digit is passed over. */
+static struct decimal rounded(double value, int count)
+{
+    struct decimal made = {"", count, 0};
+    char text[64];
+    const char *next = text;
+    int found = 0;
+
+    snprintf(text, sizeof text, "%.*e", count - 1, value);
+    for (; *next != '\0' && *next != 'e'; next++)
+        if (*next >= '0' && *next <= '9' && found < count)
+            made.digits[found++] = *next;
+    made.exponent = *next == 'e' ? atoi(next + 1) : 0;
+    return made;
+}
+
+/* The next larger decimal of as many digits. */
+static struct decimal next_larger(struct decimal it)
+{
+    int place = it.count - 1;
+
+    while (place >= 0 && it.digits[place] == '9')
+        it.digits[place--] = '0';
+    if (place >= 0) {
+        it.digits[place]++;
+    } else {
+        it.digits[0] = '1';
+        it.exponent++;
+    }
+    return it;
+}
+
+/* The double nearest to a decimal. The text that is read has no decimal point, which would depend
+ * on the locale. */
+static double read_back(const struct decimal *it)
+{
+    char text[64];
+
+    snprintf(text, sizeof text, "%se%d", it->digits, it->exponent - (it->count - 1));
+    return strtod(text, NULL);
+}
+
+/* The shortest decimal that reads back as a finite number above 0. */
+static struct decimal shortest(double value)
+{
+    int exponent, count;
+    struct decimal it;
+    /* Below a power of two doubles lie closer than above it: there the decimal nearest to the
+     * number may read back as another double, and the next larger one as this. */
+    bool power_of_two = frexp(value, &exponent) == 0.5;
+
+    for (count = 1; count < MOST_DIGITS; count++) {
+        it = rounded(value, count);
+        if (read_back(&it) == value)
+            return it;
+        if (power_of_two) {
+            it = next_larger(it);
+            if (read_back(&it) == value)
+                return it;
+        }
+    }
+    return rounded(value, MOST_DIGITS);
+}
+
+void number_text(double value, char text[NUMBER_SIZE])
+{
+    struct decimal it;
+    size_t size = NUMBER_SIZE;
+    const char *sign = signbit(value) ? "-" : "";
+    int before;
+
+    if (isnan(value)) {
+        snprintf(text, size, "nan");
+    } else if (isinf(value)) {
+        snprintf(text, size, "%sinf", sign);
+    } else if (value == 0.0) {
+        snprintf(text, size, "%s0.0", sign);
+    } else {
+        it = shortest(fabs(value));
+        before = it.exponent + 1; /* digits before the decimal point */
+        if (it.exponent < SMALLEST_FIXED || it.exponent >= BEYOND_FIXED)
+            snprintf(text, size, "%s%c%s%se%c%02d", sign, it.digits[0], it.count > 1 ? "." : "",
+                     it.digits + 1, it.exponent < 0 ? '-' : '+', abs(it.exponent));
+        else if (before <= 0)
+            snprintf(text, size, "%s0.%.*s%s", sign, -before, "0000", it.digits);
+        else if (before < it.count)
+            snprintf(text, size, "%s%.*s.%s", sign, before, it.digits, it.digits + before);
+        else
+            snprintf(text, size, "%s%s%.*s.0", sign, it.digits, before - it.count,
+                     "0000000000000000");
+    }
+}
+
+bool in_range(const struct row *row, double value)
+{
+    return isfinite(value) && (!row->has_minimum || value >= row->minimum) &&
+           (!row->has_maximum || value <= row->maximum);
+}
+
+void range_text(const struct row *row, double value, char text[MESSAGE_SIZE])
+{
+    char number[NUMBER_SIZE];
+    /* "Above 0" means the smallest number with all its digits: subnormal ones have lost some. */
+    bool subnormal = row->has_minimum && row->minimum == DBL_MIN && value > 0.0 && value < DBL_MIN;
+
+    number_text(value, number);
+    snprintf(text, MESSAGE_SIZE, "%s = %s%s%s is out of range: it must be %s%s", row->name, number,
+             row->unit[0] == '\0' ? "" : " ", row->unit, row->range,
+             subnormal ? ", at least 2.23e-308" : "");
+}
+
+void refusal_text(enum refusal refusal, const struct settings *settings, double time, double step,
+                  char text[MESSAGE_SIZE])
+{
+    char one[NUMBER_SIZE], two[NUMBER_SIZE], three[NUMBER_SIZE];
+
+    switch (refusal) {
+    case LIFTED_OFF:
+        number_text(settings->load, one);
+        number_text(-(settings->m * settings->g), two);
+        snprintf(text, MESSAGE_SIZE,
+                 "load = %s N is out of range: it must be at least -m g = %s N, "
+                 "or the mass lifts off",
+                 one, two);
+        break;
+    case RATES_OUT_OF_RANGE:
+        number_text(settings->k, one);
+        number_text(settings->m, two);
+        number_text(settings->c, three);
+        snprintf(text, MESSAGE_SIZE,
+                 "k = %s N/m, m = %s kg, c = %s N.s/m are out of range together: "
+                 "their rates leave the range of double-precision numbers",
+                 one, two, three);
+        break;
+    case STEP_OUT_OF_RANGE:
+        number_text(step, one);
+        snprintf(text, MESSAGE_SIZE, "step size h = %s s is out of range: above 0 and finite", one);
+        break;
+    case TIME_OUT_OF_RANGE:
+        number_text(time, one);
+        snprintf(text, MESSAGE_SIZE,
+                 "communication point t = %s s is out of range: a finite number", one);
+        break;
+    case TOO_MANY_TRANSITIONS:
+        number_text(step, one);
+        snprintf(text, MESSAGE_SIZE,
+                 "step size h = %s s is out of range: it holds more than %d transitions between "
+                 "stick and slip; make it shorter",
+                 one, MOST_TRANSITIONS);
+        break;
+    case NO_SUCH_STATE:
+        snprintf(text, MESSAGE_SIZE, "the saved state has values that no block reaches");
+        break;
+    case NOT_FINITE:
+    case ACCEPTED:
+    default:
+        snprintf(text, MESSAGE_SIZE,
+                 "the motion or its forces leave the range of double-precision numbers");
+        break;
+    }
+}
+
+void warning_text(const struct settings *settings, char text[MESSAGE_SIZE])
+{
+    char one[NUMBER_SIZE], two[NUMBER_SIZE];
+
+    number_text(settings->mu_k, one);
+    number_text(settings->mu_s, two);
+    snprintf(text, MESSAGE_SIZE,
+             "mu_k = %s is above mu_s = %s: "
+             "mu_k is clamped to max(mu_s - 0.01, 0), see mu_k_used",
+             one, two);
+}
+
+bool same_warning(const struct settings *one, const struct settings *other)
+{
+    /* The texts of 0.0 and -0.0 differ, so the bits are compared. */
+    return memcmp(&one->mu_k, &other->mu_k, sizeof one->mu_k) == 0 &&
+           memcmp(&one->mu_s, &other->mu_s, sizeof one->mu_s) == 0;
+}

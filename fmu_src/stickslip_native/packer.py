@@ -1,0 +1,153 @@
+"""Builds the native FMU: its description, a library for each platform, and their C sources."""
+
+import hashlib
+from pathlib import Path
+from typing import Dict, List, Literal, Mapping, Optional
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+from fmukit.description import LOG_CATEGORIES, identity
+from fmukit.fmi2 import description as fmi2
+from fmukit.fmi3 import description as fmi3
+from fmukit.packer import write_archive
+from stickslip_fmu.spec import SPEC
+
+from .compiler import FLAGS, Compiler, compiler_for
+from .platforms import Platform, universal
+from .table import table_files
+
+_HERE = Path(__file__).parent
+_OTHER_FACE = {2: "fmi3", 3: "fmi2"}
+
+_IDENTITY = """\
+/* The identity of the FMU, made from its content: the GUID of FMI 2.0, the token of FMI 3.0. */
+#define STICKSLIP_IDENTITY "{identity}"
+"""
+
+_LOG_CATEGORIES = {**LOG_CATEGORIES, "logStatusError": "A call was refused, and why."}
+
+
+def build(
+    destination: Path,
+    parts: Optional[Mapping[str, bytes]] = None,
+    face: Literal[2, 3] = 2,
+    this_machine: bool = False,
+) -> Path:
+    """Build the native FMU.
+
+    Parameters
+    ----------
+    destination
+        The file to write, ending in .fmu, or the folder that gets StickSlip_native.fmu, and for
+        FMI 3.0 StickSlip_native_fmi3.fmu. Folders are made. What was there stays until the new file
+        is whole.
+    parts
+        Files that travel beside what is built here, such as documentation/index.html, by their
+        path in the FMU.
+    face
+        The major version of FMI.
+    this_machine
+        Whether `cc` compiles for this machine alone, and not Zig for all platforms.
+
+    Returns
+    -------
+    Path
+        The file that was written.
+
+    Raises
+    ------
+    CompilerError
+        If the compiler is missing or fails.
+    OSError
+        If the FMU cannot be written.
+    ValueError
+        If SOURCE_DATE_EPOCH is set to something else than whole seconds.
+    """
+    compiler = compiler_for(this_machine)
+    file_name = f"{SPEC.name}_native.fmu" if face == 2 else f"{SPEC.name}_native_fmi3.fmu"
+    target = destination if destination.suffix == ".fmu" else destination / file_name
+    sources = sources_of(face)
+    entries = {
+        "modelDescription.xml": description(face, sources),
+        **{f"sources/{name}": content for name, content in sources.items()},
+        **libraries(face, sources, compiler),
+        **(parts or {}),
+    }
+    if face == 3:
+        entries["sources/buildDescription.xml"] = _build_description(sources)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    write_archive(entries, target)
+    return target
+
+
+def sources_of(face: Literal[2, 3]) -> Dict[str, bytes]:
+    """Return the C sources of the FMU by name; they lie in one folder.
+
+    Among them are those made from the table, and identity.h with the FMU's identity.
+    """
+    found: Dict[str, bytes] = {name: text.encode() for name, text in table_files(SPEC).items()}
+    for file in sorted([*_HERE.glob("core/*.[ch]"), *_HERE.glob("face/*.[ch]")]):
+        if not file.name.startswith(_OTHER_FACE[face]):
+            if file.name in found:
+                raise ValueError(f"two C sources have the name {file.name}")
+            found[file.name] = file.read_bytes()
+    found["identity.h"] = _IDENTITY.format(identity=_identity(face, found)).encode()
+    return found
+
+
+def libraries(
+    face: Literal[2, 3], sources: Mapping[str, bytes], compiler: Compiler
+) -> Dict[str, bytes]:
+    """Return the libraries of the FMU by their path in it; raises CompilerError.
+
+    Those of one folder become one universal library.
+    """
+    files: Dict[str, Dict[Platform, bytes]] = {}
+    for each in compiler.platforms:
+        built = compiler.library(sources, SPEC.name, each)
+        for folder in each.folders(face):
+            files.setdefault(f"binaries/{folder}/{SPEC.name}{each.suffix}", {})[each] = built
+    return {
+        file: universal(libraries) if len(libraries) > 1 else next(iter(libraries.values()))
+        for file, libraries in files.items()
+    }
+
+
+def description(face: Literal[2, 3], sources: Mapping[str, bytes]) -> bytes:
+    """Return modelDescription.xml of the FMU with these sources."""
+    maker = f"stickslip {SPEC.version}"
+    own = _identity(face, sources)
+    if face == 2:
+        compiled = tuple(_compiled(sources))
+        root = fmi2.model_description(SPEC, own, maker, _LOG_CATEGORIES, compiled)
+    else:
+        root = fmi3.model_description(SPEC, own, maker, _LOG_CATEGORIES)
+    return _text_of(root)
+
+
+def _identity(face: Literal[2, 3], sources: Mapping[str, bytes]) -> str:
+    """Return the GUID or token, which is made from sources, FMI version and compiler options."""
+    digest = hashlib.sha256(f"FMI {face} {' '.join(FLAGS)}".encode())
+    for name in sorted(sources.keys() - {"identity.h"}):
+        digest.update(f"\0{name}\0{len(sources[name])}\0".encode() + sources[name])
+    return identity(digest.hexdigest())
+
+
+def _compiled(sources: Mapping[str, bytes]) -> List[str]:
+    return sorted(name for name in sources if name.endswith(".c"))
+
+
+def _build_description(sources: Mapping[str, bytes]) -> bytes:
+    """Return sources/buildDescription.xml of FMI 3.0."""
+    root = Element("fmiBuildDescription", {"fmiVersion": "3.0"})
+    configuration = SubElement(root, "BuildConfiguration", {"modelIdentifier": SPEC.name})
+    together = SubElement(configuration, "SourceFileSet", {"language": "C99"})
+    for each in _compiled(sources):
+        SubElement(together, "SourceFile", {"name": each})
+    return _text_of(root)
+
+
+def _text_of(root: Element) -> bytes:
+    ElementTree.indent(root)
+    text = ElementTree.tostring(root, encoding="unicode")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()
