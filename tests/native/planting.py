@@ -143,7 +143,7 @@ class Planter:
             planted = self._folder / f"{target.stem}-fault.o"
             _run("cc", *_FLAGS, f"-I{self._folder}", "-c", fault.source, "-o", planted)
             objects.append(planted)
-        _run("cc", "-shared", "-Wl,-Bsymbolic", *objects, "-o", target, "-lm")
+        _run("cc", "-shared", "-Wl,-Bsymbolic,--no-undefined", *objects, "-o", target, "-lm")
         return target
 
     def names(self) -> Mapping[str, Sequence[str]]:

@@ -1,6 +1,6 @@
 """One check of the verification suite at one place, tried on many FMU files by one process."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -85,6 +85,7 @@ class Suite:
     def differing(self, library: Path, count: int) -> list[str]:
         """Return where a library first differs from the Python block in so many sequences."""
         (answer,) = self._pool.each(_differing, [(library, count)])
+        assert not answer.late, answer.failure
         found = answer.failure or answer.value
         return [found] if found else []
 
@@ -118,8 +119,12 @@ def _trials(manner: str, count: int) -> Sequence[Trial]:
 
 
 def _on(fmu: Path, task: Any, *arguments: Any) -> Answer[Any]:
+    return _answer(lambda: task(FmuFile(fmu), *arguments))
+
+
+def _answer(function: Callable[[], Any]) -> Answer[Any]:
     try:
-        return Answer(task(FmuFile(fmu), *arguments))
+        return Answer(function())
     except NotApplicableError as error:
         return Answer(not_applicable=str(error))
     except Exception as error:
@@ -143,4 +148,4 @@ def _probe(file: FmuFile, probe: str, arguments: Any) -> list[str]:
 
 
 def _differing(library: Path, count: int) -> Answer[str]:
-    return Answer(first_difference(Core(library), range(count)))
+    return _answer(lambda: first_difference(Core(library), range(count)))

@@ -1,6 +1,6 @@
 /* The heat of damping leaves out the integral of the squared impulse response.
  * replaces: oscillator_squares
- * detected by: Q_friction-course in damped-cycle
+ * detected by: equal-bits in 100 sequences
  */
 #include "oscillator.h"
 

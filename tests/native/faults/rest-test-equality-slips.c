@@ -1,6 +1,6 @@
 /* The mass breaks away when the force equals the break-away force, without exceeding it.
  * replaces: direction_from_rest
- * detected by: n_slips-course in just-above-critical
+ * detected by: equal-bits in 100 sequences
  */
 #include "sticking.h"
 

@@ -1,6 +1,6 @@
 /* The rest test after a change compares with kinetic friction.
  * replaces: sticking_hold
- * detected by: onset-beyond-break-away in load-pulses
+ * detected by: mode-course in load-drops-at-rest
  */
 #include "sticking.h"
 

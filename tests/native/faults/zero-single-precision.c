@@ -1,6 +1,6 @@
 /* The end of a slip is found in single precision, as on a controller.
  * replaces: falling_zero
- * detected by: t_slip-course in damped-cycle
+ * detected by: t_slip-course in reversals-damped
  */
 #include "numerics.h"
 
