@@ -1,8 +1,11 @@
 """One check of the verification suite at one place, tried on many FMU files by one process."""
 
+import ctypes
+from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
+from random import Random
 from typing import Any
 
 from stickslip_verification.drive import workers
@@ -21,6 +24,8 @@ from stickslip_verification.suite.cases import CASES_FOLDER, load_case
 from stickslip_verification.suite.invariants import Invariants, load_invariants
 from stickslip_verification.suite.sequences import SEED, draw_sequences
 from tests.native.core import Core
+from tests.native.fuzz.damage import taken
+from tests.native.fuzz.player import findings, opened
 from tests.native.test_native_bits import first_difference
 
 _NO_REFERENCE: Answer[Run] = Answer(not_applicable="the FMU alone is judged")
@@ -84,10 +89,24 @@ class Suite:
 
     def differing(self, library: Path, count: int) -> list[str]:
         """Return where a library first differs from the Python block in so many sequences."""
-        (answer,) = self._pool.each(_differing, [(library, count)])
+        return self._told(_differing, library, count)
+
+    def call_sequences(self, folder: Path, guid: str, count: int) -> list[str]:
+        """Return the first objection in so many random sequences of calls to an unpacked FMU."""
+        return self._told(_call_sequences, folder, guid, count)
+
+    def damaged_states(self, folder: Path, guid: str) -> list[str]:
+        """Return which damaged states an unpacked FMU takes."""
+        return self._told(_damaged_states, folder, guid)
+
+    def texts(self, library: Path) -> list[str]:
+        """Return numbers whose text is not that of Python."""
+        return self._told(_texts, library)
+
+    def _told(self, task: Any, *arguments: Any) -> list[str]:
+        (answer,) = self._pool.each(task, [arguments])
         assert not answer.late, answer.failure
-        found = answer.failure or answer.value
-        return [found] if found else []
+        return [answer.failure] if answer.failure else list(answer.value)
 
     def _ask(self, fmu: Path, task: Any, arguments: Sequence[tuple[Any, ...]]) -> list[Any]:
         asked = [(fmu, task, *each) for each in arguments]
@@ -105,9 +124,7 @@ def _baseline(case_id: str, check: str) -> Baseline:
     exact = workers.exact(case)
     assert exact.value is not None, exact.failure
     holding = [
-        each
-        for each in _invariants().only({check}).residuals
-        if applies(each, case, exact.value)
+        each for each in _invariants().only({check}).residuals if applies(each, case, exact.value)
     ]
     return Baseline(case, exact, _NO_REFERENCE, holding, ())
 
@@ -147,5 +164,35 @@ def _probe(file: FmuFile, probe: str, arguments: Any) -> list[str]:
     return PROBES[probe](file, **arguments)
 
 
-def _differing(library: Path, count: int) -> Answer[str]:
-    return _answer(lambda: first_difference(Core(library), range(count)))
+def _differing(library: Path, count: int) -> Answer[list[str]]:
+    def found() -> list[str]:
+        difference = first_difference(Core(library), range(count))
+        return [] if difference is None else [difference]
+
+    return _answer(found)
+
+
+def _call_sequences(folder: Path, guid: str, count: int) -> Answer[list[str]]:
+    return _answer(lambda: findings(opened(folder, guid), range(count), Counter()))
+
+
+def _damaged_states(folder: Path, guid: str) -> Answer[list[str]]:
+    return _answer(lambda: taken(opened(folder, guid)))
+
+
+def _texts(library: Path) -> Answer[list[str]]:
+    def found() -> list[str]:
+        number_text = ctypes.CDLL(str(library)).number_text
+        number_text.argtypes = [ctypes.c_double, ctypes.c_char_p]
+        text = ctypes.create_string_buffer(48)
+        random = Random(1)
+        values = [2.0**n for n in range(-1074, 1024)]
+        values += [random.uniform(0.0, 10.0) * 10.0 ** random.randint(-30, 30) for _ in range(300)]
+        wrong = []
+        for value in values:
+            number_text(value, text)
+            if text.value.decode() != repr(value):
+                wrong.append(f"{text.value.decode()}, not {value!r}")
+        return wrong
+
+    return _answer(found)
