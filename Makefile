@@ -4,11 +4,30 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify faults test test-bare soak coverage lint prove bench docs docs-check clean
+.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint prove bench docs docs-check clean
 
 verify: $(VENV)/ready
 	$(BIN)/stickslip build --bare
 	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --pack
+
+# The FMU that needs no Python, for this machine: gcc or clang compiles it.
+native: $(VENV)/ready
+	$(BIN)/stickslip build --native --this-machine --bare
+	$(BIN)/stickslip verify --fmu build/StickSlip_native.fmu --pack
+
+# The native FMU for all platforms: its libraries are read, and run as far as this machine can.
+# It installs ziglang, 411 MB, whose first build for Windows takes minutes.
+native-platforms: $(VENV)/ready-with-compiler
+	$(BIN)/python -m pytest --durations 30 tests/native/platforms
+
+# What a user downloads, in dist/: the wheel, each FMU with the verdict on all cases, and checksums.
+dist: $(VENV)/ready-with-compiler
+	rm -rf dist
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+	for options in '' '--fmi 3' '--native' '--native --fmi 3'; do \
+	    $(BIN)/stickslip build --bare -o dist $$options || exit; done
+	for fmu in dist/*.fmu; do $(BIN)/stickslip verify --fmu $$fmu --pack || exit; done
+	cd dist && sha256sum *.fmu *.whl > SHA256SUMS
 
 # The suite on trial as well: every planted fault must fail a check named in advance.
 faults: $(VENV)/ready
@@ -68,7 +87,7 @@ docs-check: $(VENV)/ready
 	$(BIN)/python -m examples.feed_axis study --check
 
 clean:
-	rm -rf build report $(VENV)
+	rm -rf build dist report $(VENV)
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
@@ -79,4 +98,8 @@ $(VENV)/ready: $(VENV)/bin/python pyproject.toml constraints.txt
 
 $(VENV)/ready-to-test: $(VENV)/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,importers,page,pdf]'
+	touch $@
+
+$(VENV)/ready-with-compiler: $(VENV)/ready-to-test
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[native-platforms]'
 	touch $@

@@ -156,6 +156,13 @@ def _compiler() -> None:
         raise LackingError(f"cc: {said.splitlines()[0]}", install)
 
 
+def _zig() -> None:
+    done = _run([sys.executable, "-m", "ziglang", "version"])
+    if done.returncode != 0:
+        cause = f"the package ziglang: {done.stderr.strip().splitlines()[-1]}"
+        raise LackingError(cause, "pip install '.[native]'")
+
+
 def _typescript() -> None:
     install = "apt-get install nodejs npm"
     if lost := [name for name in ("node", "npx") if shutil.which(name) is None]:
@@ -186,6 +193,7 @@ NEEDS = {
     "fmucontainer": Need("the FMU in fmucontainer", _toolbox),
     "fmutool": Need("the FMU by fmutool -check", _toolbox),
     "cc": Need("the FMU in a host written in C, an FMU written in C", _compiler),
+    "zig": Need("the native FMU for all platforms", _zig),
     "libpython": Need("the FMU in a program that is not Python", _libpython),
     "typescript": Need("the types of the page's script", _typescript),
     "browser": Need(

@@ -294,7 +294,9 @@ def add(fmu: Path, parts: Mapping[str, bytes]) -> None:
 
     Raises OSError if it cannot be written; an old file stays then.
     """
-    write_archive({**_entries(fmu), **parts}, fmu)
+    with zipfile.ZipFile(fmu) as archive:
+        entries = {name: archive.read(name) for name in archive.namelist()}
+    write_archive({**entries, **parts}, fmu)
 
 
 def write_archive(entries: Mapping[str, bytes], target: Path) -> None:

@@ -50,18 +50,24 @@ static uint64_t hash_of_names(void)
     return hash;
 }
 
-/* The number of `count` bytes; what is read replaces it. */
-static uint64_t number(struct stream *stream, uint64_t value, size_t count)
+/* A number of `size` bytes, 8 at most; what is read replaces it. Inline, so that the loops have a
+ * fixed length. */
+static inline uint64_t number(struct stream *stream, uint64_t value, size_t size)
 {
-    uint64_t got = value;
-    if (stream->way == READ) got = 0;
-    for (size_t n = 0; n < count; n++) {
-        const size_t place = stream->at + n;
-        if (stream->way == WRITE) stream->to[place] = (unsigned char)(value >> (8 * n) & 0xff);
-        if (stream->way == READ) got |= (uint64_t)stream->from[place] << (8 * n);
+    const size_t at = stream->at;
+    stream->at += size;
+    switch (stream->way) {
+    case WRITE:
+        for (size_t n = 0; n < size; n++)
+            stream->to[at + n] = (unsigned char)(value >> (8 * n) & 0xff);
+        return value;
+    case READ:
+        value = 0;
+        for (size_t n = 0; n < size; n++) value |= (uint64_t)stream->from[at + n] << (8 * n);
+        return value;
+    case COUNT:
+    default: return value;
     }
-    stream->at += count;
-    return got;
 }
 
 static void real(struct stream *stream, double *value)

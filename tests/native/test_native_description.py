@@ -1,0 +1,93 @@
+"""The description of the native FMU: that of the Python FMU, but for who made it, and of what."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal
+from xml.etree import ElementTree
+
+import fmpy
+import pytest
+
+from stickslip_fmu import packer as python_packer
+from stickslip_native import compiler, packer
+from tests.fmu.conformity import CHECKERS, description_of
+from tests.needs import needs
+
+Checker = Callable[[Path], list[str]]
+
+OF_ONE_FMU = {2: {"guid", "generationTool"}, 3: {"instantiationToken", "generationTool"}}
+
+
+def root_of(fmu: Path) -> ElementTree.Element:
+    """Return the root of an FMU's description."""
+    return ElementTree.fromstring(description_of(fmu))
+
+
+def parts_of(root: ElementTree.Element) -> dict[str, str]:
+    """Return the children of a description as text without layout, by tag."""
+    return {
+        child.tag: ElementTree.canonicalize(
+            ElementTree.tostring(child, encoding="unicode"), strip_text=True
+        )
+        for child in root
+    }
+
+
+@needs("cc")
+@pytest.mark.parametrize("face", [2, 3])
+def test_the_description_is_that_of_the_python_fmu(
+    face: Literal[2, 3], request: pytest.FixtureRequest, tmp_path: Path
+) -> None:
+    """Variables, units, types, structure, experiment, annotations and capabilities are the same."""
+    native = root_of(request.getfixturevalue("native_path" if face == 2 else "native3_path"))
+    python = root_of(python_packer.build(tmp_path, face=face))
+    different = {name for name in native.attrib if native.get(name) != python.get(name)}
+    assert different == OF_ONE_FMU[face]
+    assert native.keys() == python.keys()
+    categories = {each.get("name") for each in native.iter("Category")}
+    assert categories == {"logStatusWarning", "logStatusError", "logAll"}
+    for slave in native.iter("CoSimulation"):
+        for sources in slave.findall("SourceFiles"):
+            slave.remove(sources)
+    ours, theirs = parts_of(native), parts_of(python)
+    assert list(ours) == list(theirs)
+    assert {tag for tag in ours if ours[tag] != theirs[tag]} == {"LogCategories"}
+
+
+@needs("cc")
+@pytest.mark.parametrize("checker", CHECKERS)
+def test_checkers_find_nothing(native: Path, checker: Checker) -> None:
+    """The XML schema, fmpy and fmutool have nothing to say of the native FMU."""
+    assert checker(native) == []
+
+
+@needs("cc")
+def test_every_c_file_is_listed(native: Path) -> None:
+    """Importers that compile the sources find all of them in the description."""
+    description = fmpy.read_model_description(str(native), validate=True)
+    (configuration,) = description.buildConfigurations
+    (together,) = configuration.sourceFileSets
+    face: Literal[2, 3] = 2 if description.fmiVersion == "2.0" else 3
+    travelling = packer.sources_of(face)
+    assert set(together.sourceFiles) == {name for name in travelling if name.endswith(".c")}
+    assert f"fmi{face}.c" in together.sourceFiles
+    assert not any(name.startswith(f"fmi{5 - face}") for name in travelling)
+    assert configuration.modelIdentifier == "StickSlip"
+
+
+@needs("cc")
+def test_the_identity_is_made_from_the_content(
+    native_path: Path, native3_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another FMI version, source or compiler option has another GUID, and the C code knows it."""
+    guid = fmpy.read_model_description(str(native_path)).guid
+    token = fmpy.read_model_description(str(native3_path)).instantiationToken
+    assert guid != token
+    assert f'"{guid}"' in packer.sources_of(2)["identity.h"].decode()
+    assert f'"{token}"' in packer.sources_of(3)["identity.h"].decode()
+    sources = packer.sources_of(2)
+    assert guid.encode() in packer.description(2, sources)
+    sources["block.c"] += b"\n"
+    assert guid.encode() not in packer.description(2, sources)
+    monkeypatch.setattr(packer, "FLAGS", (*compiler.FLAGS, "-ffast-math"))
+    assert guid not in packer.sources_of(2)["identity.h"].decode()
