@@ -19,8 +19,18 @@ FAULTS = Path(__file__).parent / "faults"
 # as well.
 _FLAGS = ("-std=gnu99", "-O2", "-ffp-contract=off", "-fPIC", "-ffunction-sections")
 # Of constants `const` goes too: the compiler would fold their values.
-_STATIC = re.compile(r"^static (?:const (?=[^(]*=))?", re.MULTILINE)
+_STATIC = re.compile(r"^static (?:inline )?(?:const (?=[^(]*=))?", re.MULTILINE)
 _WEAK = "__attribute__((weak)) "
+
+COUNTING = Path(__file__).parent / "fuzz" / "counting.c"
+"""Counts the blocks of memory that a library holds."""
+
+LINK = (
+    "-shared",
+    "-Wl,-Bsymbolic,--no-undefined",
+    "-Wl,--wrap=malloc,--wrap=calloc,--wrap=free",
+)
+"""How a library that counts its blocks of memory is linked."""
 
 # Of a file that begins with a comment: about, names, check, place.
 _HEAD = re.compile(
@@ -117,6 +127,8 @@ class Planter:
             for name, content in sources.items()
             if name.endswith(".c")
         }
+        self._counting = self._folder / "counting.o"
+        _run("cc", *_FLAGS, "-c", COUNTING, "-o", self._counting)
         self._healthy = {
             name: self._with_weak(each, name, set()) for name, each in self._objects.items()
         }
@@ -131,8 +143,7 @@ class Planter:
         """
         replaced: dict[str, set[str]] = {}
         for name in fault.replaces if fault else ():
-            file, last = self._defining(name)
-            replaced.setdefault(file, set()).add(last)
+            replaced.setdefault(self.source_of(name), set()).add(name.rpartition(".")[2])
         objects = [
             self._with_weak(each, f"{target.stem}-{name}", replaced[name])
             if name in replaced
@@ -143,7 +154,7 @@ class Planter:
             planted = self._folder / f"{target.stem}-fault.o"
             _run("cc", *_FLAGS, f"-I{self._folder}", "-c", fault.source, "-o", planted)
             objects.append(planted)
-        _run("cc", "-shared", "-Wl,-Bsymbolic,--no-undefined", *objects, "-o", target, "-lm")
+        _run("cc", *LINK, *objects, self._counting, "-o", target, "-lm")
         return target
 
     def names(self) -> Mapping[str, Sequence[str]]:
@@ -175,7 +186,8 @@ class Planter:
         _run("objcopy", *options, each.file, made)
         return made
 
-    def _defining(self, name: str) -> tuple[str, str]:
+    def source_of(self, name: str) -> str:
+        """Return the C file that defines a name; ValueError if none does, or several do."""
         file, _, last = name.rpartition(".")
         found = [
             source
@@ -184,7 +196,7 @@ class Planter:
         ]
         if len(found) != 1:
             raise ValueError(f"{name} is in {', '.join(found) or 'no source'}")
-        return found[0], last
+        return found[0]
 
 
 def pack(healthy: Path, library: Path, target: Path) -> Path:

@@ -104,9 +104,10 @@ class Suite:
         return self._told(_texts, library)
 
     def _told(self, task: Any, *arguments: Any) -> list[str]:
+        answer: Answer[Any]
         (answer,) = self._pool.each(task, [arguments])
         assert not answer.late, answer.failure
-        return [answer.failure] if answer.failure else list(answer.value)
+        return answer.value if answer.failure is None else [answer.failure]
 
     def _ask(self, fmu: Path, task: Any, arguments: Sequence[tuple[Any, ...]]) -> list[Any]:
         asked = [(fmu, task, *each) for each in arguments]

@@ -14,7 +14,6 @@ from fmpy.build import build_platform_binary
 
 from tests.needs import needs
 
-
 WITHOUT_CXX = {"CMAKE_CXX_COMPILER:FILEPATH": "cc", "CMAKE_CXX_COMPILER_WORKS:BOOL": "ON"}
 """CMake asks for a compiler of C++, which nothing here is compiled with."""
 

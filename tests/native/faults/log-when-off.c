@@ -1,6 +1,6 @@
 /* Debug logging cannot be switched off.
  * replaces: instance_log
- * detected by: call-sequences
+ * detected by: call-sequences in 300 sequences
  */
 #include "instance.h"
 

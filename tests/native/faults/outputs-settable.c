@@ -1,6 +1,6 @@
 /* A value that is set where an output stands is dropped without a refusal.
  * replaces: instance_set
- * detected by: call-sequences
+ * detected by: call-sequences in 300 sequences
  */
 #include "instance.h"
 

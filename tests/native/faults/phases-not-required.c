@@ -1,6 +1,6 @@
 /* Calls are taken in every phase.
  * replaces: require
- * detected by: call-sequences
+ * detected by: call-sequences in 300 sequences
  */
 #include "instance.h"
 

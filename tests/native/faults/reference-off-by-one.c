@@ -1,6 +1,6 @@
 /* The reference behind the last variable is taken.
  * replaces: has
- * detected by: call-sequences
+ * detected by: call-sequences in 300 sequences
  */
 #include "instance.h"
 

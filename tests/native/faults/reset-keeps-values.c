@@ -1,6 +1,6 @@
 /* After a reset the values set before are still there.
  * replaces: instance_reset
- * detected by: call-sequences
+ * detected by: call-sequences in 300 sequences
  */
 #include "instance.h"
 

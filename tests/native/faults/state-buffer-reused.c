@@ -1,6 +1,6 @@
 /* All states of an instance are kept in the memory of the first one.
  * replaces: keep
- * detected by: call-sequences
+ * detected by: call-sequences in 300 sequences
  */
 #include "instance.h"
 

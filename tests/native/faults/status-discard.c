@@ -1,6 +1,6 @@
 /* A refused call returns fmi2Discard.
  * replaces: status_of
- * detected by: call-sequences
+ * detected by: call-sequences in 300 sequences
  */
 #include "fmi2_types.h"
 

@@ -1,6 +1,6 @@
 /* The clamp is told once in the life of an instance.
  * replaces: same_warning
- * detected by: call-sequences
+ * detected by: call-sequences in 300 sequences
  */
 #include "text.h"
 

@@ -51,7 +51,7 @@ FIELDS: tuple[tuple[str, str], ...] = (
 FORMAT = "<" + "".join(form for _, form in FIELDS)
 
 _BELOW_ZERO = ("age", "elapsed.high", "t_slip", "t_stick", "T", "Q_friction.high")
-_BAD = {
+_BAD: dict[str, list[object]] = {
     "magic": [b"slipstaT"],
     "version": [0, 2],
     "length": [0, 2**32 - 1],
@@ -87,7 +87,7 @@ def damaged(data: bytes) -> Iterator[tuple[str, bytes]]:
 
 def _bad_values(name: str, form: str, value: object) -> list[object]:
     if name in _BAD:
-        return list(_BAD[name])
+        return _BAD[name]
     if form == "B":
         return [2, 255]
     bad: list[object] = [math.nan, math.inf]

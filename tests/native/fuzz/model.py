@@ -28,6 +28,10 @@ class BlockRefusalError(MustRefuseError):
     """The block refuses; the text is that of the message."""
 
 
+class RangeError(MustRefuseError):
+    """A value is out of range; the text is how the message begins."""
+
+
 class NativeModel(Model):
     """The instances and states of one sequence, and what each of its calls must give."""
 
@@ -83,8 +87,11 @@ class NativeModel(Model):
             instance.fault = texts[0] if texts else ""
         if texts and instance.fault and texts[0] != instance.fault:
             return f"refuses with {texts[0]!r}, before with {instance.fault!r}"
-        if texts and first and isinstance(refused, BlockRefusalError) and texts[0] != str(refused):
-            return f"refuses with {texts[0]!r}, expected {str(refused)!r}"
+        if texts and first:
+            whole = isinstance(refused, BlockRefusalError) and texts[0] != str(refused)
+            beginning = isinstance(refused, RangeError) and not texts[0].startswith(str(refused))
+            if whole or beginning:
+                return f"refuses with {texts[0]!r}, expected {str(refused)!r}"
         return None
 
     @staticmethod
@@ -93,6 +100,14 @@ class NativeModel(Model):
             return Model._of_block(instance, moderate, call)
         except MustRefuseError as error:
             raise BlockRefusalError(*error.args) from None
+
+    def _set_one(self, instance: Instance, name: str, value: Any) -> None:
+        try:
+            super()._set_one(instance, name, value)
+        except MustRefuseError as error:
+            if "out of range" in str(error):
+                raise RangeError(f"{name} = {value!r} ") from None
+            raise
 
     def _instantiate(self, i: int, name: str, logging: bool) -> Any:
         self._logged[i] = True, True

@@ -1,6 +1,6 @@
 /* A variable is read through the function of any type.
  * replaces: has
- * detected by: call-sequences
+ * detected by: call-sequences in 300 sequences
  */
 #include "instance.h"
 
