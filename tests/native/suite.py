@@ -29,7 +29,7 @@ from tests.native.fuzz.player import findings, opened
 from tests.native.test_native_bits import first_difference
 
 _NO_REFERENCE: Answer[Run] = Answer(not_applicable="the FMU alone is judged")
-_SECONDS = 20.0
+_SECONDS = 60.0
 
 
 class Suite:
@@ -107,11 +107,17 @@ class Suite:
         answer: Answer[Any]
         (answer,) = self._pool.each(task, [arguments])
         assert not answer.late, answer.failure
-        return answer.value if answer.failure is None else [answer.failure]
+        if answer.failure is not None:
+            return [answer.failure]
+        assert answer.value is not None
+        found: list[str] = answer.value
+        return found
 
     def _ask(self, fmu: Path, task: Any, arguments: Sequence[tuple[Any, ...]]) -> list[Any]:
         asked = [(fmu, task, *each) for each in arguments]
-        return list(self._pool.each(_on, asked))
+        answers = list(self._pool.each(_on, asked))
+        assert not any(answer.late for answer in answers), fmu
+        return answers
 
 
 @cache
