@@ -16,6 +16,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks import native
 from benchmarks.bare import BareSlave
 from benchmarks.empty_slave import build_empty_slave
 from benchmarks.page import NoBrowserError, measure_moves
@@ -37,7 +38,10 @@ TEN_OUTPUTS = ["x", "x_dot", "x_pull", "z", "F", "F_friction", "F_s", "t_stick",
 
 @dataclass(frozen=True)
 class Measurement:
-    """One row: seconds per unit of ours, of the yardstick (None where there is none), limit."""
+    """One row: seconds per unit of ours, of the yardstick (None where there is none), limits.
+
+    `limit` is that of the ratio, `at_most` that of our time [s].
+    """
 
     what: str
     unit: str
@@ -45,6 +49,7 @@ class Measurement:
     yardstick: float | None = None
     against: str = ""
     limit: float | None = None
+    at_most: float | None = None
 
     @property
     def ratio(self) -> float | None:
@@ -53,8 +58,9 @@ class Measurement:
 
     @property
     def held(self) -> bool:
-        """Whether the ratio keeps its limit, where it has one."""
-        return self.limit is None or self.ratio is None or self.ratio <= self.limit
+        """Whether ratio and time keep their limits, where they have one."""
+        keeps_ratio = self.limit is None or self.ratio is None or self.ratio <= self.limit
+        return keeps_ratio and (self.at_most is None or self.ours <= self.at_most)
 
 
 def best_of(rounds: int, *sides: Callable[[], object]) -> list[float]:
@@ -112,6 +118,34 @@ def measure_calls(ours: Path, empty: Path) -> list[Measurement]:
             against,
             1.3,
         ),
+    ]
+
+
+def measure_native() -> list[Measurement]:
+    """Time the calls of the native FMU in a host written in C, and the growth of its memory."""
+    kinds = {
+        "step": ("fmi2DoStep, h = 1 ms", 30e-9),
+        "step_and_motion": ("with fmi2GetReal of 10 of motion", 150e-9),
+        "step_and_energies": ("with heat and work, c > 0", 1e-6),
+        "changed_input": ("fmi2SetReal, fmi2DoStep", 1.5e-6),
+        "state_round": ("state: get, step, set, free", 150e-9),
+        "bytes_round": ("state as bytes: written, read, set", 5e-6),
+        "instance": ("fmi2Instantiate + fmi2FreeInstance", 5e-6),
+        "step_of_1e6_s": ("fmi2DoStep, h = 1e6 s", 2.0),
+    }
+    found = native.measure_calls()
+    return [
+        Measurement(
+            f"native: {what}",
+            "call",
+            ours.seconds,
+            # An empty step is as short as it is.
+            None if kind == "step_of_1e6_s" else empty.seconds,
+            f"empty slave in C; growth {ours.growth} kB",
+            at_most=limit,
+        )
+        for kind, (what, limit) in kinds.items()
+        for ours, empty in [found[kind]]
     ]
 
 
@@ -223,6 +257,7 @@ def measure() -> list[Measurement]:
         empty = build_empty_slave(Path(folder))
         return [
             *measure_calls(ours, empty),
+            *measure_native(),
             measure_import(ours, empty),
             *measure_block(),
             measure_reference(),
@@ -238,6 +273,13 @@ def _time(seconds: float) -> str:
     return f"{seconds * factor:.3g} {unit}"
 
 
+def _limit(row: Measurement) -> str:
+    if row.limit is None and row.at_most is None:
+        return ""
+    text = f"{row.limit:.2f}" if row.limit is not None else _time(row.at_most or 0.0)
+    return text if row.held else f"{text} exceeded"
+
+
 def as_table(measurements: list[Measurement]) -> Table:
     """Return the measurements as a table."""
     table = Table(title="stickslip benchmarks: best of interleaved rounds")
@@ -250,7 +292,7 @@ def as_table(measurements: list[Measurement]) -> Table:
             _time(row.ours),
             "" if row.yardstick is None else _time(row.yardstick),
             "" if row.ratio is None else f"{row.ratio:.2f}",
-            "" if row.limit is None else f"{row.limit:.2f}{'' if row.held else ' exceeded'}",
+            _limit(row),
             row.against,
         )
     return table

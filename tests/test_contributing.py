@@ -7,6 +7,9 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
+import pytest
+
+from tests.needs import needs
 from tests.verification.test_contributing import blocks
 
 ROOT = Path(__file__).parents[1]
@@ -57,15 +60,35 @@ def walk(commands: str, folder: Path, **environment: str) -> str:
     return done.stdout
 
 
-def test_an_output_is_added_as_contributing_says(tmp_path: Path) -> None:
-    """Its changes and its case lead to an FMU whose new output is held against the truth."""
-    copied(FLOORS, tmp_path)
+@pytest.fixture(scope="module")
+def changed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a copy of the project with the changes and the case of the section."""
+    root = tmp_path_factory.mktemp("changed")
+    copied(FLOORS, root)
     (diff,) = blocks("Add an output", "diff")
-    assert len(applied(diff, tmp_path)) == 7
+    assert len(applied(diff, root)) == 8
     (case,) = blocks("Add an output", "toml")
-    (tmp_path / "z-dot.toml").write_text(case, encoding="utf-8")
-    (commands,) = blocks("Add an output", "bash")
-    search = os.pathsep.join(str(tmp_path / floor) for floor in FLOORS)
-    walk(commands, tmp_path, PYTHONPATH=search, COLUMNS="120")
-    report = (tmp_path / "report" / "report.json").read_text(encoding="utf-8")
+    (root / "z-dot.toml").write_text(case, encoding="utf-8")
+    return root
+
+
+def walk_in(root: Path, commands: str) -> None:
+    """Run lines of the shell that end with a verdict, which must have held the new output."""
+    search = os.pathsep.join(str(root / floor) for floor in FLOORS)
+    walk(commands, root, PYTHONPATH=search, COLUMNS="120")
+    report = (root / "report" / "report.json").read_text(encoding="utf-8")
     assert '"check": "z_dot-course"' in report
+
+
+def test_an_output_is_added_as_contributing_says(changed: Path) -> None:
+    """Its changes and its case lead to an FMU whose new output is held against the truth."""
+    (commands,) = blocks("Add an output", "bash")
+    walk_in(changed, commands)
+
+
+@needs("cc")
+def test_the_native_fmu_has_the_added_output_too(changed: Path) -> None:
+    """The native FMU of the same changes passes the same case."""
+    (commands,) = blocks("Add an output", "bash")
+    native = commands.replace("build --bare", "build --bare --native --this-machine")
+    walk_in(changed, native.replace("StickSlip.fmu", "StickSlip_native.fmu"))

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.needs import needs
 from tests.python import python
 
 ROOT = Path(__file__).parents[1]
@@ -160,6 +161,13 @@ def test_the_installed_command_builds_and_verifies(installed: Environment) -> No
     assert (installed.folder / "report" / "index.html").stat().st_size > 0
 
 
+@needs("cc")
+def test_the_installed_command_builds_the_native_fmu(installed: Environment) -> None:
+    """Its sources are found where they are installed."""
+    installed.stickslip("build", "--native", "--this-machine", "--bare", "--output", "fmus")
+    assert (installed.folder / "fmus" / "StickSlip_native.fmu").stat().st_size > 0
+
+
 def test_the_installed_command_simulates_and_scores(installed: Environment) -> None:
     """A simulated curve is scored as exact."""
     installed.stickslip("simulate", "--stop-time", "3", "--output-file", "curve.csv")
@@ -190,6 +198,14 @@ def test_the_page_travels(names: set[str]) -> None:
     assert {path.suffix for path in sources} == set(kinds)
     assert {path.relative_to(folder.parent.parent).as_posix() for path in sources} <= names
     assert not {name for name in names if name.endswith("tsconfig.json")}
+
+
+def test_the_c_sources_travel(names: set[str]) -> None:
+    """What `stickslip build --native` compiles is in the wheel."""
+    floor = ROOT / "fmu_src"
+    sources = {each.relative_to(floor).as_posix() for each in floor.rglob("*.[ch]")}
+    assert {"stickslip_native/core/block.c", "stickslip_native/face/fmi2.c"} <= sources
+    assert sources <= names
 
 
 def test_the_data_travels(names: set[str]) -> None:

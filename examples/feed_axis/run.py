@@ -18,6 +18,8 @@ import typer
 from stickslip.commands.units import parse
 from stickslip.errors import CommandError
 from stickslip_fmu.packer import build as build_block
+from stickslip_native.compiler import CompilerError
+from stickslip_native.packer import build as build_native
 from stickslip_verification.report.svg import as_svg
 
 from . import masters, ssp
@@ -45,12 +47,18 @@ class Master(StrEnum):
 
 
 Folder = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Folder to write to.")]
+Native = Annotated[
+    bool,
+    typer.Option(
+        "--native", help="Compile the table for this machine: needs a C compiler, and no Python."
+    ),
+]
 
 
 @app.command()
-def build(output: Folder = OUTPUT) -> None:
+def build(native: Native = False, output: Folder = OUTPUT) -> None:
     """Build StickSlip.fmu, ServoDrive.fmu and FeedAxis.ssp."""
-    print(write_all(output, Axis()))
+    print(write_all(output, Axis(), native))
 
 
 @app.command()
@@ -89,6 +97,7 @@ def run(
         str | None,
         typer.Option(metavar="TIME", help="Communication step.", show_default="the sample time"),
     ] = None,
+    native: Native = False,
     output: Folder = OUTPUT,
 ) -> None:
     """Run the axis in a master; print what was found, write FeedAxis.ssp, run.csv and run.svg."""
@@ -119,7 +128,7 @@ def run(
         raise CommandError(
             f"--step = {h:g} s is out of range: above 0, a tenth of --stop-time at most"
         )
-    file = write_all(output, axis)
+    file = write_all(output, axis, native)
     found = run_in(master.value, file, stop, h)
     _tell(axis, found)
     _draw(output / "run.svg", axis, found)
@@ -150,10 +159,16 @@ def study(
         raise typer.Exit(1)
 
 
-def write_all(folder: Path, axis: Axis) -> Path:
-    """Write both FMUs and the SSP file into a folder; return the path of the latter."""
+def write_all(folder: Path, axis: Axis, native: bool = False) -> Path:
+    """Write both FMUs and the SSP file into a folder; return the path of the latter.
+
+    A `native` table is compiled for this machine and has the name of the other one.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    build_block(folder)
+    if native:
+        build_native(folder / "StickSlip.fmu", this_machine=True)
+    else:
+        build_block(folder)
     build_drive(folder)
     return ssp.write_ssp(folder / "FeedAxis.ssp", axis, folder)
 
@@ -189,7 +204,7 @@ def main() -> None:
     """Run the command; the exit code is 0 for done, 1 for a failed check, 2 for wrong use."""
     try:
         app(prog_name="python -m examples.feed_axis")
-    except (CommandError, ValueError) as error:
+    except (CommandError, CompilerError, ValueError) as error:
         _say(str(error))
         sys.exit(2)
     except OSError as error:

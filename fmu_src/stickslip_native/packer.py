@@ -17,6 +17,7 @@ from .platforms import Platform, universal
 from .table import table_files
 
 _HERE = Path(__file__).parent
+_FOLDERS = ("core", "laws/coulomb", "face")
 _OTHER_FACE = {2: "fmi3", 3: "fmi2"}
 
 _IDENTITY = """\
@@ -86,7 +87,7 @@ def sources_of(face: Literal[2, 3]) -> Dict[str, bytes]:
     Among them are those made from the table, and identity.h with the FMU's identity.
     """
     found: Dict[str, bytes] = {name: text.encode() for name, text in table_files(SPEC).items()}
-    for file in sorted([*_HERE.glob("core/*.[ch]"), *_HERE.glob("face/*.[ch]")]):
+    for file in sorted(file for folder in _FOLDERS for file in _HERE.glob(f"{folder}/*.[ch]")):
         if not file.name.startswith(_OTHER_FACE[face]):
             if file.name in found:
                 raise ValueError(f"two C sources have the name {file.name}")

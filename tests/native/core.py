@@ -2,36 +2,63 @@
 
 import ctypes
 import subprocess
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import stickslip_native
-from stickslip_fmu.spec import SPEC, TABLE
+from fmukit.model import Spec
+from stickslip_fmu.spec import SPEC
 from stickslip_native.table import table_files
 
-CORE = Path(stickslip_native.__file__).parent / "core"
+_HOME = Path(stickslip_native.__file__).parent
+CORE = _HOME / "core"
+COULOMB = _HOME / "laws" / "coulomb"
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared")
 ACCEPTED = 0
 
-OUTPUTS = [row.number for row in TABLE.rows if not row.settable]
-_SETTABLE = [row.name for row in TABLE.rows if row.settable]
 
+def compile_core(
+    folder: Path,
+    flags: Iterable[str] = (),
+    compiler: str = "cc",
+    spec: Spec = SPEC,
+    law: Path = COULOMB,
+    shared: Sequence[str] = (),
+) -> Path:
+    """Compile the core with a friction law into a shared library in `folder`, and return it.
 
-def compile_core(folder: Path, flags: Iterable[str] = (), compiler: str = "cc") -> Path:
-    """Compile the core into a shared library in `folder`, with more flags, and return it."""
-    for name, text in table_files(SPEC).items():
+    Parameters
+    ----------
+    folder
+        Gets the table of `spec` as C too.
+    flags
+        More flags of the compiler.
+    spec
+        The specification of the block under the law, on the Python side.
+    law
+        Folder of the law.
+    shared
+        Files of Coulomb's law that another law uses.
+    """
+    for name, text in table_files(spec).items():
         (folder / name).write_text(text)
     library = folder / "core.so"
-    sources = [*sorted(map(str, CORE.glob("*.c"))), str(folder / "table.c")]
-    command = [compiler, *FLAGS, *flags, f"-I{CORE}", f"-I{folder}", *sources]
+    folders: tuple[Path, ...] = (law, CORE, folder)
+    sources = [str(file) for each in folders for file in sorted(each.glob("*.c"))]
+    if shared:
+        folders = (*folders, COULOMB)
+        sources += [str(COULOMB / name) for name in shared]
+    command = [compiler, *FLAGS, *flags, *(f"-I{each}" for each in folders), *sources]
     subprocess.run([*command, "-o", str(library), "-lm"], check=True)
     return library
 
 
 class Core:
-    """The functions of the compiled core."""
+    """The functions of the compiled core, and the table that it was compiled with."""
 
-    def __init__(self, library: Path) -> None:
+    def __init__(self, library: Path, spec: Spec = SPEC) -> None:
+        self.table = spec.table
+        self.outputs = [row.number for row in self.table.rows if not row.settable]
         core = ctypes.CDLL(str(library))
         pointer, real, reference = ctypes.c_void_p, ctypes.c_double, ctypes.c_int
         core.block_size.restype = ctypes.c_size_t
@@ -69,13 +96,14 @@ class NativeBlock:
     def __init__(self, core: Core, values: Mapping[str, float], start_time: float = 0.0) -> None:
         self._core = core
         self._block = ctypes.create_string_buffer(core.size)
-        settings = (ctypes.c_double * len(_SETTABLE))(*(values[name] for name in _SETTABLE))
+        names = [row.name for row in core.table.rows if row.settable]
+        settings = (ctypes.c_double * len(names))(*(values[name] for name in names))
         self._value = ctypes.c_double()
         self.refused = core.calls.block_start(self._block, settings, start_time)
 
     def set(self, name: str, value: float) -> None:
         """Set an input or tunable parameter."""
-        self._core.calls.block_set(self._block, TABLE.by_name[name].number, value)
+        self._core.calls.block_set(self._block, self._core.table.by_name[name].number, value)
         self.refused = self._core.calls.block_check(self._block)
 
     def advance(self, time: float, step: float) -> None:
@@ -85,7 +113,7 @@ class NativeBlock:
     def outputs(self) -> list[float]:
         """Return all outputs in the order of their numbers."""
         values = []
-        for reference in OUTPUTS:
+        for reference in self._core.outputs:
             read = self._core.calls.block_read(self._block, reference, ctypes.byref(self._value))
             self.refused = self.refused or read
             values.append(self._value.value)

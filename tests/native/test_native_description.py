@@ -56,15 +56,15 @@ def test_the_description_is_that_of_the_python_fmu(
 
 @needs("cc")
 @pytest.mark.parametrize("checker", CHECKERS)
-def test_checkers_find_nothing(native: Path, checker: Checker) -> None:
+def test_checkers_find_nothing(either_native: Path, checker: Checker) -> None:
     """The XML schema, fmpy and fmutool have nothing to say of the native FMU."""
-    assert checker(native) == []
+    assert checker(either_native) == []
 
 
 @needs("cc")
-def test_every_c_file_is_listed(native: Path) -> None:
+def test_every_c_file_is_listed(either_native: Path) -> None:
     """Importers that compile the sources find all of them in the description."""
-    description = fmpy.read_model_description(str(native), validate=True)
+    description = fmpy.read_model_description(str(either_native), validate=True)
     (configuration,) = description.buildConfigurations
     (together,) = configuration.sourceFileSets
     face: Literal[2, 3] = 2 if description.fmiVersion == "2.0" else 3

@@ -45,19 +45,19 @@ def output_of(*words: object) -> str:
 
 
 @needs("cc")
-def test_exactly_the_names_of_fmi_are_exported(native: Path, tmp_path: Path) -> None:
+def test_exactly_the_names_of_fmi_are_exported(either_native: Path, tmp_path: Path) -> None:
     """No function of the block is visible, and none of the standard is missing."""
-    library = library_of(native, tmp_path)
+    library = library_of(either_native, tmp_path)
     exported = output_of("nm", "-D", "--defined-only", library).split()[2::3]
-    face = 3 if "fmi3" in native.name else 2
+    face = 3 if "fmi3" in either_native.name else 2
     assert set(exported) == standard_names(face)
     assert len(exported) == len(set(exported)) > 30
 
 
 @needs("cc")
-def test_the_library_needs_the_c_library_alone(native: Path, tmp_path: Path) -> None:
+def test_the_library_needs_the_c_library_alone(either_native: Path, tmp_path: Path) -> None:
     """Nothing else is loaded with it, and no path is searched or recorded."""
-    library = library_of(native, tmp_path)
+    library = library_of(either_native, tmp_path)
     dynamic = output_of("readelf", "--dynamic", "--wide", library)
     needed = set(re.findall(r"\(NEEDED\).*\[(.*)\]", dynamic))
     assert needed <= {"libc.so.6", "libm.so.6"}

@@ -20,13 +20,13 @@ WITHOUT_CXX = {"CMAKE_CXX_COMPILER:FILEPATH": "cc", "CMAKE_CXX_COMPILER_WORKS:BO
 
 @needs("cc")
 def test_fmpy_compiles_the_sources(
-    native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    either_native: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The FMU without libraries runs when FMPy has compiled it, and gives the same motion."""
     # CMake comes with FMPy, and its program lies beside Python's.
     monkeypatch.setenv("PATH", os.pathsep.join([str(Path(sys.executable).parent), os.defpath]))
     folder = tmp_path / "unpacked"
-    with zipfile.ZipFile(native) as archive:
+    with zipfile.ZipFile(either_native) as archive:
         archive.extractall(folder)
     (library,) = folder.glob("binaries/*/*")
     shutil.rmtree(folder / "binaries")
@@ -35,7 +35,7 @@ def test_fmpy_compiles_the_sources(
     build_platform_binary(folder, work, cmake_options=WITHOUT_CXX)
     assert library.exists()
     compiled = fmpy.simulate_fmu(str(folder), stop_time=10.0, start_values={"c": 2.0})
-    packed = fmpy.simulate_fmu(str(native), stop_time=10.0, start_values={"c": 2.0})
+    packed = fmpy.simulate_fmu(str(either_native), stop_time=10.0, start_values={"c": 2.0})
     assert packed["n_slips"][-1] > 20
     for name in packed.dtype.names:
         # FMPy's compiler options are not ours: products may be rounded otherwise.
@@ -44,10 +44,10 @@ def test_fmpy_compiles_the_sources(
 
 
 @needs("cc")
-def test_the_sources_compile_without_a_warning(native: Path, tmp_path: Path) -> None:
+def test_the_sources_compile_without_a_warning(either_native: Path, tmp_path: Path) -> None:
     """As C99, in one folder, by the compiler's strictest options."""
     folder = tmp_path / "sources"
-    with zipfile.ZipFile(native) as archive:
+    with zipfile.ZipFile(either_native) as archive:
         names = [name for name in archive.namelist() if name.startswith("sources/")]
         archive.extractall(tmp_path, names)
     strict = ["-std=c99", "-pedantic-errors", "-Werror", "-Wall", "-Wextra", "-Wconversion"]

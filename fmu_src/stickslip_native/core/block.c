@@ -149,11 +149,12 @@ static enum refusal change_settings(struct block *block, double time)
 }
 
 /* Go through the end of the arc, at this time [s], into the next one. */
-static void pass_event(struct block *block, double time)
+static enum refusal pass_event(struct block *block, double time)
 {
     const struct arc ended = block->arc;
     bank(block, ended.duration, functions_of(&ended)->end(&ended));
-    LAW.after(&block->friction, &ended, block->z, &block->arc);
+    const enum refusal refused = LAW.after(&block->friction, &ended, block->z, &block->arc);
+    if (refused != ACCEPTED) return refused;
     if (block->arc.mode != ended.mode) {
         if (ended.mode == 0)
             meter_break_away(&block->meter, time);
@@ -161,6 +162,7 @@ static void pass_event(struct block *block, double time)
             meter_end_slip(&block->meter, time);
     }
     stand_at_start(block);
+    return ACCEPTED;
 }
 
 /* Whether a step of which `done` [s] already held so many transitions has an end. */
@@ -189,7 +191,8 @@ static enum refusal advance_through(struct block *block, double time, double ste
         const struct sum left = sum_with(elapsed, -block->arc.duration);
         /* A stick ends when time passes its end, a slip when time reaches it: (1). */
         if (left.high < 0.0 || (left.high == 0.0 && block->mode == 0)) break;
-        pass_event(block, time + (step - left.high));
+        const enum refusal refused = pass_event(block, time + (step - left.high));
+        if (refused != ACCEPTED) return refused;
         elapsed = left;
         transitions++;
         if (transitions % TRANSITIONS_TO_ESTIMATE == 0 &&

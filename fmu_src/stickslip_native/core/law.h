@@ -1,10 +1,10 @@
 /* The seam of friction laws: the questions of the block, and what an answer must keep.
  *
- * An implementer
+ * A law is a folder that is compiled with the core, and the law of an FMU is the one that is. It
  *
- * 1. adds the data of its friction and of its arcs to the unions below, its tags to `enum arc_tag`
- *    and their functions to the table in arcs.c;
- * 2. defines LAW in a file of its own; the law of an FMU is the one that is linked;
+ * 1. has a header friction_law.h with `enum arc_tag`, of which STICK is the first and ARC_TAGS the
+ *    last, and the unions `arc_data` and `friction_data`; struct stick is one member of the former;
+ * 2. defines LAW, and ARCS with the functions of each tag;
  * 3. may use sticking.h, where the mass sticks, breaks away at a force and comes to rest.
  *
  * It may assume that settings are constant along an arc, that arcs are passed in the order of time,
@@ -43,8 +43,6 @@ struct start {
     double own[MOST_OWN]; /* state of the law itself, 0 beyond the law's count */
 };
 
-enum arc_tag { STICK, COULOMB_SLIP, ARC_TAGS };
-
 /* A load-up to a constant break-away force: sticking.c. */
 struct stick {
     double k, v;
@@ -53,13 +51,7 @@ struct stick {
     bool way_known;
 };
 
-/* A slip under constant kinetic friction: coulomb_slip.c. */
-struct coulomb_slip {
-    struct oscillator oscillator;
-    double v, kinetic, net;
-    double z_dot, push, acceleration, reach, swing, fade, peak_time;
-    bool from_rest;
-};
+#include "friction_law.h"
 
 /* The motion from one event or change of settings to the next event. */
 struct arc {
@@ -69,10 +61,7 @@ struct arc {
     double z_start;     /* spring extension at the start [m] */
     double x_dot_start; /* velocity of the mass at the start [m/s] */
     double age;         /* time at rest at the start [s], 0 in a slip */
-    union {
-        struct stick stick;
-        struct coulomb_slip coulomb;
-    } of;
+    union arc_data of;
 };
 
 /* The functions of arcs of one tag. tau is the time since the start of the arc [s]. */
@@ -88,12 +77,6 @@ struct arc_functions {
 
 extern const struct arc_functions *const ARCS[ARC_TAGS];
 
-/* Coulomb's law under given settings: coulomb.c. */
-struct coulomb {
-    struct oscillator oscillator;
-    double mu_k_used; /* kinetic coefficient after the clamp */
-};
-
 /* A friction law under given settings. */
 struct friction {
     struct settings settings;
@@ -101,9 +84,7 @@ struct friction {
     double kinetic; /* kinetic friction at standstill [N] */
     double gap;     /* F_s - kinetic, known better than as a difference [N] */
     bool varies;    /* whether break-away force or own state change along an arc */
-    union {
-        struct coulomb coulomb;
-    } of;
+    union friction_data of;
 };
 
 struct law {
@@ -117,9 +98,10 @@ struct law {
     /* The arc that begins where the mass stands; mode 0 for a mass at rest. */
     void (*begin)(const struct friction *it, int mode, double z, double x_dot, double age,
                   const double own[MOST_OWN], struct arc *begun);
-    /* The arc that follows the end of `ended`, at spring extension z [m]. */
-    void (*after)(const struct friction *it, const struct arc *ended, double z,
-                  struct arc *following);
+    /* The arc that follows the end of `ended`, at spring extension z [m]; LAW_ENDED where the motion
+     * leaves the range of the law. */
+    enum refusal (*after)(const struct friction *it, const struct arc *ended, double z,
+                          struct arc *following);
     /* The arc that starts so: the same bits as the arc that `start` was read from. */
     void (*arc)(const struct friction *it, const struct start *start, struct arc *made);
     /* The slip that starts so under the net force without damping [N]; asked by sticking.c. */

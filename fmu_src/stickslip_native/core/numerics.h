@@ -16,10 +16,7 @@ struct sum sum_with(struct sum total, double term);
 /* Whether the second number is what rounding left of the first, as sum_with leaves it. */
 bool is_sum(struct sum parts);
 
-/* The largest number of terms of an exact_sum. */
-enum { MOST_TERMS = 32 };
-
-/* The sum of up to MOST_TERMS finite terms, rounded once.
+/* The sum of finite terms, rounded once.
  * Source: Shewchuk, Adaptive precision floating-point arithmetic, 1997,
  * doi 10.1007/PL00009321. */
 double exact_sum(const double terms[], int count);

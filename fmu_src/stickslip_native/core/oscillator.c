@@ -13,13 +13,14 @@ static const double FAR_APART = 2.0;
 static const double BEGINNING = 0.25;
 static const double NEGLIGIBLE = 8.673617379884035e-19; /* 2^-60 */
 
+/* Up to BEGINNING a term is below a quarter of the one before, so about 20 are needed. */
+enum { MOST_TERMS = 32, FIRST_POWER = 2 };
+
 /* The terms of the power series of G up to BEGINNING; each follows from the equation of motion. */
 struct series {
     int count;
     double term[MOST_TERMS]; /* the first one belongs to tau^2 */
 };
-
-enum { FIRST_POWER = 2 };
 
 static struct series series_of(const struct oscillator *it, double tau)
 {
@@ -27,7 +28,8 @@ static struct series series_of(const struct oscillator *it, double tau)
     const double spring = it->w2 * tau * tau;
     double before = 0.0, term = 0.5 * spring;
     const double negligible = NEGLIGIBLE * term;
-    struct series made = {0, {0.0}};
+    struct series made;
+    made.count = 0;
     while (made.count < MOST_TERMS && fabs(term) + spring * fabs(before) > negligible) {
         const int power = FIRST_POWER + made.count;
         made.term[made.count++] = term;

@@ -118,13 +118,13 @@ void sticking_begin(const struct friction *it, int mode, double z, double x_dot,
         slip_from(it, mode, z, 0.0, begun);
 }
 
-void sticking_after(const struct friction *it, const struct arc *ended, double z,
-                    struct arc *following)
+enum refusal sticking_after(const struct friction *it, const struct arc *ended, double z,
+                            struct arc *following)
 {
     if (ended->tag == STICK) {
         const int mode = ended->of.stick.v > 0.0 ? 1 : -1;
         LAW.slip(it, mode, ended->of.stick.z_end, 0.0, mode * it->gap, following);
-        return;
+        return ACCEPTED;
     }
     const struct settings *settings = &it->settings;
     const int mode = ended->mode;
@@ -136,6 +136,7 @@ void sticking_after(const struct friction *it, const struct arc *ended, double z
     } else {
         stick_make(it, z, NULL, 0.0, following);
     }
+    return ACCEPTED;
 }
 
 void sticking_arc(const struct friction *it, const struct start *start, struct arc *made)

@@ -8,7 +8,7 @@
 
 static const unsigned char MAGIC[8] = {'s', 'l', 'i', 'p', 's', 't', 'a', 't'};
 
-enum { VERSION = 1, HASH_SIZE = 8 };
+enum { VERSION = 1, HASH_SIZE = 8, HEAD_SIZE = sizeof MAGIC + 4 + 4 + HASH_SIZE };
 
 /* What is written of a situation. */
 struct saved {
@@ -19,13 +19,14 @@ struct saved {
     bool settled;
 };
 
-/* Bytes that are counted, written or read, one field after the other. */
+/* Bytes that are counted, written, read or compared, one field after the other. */
 struct stream {
-    enum { COUNT, WRITE, READ } way;
+    enum { COUNT, WRITE, READ, COMPARE } way;
     unsigned char *to;
     const unsigned char *from;
     size_t at;
-    bool sound; /* what was read so far is finite, and 0 or 1 where it is a truth value */
+    /* What was read is finite, and 0 or 1 where it is a truth value; what was compared is equal. */
+    bool sound;
 };
 
 static const uint64_t HASH_START = 14695981039346656037u;
@@ -55,19 +56,18 @@ static uint64_t hash_of_names(void)
 static inline uint64_t number(struct stream *stream, uint64_t value, size_t size)
 {
     const size_t at = stream->at;
+    uint64_t there = 0;
     stream->at += size;
-    switch (stream->way) {
-    case WRITE:
+    if (stream->way == COUNT) return value;
+    if (stream->way == WRITE) {
         for (size_t n = 0; n < size; n++)
             stream->to[at + n] = (unsigned char)(value >> (8 * n) & 0xff);
         return value;
-    case READ:
-        value = 0;
-        for (size_t n = 0; n < size; n++) value |= (uint64_t)stream->from[at + n] << (8 * n);
-        return value;
-    case COUNT:
-    default: return value;
     }
+    for (size_t n = 0; n < size; n++) there |= (uint64_t)stream->from[at + n] << (8 * n);
+    if (stream->way == READ) return there;
+    if (there != value) stream->sound = false;
+    return value;
 }
 
 static void real(struct stream *stream, double *value)
@@ -82,7 +82,7 @@ static void real(struct stream *stream, double *value)
 static void integer(struct stream *stream, int32_t *value)
 {
     /* Two's complement, whatever the conversion of large numbers gives. */
-    const uint32_t bits = (uint32_t)number(stream, (uint32_t)*value, sizeof bits);
+    const uint32_t bits = (uint32_t)number(stream, (uint32_t)*value, 4);
     *value = bits <= INT32_MAX ? (int32_t)bits : -(int32_t)(UINT32_MAX - bits) - 1;
 }
 
@@ -159,7 +159,7 @@ static void head(struct stream *stream, uint64_t *version, uint64_t *length, uin
 size_t bytes_count(void)
 {
     struct saved none = {.time = 0.0};
-    struct stream stream = {.way = COUNT, .at = sizeof MAGIC + 4 + 4 + HASH_SIZE, .sound = true};
+    struct stream stream = {.way = COUNT, .at = HEAD_SIZE, .sound = true};
     visit(&stream, &none);
     return stream.at + HASH_SIZE;
 }
@@ -194,9 +194,10 @@ static bool within_bounds(const struct settings *values, char reason[MESSAGE_SIZ
     return true;
 }
 
-/* Whether an instance can be in this phase with such a block and values. */
+/* Whether an instance can be in this phase with such a block and values, and shows finite ones. */
 static bool consistent(const struct saved *it)
 {
+    if (!isfinite(meter_frequency(&it->block.meter))) return false;
     switch (it->phase) {
     case INSTANTIATED:
     case INITIALIZATION: return !it->block.started;
@@ -248,8 +249,15 @@ bool bytes_read(const unsigned char *bytes, size_t size, struct situation *made,
     if (!within_bounds(&saved.block.wanted, reason) ||
         !within_bounds(&saved.block.settings, reason) || !within_bounds(&saved.values, reason))
         return false;
-    const enum refusal refused =
+    enum refusal refused =
         consistent(&saved) ? block_restore(&made->block, &saved.block) : NO_SUCH_STATE;
+    if (refused == ACCEPTED) {
+        /* A block has no more than one way to be written: what it does not take up is 0. */
+        stream = (struct stream){.way = COMPARE, .from = bytes, .at = HEAD_SIZE, .sound = true};
+        block_save(&made->block, &saved.block);
+        visit(&stream, &saved);
+        if (!stream.sound) refused = NO_SUCH_STATE;
+    }
     if (refused != ACCEPTED) {
         refusal_text(refused, &saved.block.settings, 0.0, 0.0, reason);
         return false;

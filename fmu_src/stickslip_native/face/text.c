@@ -173,6 +173,9 @@ void refusal_text(enum refusal refusal, const struct settings *settings, double 
                  "stick and slip; make it shorter",
                  one, MOST_TRANSITIONS);
         break;
+    case LAW_ENDED:
+        snprintf(text, MESSAGE_SIZE, "the motion leaves the range of the friction law");
+        break;
     case NO_SUCH_STATE:
         snprintf(text, MESSAGE_SIZE, "the saved state has values that no block reaches");
         break;

@@ -6,8 +6,6 @@
  */
 #include "coulomb_slip.h"
 
-#include "numerics.h"
-
 #include <math.h>
 
 static const double PI = 3.141592653589793;
@@ -34,8 +32,7 @@ static double acceleration(const struct coulomb_slip *slip, struct responses at)
     return slip->acceleration * at.slope + slip->fade * at.impulse;
 }
 
-/* The speed along the slip and its slope. */
-static void speed(const void *context, double tau, double *value, double *slope)
+void coulomb_slip_speed(const void *context, double tau, double *value, double *slope)
 {
     const struct arc *arc = context;
     const struct responses at = oscillator_responses(&arc->of.coulomb.oscillator, tau);
@@ -46,7 +43,7 @@ static void speed(const void *context, double tau, double *value, double *slope)
 static double speed_at(const struct arc *arc, double tau)
 {
     double value, slope;
-    speed(arc, tau, &value, &slope);
+    coulomb_slip_speed(arc, tau, &value, &slope);
     return value;
 }
 
@@ -72,8 +69,7 @@ static struct interval enclose_swinging(struct arc *arc)
     return (struct interval){slip->peak_time, lowest / b};
 }
 
-/* When the acceleration changes sign, or infinity, for a >= w: (5). */
-static double turning_time(const struct arc *arc)
+double coulomb_slip_turning_time(const struct arc *arc)
 {
     const struct coulomb_slip *slip = &arc->of.coulomb;
     const double slow = slip->oscillator.slow, fast = slip->oscillator.fast;
@@ -92,7 +88,7 @@ static struct interval enclose_decaying(struct arc *arc)
 {
     struct coulomb_slip *slip = &arc->of.coulomb;
     const double start = arc->mode * slip->acceleration;
-    const double turn = turning_time(arc);
+    const double turn = coulomb_slip_turning_time(arc);
     double low = 0.0;
     if (start > 0.0 || (start == 0.0 && arc->mode * slip->fade > 0.0)) {
         slip->peak_time = turn;
@@ -118,11 +114,11 @@ static double find_end(struct arc *arc)
         return 2.0 * atan2(w * fabs(slip->swing), -arc->mode * slip->v) / w;
     }
     if (found.high == HUGE_VAL || speed_at(arc, found.high) > 0.0) return HUGE_VAL;
-    return falling_zero(speed, arc, found.low, found.high);
+    return falling_zero(coulomb_slip_speed, arc, found.low, found.high);
 }
 
-void coulomb_slip_make(const struct oscillator *oscillator, double v, double z, double x_dot,
-                       int mode, double net, double kinetic, struct arc *made)
+void coulomb_slip_begin(const struct oscillator *oscillator, double v, double z, double x_dot,
+                        int mode, double net, double kinetic, struct arc *made)
 {
     struct coulomb_slip slip = {.oscillator = *oscillator, .v = v, .kinetic = kinetic, .net = net};
     const double k = oscillator->k, m = oscillator->m, c = oscillator->c;
@@ -142,10 +138,16 @@ void coulomb_slip_make(const struct oscillator *oscillator, double v, double z, 
                          .z_start = z,
                          .x_dot_start = x_dot,
                          .of.coulomb = slip};
+}
+
+void coulomb_slip_make(const struct oscillator *oscillator, double v, double z, double x_dot,
+                       int mode, double net, double kinetic, struct arc *made)
+{
+    coulomb_slip_begin(oscillator, v, z, x_dot, mode, net, kinetic, made);
     made->duration = find_end(made);
 }
 
-static void slip_start(const struct arc *arc, struct start *start)
+void coulomb_slip_start(const struct arc *arc, struct start *start)
 {
     *start = (struct start){.mode = arc->mode,
                             .known = true,
@@ -154,7 +156,7 @@ static void slip_start(const struct arc *arc, struct start *start)
                             .force = arc->of.coulomb.net};
 }
 
-static struct motion slip_state(const struct arc *arc, double tau)
+struct motion coulomb_slip_state(const struct arc *arc, double tau)
 {
     const struct coulomb_slip *slip = &arc->of.coulomb;
     const struct oscillator *oscillator = &slip->oscillator;
@@ -172,10 +174,10 @@ static struct motion slip_state(const struct arc *arc, double tau)
     };
 }
 
-static struct motion slip_end(const struct arc *arc)
+struct motion coulomb_slip_end(const struct arc *arc)
 {
     const struct coulomb_slip *slip = &arc->of.coulomb;
-    struct motion end = slip_state(arc, arc->duration);
+    struct motion end = coulomb_slip_state(arc, arc->duration);
     end.x_dot = 0.0;
     if (slip->from_rest) {
         end.growth = -2.0 * slip->swing;
@@ -195,20 +197,20 @@ double coulomb_slip_way_to_break_away(const struct arc *arc, double gap)
 }
 
 /* (11). Of all maxima the first is the highest, for damping only takes from them. */
-static double slip_extreme_velocity(const struct arc *arc, double tau)
+double coulomb_slip_extreme_velocity(const struct arc *arc, double tau)
 {
     double extreme = arc->x_dot_start;
-    const double now = slip_state(arc, tau).x_dot;
+    const double now = coulomb_slip_state(arc, tau).x_dot;
     if (fabs(now) > fabs(extreme)) extreme = now;
     if (arc->of.coulomb.peak_time < tau) {
-        const double peak = slip_state(arc, arc->of.coulomb.peak_time).x_dot;
+        const double peak = coulomb_slip_state(arc, arc->of.coulomb.peak_time).x_dot;
         if (fabs(peak) > fabs(extreme)) extreme = peak;
     }
     return extreme;
 }
 
 /* (15) */
-static double slip_pull_work(const struct arc *arc, double tau)
+double coulomb_slip_pull_work(const struct arc *arc, double tau)
 {
     const struct coulomb_slip *slip = &arc->of.coulomb;
     const struct oscillator *oscillator = &slip->oscillator;
@@ -218,19 +220,18 @@ static double slip_pull_work(const struct arc *arc, double tau)
     return oscillator->k * slip->v * (arc->z_start * tau + growth);
 }
 
-/* The integral of x_dot^2 up to tau [m2/s]: (15). */
-static double squared_velocity(const struct arc *arc, double tau, double displacement)
+double coulomb_slip_squared_velocity(const struct arc *arc, double tau, double displacement)
 {
     const struct coulomb_slip *slip = &arc->of.coulomb;
     const struct oscillator *oscillator = &slip->oscillator;
     double end = SHORT / oscillator->quickest;
-    if (tau <= end) return integral_of_square(speed, arc, 0.0, tau);
+    if (tau <= end) return integral_of_square(coulomb_slip_speed, arc, 0.0, tau);
     if (oscillator->overdamped && oscillator->slow * tau < EARLY) {
-        double total = integral_of_square(speed, arc, 0.0, end);
+        double total = integral_of_square(coulomb_slip_speed, arc, 0.0, end);
         while (end < tau) {
             const double start = end;
             end = 2.0 * end < tau ? 2.0 * end : tau;
-            total += integral_of_square(speed, arc, start, end);
+            total += integral_of_square(coulomb_slip_speed, arc, start, end);
         }
         return total;
     }
@@ -244,27 +245,27 @@ static double squared_velocity(const struct arc *arc, double tau, double displac
 }
 
 /* (15) */
-static double slip_heat(const struct arc *arc, double tau, double displacement)
+double coulomb_slip_heat(const struct arc *arc, double tau, double displacement)
 {
     const struct coulomb_slip *slip = &arc->of.coulomb;
     double heat = slip->kinetic * fabs(displacement);
     if (slip->oscillator.c > 0.0)
-        heat += slip->oscillator.c * squared_velocity(arc, tau, displacement);
+        heat += slip->oscillator.c * coulomb_slip_squared_velocity(arc, tau, displacement);
     return heat;
 }
 
-static void slip_own(const struct arc *arc, double tau, double own[MOST_OWN])
+void coulomb_slip_own(const struct arc *arc, double tau, double own[MOST_OWN])
 {
     (void)arc, (void)tau;
     for (int n = 0; n < MOST_OWN; n++) own[n] = 0.0;
 }
 
 const struct arc_functions COULOMB_SLIP_FUNCTIONS = {
-    .start = slip_start,
-    .state = slip_state,
-    .end = slip_end,
-    .pull_work = slip_pull_work,
-    .heat = slip_heat,
-    .extreme_velocity = slip_extreme_velocity,
-    .own = slip_own,
+    .start = coulomb_slip_start,
+    .state = coulomb_slip_state,
+    .end = coulomb_slip_end,
+    .pull_work = coulomb_slip_pull_work,
+    .heat = coulomb_slip_heat,
+    .extreme_velocity = coulomb_slip_extreme_velocity,
+    .own = coulomb_slip_own,
 };

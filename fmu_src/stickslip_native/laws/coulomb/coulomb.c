@@ -1,22 +1,10 @@
 /* Coulomb friction with a static coefficient above the kinetic one: docs/theory.md (1), (4). */
+#include "coefficients.h"
 #include "coulomb_slip.h"
 #include "law.h"
 #include "sticking.h"
 
 #include <math.h>
-
-/* The gap that a kinetic coefficient above the static one is clamped to. */
-static const double CLAMP_GAP = 0.01;
-
-double kinetic_coefficient(double mu_s, double mu_k);
-
-/* The kinetic coefficient in use: mu_k, or the clamp where it exceeds mu_s. */
-double kinetic_coefficient(double mu_s, double mu_k)
-{
-    if (mu_k <= mu_s) return mu_k;
-    const double clamped = mu_s - CLAMP_GAP;
-    return clamped > 0.0 ? clamped : 0.0;
-}
 
 static enum refusal coulomb_under(struct friction *made, const struct settings *settings,
                                   const struct friction *before)
@@ -64,13 +52,18 @@ static bool coulomb_same_slip(const struct friction *one, const struct friction 
 /* The kinetic coefficient is clamped. */
 static bool coulomb_warns(const struct settings *settings)
 {
-    return !(settings->mu_k <= settings->mu_s);
+    return is_clamped(settings->mu_s, settings->mu_k);
 }
 
 static double coulomb_output(const struct friction *it, enum reference reference)
 {
     return reference == VR_mu_k_used ? it->of.coulomb.mu_k_used : 0.0;
 }
+
+const struct arc_functions *const ARCS[ARC_TAGS] = {
+    [STICK] = &STICK_FUNCTIONS,
+    [COULOMB_SLIP] = &COULOMB_SLIP_FUNCTIONS,
+};
 
 const struct law LAW = {
     .own_count = 0,

@@ -1,0 +1,1 @@
+"""The native FMU in simulators, and in programs written in C."""

@@ -1,0 +1,1 @@
+"""Programs that the tests of the native FMU run in processes of their own."""

@@ -1,0 +1,304 @@
+"""States of the native FMU: handles, and bytes that are never trusted."""
+
+import ctypes
+import math
+import random
+import struct
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from stickslip_fmu.spec import TABLE
+from tests.native.conftest import Native
+from tests.native.library import ERROR, OK, Library
+from tests.needs import needs
+
+pytestmark = needs("cc")
+
+DAMAGED = 100_000
+
+_FIELDS = 24
+_RUNNING = {"c": 3.0, "v": -0.04, "mu_s": 0.4, "mu_k": 0.25, "F_ext": 0.3}
+
+
+@pytest.fixture(scope="module", params=[2, 3])
+def library(
+    request: pytest.FixtureRequest, native: Native, tmp_path_factory: pytest.TempPathFactory
+) -> Library:
+    """Give the library of each face."""
+    return Library(native(request.param), tmp_path_factory.mktemp("library"))
+
+
+def _started(library: Library, steps: int = 40, **values: float) -> ctypes.c_void_p:
+    """Return an instance in mid-run."""
+    instance = library.instantiate()
+    assert library.start(instance, 1.0, **{**_RUNNING, **values}) == OK
+    for number in range(steps):
+        assert library.step(instance, 1.0 + 0.07 * number, 0.07) == OK
+    return instance
+
+
+def _following(library: Library, instance: ctypes.c_void_p) -> list[bytes]:
+    """Return the bits of all outputs of the steps that follow."""
+    shown = []
+    for number in range(30):
+        status, values = library.get(instance)
+        assert status == OK
+        shown.append(struct.pack(f"<{len(values)}d", *values))
+        if number % 10 == 9:
+            assert library.set(instance, {"v": 0.01 * number, "load": float(number)}) == OK
+        assert library.step(instance, 0.1 * number, 0.1) == OK
+    return shown
+
+
+def _checked(content: bytes) -> bytes:
+    """Return bytes with the checksum that fits them: FNV-1a of 64 bits."""
+    value = 14695981039346656037
+    for byte in content[:-8]:
+        value = (value ^ byte) * 1099511628211 % 2**64
+    return content[:-8] + struct.pack("<Q", value)
+
+
+def test_the_checksum_of_these_tests_is_that_of_the_fmu(library: Library) -> None:
+    """What _checked repairs is whole again."""
+    content = library.packed(_started(library))
+    assert _checked(content[:-8] + bytes(8)) == content
+
+
+def test_a_state_brings_back_the_motion_to_the_bit(library: Library) -> None:
+    """A handle, and the bytes of a state on a new instance, go on as the run itself."""
+    for steps in (0, 1, 7, 40):
+        instance = _started(library, steps)
+        content = library.packed(instance)
+        status, state = library.take(instance)
+        assert status == OK
+        expected = _following(library, instance)
+        assert library.put(instance, state) == OK
+        assert _following(library, instance) == expected
+        other = library.instantiate()
+        read, unpacked = library.unpacked(other, content)
+        assert (read, library.put(other, unpacked)) == (OK, OK)
+        assert library.packed(other) == content
+        assert _following(library, other) == expected
+        assert [library.free(other, each) for each in (state, unpacked)] == [OK, OK]
+        for each in (instance, other):
+            library.calls[f"fmi{library.face}FreeInstance"](each)
+
+
+def test_a_state_before_the_start_keeps_what_was_set(library: Library) -> None:
+    """A state of the initialization brings back the values, also those not shown yet."""
+    instance = library.instantiate()
+    assert library.set(instance, {"z_start": 0.002, "x_start": 5.0}) == OK
+    content = library.packed(instance)
+    other = library.instantiate()
+    read, state = library.unpacked(other, content)
+    assert (read, library.put(other, state)) == (OK, OK)
+    assert library.get(other, [6, 8, 12, 15]) == (OK, [5.0, 0.002, 5.0, 0.002])
+    assert library.start(other) == OK
+
+
+def test_both_faces_read_the_same_bytes(native: Native, tmp_path: Path) -> None:
+    """The bytes of a state mean the same in FMI 2.0 and 3.0."""
+    two, three = (Library(native(face), tmp_path / str(face)) for face in (2, 3))
+    instance = _started(two)
+    content = two.packed(instance)
+    other = three.instantiate()
+    read, state = three.unpacked(other, content)
+    assert (read, three.put(other, state)) == (OK, OK)
+    assert three.packed(other) == content
+    assert _following(three, other) == _following(two, instance)
+
+
+def test_the_bytes_are_the_same_on_every_machine(library: Library) -> None:
+    """Magic, version, length and the settings stand where the format says, little-endian."""
+    instance = library.instantiate()
+    assert library.start(instance, m=2.0, k=1234.5) == OK
+    content = library.packed(instance)
+    assert content[:8] == b"slipstat"
+    assert struct.unpack("<II", content[8:16]) == (1, len(content))
+    names = [row.name for row in TABLE.rows if row.settable]
+    settings = struct.unpack_from(f"<{len(names)}d", content, _FIELDS)
+    expected = {**TABLE.start_values(), "m": 2.0, "k": 1234.5}
+    assert settings == tuple(expected[name] for name in names)
+
+
+def test_every_flipped_bit_is_refused(library: Library) -> None:
+    """Bytes with one changed bit are no state."""
+    instance = _started(library)
+    content = library.packed(instance)
+    for bit in range(8 * len(content)):
+        damaged = bytearray(content)
+        damaged[bit // 8] ^= 1 << bit % 8
+        status, state = library.unpacked(instance, bytes(damaged))
+        assert (status, state.value) == (ERROR, None), bit
+        assert library.call("Reset", instance) == OK
+
+
+def test_every_other_length_is_refused(library: Library) -> None:
+    """Bytes that were cut or have a tail are no state, whatever their checksum."""
+    instance = _started(library)
+    content = library.packed(instance)
+    for length in (*range(len(content)), len(content) + 1, 2 * len(content)):
+        cut = (content + content)[:length]
+        for given in (cut, _checked(cut) if length >= 16 else cut):
+            status, _ = library.unpacked(instance, given)
+            assert status == ERROR, length
+            assert library.call("Reset", instance) == OK
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda bytes_: b"SLIPSTAT" + bytes_[8:], "the bytes hold no state"),
+        (lambda bytes_: bytes_[:8] + struct.pack("<I", 2) + bytes_[12:], "than version 1"),
+        (lambda bytes_: bytes_[:16] + bytes(8) + bytes_[24:], "of another friction law"),
+        (lambda bytes_: bytes_[:12] + struct.pack("<I", 1) + bytes_[16:], "friction law"),
+        (lambda bytes_: bytes_ + b"a", " bytes, and these are "),
+        (lambda bytes_: bytes_[:24] + struct.pack("<d", math.nan) + bytes_[32:], "structure"),
+        (lambda bytes_: bytes_[:24] + struct.pack("<d", -1.0) + bytes_[32:], "m = -1.0 kg is out"),
+        (lambda bytes_: bytes_[:24] + struct.pack("<d", 5.0) + bytes_[32:], "no block reaches"),
+    ],
+)
+def test_a_refused_state_is_explained(
+    library: Library, change: Callable[[bytes], bytes], said: str
+) -> None:
+    """The log says what is wrong with bytes whose checksum fits."""
+    instance = _started(library)
+    content = library.packed(instance)
+    library.told.clear()
+    changed = change(content)
+    if len(changed) == len(content):
+        changed = _checked(changed)
+    status, _ = library.unpacked(instance, changed)
+    assert status == ERROR
+    assert said in library.told[-1][3]
+
+
+def _damaged(content: bytes, random_: random.Random) -> bytes:
+    """Return bytes with other fields and a checksum that fits."""
+    damaged = bytearray(content)
+    for _ in range(random_.choice((1, 1, 1, 2, 4))):
+        at = random_.randrange(_FIELDS, len(content) - 8)
+        kind = random_.randrange(4)
+        if kind == 0:
+            damaged[at] = random_.choice((0, 1, 2, 3, 127, 128, 255))
+        elif kind == 1:
+            whole = random_.choice((-2, -1, 0, 1, 2, 4, 2**31 - 1, -(2**31)))
+            damaged[at : at + 4] = struct.pack("<i", whole)
+        else:
+            # Fields of 8 bytes lie 0, 4, 5 and 6 bytes off multiples of 8.
+            at = _FIELDS + 8 * random_.randrange((len(content) - _FIELDS - 8) // 8)
+            at += random_.choice((0, 0, 4, 5, 1, 6, 2))
+            size = 10.0 ** random_.choice((-300, -20, -3, 0, 3, 20, 300))
+            value = random_.choice((-1.0, 0.0, 1.0, random_.uniform(-1.0, 1.0))) * size
+            if kind == 3:
+                value = random_.choice((math.nan, math.inf, -math.inf, 5e-324, -0.0, 1.8e308))
+            damaged[at : at + 8] = struct.pack("<d", value)
+    return _checked(bytes(damaged[: len(content)]))
+
+
+def _contents(library: Library) -> Iterator[bytes]:
+    """Give states in all phases and modes."""
+    fresh = library.instantiate()
+    yield library.packed(fresh)
+    yield from (library.packed(_started(library, steps)) for steps in (0, 1, 3, 17, 40))
+    yield library.packed(_started(library, 5, c=0.0, v=0.05))
+    ended = _started(library, 9)
+    library.call("Terminate", ended)
+    yield library.packed(ended)
+
+
+def test_changed_bytes_are_refused_or_hold_a_state_that_runs(
+    library: Library, sized: Callable[[int], int]
+) -> None:
+    """Where the checksum was made to fit, no value is trusted: what is taken runs on, or says no.
+
+    A state that is taken comes back with the same bytes.
+    """
+    random_ = random.Random(library.face)
+    contents = list(_contents(library))
+    instance = library.instantiate()
+    taken = 0
+    for _ in range(sized(DAMAGED)):
+        damaged = _damaged(random_.choice(contents), random_)
+        status, state = library.unpacked(instance, damaged)
+        if status == OK:
+            taken += 1
+            assert library.put(instance, state) == OK
+            assert library.packed(instance) == damaged
+            for number in range(3):
+                status, values = library.get(instance)
+                if status == OK:
+                    assert all(map(math.isfinite, values)), damaged.hex()
+                library.set(instance, {"v": 0.01 * number})
+                library.step(instance, 0.1 * number, random_.choice((1e-3, 0.1, 2.0)))
+            assert library.free(instance, state) == OK
+        assert library.call("Reset", instance) == OK
+    # Most fields may have other values, so the test meets what is taken as well.
+    assert 0.2 < taken / sized(DAMAGED) < 0.8
+
+
+def test_a_get_into_a_state_overwrites_it(library: Library) -> None:
+    """As FMI says: no second state is made where there is one."""
+    instance = _started(library)
+    _, state = library.take(instance)
+    address = state.value
+    expected = library.get(instance)
+    assert library.step(instance, 5.0, 0.3) == OK
+    later = library.get(instance)
+    assert later != expected
+    status, _ = library.take(instance, into=state)
+    assert (status, state.value) == (OK, address)
+    assert library.step(instance, 5.3, 0.3) == OK
+    assert library.put(instance, state) == OK
+    assert library.get(instance) == later
+
+
+def test_a_state_outlives_its_instance(library: Library) -> None:
+    """A state is set on another instance after its own was freed, and freed there."""
+    instance = _started(library)
+    expected = library.get(instance)
+    _, state = library.take(instance)
+    getattr(library.calls, f"fmi{library.face}FreeInstance")(instance)
+    other = library.instantiate()
+    assert library.put(other, state) == OK
+    assert library.get(other) == expected
+    assert (library.free(other, state), state.value) == (OK, None)
+    assert library.free(other, state) == OK
+
+
+def test_a_freed_state_is_seen(library: Library) -> None:
+    """A second free does nothing; a freed state is neither set nor written out."""
+    instance = _started(library)
+    _, state = library.take(instance)
+    kept = ctypes.c_void_p(state.value)
+    again = ctypes.c_void_p(state.value)
+    assert library.free(instance, state) == OK
+    # States of other instances and a few frees later it is still known.
+    for _ in range(31):
+        _, more = library.take(instance, into=ctypes.c_void_p())
+        assert more.value != kept.value
+        assert library.free(instance, more) == OK
+    assert (library.free(instance, again), again.value) == (OK, None)
+    assert library.put(instance, kept) == ERROR
+    assert library.told[-1][3] == "the state to set is none that this FMU handed out"
+    assert library.call("Reset", instance) == OK
+    size = ctypes.c_size_t()
+    name = f"SerializedFMU{'state' if library.face == 2 else 'State'}Size"
+    assert library.call(name, instance, kept, ctypes.byref(size)) == ERROR
+    assert library.call("Reset", instance) == OK
+    # A get into it makes another state.
+    status, _ = library.take(instance, into=again)
+    assert (status, library.put(instance, again)) == (OK, OK)
+
+
+def test_a_state_of_another_fmu_is_refused(native: Native, tmp_path: Path) -> None:
+    """The handle of an FMU with another identity is none of this one."""
+    two, three = (Library(native(face), tmp_path / str(face)) for face in (2, 3))
+    first, second = two.instantiate(), three.instantiate()
+    _, state = two.take(first)
+    assert three.put(second, state) == ERROR
+    assert three.call("Reset", second) == OK
+    assert three.free(second, state) == ERROR
+    assert two.free(first, state) == OK
