@@ -2,12 +2,14 @@
 
 import ctypes
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from random import Random
 from typing import Any
 
+from stickslip_fmu.spec import SPEC
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.fmu.archive import FmuFile
@@ -23,10 +25,10 @@ from stickslip_verification.run.judged import Answers, judge
 from stickslip_verification.suite.cases import CASES_FOLDER, load_case
 from stickslip_verification.suite.invariants import Invariants, load_invariants
 from stickslip_verification.suite.sequences import SEED, draw_sequences
+from tests.native.bits import bits, sequence
 from tests.native.core import Core
 from tests.native.fuzz.damage import taken
-from tests.native.fuzz.player import findings, opened
-from tests.native.test_native_bits import first_difference
+from tests.native.fuzz.player import findings, opened, serialized
 
 _NO_REFERENCE: Answer[Run] = Answer(not_applicable="the FMU alone is judged")
 _SECONDS = 60.0
@@ -98,6 +100,13 @@ class Suite:
     def damaged_states(self, folder: Path, guid: str) -> list[str]:
         """Return which damaged states an unpacked FMU takes."""
         return self._told(_damaged_states, folder, guid)
+
+    def states(self, folder: Path, guid: str, count: int) -> list[bytes]:
+        """Return the serialized states of so many random sequences of an unpacked FMU."""
+        answer: Answer[list[bytes]]
+        (answer,) = self._pool.each(_states, [(folder, guid, count)])
+        assert answer.value is not None, answer.failure
+        return answer.value
 
     def texts(self, library: Path) -> list[str]:
         """Return numbers whose text is not that of Python."""
@@ -172,11 +181,16 @@ def _probe(file: FmuFile, probe: str, arguments: Any) -> list[str]:
 
 
 def _differing(library: Path, count: int) -> Answer[list[str]]:
-    def found() -> list[str]:
-        difference = first_difference(Core(library), range(count))
-        return [] if difference is None else [difference]
+    return _answer(lambda: list(islice(_differences(library, count), 1)))
 
-    return _answer(found)
+
+def _differences(library: Path, count: int) -> Iterator[str]:
+    core = Core(library, SPEC)
+    for seed in range(count):
+        for step, (expected, given) in enumerate(sequence(core, SPEC, seed)):
+            both = expected is not None and given is not None
+            if (bits(expected or []) != bits(given or [])) if both else expected is not given:
+                yield f"seed {seed}, step {step}: {given}, not {expected}"
 
 
 def _call_sequences(folder: Path, guid: str, count: int) -> Answer[list[str]]:
@@ -185,6 +199,10 @@ def _call_sequences(folder: Path, guid: str, count: int) -> Answer[list[str]]:
 
 def _damaged_states(folder: Path, guid: str) -> Answer[list[str]]:
     return _answer(lambda: taken(opened(folder, guid)))
+
+
+def _states(folder: Path, guid: str, count: int) -> Answer[list[bytes]]:
+    return _answer(lambda: serialized(opened(folder, guid), range(count)))
 
 
 def _texts(library: Path) -> Answer[list[str]]:

@@ -15,6 +15,7 @@ import pytest
 
 from stickslip_native.packer import sources_of
 from tests.native.planting import COUNTING, LINK
+from tests.native.suite import Suite
 from tests.needs import ROOT, needs
 
 IN_GATE, IN_SOAK = 20_000, 1_000_000
@@ -46,17 +47,29 @@ class Played:
     counts: Counter[tuple[str, int]]
 
 
-def play(folder: Path, sources: dict[str, bytes], first: int, count: int) -> Played:
-    """Play sequences on the sources, compiled with sanitizers in a folder."""
-    binary = folder / "binaries" / fmpy.platform / "StickSlip.so"
+def compiled(
+    folder: Path, sources: dict[str, bytes], compiler: str, more: tuple[str, ...] = ()
+) -> Path:
+    """Compile the library of an unpacked FMU in a folder, and return it."""
+    binary: Path = folder / "binaries" / fmpy.platform / "StickSlip.so"
     binary.parent.mkdir(parents=True)
     for name, content in sources.items():
         (folder / name).write_bytes(content)
     files = [COUNTING, *(folder / name for name in sources if name.endswith(".c"))]
-    _run("gcc", *_FLAGS, *_SANITIZERS, *LINK, *files, "-o", binary, "-lm")
-    identity = re.search(rb'"(.*)"', sources["identity.h"])
-    assert identity is not None
-    words = (folder, identity[1].decode(), str(first), str(count))
+    _run(compiler, *_FLAGS, *more, *LINK, *files, "-o", binary, "-lm")
+    return binary
+
+
+def _identity(sources: dict[str, bytes]) -> str:
+    found = re.search(rb'"(.*)"', sources["identity.h"])
+    assert found is not None
+    return found[1].decode()
+
+
+def play(folder: Path, sources: dict[str, bytes], first: int, count: int) -> Played:
+    """Play sequences on the sources, compiled with sanitizers in a folder."""
+    compiled(folder, sources, "gcc", _SANITIZERS)
+    words = (folder, _identity(sources), str(first), str(count))
     done = subprocess.run(
         [sys.executable, "-m", "tests.native.fuzz.player", *words],
         cwd=ROOT,
@@ -135,3 +148,52 @@ def test_a_fault_of_memory_is_found(tmp_path: Path, fault: str) -> None:
     assert sources[name].count(sound) == 1
     sources[name] = sources[name].replace(sound, faulty)
     assert re.search(reason, play(tmp_path, sources, 1, 300).found)
+
+
+HARNESS = Path(__file__).parent / "fuzz" / "states.c"
+# With fewer transitions in a step an input takes milliseconds and not seconds.
+_LONG, _SHORT = b"MOST_TRANSITIONS = 1 << 24", b"MOST_TRANSITIONS = 1 << 13"
+
+
+def fuzz_states(folder: Path, sources: dict[str, bytes], runs: int) -> str:
+    """Try bytes as states, beginning with those of real runs; return what libFuzzer found."""
+    corpus = folder / "corpus"
+    corpus.mkdir()
+    binary = compiled(folder, sources, "cc")
+    with Suite() as suite:
+        states = suite.states(binary.parents[2], _identity(sources), 300)
+    for n, state in enumerate(states):
+        # The harness makes head and checksum.
+        (corpus / f"state{n}").write_bytes(state[24:-8])
+    assert sources["block.h"].count(_LONG) == 1
+    (folder / "block.h").write_bytes(sources["block.h"].replace(_LONG, _SHORT))
+    files = [HARNESS, *(folder / name for name in sources if name.endswith(".c"))]
+    fuzzer = folder / "fuzzer"
+    sanitizers = ("-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=all")
+    _run("clang", *_FLAGS, *sanitizers, f"-I{folder}", *files, "-o", fuzzer, "-lm")
+    done = subprocess.run(
+        [fuzzer, "-seed=1", f"-runs={runs}", "-max_len=900", "-timeout=60", corpus],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return "" if done.returncode == 0 else done.stderr
+
+
+@pytest.mark.soak
+@needs("libfuzzer")
+def test_no_bytes_of_a_state_do_harm(tmp_path: Path) -> None:
+    """Of 300,000 inputs none that is taken as a state leaves the memory, hangs or is not kept."""
+    assert fuzz_states(tmp_path, sources_of(2), 300_000) == ""
+
+
+@pytest.mark.soak
+@needs("libfuzzer")
+def test_a_state_that_is_not_checked_is_found(tmp_path: Path) -> None:
+    """A mode that no block has is an index out of range: libFuzzer comes upon it."""
+    sources = sources_of(2)
+    sound = b"-1 <= start->mode && start->mode <= 1 && "
+    assert sources["block.c"].count(sound) == 1
+    sources["block.c"] = sources["block.c"].replace(sound, b"")
+    assert fuzz_states(tmp_path, sources, 300_000) != ""

@@ -6,13 +6,13 @@
 
 #include <math.h>
 
-void true_sticking_after(const struct friction *it, const struct arc *ended, double z,
-                         struct arc *following);
+enum refusal true_sticking_after(const struct friction *it, const struct arc *ended, double z,
+                                 struct arc *following);
 
-void sticking_after(const struct friction *it, const struct arc *ended, double z,
-                    struct arc *following)
+enum refusal sticking_after(const struct friction *it, const struct arc *ended, double z,
+                            struct arc *following)
 {
     struct arc forward = *ended;
     if (forward.tag == STICK) forward.of.stick.v = fabs(forward.of.stick.v);
-    true_sticking_after(it, &forward, z, following);
+    return true_sticking_after(it, &forward, z, following);
 }

@@ -1,6 +1,6 @@
 /* After a slip the gap between static and kinetic friction is a difference of two forces.
  * replaces: coulomb_way
- * detected by: equal-bits in 100 sequences
+ * detected by: equal-bits in 300 sequences
  */
 #include "coulomb_slip.h"
 

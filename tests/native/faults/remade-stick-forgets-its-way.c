@@ -1,6 +1,6 @@
 /* A stick that is remade from a state takes what is left to break-away as a difference of forces.
  * replaces: sticking_arc
- * detected by: equal-bits in 100 sequences
+ * detected by: serialized-state-to-the-bit in default
  */
 #include "sticking.h"
 

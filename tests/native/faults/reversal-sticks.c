@@ -4,14 +4,14 @@
  */
 #include "sticking.h"
 
-void true_sticking_after(const struct friction *it, const struct arc *ended, double z,
-                         struct arc *following);
+enum refusal true_sticking_after(const struct friction *it, const struct arc *ended, double z,
+                                 struct arc *following);
 
-void sticking_after(const struct friction *it, const struct arc *ended, double z,
-                    struct arc *following)
+enum refusal sticking_after(const struct friction *it, const struct arc *ended, double z,
+                            struct arc *following)
 {
-    struct friction firm = *it;
-    if (ended->tag != STICK) firm.F_s = 1e300;
-    true_sticking_after(&firm, ended, z, following);
-    if (following->tag == STICK) true_sticking_after(it, ended, 0.0, following);
+    const enum refusal refused = true_sticking_after(it, ended, z, following);
+    const struct start at_rest = {.z = z};
+    if (ended->tag != STICK && following->mode != 0) sticking_arc(it, &at_rest, following);
+    return refused;
 }

@@ -2,12 +2,11 @@
  * replaces: series_of
  * detected by: equal-bits in 200 sequences
  */
-#include "numerics.h"
 #include "oscillator.h"
 
 struct series {
     int count;
-    double term[MOST_TERMS];
+    double term[32];
 };
 
 struct series true_series_of(const struct oscillator *it, double tau);

@@ -119,6 +119,28 @@ def findings(
     return []
 
 
+class _Collector(NativePlayer):
+    """Keeps the states that are serialized."""
+
+    def __init__(self, raw: Raw) -> None:
+        super().__init__(raw)
+        self.collected: list[bytes] = []
+
+    def _serialize(self, i: int, slot: int, packed: int) -> Any:
+        given = super()._serialize(i, slot, packed)
+        if given[0] == 0:
+            self.collected.append(self.packed[packed])
+        return given
+
+
+def serialized(raw: Raw, seeds: Iterable[int]) -> list[bytes]:
+    """Return the states that are serialized in sequences of these seeds."""
+    player = _Collector(raw)
+    for seed in seeds:
+        player.judged(sequence(seed), Counter())
+    return player.collected
+
+
 def main() -> None:
     """Play what the command line asks for."""
     folder, guid, first, count = sys.argv[1:]
