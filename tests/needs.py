@@ -58,6 +58,13 @@ with started():
     pass
 """
 _HOST_IN_C = "#include <dlfcn.h>\n#include <stdio.h>\nint main(void) { return 0; }\n"
+_FUZZED_IN_C = """\
+#include <stddef.h>
+int LLVMFuzzerTestOneInput(const unsigned char *bytes, size_t size)
+{
+    return (void)bytes, (void)size, 0;
+}
+"""
 
 
 class LackingError(Exception):
@@ -151,15 +158,20 @@ def _proxyfmu() -> None:
     _libpython()
 
 
-def _compiler() -> None:
-    install = "apt-get install gcc libc6-dev"
-    if shutil.which("cc") is None:
-        raise LackingError("there is no program cc", install)
+def _compiler(
+    program: str = "cc",
+    options: tuple[str, ...] = (),
+    install: str = "apt-get install gcc libc6-dev",
+    host: str = _HOST_IN_C,
+) -> None:
+    if shutil.which(program) is None:
+        raise LackingError(f"there is no program {program}", install)
     with tempfile.TemporaryDirectory() as folder:
-        done = _run(["cc", "-x", "c", "-o", f"{folder}/a", "-", "-ldl"], _HOST_IN_C)
+        command = [program, *options, "-x", "c", "-o", f"{folder}/a", "-", "-ldl"]
+        done = _run(command, host)
     if done.returncode != 0:
         said = done.stderr.strip() or f"exit code {done.returncode}"
-        raise LackingError(f"cc: {said.splitlines()[0]}", install)
+        raise LackingError(f"{program}: {said.splitlines()[0]}", install)
 
 
 def _zig() -> None:
@@ -227,6 +239,21 @@ NEEDS = {
     "zig": Need("the native FMU for all platforms", _zig),
     "qemu": Need("the native FMU on Linux ARM64", _qemu),
     "wine": Need("the native FMU on Windows", _wine),
+    # Its libraries are loaded before Python, so a clang that links them statically is of no use.
+    "sanitizers": Need(
+        "the native FMU under sanitizers",
+        partial(_compiler, "gcc", ("-fsanitize=address,undefined",)),
+    ),
+    "libfuzzer": Need(
+        "random bytes as states of the native FMU",
+        partial(
+            _compiler,
+            "clang",
+            ("-fsanitize=fuzzer",),
+            "apt-get install clang libclang-rt-14-dev",
+            _FUZZED_IN_C,
+        ),
+    ),
     "libpython": Need("the FMU in a program that is not Python", _libpython),
     "typescript": Need("the types of the page's script", _typescript),
     "browser": Need(
