@@ -211,7 +211,7 @@ def _typescript() -> None:
     if lost := [name for name in ("node", "npx") if shutil.which(name) is None]:
         raise LackingError(f"there is no program {' and no '.join(lost)}", install)
     # Two processes that fetch it at once would disturb each other.
-    with Path(tempfile.gettempdir(), f"stickslip-tsc-{os.getuid()}.lock").open("w") as lock:
+    with Path(__file__).open(encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         done = _run([*TSC, "--version"])
     if done.returncode != 0:
