@@ -1,8 +1,10 @@
 """What all tests share: one FMU, built once, what they need beyond the core, and their size."""
 
 import os
+import shutil
 import tempfile
 from collections.abc import Callable
+from multiprocessing.util import Finalize
 from pathlib import Path
 
 import pytest
@@ -40,10 +42,11 @@ def pytest_configure(config: pytest.Config) -> None:
         return
     # The folders of fixtures outlive the run: what is in them explains a failure.
     os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", tempfile.gettempdir())
-    folder = tempfile.TemporaryDirectory(prefix="stickslip-tests-", ignore_cleanup_errors=True)
-    config.add_cleanup(folder.cleanup)
-    os.environ["TMPDIR"] = tempfile.tempdir = folder.name
-    kept = Path(folder.name) / "kept"
+    folder = tempfile.mkdtemp(prefix="stickslip-tests-")
+    # After multiprocessing, which removes its folder in there when this process ends.
+    Finalize(None, shutil.rmtree, (folder, True), exitpriority=-200)
+    os.environ["TMPDIR"] = tempfile.tempdir = folder
+    kept = Path(folder) / "kept"
     kept.mkdir()
     if not os.environ.get(FOLDER):
         os.environ[FOLDER] = str(kept)

@@ -154,7 +154,7 @@ def test_an_honest_foreign_fmu_passes(slider_mm: Path, slider_mm_names: NameMap)
 
 def test_an_honest_fmu_of_version_3_passes(slider_si: Path, slider_si_names: NameMap) -> None:
     """FMI 3.0 is driven as 2.0 is, its state too."""
-    verdict = verify(slider_si, FEW, names=slider_si_names, jobs=1)
+    verdict = verify(slider_si, FEW, names=slider_si_names, fresh_processes=False, jobs=1)
     assert wrong(verdict) == []
     rollbacks = [r for r in verdict.checks if r.check == "rollback" and r.side == "fmu"]
     assert "pass" in {result.verdict for result in rollbacks}
