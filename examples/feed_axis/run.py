@@ -18,6 +18,7 @@ import typer
 from stickslip.commands.units import parse
 from stickslip.errors import CommandError
 from stickslip_fmu.packer import build as build_block
+from stickslip_native.compiler import CompilerError
 from stickslip_native.packer import build as build_native
 from stickslip_verification.report.svg import as_svg
 
@@ -203,7 +204,7 @@ def main() -> None:
     """Run the command; the exit code is 0 for done, 1 for a failed check, 2 for wrong use."""
     try:
         app(prog_name="python -m examples.feed_axis")
-    except (CommandError, ValueError) as error:
+    except (CommandError, CompilerError, ValueError) as error:
         _say(str(error))
         sys.exit(2)
     except OSError as error:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from examples.feed_axis import masters, ssp
 from examples.feed_axis.axis import Axis
 from examples.feed_axis.run import run_in as run_apart
+from examples.feed_axis.run import write_all
 from stickslip.errors import CommandError
 from tests.needs import needs
 from tests.python import python
@@ -49,6 +50,14 @@ def run_in(master: str, file: Path, folder: Path, stop: float = STOP) -> Columns
     python("-I", BARRED, masters.__file__, *words)
     rows = np.genfromtxt(table, delimiter=",", skip_header=1)
     return dict(zip(("time", *ssp.OUTPUTS), rows.T, strict=True))
+
+
+@needs("cc")
+def test_the_native_table_shows_the_same_bits(own: Columns, tmp_path: Path) -> None:
+    """With the table in C, beside a drive in Python, fmpy records the same bits."""
+    found = run_in(FMPY, write_all(tmp_path, Axis(), native=True), tmp_path)
+    for name, column in own.items():
+        assert np.array_equal(found[name], column), name
 
 
 @pytest.mark.parametrize("master", [FMPY, ECOS])

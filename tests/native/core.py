@@ -43,7 +43,7 @@ def compile_core(
     for name, text in table_files(spec).items():
         (folder / name).write_text(text)
     library = folder / "core.so"
-    folders = (law, CORE, folder)
+    folders: tuple[Path, ...] = (law, CORE, folder)
     sources = [str(file) for each in folders for file in sorted(each.glob("*.c"))]
     if shared:
         folders = (*folders, COULOMB)

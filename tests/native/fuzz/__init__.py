@@ -1,0 +1,1 @@
+"""Random calls and damaged states on the native FMU, under sanitizers."""
