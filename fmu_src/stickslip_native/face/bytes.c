@@ -25,8 +25,7 @@ struct stream {
     unsigned char *to;
     const unsigned char *from;
     size_t at;
-    /* What was read is finite, and 0 or 1 where it is a truth value; what was compared is equal. */
-    bool sound;
+    bool sound; /* what was read is finite, what was compared is equal */
 };
 
 static const uint64_t HASH_START = 14695981039346656037u;
@@ -88,9 +87,8 @@ static void integer(struct stream *stream, int32_t *value)
 
 static void truth(struct stream *stream, bool *value)
 {
-    const uint64_t byte = number(stream, *value ? 1 : 0, 1);
-    *value = byte != 0;
-    if (byte > 1) stream->sound = false;
+    /* A byte other than 0 and 1 is found where what was read is compared. */
+    *value = number(stream, *value ? 1 : 0, 1) != 0;
 }
 
 static void settings(struct stream *stream, struct settings *values)
