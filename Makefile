@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint prove bench docs docs-check clean
+.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint prove bench docs docs-check check-generated check-study clean
 
 verify: $(VENV)/ready
 	$(BIN)/stickslip build --bare
@@ -82,8 +82,14 @@ docs: $(VENV)/ready
 	$(BIN)/python docs/generate.py
 	$(BIN)/python -m examples.feed_axis study
 
+# The study runs on one core, and so beside the other check.
 docs-check: $(VENV)/ready
+	$(MAKE) --jobs 2 --output-sync check-generated check-study
+
+check-generated: $(VENV)/ready
 	$(BIN)/python docs/generate.py --check
+
+check-study: $(VENV)/ready
 	$(BIN)/python -m examples.feed_axis study --check
 
 clean:

@@ -26,16 +26,27 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let all processes of this run share the truth and the reference of the cases."""
+    """Give all processes of this run one folder for temporary files, which is removed at its end.
+
+    Simulators and processes that crash leave files behind. The truth and the reference of the cases
+    are there too, computed once for all processes.
+    """
     # Tests run on all cores already; threads of NumPy's would wait for each other, at twice the
     # cost. NumPy reads this when it is imported.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from stickslip_verification.drive.kept import FOLDER
 
+    if hasattr(config, "workerinput"):
+        return
+    # The folders of fixtures outlive the run: what is in them explains a failure.
+    os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", tempfile.gettempdir())
+    folder = tempfile.TemporaryDirectory(prefix="stickslip-tests-", ignore_cleanup_errors=True)
+    config.add_cleanup(folder.cleanup)
+    os.environ["TMPDIR"] = tempfile.tempdir = folder.name
+    kept = Path(folder.name) / "kept"
+    kept.mkdir()
     if not os.environ.get(FOLDER):
-        folder = tempfile.TemporaryDirectory(prefix="stickslip-kept-")
-        config.add_cleanup(folder.cleanup)
-        os.environ[FOLDER] = folder.name
+        os.environ[FOLDER] = str(kept)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

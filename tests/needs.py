@@ -31,6 +31,12 @@ is linked to it cannot run where it is hidden."""
 TSC = ("npx", "--yes", "--package", "typescript@6.0.3", "--", "tsc")
 """The command of TypeScript's compiler: its version is said here alone, npm gets and keeps it."""
 
+ARM_LIBRARIES = "/usr/aarch64-linux-gnu"
+"""Folder with the C library of Linux ARM64: Debian's package libc6-arm64-cross."""
+
+WINE = "/usr/lib/wine/wine64"
+"""Wine for 64-bit programs: Debian has it off the PATH."""
+
 _LIMIT = 120.0
 """Seconds after which a trial counts as hung; the longest takes two."""
 
@@ -175,12 +181,37 @@ def _zig() -> None:
         raise LackingError(cause, "pip install '.[native]'")
 
 
+def _starts(packages: str, *command: str) -> None:
+    """Start a program of packages of Debian."""
+    cause = f"there is no program {command[0]}"
+    if shutil.which(command[0]) is not None:
+        done = _run(list(command))
+        if done.returncode == 0:
+            return
+        said = done.stderr.strip() or f"exit code {done.returncode}"
+        cause = f"{command[0]}: {said.splitlines()[0]}"
+    raise LackingError(cause, f"apt-get install {packages}")
+
+
+_qemu = partial(
+    _starts,
+    "qemu-user libc6-arm64-cross",
+    "qemu-aarch64",
+    "-L",
+    ARM_LIBRARIES,
+    # The loader of programs for ARM64, a program itself.
+    f"{ARM_LIBRARIES}/lib/ld-linux-aarch64.so.1",
+    "--version",
+)
+_wine = partial(_starts, "wine64", WINE, "--version")
+
+
 def _typescript() -> None:
     install = "apt-get install nodejs npm"
     if lost := [name for name in ("node", "npx") if shutil.which(name) is None]:
         raise LackingError(f"there is no program {' and no '.join(lost)}", install)
     # Two processes that fetch it at once would disturb each other.
-    with Path(tempfile.gettempdir(), f"stickslip-tsc-{os.getuid()}.lock").open("w") as lock:
+    with Path(__file__).open(encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         done = _run([*TSC, "--version"])
     if done.returncode != 0:
@@ -206,6 +237,8 @@ NEEDS = {
     "fmutool": Need("the FMU by fmutool -check", _toolbox),
     "cc": Need("the FMU in a host written in C, an FMU written in C", _compiler),
     "zig": Need("the native FMU for all platforms", _zig),
+    "qemu": Need("the native FMU on Linux ARM64", _qemu),
+    "wine": Need("the native FMU on Windows", _wine),
     # Its libraries are loaded before Python, so a clang that links them statically is of no use.
     "sanitizers": Need(
         "the native FMU under sanitizers",

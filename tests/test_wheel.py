@@ -13,6 +13,7 @@ import pytest
 
 from tests.needs import needs
 from tests.python import python
+from tests.sharing import made_once
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = (
@@ -71,13 +72,15 @@ class Environment:
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def wheel() -> Path:
     """Return the wheel of this source tree."""
-    folder = tmp_path_factory.mktemp("wheel")
-    # No isolated build: hatchling is among the tools that the tests are installed with.
-    options = ["--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder)]
-    python("-m", "pip", "wheel", *options, ROOT, timeout=300)
-    (wheel,) = folder.glob("*.whl")
+
+    def build(folder: Path) -> None:
+        # No isolated build: hatchling is among the tools that the tests are installed with.
+        options = ["--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder)]
+        python("-m", "pip", "wheel", *options, ROOT, timeout=300)
+
+    (wheel,) = made_once("wheel", build).glob("*.whl")
     return wheel
 
 
@@ -89,26 +92,27 @@ def names(wheel: Path) -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def installed(
-    wheel: Path, tmp_path_factory: pytest.TempPathFactory, pytestconfig: pytest.Config
-) -> Environment:
+def installed(wheel: Path, pytestconfig: pytest.Config) -> Environment:
     """Return a fresh environment with the wheel, and what it needs.
 
     In CI and with --soak that comes from the registry; else the environment of the tests lends it,
     but not the source tree that is installed there.
     """
-    folder = tmp_path_factory.mktemp("elsewhere")
-    environment = Environment(folder / "venv", folder)
-    subprocess.run([sys.executable, "-m", "venv", str(environment.root)], check=True)
-    if os.environ.get("CI") or pytestconfig.getoption("soak"):
-        install(environment, wheel)
-        return environment
-    done = environment.pip("install", "--no-deps", "--no-index", str(wheel))
-    assert done.returncode == 0, done.stderr
-    (packages,) = environment.root.glob("lib/python*/site-packages")
-    # A path file names folders; those of a folder that it names are not read.
-    (packages / "lent.pth").write_text(f"{LENT}\n", encoding="utf-8")
-    return environment
+
+    def set_up(folder: Path) -> None:
+        environment = Environment(folder / "venv", folder)
+        subprocess.run([sys.executable, "-m", "venv", str(environment.root)], check=True)
+        if os.environ.get("CI") or pytestconfig.getoption("soak"):
+            install(environment, wheel)
+            return
+        done = environment.pip("install", "--no-deps", "--no-index", str(wheel))
+        assert done.returncode == 0, done.stderr
+        (packages,) = environment.root.glob("lib/python*/site-packages")
+        # A path file names folders; those of a folder that it names are not read.
+        (packages / "lent.pth").write_text(f"{LENT}\n", encoding="utf-8")
+
+    folder = made_once("installed", set_up)
+    return Environment(folder / "venv", folder)
 
 
 def install(environment: Environment, wheel: Path) -> None:

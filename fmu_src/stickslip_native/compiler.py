@@ -5,6 +5,7 @@ PyPI brings it. What it makes of them is kept in Zig's cache, in the cache folde
 runtime of Windows takes minutes once.
 """
 
+import os
 import shutil
 import subprocess
 import sys
@@ -79,7 +80,12 @@ class Compiler(NamedTuple):
             for each, content in sources.items():
                 Path(folder, each).write_bytes(content)
             done = subprocess.run(
-                words, cwd=folder, capture_output=True, encoding="utf-8", errors="replace"
+                words,
+                cwd=folder,
+                env=_with_cache() if self.is_zig else None,
+                capture_output=True,
+                encoding="utf-8",
+                errors="replace",
             )
             if done.returncode != 0:
                 raise CompilerError(f"{' '.join(self.command)}: {_cause(done)}")
@@ -136,6 +142,25 @@ def _cc() -> Compiler:
         names = ", ".join(each.fmi3 for each in PLATFORMS)
         raise CompilerError(f"this machine is none of {names}")
     return Compiler(("cc",), (target,), is_zig=False)
+
+
+def _with_cache() -> Dict[str, str]:
+    """Return the environment with the folder of Zig's cache; raises CompilerError.
+
+    It is the folder that Zig takes by itself. Where that cannot be written Zig never ends.
+    """
+    own = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or "~/.cache"
+    folder = Path(os.environ.get("ZIG_GLOBAL_CACHE_DIR") or Path(own, "zig")).expanduser()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise CompilerError(
+            f"Zig's cache {folder} cannot be written ({error.strerror}); "
+            "name another folder in the environment variable ZIG_GLOBAL_CACHE_DIR"
+        ) from None
+    return {**os.environ, "ZIG_GLOBAL_CACHE_DIR": str(folder)}
 
 
 def _cause(done: "subprocess.CompletedProcess[str]") -> str:

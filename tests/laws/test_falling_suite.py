@@ -176,7 +176,7 @@ def test_the_fmu_of_the_law_fails_as_an_fmu_of_coulombs(falling_fmu: Path, tmp_p
     """Its slope of 0.1 s/m changes the period by 2 %, which a case of Coulomb's law tells."""
     text = (CASES / "falling.toml").read_text(encoding="utf-8")
     case = _read(tmp_path, text.replace('law = "tests.laws.falling:FALLING"\n', ""))
-    verdict = verify(falling_fmu, [case], jobs=1)
+    verdict = verify(falling_fmu, [case], fresh_processes=False, jobs=1)
     failed = {(result.check, result.side) for result in verdict.checks if not result.passed}
     assert {("T-course", "fmu"), ("slip-propagates", "fmu"), ("agree-on-x", "both")} <= failed
     assert not any(side == "reference" for _, side in failed)

@@ -12,7 +12,7 @@ import fmpy
 import pytest
 
 from stickslip_native import packer
-from stickslip_native.compiler import FLAGS, CompilerError, compiler_for
+from stickslip_native.compiler import FLAGS, Compiler, CompilerError, compiler_for
 from stickslip_native.platforms import PLATFORMS, current, universal
 from tests.needs import needs
 
@@ -188,3 +188,15 @@ def test_a_source_that_does_not_compile_is_named_in_one_line() -> None:
     with pytest.raises(CompilerError, match=r"\Acc: wrong\.c:1:.*error.*\Z") as caught:
         compiler.library({"wrong.c": b"int x = ;\n"}, "wrong", compiler.platforms[0])
     assert "\n" not in str(caught.value)
+
+
+def test_a_cache_that_cannot_be_written_is_named(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The message names the folder, and the variable for another one; Zig itself never ends."""
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("ZIG_GLOBAL_CACHE_DIR", str(tmp_path / "file" / "cache"))
+    zig = Compiler(("true",), PLATFORMS, is_zig=True)
+    told = r"file/cache cannot be written \(Not a directory\); .* ZIG_GLOBAL_CACHE_DIR\Z"
+    with pytest.raises(CompilerError, match=told):
+        zig.library({}, "StickSlip", PLATFORMS[0])

@@ -95,6 +95,8 @@ def _together(face: int) -> Iterator[Calls]:
             read = [f"get{_REAL[face]}", [_NUMBER["W_pull"], _NUMBER["Q_friction"]]]
             step = ["doStep", 0.01, 1e3]
             yield [*_running(), setting, step, read]
+            # A parameter is not shown either where the motion cannot be.
+            yield [*_running(), setting, step, [*read[:1], [0]]]
             yield [*_running(), setting, setting, step, step, read, [*read[:1], [0, 999]]]
     # The text of a warning is told once, until another is told or none is due.
     for pairs in (

@@ -51,7 +51,7 @@ def test_the_sources_compile_without_a_warning(either_native: Path, tmp_path: Pa
         names = [name for name in archive.namelist() if name.startswith("sources/")]
         archive.extractall(tmp_path, names)
     strict = ["-std=c99", "-pedantic-errors", "-Werror", "-Wall", "-Wextra", "-Wconversion"]
-    command = ["cc", *strict, "-Wdouble-promotion", "-O2", "-fsyntax-only"]
+    command = ["cc", *strict, "-Wdouble-promotion", "-fanalyzer", "-O2", "-c", "-o", os.devnull]
     for file in sorted(folder.glob("*.c")):
         done = subprocess.run([*command, file], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr

@@ -34,23 +34,28 @@ def test_the_model_declares_every_type() -> None:
     assert findings(SOURCES / "model") == []
 
 
-@pytest.mark.parametrize(
-    ("folder", "module", "line", "told"),
-    [
-        ("model", "root.js", "const double = (a) => 2 * a;", "implicitly has an 'any' type"),
-        ("model", "root.js", "const title = document.title;", "Cannot find name 'document'"),
-        ("model", "cycle.js", "steadyCycle(1);", "'number' is not assignable to parameter"),
-        (".", "model/root.js", 'risingZero("x", 0, 1, 0);', "'string' is not assignable"),
-        (".", "view/units.js", "shifted(20, 3);", "'number' is not assignable to parameter"),
+WRONG = {
+    "model": [
+        ("cycle.js", "steadyCycle(1);", "'number' is not assignable to parameter"),
+        ("root.js", "const double = (a) => 2 * a;", "implicitly has an 'any' type"),
+        ("root.js", "const title = document.title;", "Cannot find name 'document'"),
     ],
-)
-def test_a_wrong_line_is_found(
-    tmp_path: Path, folder: str, module: str, line: str, told: str
-) -> None:
+    ".": [
+        ("model/root.js", 'risingZero("x", 0, 1, 0);', "'string' is not assignable"),
+        ("view/units.js", "shifted(20, 3);", "'number' is not assignable to parameter"),
+    ],
+}
+"""Folder to modules, a wrong line for the end of each, and what is said of it."""
+
+
+@pytest.mark.parametrize("folder", WRONG)
+def test_each_wrong_line_is_found(tmp_path: Path, folder: str) -> None:
     """A parameter without a type, a browser's name in the model, and a wrong argument are told."""
     copy = shutil.copytree(SOURCES, tmp_path / "page")
-    path = copy / folder / module
-    path.write_text(f"{path.read_text('utf-8')}{line}\n", encoding="utf-8")
-    [finding] = findings(copy / folder)
-    assert finding.startswith(f"{module}(")
-    assert told in finding
+    for module, line, _ in WRONG[folder]:
+        with (copy / folder / module).open("a", encoding="utf-8") as file:
+            file.write(f"{line}\n")
+    found = sorted(findings(copy / folder))
+    for finding, (module, _, told) in zip(found, WRONG[folder], strict=True):
+        assert finding.startswith(f"{module}(")
+        assert told in finding

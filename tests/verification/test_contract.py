@@ -12,7 +12,7 @@ import pytest
 
 from stickslip_fmu import interface
 from stickslip_fmu.packer import build
-from stickslip_verification import FmuError, NameMap, load_mutants, verify
+from stickslip_verification import FmuError, Mutant, NameMap, Verdict, load_mutants, verify
 from stickslip_verification.drive.fmu import stated
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.names import Target
@@ -20,7 +20,7 @@ from stickslip_verification.drive.fmu.stated import StatedContract, stated_contr
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.drive.stepping import run_case, setting_of
 from stickslip_verification.model.verdict import ChosenContract
-from stickslip_verification.run.contract import CONTRACTS, chosen_contract
+from stickslip_verification.run.contract import CONTRACTS, Wanted, chosen_contract
 
 from .foreign import building
 from .records import named
@@ -139,9 +139,9 @@ def test_a_person_chooses_before_the_names_file_and_that_before_the_description(
 def test_the_verdict_keeps_to_the_chosen_contract(fmu_path: Path, silent: Path) -> None:
     """The identifier does not choose it; tolerances, decisions and the reason follow from it."""
     case = [named("one-step")]
-    exact = verify(fmu_path, case, jobs=1)
-    physics = verify(silent, case, jobs=1)
-    forced = verify(silent, case, contract="exact", jobs=1)
+    exact = verify(fmu_path, case, fresh_processes=False, jobs=1)
+    physics = verify(silent, case, fresh_processes=False, jobs=1)
+    forced = verify(silent, case, contract="exact", fresh_processes=False, jobs=1)
     assert exact.contract == ChosenContract("exact", EXACT)
     assert physics.contract == ChosenContract("physics", NONE)
     assert (exact.exact, physics.exact, forced.exact) == (True, False, True)
@@ -179,11 +179,15 @@ def test_the_chosen_contract_reaches_the_processes(fmu_path: Path, tmp_path: Pat
     (gravity,) = load_mutants("constant-standard-gravity")
     planted = plant(fmu_path, gravity, tmp_path)
     case = [named("default")]
-    assert not verify(planted, case, jobs=1).passed
-    assert verify(planted, case, contract="physics", jobs=1).passed
-    tried = verify(fmu_path, case, contract="physics", mutants=[gravity], jobs=1).kills
-    assert tried is not None
-    assert not tried.rows[0].caught
+
+    def judged(fmu: Path, contract: Wanted | None, *mutants: Mutant) -> Verdict:
+        return verify(fmu, case, contract=contract, mutants=mutants, fresh_processes=False, jobs=1)
+
+    assert not judged(planted, None).passed
+    assert judged(planted, "physics").passed
+    kills = judged(fmu_path, "physics", gravity).kills
+    assert kills is not None
+    assert not kills.rows[0].caught
 
 
 def test_faults_are_planted_where_the_source_is(
@@ -191,7 +195,14 @@ def test_faults_are_planted_where_the_source_is(
 ) -> None:
     """Whatever the contract, an FMU with the block's source takes them; another one is refused."""
     faults = load_mutants("constant-g")
-    verdict = verify(silent, [named("default")], mutants=faults, whole_matrix=False, jobs=1)
+    verdict = verify(
+        silent,
+        [named("default")],
+        fresh_processes=False,
+        mutants=faults,
+        whole_matrix=False,
+        jobs=1,
+    )
     assert verdict.kills is not None
     assert verdict.kills.rows[0].caught
     with pytest.raises(FmuError, match="which this FMU does not carry; faults in the calls can"):

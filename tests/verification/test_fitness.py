@@ -235,7 +235,11 @@ def test_an_fmu_that_integrates_by_steps_fails_the_verdict_and_is_good_to_two_pe
     """A solver with steps of 1 ms misses events by up to one; fitness says how far off that is."""
     (fault,) = load_mutants("fixed-step-1ms")
     verdict = verify(
-        plant(fmu_path, fault, tmp_path), [named("default"), named("clamp")], within=0.02, jobs=1
+        plant(fmu_path, fault, tmp_path),
+        [named("default"), named("clamp")],
+        within=0.02,
+        fresh_processes=False,
+        jobs=1,
     )
     assert not verdict.passed
     (table,) = verdict.tables
@@ -249,7 +253,14 @@ def test_a_foreign_fmu_without_t_event_is_answered(
 ) -> None:
     """Static friction 0.5 % too high: each stick is 2 Delta/v longer by 1 % of the first one."""
     cases = [named("default"), named("damped-cycle")]
-    verdict = verify(slider_faulty, cases, names=slider_mm_names, within=0.008, jobs=1)
+    verdict = verify(
+        slider_faulty,
+        cases,
+        names=slider_mm_names,
+        within=0.008,
+        fresh_processes=False,
+        jobs=1,
+    )
     answer, places, *_ = verdict.tables
     assert answered(answer) == {
         "jump": "yes", "stick": "no", "slip": "yes", "period": "yes", "forces": "yes",

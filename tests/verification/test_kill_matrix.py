@@ -10,6 +10,7 @@ from stickslip_verification import load_invariants, load_mutants, verify
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.drive.probes import IN_A_FRESH_PROCESS
 from stickslip_verification.judge.checks import PHYSICS_CONTRACT
 from stickslip_verification.model.verdict import KillMatrix
 from stickslip_verification.run.baseline import Baseline, compute
@@ -19,12 +20,18 @@ from stickslip_verification.suite.faults import Mutant, Override, reasons_to_sta
 from .records import named
 
 CASES = [named("default"), named("reversals")]
+ALL = load_invariants()
+INVARIANTS = replace(
+    ALL,
+    orders=(),
+    probes=[probe for probe in ALL.probes if probe.probe not in IN_A_FRESH_PROCESS],
+)
 
 
 @cache
 def baseline() -> list[Baseline]:
     """Return the baseline of two cases, without observed orders."""
-    return compute(CASES, replace(load_invariants(), orders=()), jobs=1)
+    return compute(CASES, INVARIANTS, jobs=1)
 
 
 def fault(name: str) -> Mutant:
@@ -36,8 +43,8 @@ WHOLE, FORETOLD = How(), How(whole=False)
 
 
 def tried(fmu: Path, *mutants: Mutant, how: How = WHOLE) -> KillMatrix:
-    """Try faults on two cases."""
-    return detect(fmu, mutants, baseline(), load_invariants(), jobs=1, how=how)
+    """Try faults on two cases, and on the probes that need no fresh process."""
+    return detect(fmu, mutants, baseline(), INVARIANTS, jobs=1, how=how)
 
 
 def test_faults_are_caught_by_the_checks_that_fit(fmu_path: Path) -> None:
@@ -135,7 +142,9 @@ def test_a_check_that_kills_nothing_needs_a_reason(fmu_path: Path) -> None:
 
 def test_the_matrix_is_part_of_the_verdict(fmu_path: Path) -> None:
     """A verdict with a survivor does not pass, whatever the checks say."""
-    verdict = verify(fmu_path, [named("one-step")], mutants=[HARMLESS[0]], jobs=1)
+    verdict = verify(
+        fmu_path, [named("one-step")], mutants=[HARMLESS[0]], fresh_processes=False, jobs=1
+    )
     assert verdict.summary["failed"] == 0
     assert verdict.kills is not None
     assert not verdict.passed

@@ -145,16 +145,19 @@ def test_what_goes_wrong_in_a_fresh_process_is_told(
     misbehaving: Callable[[str], Path],
     ours: FmuFile,
     monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
     what: str,
     told: str,
 ) -> None:
-    """A crash, a hang and a failure in the fresh process are complaints, and end there."""
+    """A crash, a hang and a failure in the fresh process are complaints, and leave no file."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     monkeypatch.setattr(fresh_process, "LIMIT", 3.0 if what == "hang" else 60.0)
     monkeypatch.setattr(ours, "path", misbehaving(what))
     complaints = PROBES["elsewhere"](
         ours, environments={}, calls=[{"start": 0.0}], then=[{"step": 0.01, "times": 3}]
     )
     assert re.search(told, complaints[0].removeprefix("in a fresh process: "))
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.fixture

@@ -10,7 +10,15 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification import CheckResult, FmuError, NameMap, Verdict, load_invariants, verify
+from stickslip_verification import (
+    CheckResult,
+    FmuError,
+    NameMap,
+    Verdict,
+    load_invariants,
+    load_mutants,
+    verify,
+)
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.drive.stepping import run_case
@@ -60,17 +68,45 @@ def test_every_invariant_is_tried(ours: Verdict) -> None:
     assert tried - made <= {"onset-beyond-break-away"}
 
 
+def test_what_takes_a_fresh_process_can_be_left_out(fmu_path: Path) -> None:
+    """Then every other probe is asked, and a fault that such a probe detects is detected still."""
+    leak = load_mutants("memory-of-instances")
+    verdict = verify(
+        fmu_path,
+        FEW[:1],
+        fresh_processes=False,
+        mutants=leak,
+        whole_matrix=False,
+        jobs=1,
+    )
+    probes = {probe.id for probe in load_invariants().probes}
+    assert probes - {result.check for result in verdict.checks} == {
+        "memory-of-steps",
+        "memory-of-states",
+        "memory-of-instances",
+        "state-in-a-fresh-process",
+        "state-in-a-fresh-process-to-the-bit",
+        "environment",
+        "environment-to-the-bit",
+    }
+    assert verdict.passed
+    assert verdict.kills is not None
+    assert verdict.kills.rows[0].failing == {"memory-of-instances": 1}
+
+
 def test_progress_tells_each_case(fmu_path: Path) -> None:
     """Progress names every case, and never more is done than there is."""
     told: list[tuple[str, int, int]] = []
-    verify(fmu_path, FEW[:2], lambda *progress: told.append(progress), jobs=1)
+    verify(
+        fmu_path, FEW[:2], lambda *progress: told.append(progress), fresh_processes=False, jobs=1
+    )
     assert {what.rpartition(": ")[2] for what, _, _ in told} >= {"one-step", "tuned"}
     assert all(done <= total for _, done, total in told)
 
 
 def test_one_process_or_two_give_the_same(fmu_path: Path) -> None:
     """The number of processes changes nothing in the results."""
-    one, two = (verify(fmu_path, FEW[:3], jobs=jobs) for jobs in (1, 2))
+    one, two = (verify(fmu_path, FEW[:3], fresh_processes=False, jobs=jobs) for jobs in (1, 2))
     assert one.checks == two.checks
 
 
@@ -126,7 +162,9 @@ def test_an_honest_fmu_of_version_3_passes(slider_si: Path, slider_si_names: Nam
 
 def test_a_faulty_foreign_fmu_is_convicted(slider_faulty: Path, slider_mm_names: NameMap) -> None:
     """A static friction that is 0.5 % too high holds more than it may, and the cycle is another."""
-    verdict = verify(slider_faulty, [named("default")], names=slider_mm_names, jobs=1)
+    verdict = verify(
+        slider_faulty, [named("default")], names=slider_mm_names, fresh_processes=False, jobs=1
+    )
     failed = {result.check for result in wrong(verdict)}
     assert {"break-away-force", "t_stick-exact", "x-course"} <= failed
     assert "slip-propagates" not in failed
@@ -137,8 +175,17 @@ def test_the_contract_decides_for_a_foreign_fmu_only_if_strict(
     slider_mm: Path, slider_mm_names: NameMap
 ) -> None:
     """What a foreign FMU does not promise is noted; judged strictly it fails."""
-    lax = verify(slider_mm, FEW[:1], names=slider_mm_names, jobs=1)
-    strict = verify(slider_mm, FEW[:1], names=slider_mm_names, strict=True, jobs=1)
+    lax, strict = (
+        verify(
+            slider_mm,
+            FEW[:1],
+            names=slider_mm_names,
+            strict=strict,
+            fresh_processes=False,
+            jobs=1,
+        )
+        for strict in (False, True)
+    )
     noted = {r.check for r in lax.checks if r.verdict == "noted"}
     assert "declared-units" in noted
     assert noted <= {result.check for result in wrong(strict)}
@@ -148,7 +195,13 @@ def test_what_is_not_applicable_everywhere_is_no_verdict(
     slider_poor: Path, slider_poor_names: NameMap
 ) -> None:
     """An FMU of which nothing can be judged is not green."""
-    verdict = verify(slider_poor, [named("damped-cycle")], names=slider_poor_names, jobs=1)
+    verdict = verify(
+        slider_poor,
+        [named("damped-cycle")],
+        names=slider_poor_names,
+        fresh_processes=False,
+        jobs=1,
+    )
     assert wrong(verdict) == []
     on_fmu = [r for r in verdict.checks if r.side == "fmu" and r.truth == "closed_form"]
     assert {result.verdict for result in on_fmu} == {"not applicable"}
@@ -169,7 +222,7 @@ def test_a_foreign_fmu_that_fails_takes_only_its_case_with_it(
     """A crash or a hang on the third step fails that case with its reason; a short one runs."""
     cases = [named("one-step"), named("heavy")]
     # Processes that hang sleep: several at once take no time from others.
-    verdict = verify(misbehaving(what), cases, time_limit=5.0, jobs=4)
+    verdict = verify(misbehaving(what), cases, time_limit=5.0, fresh_processes=False, jobs=4)
     ends = {r.case: r for r in verdict.checks if r.check == "runs-to-the-end" and r.side == "fmu"}
     assert told in (ends["heavy"].failure or "")
     assert ends["one-step"].passed

@@ -2,6 +2,7 @@
 
 import io
 import re
+from collections.abc import Mapping
 from html.parser import HTMLParser
 from pathlib import PurePosixPath
 from typing import Literal
@@ -14,6 +15,8 @@ from stickslip.handbook import parts
 from stickslip.handbook.icon import icon
 from stickslip.page import page
 from stickslip_fmu.spec import TABLE
+
+Runtime = Mapping[str, tuple[str, bytes]]
 
 # Elements that end where they begin.
 VOID = {"meta", "br", "link", "img", "input", "hr"}
@@ -53,13 +56,18 @@ class Reader(HTMLParser):
         self.text += data
 
 
+RUNTIME = {"start": ("Start of the libraries: MIT", b"All rights reversed")}
+"""What a compiler would link into the native FMU."""
+
+
+@pytest.mark.parametrize("runtime", [None, RUNTIME], ids=["python", "native"])
 @pytest.mark.parametrize("fmi_version", [2, 3])
 @pytest.mark.parametrize("name", ["documentation/index.html", "documentation/fmi-ls-ref.html"])
 def test_a_document_is_one_file_and_its_links_lead_somewhere(
-    fmi_version: Literal[2, 3], name: str
+    fmi_version: Literal[2, 3], name: str, runtime: Runtime | None
 ) -> None:
     """Nothing is fetched; every link is an id of the page or a file of the FMU."""
-    files = parts(fmi_version)
+    files = parts(fmi_version, runtime)
     text = files[name].decode()
     found = Reader(text)
     assert found.open == []
@@ -114,6 +122,32 @@ def test_licences_stand_where_each_standard_wants_them() -> None:
         for name in (f"{wrapper}.txt", "stickslip.txt"):
             assert name in entry
             assert "MIT License" in files[f"{folder}/{name}"].decode()
+
+
+def test_the_native_fmu_carries_the_licences_of_its_runtime_and_of_no_wrapper() -> None:
+    """Ours, and of each part of the compiler's runtime its own."""
+    for files, folder in (
+        (parts(2, RUNTIME), "licenses"),
+        (parts(3, {}), "documentation/licenses"),
+    ):
+        names = {name for name in files if name.startswith(f"{folder}/")}
+        entry = files[f"{folder}/license.txt"].decode()
+        parts_of_runtime = {"start.txt"} if folder == "licenses" else set[str]()
+        assert names == {
+            f"{folder}/{name}" for name in {"license.txt", "stickslip.txt"} | parts_of_runtime
+        }
+        assert all(name in entry for name in parts_of_runtime)
+    assert parts(2, RUNTIME)["licenses/start.txt"] == b"All rights reversed"
+
+
+def test_the_native_fmu_is_documented_without_python() -> None:
+    """What a simulator must bring for pythonfmu stands in the document of the Python FMU alone."""
+    native = parts(3, {})["documentation/index.html"].decode()
+    python = parts(3)["documentation/index.html"].decode()
+    for word in ("libpython", "pythonfmu", "standard error", "LD_PRELOAD"):
+        assert word in python
+        assert word not in native
+    assert "<code>sources/</code>" in native
 
 
 def test_the_icon_is_a_small_square_picture() -> None:

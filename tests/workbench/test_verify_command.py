@@ -198,15 +198,17 @@ def test_a_names_file_is_begun(command: Command, tmp_path: Path, slider: Path) -
 
 
 def test_own_cases_can_be_run(command: Command, fmu_path: Path, tmp_path: Path) -> None:
-    """--cases takes a file or a folder of a person's own cases."""
+    """--cases takes a file, or a folder: a suite, which probes in fresh processes belong to."""
     mine = tmp_path / "mine"
     mine.mkdir()
     text = (CASES_FOLDER / "one-step.toml").read_text(encoding="utf-8")
     (mine / "mine.toml").write_text(text.replace('"one-step"', '"mine"', 1), encoding="utf-8")
-    for where in (mine, mine / "mine.toml"):
-        answer = command.verify("--fmu", fmu_path, "--cases", where, "-o", "mine.json")
+    for where, suite in ((mine, True), (mine / "mine.toml", False)):
+        answer = command.verify("--fmu", fmu_path, "--cases", where, "-o", "mine.json", "--all")
         assert answer.code == 0, answer.out
         assert " mine " in answer.out
+        assert "declared-units" in answer.out
+        assert ("memory-of-steps" in answer.out) == suite
 
 
 @pytest.mark.parametrize(
@@ -353,7 +355,7 @@ def test_the_verdict_is_packed_into_our_fmu(
     own = Path(shutil.copy(fmu_path, tmp_path / "own.fmu"))
     some = load_cases("one-step")
     monkeypatch.setattr("stickslip_verification.load_cases", lambda *_, **__: some)
-    assert command.verify("--fmu", own, "--pack").code == 0
+    assert command.verify("--fmu", own, "--pack", "--sequences", "4").code == 0
     digest = content_digest(fmu_path)
     assert content_digest(own) == digest
     with zipfile.ZipFile(own) as archive:
@@ -385,7 +387,7 @@ def test_what_is_no_evidence_of_ours_is_not_packed(
 def test_a_verdict_on_another_content_is_not_packed(tmp_path: Path, fmu_path: Path) -> None:
     """Where the FMU changed after it was judged, it stays without evidence."""
     own = Path(shutil.copy(fmu_path, tmp_path / "own.fmu"))
-    verdict = judge(own, load_cases("one-step"))
+    verdict = judge(own, load_cases("one-step"), fresh_processes=False)
     write_without_the_jump(fmu_path, own)
     before = own.read_bytes()
     with pytest.raises(CommandError, match="it changed while it was judged"):

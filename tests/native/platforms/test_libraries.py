@@ -12,6 +12,7 @@ import lief
 import pytest
 
 from stickslip_native import packer
+from stickslip_native.compiler import compiler_for
 from tests.native.test_native_libraries import standard_names
 from tests.needs import needs
 
@@ -202,6 +203,15 @@ def test_the_compilers_give_the_same_bits(all_path: Path, native_path: Path) -> 
             for each in (all_path, native_path)
         )
         assert one.tobytes() == other.tobytes()
+
+
+def test_the_licences_of_the_runtime_are_those_of_zig() -> None:
+    """Its own, and those of the two C libraries that the library for Windows has parts of."""
+    texts = {name: text.decode() for name, (_, text) in compiler_for(False).runtime().items()}
+    said = {"zig": "Zig contributors", "musl": "Rich Felker", "mingw-w64": "Zope Public License"}
+    assert texts.keys() == said.keys()
+    for name, words in said.items():
+        assert words in texts[name]
 
 
 def test_the_whole_fmu_is_small(tmp_path: Path) -> None:

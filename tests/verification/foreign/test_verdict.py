@@ -12,7 +12,10 @@ from tests.verification.foreign.makers import CALLING_PATTERNS, COMBINATIONS, MA
 from tests.verification.records import named
 
 SOME = 80
-"""Random sequences that find each of the twins."""
+"""Random sequences that the faultless FMUs are tried on."""
+
+FEW = 24
+"""Random sequences of which two at least find each of the twins."""
 
 # Cases with starts beyond rest, in motion and off zero, clamps, reversals, stops that only touch
 # zero and equal forces: where conventions and rounding might decide.
@@ -63,7 +66,10 @@ def test_its_faulty_twin_fails(maker: str, faults: dict[str, str], tmp_path: Pat
     fmu = makers.make(maker, tmp_path, faults[maker])
     names = makers.names_of(maker)
     tried = [named("one-step")]
-    verdict = verify(fmu, tried, names=names, sequences=SOME, time_limit=10.0, jobs=1)
-    failed = {each.check for each in verdict.checks if each.failed and each.case != "one-step"}
-    assert failed
+    verdict = verify(
+        fmu, tried, names=names, sequences=FEW, fresh_processes=False, time_limit=3.0, jobs=1
+    )
+    # What takes too long has a failure in words, and no error.
+    found = {each.case for each in verdict.checks if each.failed and each.error is not None}
+    assert len(found - {"one-step", ""}) > 1
     assert not verdict.passed

@@ -1,6 +1,7 @@
 """The suite as a whole: an FMU and the reference judged, faults planted, a verdict."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from stickslip_verification.drive import workers
@@ -8,6 +9,7 @@ from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import carries_source
+from stickslip_verification.drive.probes import IN_A_FRESH_PROCESS
 from stickslip_verification.drive.stepping import may_change, require_law
 from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Verdict
@@ -20,7 +22,7 @@ from stickslip_verification.run.judged import ask, judge, motions, undecided_tab
 from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Mutant
-from stickslip_verification.suite.invariants import load_invariants
+from stickslip_verification.suite.invariants import Invariants, load_invariants
 from stickslip_verification.suite.sequences import SEED, Scope, draw_sequences
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
 
@@ -41,6 +43,7 @@ def verify(
     time_limit: float = workers.TIME_LIMIT,
     sequences: int = 0,
     seed: int = SEED,
+    fresh_processes: bool = True,
     limits: workers.Limits = workers.USUAL,
     mutants: Sequence[Mutant] = (),
     whole_matrix: bool = True,
@@ -74,6 +77,10 @@ def verify(
         of what can happen.
     seed
         The same seed gives the same sequences.
+    fresh_processes
+        Whether the FMU is asked what takes a fresh process: the probes of memory, of a serialized
+        state and of the environment, which take some seconds. Planted faults are tried on those
+        that one of them foretells in any case.
     limits
         What else the FMU may take; each planted fault has a budget of its own.
     mutants
@@ -120,6 +127,11 @@ def verify(
     if held_to.banded:
         cases = [case for case in cases if case.stop_time <= LONGEST_OF_ANY] or cases
     invariants = load_invariants().of_laws({case.law for case in cases})
+    asked = of_faults = invariants
+    if not fresh_processes:
+        foretold = {check for mutant in mutants for check in mutant.detected_by}
+        asked = _without_fresh_processes(invariants)
+        of_faults = _without_fresh_processes(invariants, but=foretold)
     jobs = workers.jobs_here() if jobs is None else jobs
     baseline = compute(cases, invariants, jobs, progress, nearby=held_to.banded)
     drawn = draw_sequences(seed, sequences if invariants.sequences else 0, scope)
@@ -128,13 +140,13 @@ def verify(
     with workers.Pool(
         jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface, limits=limits
     ) as pool:
-        answers = ask(pool, baseline, invariants, progress, tried)
+        answers = ask(pool, baseline, asked, progress, tried)
     kills = None
     if mutants:
         how = How(names, held_to, fresh=fresh, whole=whole_matrix, limits=limits)
-        kills = detect(fmu, mutants, baseline, invariants, jobs, progress, how, tried)
+        kills = detect(fmu, mutants, baseline, of_faults, jobs, progress, how, tried)
     results = [
-        *judge(baseline, invariants, answers, held_to, tried),
+        *judge(baseline, asked, answers, held_to, tried),
         *gaps(drawn, scope, held_to, invariants.sequences),
     ]
     # Drifts are those of the block that was accepted, and not of any that is exact.
@@ -154,6 +166,18 @@ def verify(
         kills=kills,
         contract=chosen,
         tables=tables,
+    )
+
+
+def _without_fresh_processes(invariants: Invariants, but: Collection[str] = ()) -> Invariants:
+    """Return the invariants without the probes in fresh processes, but for those of these ids."""
+    return replace(
+        invariants,
+        probes=[
+            each
+            for each in invariants.probes
+            if each.probe not in IN_A_FRESH_PROCESS or each.id in but
+        ],
     )
 
 

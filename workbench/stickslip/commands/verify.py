@@ -68,7 +68,9 @@ def verify(
         str | None,
         typer.Option(
             metavar="PATTERN|DIR|FILE.toml",
-            help="Only the cases of this shell pattern ('damped-*'), or cases of your own.",
+            help="Only the cases of this shell pattern ('damped-*'), or cases of your own. Beside "
+            "single cases (PATTERN, FILE.toml) no probe runs that takes a fresh process: memory, "
+            "serialized state, environment.",
         ),
     ] = None,
     sequences: Annotated[
@@ -171,6 +173,7 @@ def verify(
         limits=limits,
         sequences=_count_of(sequences, cases),
         seed=seed,
+        fresh_processes=cases is None or Path(cases).is_dir(),
         within=share,
         mutants=faults,
         whole_matrix=mutants,

@@ -56,3 +56,15 @@ PROBES: dict[str, Probe] = {
     )
 }
 """What an invariant can name as ``probe``."""
+
+IN_A_FRESH_PROCESS = frozenset(
+    probe.__name__
+    for probe in (
+        state_in_a_fresh_process,
+        elsewhere,
+        memory_of_steps,
+        memory_of_states,
+        memory_of_instances,
+    )
+)
+"""The probes that start a process of their own, each half a second and more."""

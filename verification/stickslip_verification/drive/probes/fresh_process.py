@@ -55,19 +55,21 @@ def call(
         The function raised an exception, took too long, or its process ended early.
     """
     limit = LIMIT if limit is None else limit
-    variables = {**os.environ, "TMPDIR": tempfile.gettempdir(), **(environment or {})}
-    try:
-        ended = subprocess.run(
-            [sys.executable, "-P", "-c", _COMMAND],
-            input=pickle.dumps((limit, function, arguments)),
-            stdout=subprocess.PIPE,
-            env={name: value for name, value in variables.items() if isinstance(value, str)},
-            cwd=folder,
-            timeout=limit,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        raise FreshProcessError(f"no answer within {limit:g} s") from None
+    # A process that crashes or is ended leaves the files of the FMU there.
+    with tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True) as scratch:
+        variables = {**os.environ, "TMPDIR": scratch, **(environment or {})}
+        try:
+            ended = subprocess.run(
+                [sys.executable, "-P", "-c", _COMMAND],
+                input=pickle.dumps((limit, function, arguments)),
+                stdout=subprocess.PIPE,
+                env={name: value for name, value in variables.items() if isinstance(value, str)},
+                cwd=folder,
+                timeout=limit,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            raise FreshProcessError(f"no answer within {limit:g} s") from None
     try:
         result, failure = json.loads(ended.stdout)
     except ValueError:

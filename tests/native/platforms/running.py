@@ -1,0 +1,270 @@
+"""The libraries of the native FMU, run on other platforms: a host in C, and calls as its input.
+
+Linux ARM64 runs in `qemu-aarch64` with the C library of Debian for ARM64. Windows runs in Wine,
+whose C runtime takes the place of Microsoft's.
+"""
+
+import math
+import os
+import random
+import subprocess
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import fmpy
+
+from stickslip_fmu.spec import TABLE
+from stickslip_native.compiler import FLAGS, compiler_for
+from stickslip_native.platforms import PLATFORMS
+from tests.native.bits import draw, spread
+from tests.needs import ARM_LIBRARIES, WINE
+
+LINUX, ARM, WINDOWS = "x86_64-linux", "aarch64-linux", "x86_64-windows"
+REALS = tuple(row for row in TABLE.rows if row.kind == "Real" and not row.settable)
+TOLERANCE = 1e-11
+"""Largest difference between platforms, as a part of the scale: see `Differences`.
+
+Elementary functions of two C libraries differ in the last digit, 1e-16, and slips that follow each
+other carry the difference on."""
+
+_SOURCE = Path(__file__).parent / "host.c"
+_EMULATORS = {
+    LINUX: (),
+    ARM: ("qemu-aarch64", "-L", ARM_LIBRARIES),
+    WINDOWS: (WINE,),
+}
+_LIMIT = 600.0
+"""Seconds after which a process counts as hung; the longest takes 30."""
+_FIXED = ("x_start", "x_dot_start", "z_start")
+_SET_AT_START = ("m", "g", "k", "c", "mu_s", "mu_k", "load", "v", "F_ext", *_FIXED)
+_CHANGING = _SET_AT_START[2:9]
+_START_STATE = {str(TABLE.by_name[name].number) for name in ("x_dot_start", "z_start")}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The answer to a call: status and what was read as texts, and the messages before it."""
+
+    status: int
+    read: tuple[str, ...]
+    messages: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A platform on which calls can be made.
+
+    Attributes
+    ----------
+    command
+        The host with the FMU's library, and the emulator before it where there is one.
+    environment
+        Its environment variables.
+    """
+
+    command: tuple[str, ...]
+    environment: Mapping[str, str]
+
+    def answers(self, script: Sequence[str]) -> list[Answer]:
+        """Make the calls in a new instance of the FMU, and return the answer to each."""
+        done = subprocess.run(
+            self.command,
+            input="\n".join(script) + "\n",
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            timeout=_LIMIT,
+            check=False,
+        )
+        assert (done.stderr, done.returncode) == ("", 0)
+        found, messages = [], []
+        for line in done.stdout.splitlines():
+            if line.startswith("block "):
+                messages.append(line)
+                continue
+            status, *read = line.split()
+            found.append(Answer(int(status), tuple(read), tuple(messages)))
+            messages = []
+        assert len(found) == len(script)
+        return found
+
+
+def machine(name: str, fmu: Path, folder: Path, environment: Mapping[str, str]) -> Machine:
+    """Compile the host for a platform, and return it with the FMU's library.
+
+    Parameters
+    ----------
+    name
+        LINUX, ARM or WINDOWS.
+    fmu
+        The native FMU 2.0 for all platforms.
+    folder
+        An empty folder.
+    environment
+        What the emulator needs beside the environment of this process.
+    """
+    (platform,) = (each for each in PLATFORMS if each.fmi3 == name)
+    fmpy.extract(str(fmu), str(folder))
+    host = folder / ("host.exe" if platform.system == "windows" else "host")
+    # With the flags of the libraries the runtime of Windows is already in Zig's cache.
+    words = [*compiler_for(this_machine=False).command, *FLAGS, "-target", platform.triple]
+    words += ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-o", str(host), str(_SOURCE)]
+    subprocess.run([*words, *(["-ldl"] if platform.system == "linux" else [])], check=True)
+    library = folder / "binaries" / platform.fmi2[0] / f"StickSlip{platform.suffix}"
+    guid = fmpy.read_model_description(str(fmu)).guid
+    command = (*_EMULATORS[name], str(host), str(library), guid)
+    return Machine(command, {**os.environ, **environment})
+
+
+@contextmanager
+def wine(folder: Path) -> Iterator[dict[str, str]]:
+    """Make Windows for Wine in a folder that does not exist yet, 700 MB; give its variables."""
+    ours = {"WINEPREFIX": str(folder), "WINEDEBUG": "-all"}
+    variables = {**os.environ, **ours}
+    server = str(Path(WINE).with_name("wineserver"))
+    subprocess.run(
+        [WINE, "wineboot", "-i"], env=variables, capture_output=True, timeout=_LIMIT, check=True
+    )
+    try:
+        yield ours
+    finally:
+        # Ends the processes of this Windows alone.
+        subprocess.run([server, "--kill", "--wait"], env=variables, timeout=_LIMIT, check=False)
+
+
+def line(call: str, *words: object) -> str:
+    """Return a call as the host takes it; numbers in hexadecimal, so that no digit is lost."""
+    return " ".join(
+        [call, *(each.hex() if isinstance(each, float) else str(each) for each in words)]
+    )
+
+
+def set_values(values: Mapping[str, float]) -> str:
+    """Return the call that sets real variables by name."""
+    pairs = ((TABLE.by_name[name].number, float(value)) for name, value in values.items())
+    return line("set", *(word for pair in pairs for word in pair))
+
+
+READ = tuple(
+    line(kind.lower(), *(r.number for r in TABLE.rows if r.kind == kind and not r.settable))
+    for kind in ("Real", "Integer", "Boolean")
+)
+"""The calls that read every output."""
+
+
+def start(values: Mapping[str, float], time: float) -> list[str]:
+    """Return the calls from any phase to the start of a run."""
+    return ["reset", set_values(values), line("setup", time), "enter", "exit"]
+
+
+def sequence(seed: int, steps: int = 12) -> list[list[str]]:
+    """Return the calls of one random sequence: of the start, then of each step.
+
+    Settings and steps are of the kinds that the bits of both blocks are compared on; after each the
+    outputs are read. Steps differ in length by five powers of ten, and some are refused.
+    """
+    random_ = random.Random(seed)
+    values: dict[str, float] = dict(TABLE.start_values())
+    for name in _SET_AT_START:
+        values[name] = draw(random_, name, values)
+    time = random_.choice((0.0, 1e3, -5.0))
+    parts = [[*start({name: values[name] for name in _SET_AT_START}, time), *READ]]
+    for _ in range(steps):
+        calls = []
+        if random_.random() < 0.4:
+            changed = random_.sample(_CHANGING, random_.choice((1, 1, 2, 3)))
+            for name in changed:
+                values[name] = draw(random_, name, values)
+            calls.append(set_values({name: values[name] for name in changed}))
+        period = 2.0 * math.pi * math.sqrt(values["m"] / values["k"])
+        step = period * spread(random_, 1e-4, 30.0) if random_.random() < 0.996 else 0.0
+        calls += [line("step", time, step), *READ]
+        time += step
+        if random_.random() < 0.2:
+            # The detour leaves no trace.
+            detour = ["save", line("step", time, 0.3 * period), *READ, "restore"]
+            calls += [*detour, *READ]
+        parts.append(calls)
+    return parts
+
+
+def neighbour(script: Sequence[str], random_: random.Random) -> list[str]:
+    """Return the same calls; start state and step lengths are moved by their last digit.
+
+    What is 0 remains 0, and so do ties that the parameters make, such as mu_k = mu_s.
+    """
+    calls = []
+    for each in script:
+        call, *words = each.split()
+        if call == "step":
+            words[1] = _moved(words[1], random_)
+        elif call == "set":
+            for n in range(0, len(words), 2):
+                if words[n] in _START_STATE:
+                    words[n + 1] = _moved(words[n + 1], random_)
+        calls.append(" ".join([call, *words]))
+    return calls
+
+
+def _moved(word: str, random_: random.Random) -> str:
+    value = float.fromhex(word)
+    return math.nextafter(value, random_.choice((-math.inf, math.inf))).hex() if value else word
+
+
+@dataclass
+class Differences:
+    """Values on one platform against those on another.
+
+    Attributes
+    ----------
+    values
+        Number of values compared.
+    differing
+        Number of values with other bits, by output.
+    largest
+        Largest difference by output, as a part of the scale: the largest value till then, in the
+        same sequence, of the outputs with the same unit.
+    same_events
+        Whether all statuses, integers and truth values are the same.
+    same_messages
+        Whether all messages are the same.
+    """
+
+    values: int
+    differing: dict[str, int]
+    largest: dict[str, float]
+    same_events: bool = True
+    same_messages: bool = True
+
+    @property
+    def small(self) -> bool:
+        """Whether the events are the same, with values within the tolerance."""
+        return self.same_events and max(self.largest.values()) <= TOLERANCE
+
+
+def differences(
+    script: Sequence[str], expected: Sequence[Answer], given: Sequence[Answer]
+) -> Differences:
+    """Compare the answers to the calls of one sequence."""
+    names = [row.name for row in REALS]
+    found = Differences(0, dict.fromkeys(names, 0), dict.fromkeys(names, 0.0))
+    scale = {row.unit: 0.0 for row in REALS}
+    for call, ours, theirs in zip(script, expected, given, strict=True):
+        of_reals = call == READ[0] and ours.status == theirs.status == 0
+        found.same_messages &= ours.messages == theirs.messages
+        found.same_events &= ours.status == theirs.status
+        if not of_reals:
+            found.same_events &= ours.read == theirs.read
+            continue
+        pairs = zip(map(float.fromhex, ours.read), map(float.fromhex, theirs.read), strict=True)
+        for row, (one, other) in zip(REALS, pairs, strict=True):
+            scale[row.unit] = max(scale[row.unit], abs(one))
+            found.values += 1
+            if one != other:
+                found.differing[row.name] += 1
+                # Infinite where the scale is 0.
+                part = abs(one - other) / scale[row.unit] if scale[row.unit] else math.inf
+                found.largest[row.name] = max(found.largest[row.name], part)
+    return found

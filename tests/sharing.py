@@ -1,0 +1,23 @@
+"""What one process of a run makes, and the others take as it is."""
+
+import fcntl
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+
+def made_once(name: str, make: Callable[[Path], None]) -> Path:
+    """Return a folder of this name that `make` has filled, once for all processes of the run.
+
+    If `make` raises, the next process tries it in a folder of its own.
+    """
+    root = Path(tempfile.gettempdir()) / f"shared-{name}"
+    root.mkdir(exist_ok=True)
+    with (root / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        ready = root / "ready"
+        if not ready.exists():
+            folder = Path(tempfile.mkdtemp(dir=root))
+            make(folder)
+            ready.write_text(str(folder), encoding="utf-8")
+        return Path(ready.read_text(encoding="utf-8"))
