@@ -3,7 +3,7 @@
 import ctypes as c
 import math
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from stickslip_fmu.spec import TABLE
 from tests.fmu.inside.raw import Raw
@@ -61,6 +61,15 @@ _BAD: dict[str, list[object]] = {
     "fmi_phase": [-1, 4, 2**31 - 1],
 }
 
+_BAD_TOGETHER: tuple[dict[str, object], ...] = (
+    # A slip without the force that it began with.
+    {"mode": 1, "known": 0},
+    # A load that lifts the mass.
+    {"settings.load": -1e6},
+    # A position beyond the numbers.
+    {"z": 1.7e308, "x_start.high": 1.7e308, "x_start.low": 0.0},
+)
+
 
 def checksum(data: bytes) -> int:
     """Return the hash FNV-1a of 64 bits."""
@@ -70,16 +79,25 @@ def checksum(data: bytes) -> int:
     return found
 
 
+def with_values(data: bytes, changes: Mapping[str, object]) -> bytes:
+    """Return a serialized state with other values of some fields, and the checksum of these."""
+    values = struct.unpack(FORMAT, data[:-8])
+    named = dict(zip((name for name, _ in FIELDS), values, strict=True))
+    body = struct.pack(FORMAT, *{**named, **changes}.values())
+    return body + struct.pack("<Q", checksum(body))
+
+
 def damaged(data: bytes) -> Iterator[tuple[str, bytes]]:
     """Yield states that hold what no state can, each with the field and its value."""
     body, (old,) = data[:-8], struct.unpack("<Q", data[-8:])
     assert struct.calcsize(FORMAT) == len(body)
     assert old == checksum(body)
-    values = list(struct.unpack(FORMAT, body))
-    for n, (name, form) in enumerate(FIELDS):
-        for bad in _bad_values(name, form, values[n]):
-            changed = struct.pack(FORMAT, *values[:n], bad, *values[n + 1 :])
-            yield f"{name} = {bad}", changed + struct.pack("<Q", checksum(changed))
+    values = struct.unpack(FORMAT, body)
+    for (name, form), value in zip(FIELDS, values, strict=True):
+        for bad in _bad_values(name, form, value):
+            yield f"{name} = {bad}", with_values(data, {name: bad})
+    for together in _BAD_TOGETHER:
+        yield str(together), with_values(data, together)
     for n in range(0, len(body), 41):
         flipped = body[:n] + bytes([body[n] ^ 1]) + body[n + 1 :]
         yield f"byte {n} with the old checksum", flipped + data[-8:]
