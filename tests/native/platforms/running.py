@@ -7,6 +7,7 @@ whose C runtime takes the place of Microsoft's.
 import math
 import os
 import random
+import shutil
 import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -120,7 +121,10 @@ def machine(name: str, fmu: Path, folder: Path, environment: Mapping[str, str]) 
 
 @contextmanager
 def wine(folder: Path) -> Iterator[dict[str, str]]:
-    """Make Windows for Wine in a folder that does not exist yet, 700 MB; give its variables."""
+    """Make a Windows for Wine, 700 MB, in a folder that does not exist yet; give its variables.
+
+    Its processes and the folder are gone at the end.
+    """
     ours = {"WINEPREFIX": str(folder), "WINEDEBUG": "-all"}
     variables = {**os.environ, **ours}
     server = str(Path(WINE).with_name("wineserver"))
@@ -132,6 +136,7 @@ def wine(folder: Path) -> Iterator[dict[str, str]]:
     finally:
         # Ends the processes of this Windows alone.
         subprocess.run([server, "--kill", "--wait"], env=variables, timeout=_LIMIT, check=False)
+        shutil.rmtree(folder)
 
 
 def line(call: str, *words: object) -> str:
