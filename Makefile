@@ -15,8 +15,9 @@ native: $(VENV)/ready
 	$(BIN)/stickslip build --native --this-machine --bare
 	$(BIN)/stickslip verify --fmu build/StickSlip_native.fmu --pack
 
-# The native FMU for all platforms: its libraries are read, and run as far as this machine can.
-# It installs ziglang, 411 MB, whose first build for Windows takes minutes.
+# The native FMU for all platforms: its libraries are read, and run on Linux ARM64 and on Windows as
+# far as qemu and wine are installed (CONTRIBUTING.md). It installs ziglang, 411 MB, whose first build
+# for Windows takes minutes.
 native-platforms: $(VENV)/ready-with-compiler
 	$(BIN)/python -m pytest --durations 30 tests/native/platforms
 

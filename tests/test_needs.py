@@ -86,6 +86,19 @@ def test_a_types_checker_must_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
         needs._typescript()
 
 
+def test_an_emulator_must_start(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Neither an empty PATH nor a qemu without the C library of ARM64 runs anything for ARM64."""
+    monkeypatch.setenv("PATH", str(tmp_path))
+    install = r"apt-get install qemu-user libc6-arm64-cross$"
+    with pytest.raises(needs.LackingError, match=rf"no program qemu-aarch64.*{install}"):
+        needs._qemu()
+    broken = tmp_path / "qemu-aarch64"
+    broken.write_text("#!/bin/sh\necho $3: no such file >&2\nexit 1\n", encoding="utf-8")
+    broken.chmod(0o755)
+    with pytest.raises(needs.LackingError, match=rf"ld-linux-aarch64\S+: no such file.*{install}"):
+        needs._qemu()
+
+
 def test_libpython_can_be_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
     """With its environment variable set, the shared libpython is missing for proxyfmu as well."""
     monkeypatch.setenv(needs.HIDDEN_LIBPYTHON, "1")

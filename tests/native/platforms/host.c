@@ -1,6 +1,6 @@
-/* Runs calls of FMI 2.0 in the library of an FMU, on any platform.
+/* Runs calls in the library of an FMU 2.0 or 3.0 for co-simulation, on any platform.
  *
- *     host LIBRARY GUID < calls
+ *     host LIBRARY IDENTITY < calls
  *
  * Each line of standard input is a call; the answer is a line of standard output, the number of the
  * status, then what was read. The messages of the FMU come as lines of their own before it. Numbers
@@ -9,13 +9,14 @@
  *     setup T, enter, exit, terminate, reset
  *     step T H                  a communication step of H [s] from T [s]
  *     set REFERENCE VALUE ...   real variables
- *     real, integer, boolean REFERENCE ...
+ *     real, integer, enumeration, boolean REFERENCE ...
  *     save, restore             the state is kept in memory, and taken up
  *     write, read BYTES         the state as bytes, each two hexadecimal digits
  *
  * The exit code is 2 where the library or a line of the input cannot be used.
  */
-#include <stdarg.h>
+#include "face.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,71 +42,15 @@ static void (*function_in(const char *path, const char *name))(void)
 
 enum { MOST = 64, LONGEST = 1 << 16 };
 
-typedef void Logger(void *, const char *, int, const char *, const char *, ...);
-
-static struct {
-    Logger *logger;
-    void *(*allocate)(size_t, size_t);
-    void (*release)(void *);
-    void (*step_finished)(void *, int);
-    void *environment;
-} callbacks;
-
-static void *(*instantiate)(const char *, int, const char *, const char *, const void *, int, int);
-static void (*free_instance)(void *);
-static int (*setup)(void *, int, double, double, int, double);
-static int (*enter)(void *), (*leave)(void *), (*terminate)(void *), (*reset)(void *);
-static int (*step)(void *, double, double, int);
-static int (*get_real)(void *, const unsigned *, size_t, double *);
-static int (*get_integer)(void *, const unsigned *, size_t, int *);
-static int (*get_boolean)(void *, const unsigned *, size_t, int *);
-static int (*set_real)(void *, const unsigned *, size_t, const double *);
-static int (*get_state)(void *, void **), (*set_state)(void *, void *);
-static int (*free_state)(void *, void **), (*size_of)(void *, void *, size_t *);
-static int (*write_state)(void *, void *, char *, size_t);
-static int (*read_state)(void *, const char *, size_t, void **);
-
-static const struct {
-    const char *name;
-    void *slot;
-} FUNCTIONS[] = {
-    {"fmi2Instantiate", &instantiate},
-    {"fmi2FreeInstance", &free_instance},
-    {"fmi2SetupExperiment", &setup},
-    {"fmi2EnterInitializationMode", &enter},
-    {"fmi2ExitInitializationMode", &leave},
-    {"fmi2Terminate", &terminate},
-    {"fmi2Reset", &reset},
-    {"fmi2DoStep", &step},
-    {"fmi2GetReal", &get_real},
-    {"fmi2GetInteger", &get_integer},
-    {"fmi2GetBoolean", &get_boolean},
-    {"fmi2SetReal", &set_real},
-    {"fmi2GetFMUstate", &get_state},
-    {"fmi2SetFMUstate", &set_state},
-    {"fmi2FreeFMUstate", &free_state},
-    {"fmi2SerializedFMUstateSize", &size_of},
-    {"fmi2SerializeFMUstate", &write_state},
-    {"fmi2DeSerializeFMUstate", &read_state},
-};
-
 static void fail(const char *cause, const char *which)
 {
     fprintf(stderr, "host: %s: %s\n", cause, which);
     exit(2);
 }
 
-/* The text is a printf format, as FMI has it. */
-static void show(void *environment, const char *instance, int status, const char *category,
-                 const char *format, ...)
+void show(const char *instance, int status, const char *category, const char *text)
 {
-    va_list arguments;
-    (void)environment;
-    printf("%s %d %s: ", instance, status, category);
-    va_start(arguments, format);
-    vprintf(format, arguments);
-    va_end(arguments);
-    putchar('\n');
+    printf("%s %d %s: %s\n", instance, status, category, text);
 }
 
 /* The next word of the line, NULL at its end. */
@@ -153,14 +98,14 @@ static void print_bytes(void *slave)
     static char bytes[LONGEST];
     void *state = NULL;
     size_t size = 0;
-    int status = get_state(slave, &state);
-    if (status == 0) status = size_of(slave, state, &size);
+    int status = face_get_state(slave, &state);
+    if (status == 0) status = face_state_size(slave, state, &size);
     if (size > sizeof bytes) fail("a state is too long", "");
-    if (status == 0) status = write_state(slave, state, bytes, size);
+    if (status == 0) status = face_write_state(slave, state, bytes, size);
     printf("%d ", status);
     for (size_t n = 0; n < size && status == 0; n++) printf("%02x", (unsigned char)bytes[n]);
     putchar('\n');
-    free_state(slave, &state);
+    face_free_state(slave, &state);
 }
 
 static int read_bytes(void *slave)
@@ -172,55 +117,62 @@ static int read_bytes(void *slave)
     if (text == NULL) fail("the bytes are missing", "");
     for (unsigned byte; size < sizeof bytes && sscanf(text, "%2x", &byte) == 1; text += 2)
         bytes[size++] = (char)byte;
-    int status = read_state(slave, bytes, size, &state);
-    if (status == 0) status = set_state(slave, state);
-    if (state != NULL) free_state(slave, &state);
+    int status = face_read_state(slave, bytes, size, &state);
+    if (status == 0) status = face_set_state(slave, state);
+    if (state != NULL) face_free_state(slave, &state);
     return status;
 }
 
 /* Carry out one line, and print the answer. */
 static void answer(void *slave, const char *call)
 {
+    static const struct {
+        const char *name;
+        int (*get)(void *, const unsigned[], size_t, int[]);
+    } WHOLE[] = {{"integer", face_integer},
+                 {"enumeration", face_enumeration},
+                 {"boolean", face_boolean}};
     static void *state;
     unsigned references[MOST];
     double values[MOST];
     int integers[MOST], status = 0;
     if (strcmp(call, "real") == 0) {
         const size_t count = list(references, NULL);
-        status = get_real(slave, references, count, values);
+        status = face_real(slave, references, count, values);
         print_reals(status, values, count);
         return;
     }
-    if (strcmp(call, "integer") == 0 || strcmp(call, "boolean") == 0) {
-        const size_t count = list(references, NULL);
-        status = (*call == 'i' ? get_integer : get_boolean)(slave, references, count, integers);
-        print_integers(status, integers, count);
-        return;
-    }
+    for (size_t n = 0; n < sizeof WHOLE / sizeof *WHOLE; n++)
+        if (strcmp(call, WHOLE[n].name) == 0) {
+            const size_t count = list(references, NULL);
+            status = WHOLE[n].get(slave, references, count, integers);
+            print_integers(status, integers, count);
+            return;
+        }
     if (strcmp(call, "write") == 0) {
         print_bytes(slave);
         return;
     }
     if (strcmp(call, "set") == 0) {
         const size_t count = list(references, values);
-        status = set_real(slave, references, count, values);
+        status = face_set(slave, references, count, values);
     } else if (strcmp(call, "step") == 0) {
         const double time = number();
-        status = step(slave, time, number(), 0);
+        status = face_step(slave, time, number());
     } else if (strcmp(call, "setup") == 0) {
-        status = setup(slave, 0, 0.0, number(), 0, 0.0);
+        status = face_setup(slave, number());
     } else if (strcmp(call, "enter") == 0) {
-        status = enter(slave);
+        status = face_enter(slave);
     } else if (strcmp(call, "exit") == 0) {
-        status = leave(slave);
+        status = face_exit(slave);
     } else if (strcmp(call, "terminate") == 0) {
-        status = terminate(slave);
+        status = face_terminate(slave);
     } else if (strcmp(call, "reset") == 0) {
-        status = reset(slave);
+        status = face_reset(slave);
     } else if (strcmp(call, "save") == 0) {
-        status = get_state(slave, &state);
+        status = face_get_state(slave, &state);
     } else if (strcmp(call, "restore") == 0) {
-        status = set_state(slave, state);
+        status = face_set_state(slave, state);
     } else if (strcmp(call, "read") == 0) {
         status = read_bytes(slave);
     } else {
@@ -232,19 +184,18 @@ static void answer(void *slave, const char *call)
 int main(int count, char **arguments)
 {
     static char line[2 * LONGEST];
-    if (count != 3) fail("use", "host LIBRARY GUID < calls");
-    for (size_t n = 0; n < sizeof FUNCTIONS / sizeof *FUNCTIONS; n++) {
+    if (count != 3) fail("use", "host LIBRARY IDENTITY < calls");
+    for (size_t n = 0; n < FUNCTION_COUNT; n++) {
         void (*found)(void) = function_in(arguments[1], FUNCTIONS[n].name);
         if (found == NULL) fail("the library cannot be loaded, or lacks", FUNCTIONS[n].name);
         memcpy(FUNCTIONS[n].slot, &found, sizeof found);
     }
-    callbacks.logger = show;
-    void *slave = instantiate("block", 1, arguments[2], NULL, &callbacks, 0, 1);
-    if (slave == NULL) fail("no instance with GUID", arguments[2]);
+    void *slave = face_make(arguments[2]);
+    if (slave == NULL) fail("no instance with identity", arguments[2]);
     while (fgets(line, sizeof line, stdin) != NULL) {
         const char *call = strtok(line, " \r\n");
         if (call != NULL) answer(slave, call);
     }
-    free_instance(slave);
+    face_free(slave);
     return 0;
 }

@@ -7,14 +7,17 @@ whose C runtime takes the place of Microsoft's.
 import math
 import os
 import random
+import shutil
 import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import fmpy
 
+from fmukit.table import Variable
 from stickslip_fmu.spec import TABLE
 from stickslip_native.compiler import FLAGS, compiler_for
 from stickslip_native.platforms import PLATFORMS
@@ -29,7 +32,9 @@ TOLERANCE = 1e-11
 Elementary functions of two C libraries differ in the last digit, 1e-16, and slips that follow each
 other carry the difference on."""
 
-_SOURCE = Path(__file__).parent / "host.c"
+_HERE = Path(__file__).parent
+# The headers of the standard, which FMPy brings.
+_HEADERS = Path(fmpy.__file__).parent / "c-code"
 _EMULATORS = {
     LINUX: (),
     ARM: ("qemu-aarch64", "-L", ARM_LIBRARIES),
@@ -99,7 +104,7 @@ def machine(name: str, fmu: Path, folder: Path, environment: Mapping[str, str]) 
     name
         LINUX, ARM or WINDOWS.
     fmu
-        The native FMU 2.0 for all platforms.
+        The native FMU for all platforms.
     folder
         An empty folder.
     environment
@@ -110,17 +115,24 @@ def machine(name: str, fmu: Path, folder: Path, environment: Mapping[str, str]) 
     host = folder / ("host.exe" if platform.system == "windows" else "host")
     # With the flags of the libraries the runtime of Windows is already in Zig's cache.
     words = [*compiler_for(this_machine=False).command, *FLAGS, "-target", platform.triple]
-    words += ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-o", str(host), str(_SOURCE)]
+    words += ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-isystem", str(_HEADERS)]
+    description = fmpy.read_model_description(str(fmu))
+    face: Literal[2, 3] = 2 if description.fmiVersion == "2.0" else 3
+    words += ["-o", str(host), str(_HERE / "host.c"), str(_HERE / f"face{face}.c")]
     subprocess.run([*words, *(["-ldl"] if platform.system == "linux" else [])], check=True)
-    library = folder / "binaries" / platform.fmi2[0] / f"StickSlip{platform.suffix}"
-    guid = fmpy.read_model_description(str(fmu)).guid
-    command = (*_EMULATORS[name], str(host), str(library), guid)
-    return Machine(command, {**os.environ, **environment})
+    library = folder / "binaries" / platform.folders(face)[0] / f"StickSlip{platform.suffix}"
+    identity = description.guid if face == 2 else description.instantiationToken
+    return Machine(
+        (*_EMULATORS[name], str(host), str(library), identity), {**os.environ, **environment}
+    )
 
 
 @contextmanager
 def wine(folder: Path) -> Iterator[dict[str, str]]:
-    """Make Windows for Wine in a folder that does not exist yet, 700 MB; give its variables."""
+    """Make a Windows for Wine, 700 MB, in a folder that does not exist yet; give its variables.
+
+    Its processes and the folder are gone at the end.
+    """
     ours = {"WINEPREFIX": str(folder), "WINEDEBUG": "-all"}
     variables = {**os.environ, **ours}
     server = str(Path(WINE).with_name("wineserver"))
@@ -132,6 +144,7 @@ def wine(folder: Path) -> Iterator[dict[str, str]]:
     finally:
         # Ends the processes of this Windows alone.
         subprocess.run([server, "--kill", "--wait"], env=variables, timeout=_LIMIT, check=False)
+        shutil.rmtree(folder)
 
 
 def line(call: str, *words: object) -> str:
@@ -147,9 +160,13 @@ def set_values(values: Mapping[str, float]) -> str:
     return line("set", *(word for pair in pairs for word in pair))
 
 
+def _kind(row: Variable) -> str:
+    return "enumeration" if row.type.items else row.kind.lower()
+
+
 READ = tuple(
-    line(kind.lower(), *(r.number for r in TABLE.rows if r.kind == kind and not r.settable))
-    for kind in ("Real", "Integer", "Boolean")
+    line(kind, *(row.number for row in TABLE.rows if _kind(row) == kind and not row.settable))
+    for kind in ("real", "integer", "enumeration", "boolean")
 )
 """The calls that read every output."""
 
