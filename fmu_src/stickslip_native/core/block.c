@@ -168,7 +168,7 @@ static enum refusal pass_event(struct block *block, double time)
 /* Whether a step of which `done` [s] already held so many transitions has an end. */
 static bool keeps_pace(long transitions, double step, double done)
 {
-    return (double)transitions <= MOST_TRANSITIONS * (done / step);
+    return (double)transitions <= (double)MOST_TRANSITIONS * (done / step);
 }
 
 /* Move on by one step that may begin with other settings or hold transitions. */

@@ -21,7 +21,7 @@ static void stick_make(const struct friction *it, double z, const double *way, d
     const struct settings *settings = &it->settings;
     const double k = settings->k, v = settings->v;
     struct stick stick = {.k = k, .v = v, .z_end = z};
-    double duration = INFINITY;
+    double duration = HUGE_VAL;
     if (way != NULL) {
         stick.way = *way;
         stick.way_known = true;
