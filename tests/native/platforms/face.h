@@ -18,14 +18,10 @@ void show(const char *instance, int status, const char *category, const char *te
 
 /* An instance, NULL if the FMU refuses; its GUID or instantiation token. */
 void *face_make(const char *identity);
-void face_free(void *slave);
 
 /* The start time [s] is given before the initialization. */
 int face_setup(void *slave, double start_time);
 int face_enter(void *slave);
-int face_exit(void *slave);
-int face_terminate(void *slave);
-int face_reset(void *slave);
 
 /* A communication step [s]. */
 int face_step(void *slave, double time, double step);
@@ -36,11 +32,14 @@ int face_integer(void *slave, const unsigned references[], size_t count, int val
 int face_enumeration(void *slave, const unsigned references[], size_t count, int values[]);
 int face_boolean(void *slave, const unsigned references[], size_t count, int values[]);
 
-int face_get_state(void *slave, void **state);
-int face_set_state(void *slave, void *state);
-int face_free_state(void *slave, void **state);
-int face_state_size(void *slave, void *state, size_t *size);
-int face_write_state(void *slave, void *state, char bytes[], size_t size);
-int face_read_state(void *slave, const char bytes[], size_t size, void **state);
+/* Functions of the library that are called alike in both versions. */
+extern void (*face_free)(void *slave);
+extern int (*face_exit)(void *slave), (*face_terminate)(void *slave), (*face_reset)(void *slave);
+extern int (*face_get_state)(void *slave, void **state);
+extern int (*face_set_state)(void *slave, void *state);
+extern int (*face_free_state)(void *slave, void **state);
+extern int (*face_state_size)(void *slave, void *state, size_t *size);
+extern int (*face_write_state)(void *slave, void *state, char bytes[], size_t size);
+extern int (*face_read_state)(void *slave, const char bytes[], size_t size, void **state);
 
 #endif

@@ -8,43 +8,33 @@
 #include <stdlib.h>
 
 static fmi2InstantiateTYPE *instantiate;
-static fmi2FreeInstanceTYPE *free_instance;
 static fmi2SetupExperimentTYPE *setup;
 static fmi2EnterInitializationModeTYPE *enter;
-static fmi2ExitInitializationModeTYPE *leave;
-static fmi2TerminateTYPE *terminate;
-static fmi2ResetTYPE *reset;
 static fmi2DoStepTYPE *step;
 static fmi2SetRealTYPE *set_real;
 static fmi2GetRealTYPE *get_real;
 static fmi2GetIntegerTYPE *get_integer;
 static fmi2GetBooleanTYPE *get_boolean;
-static fmi2GetFMUstateTYPE *get_state;
-static fmi2SetFMUstateTYPE *set_state;
-static fmi2FreeFMUstateTYPE *free_state;
-static fmi2SerializedFMUstateSizeTYPE *state_size;
-static fmi2SerializeFMUstateTYPE *write_state;
-static fmi2DeSerializeFMUstateTYPE *read_state;
 
 const struct function FUNCTIONS[] = {
     {"fmi2Instantiate", &instantiate},
-    {"fmi2FreeInstance", &free_instance},
+    {"fmi2FreeInstance", &face_free},
     {"fmi2SetupExperiment", &setup},
     {"fmi2EnterInitializationMode", &enter},
-    {"fmi2ExitInitializationMode", &leave},
-    {"fmi2Terminate", &terminate},
-    {"fmi2Reset", &reset},
+    {"fmi2ExitInitializationMode", &face_exit},
+    {"fmi2Terminate", &face_terminate},
+    {"fmi2Reset", &face_reset},
     {"fmi2DoStep", &step},
     {"fmi2SetReal", &set_real},
     {"fmi2GetReal", &get_real},
     {"fmi2GetInteger", &get_integer},
     {"fmi2GetBoolean", &get_boolean},
-    {"fmi2GetFMUstate", &get_state},
-    {"fmi2SetFMUstate", &set_state},
-    {"fmi2FreeFMUstate", &free_state},
-    {"fmi2SerializedFMUstateSize", &state_size},
-    {"fmi2SerializeFMUstate", &write_state},
-    {"fmi2DeSerializeFMUstate", &read_state},
+    {"fmi2GetFMUstate", &face_get_state},
+    {"fmi2SetFMUstate", &face_set_state},
+    {"fmi2FreeFMUstate", &face_free_state},
+    {"fmi2SerializedFMUstateSize", &face_state_size},
+    {"fmi2SerializeFMUstate", &face_write_state},
+    {"fmi2DeSerializeFMUstate", &face_read_state},
 };
 const size_t FUNCTION_COUNT = sizeof FUNCTIONS / sizeof *FUNCTIONS;
 
@@ -67,11 +57,6 @@ void *face_make(const char *identity)
     return instantiate("block", fmi2CoSimulation, identity, NULL, &CALLBACKS, fmi2False, fmi2True);
 }
 
-void face_free(void *slave)
-{
-    free_instance(slave);
-}
-
 int face_setup(void *slave, double start_time)
 {
     return setup(slave, fmi2False, 0.0, start_time, fmi2False, 0.0);
@@ -80,21 +65,6 @@ int face_setup(void *slave, double start_time)
 int face_enter(void *slave)
 {
     return enter(slave);
-}
-
-int face_exit(void *slave)
-{
-    return leave(slave);
-}
-
-int face_terminate(void *slave)
-{
-    return terminate(slave);
-}
-
-int face_reset(void *slave)
-{
-    return reset(slave);
 }
 
 int face_step(void *slave, double time, double length)
@@ -125,34 +95,4 @@ int face_enumeration(void *slave, const unsigned references[], size_t count, int
 int face_boolean(void *slave, const unsigned references[], size_t count, int values[])
 {
     return get_boolean(slave, references, count, values);
-}
-
-int face_get_state(void *slave, void **state)
-{
-    return get_state(slave, state);
-}
-
-int face_set_state(void *slave, void *state)
-{
-    return set_state(slave, state);
-}
-
-int face_free_state(void *slave, void **state)
-{
-    return free_state(slave, state);
-}
-
-int face_state_size(void *slave, void *state, size_t *size)
-{
-    return state_size(slave, state, size);
-}
-
-int face_write_state(void *slave, void *state, char bytes[], size_t size)
-{
-    return write_state(slave, state, bytes, size);
-}
-
-int face_read_state(void *slave, const char bytes[], size_t size, void **state)
-{
-    return read_state(slave, bytes, size, state);
 }

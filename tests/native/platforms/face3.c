@@ -4,43 +4,33 @@
 #include "fmi3FunctionTypes.h"
 
 static fmi3InstantiateCoSimulationTYPE *instantiate;
-static fmi3FreeInstanceTYPE *free_instance;
 static fmi3EnterInitializationModeTYPE *enter;
-static fmi3ExitInitializationModeTYPE *leave;
-static fmi3TerminateTYPE *terminate;
-static fmi3ResetTYPE *reset;
 static fmi3DoStepTYPE *step;
 static fmi3SetFloat64TYPE *set_real;
 static fmi3GetFloat64TYPE *get_real;
 static fmi3GetInt32TYPE *get_integer;
 static fmi3GetInt64TYPE *get_enumeration;
 static fmi3GetBooleanTYPE *get_boolean;
-static fmi3GetFMUStateTYPE *get_state;
-static fmi3SetFMUStateTYPE *set_state;
-static fmi3FreeFMUStateTYPE *free_state;
-static fmi3SerializedFMUStateSizeTYPE *state_size;
-static fmi3SerializeFMUStateTYPE *write_state;
-static fmi3DeserializeFMUStateTYPE *read_state;
 
 const struct function FUNCTIONS[] = {
     {"fmi3InstantiateCoSimulation", &instantiate},
-    {"fmi3FreeInstance", &free_instance},
+    {"fmi3FreeInstance", &face_free},
     {"fmi3EnterInitializationMode", &enter},
-    {"fmi3ExitInitializationMode", &leave},
-    {"fmi3Terminate", &terminate},
-    {"fmi3Reset", &reset},
+    {"fmi3ExitInitializationMode", &face_exit},
+    {"fmi3Terminate", &face_terminate},
+    {"fmi3Reset", &face_reset},
     {"fmi3DoStep", &step},
     {"fmi3SetFloat64", &set_real},
     {"fmi3GetFloat64", &get_real},
     {"fmi3GetInt32", &get_integer},
     {"fmi3GetInt64", &get_enumeration},
     {"fmi3GetBoolean", &get_boolean},
-    {"fmi3GetFMUState", &get_state},
-    {"fmi3SetFMUState", &set_state},
-    {"fmi3FreeFMUState", &free_state},
-    {"fmi3SerializedFMUStateSize", &state_size},
-    {"fmi3SerializeFMUState", &write_state},
-    {"fmi3DeserializeFMUState", &read_state},
+    {"fmi3GetFMUState", &face_get_state},
+    {"fmi3SetFMUState", &face_set_state},
+    {"fmi3FreeFMUState", &face_free_state},
+    {"fmi3SerializedFMUStateSize", &face_state_size},
+    {"fmi3SerializeFMUState", &face_write_state},
+    {"fmi3DeserializeFMUState", &face_read_state},
 };
 const size_t FUNCTION_COUNT = sizeof FUNCTIONS / sizeof *FUNCTIONS;
 
@@ -61,11 +51,6 @@ void *face_make(const char *identity)
                        NULL, log_message, NULL);
 }
 
-void face_free(void *slave)
-{
-    free_instance(slave);
-}
-
 int face_setup(void *slave, double start_time)
 {
     (void)slave;
@@ -76,21 +61,6 @@ int face_setup(void *slave, double start_time)
 int face_enter(void *slave)
 {
     return enter(slave, fmi3False, 0.0, start, fmi3False, 0.0);
-}
-
-int face_exit(void *slave)
-{
-    return leave(slave);
-}
-
-int face_terminate(void *slave)
-{
-    return terminate(slave);
-}
-
-int face_reset(void *slave)
-{
-    return reset(slave);
 }
 
 int face_step(void *slave, double time, double length)
@@ -129,34 +99,4 @@ int face_boolean(void *slave, const unsigned references[], size_t count, int val
     const fmi3Status status = get_boolean(slave, references, count, truths, count);
     for (size_t n = 0; n < count; n++) values[n] = truths[n];
     return status;
-}
-
-int face_get_state(void *slave, void **state)
-{
-    return get_state(slave, state);
-}
-
-int face_set_state(void *slave, void *state)
-{
-    return set_state(slave, state);
-}
-
-int face_free_state(void *slave, void **state)
-{
-    return free_state(slave, state);
-}
-
-int face_state_size(void *slave, void *state, size_t *size)
-{
-    return state_size(slave, state, size);
-}
-
-int face_write_state(void *slave, void *state, char bytes[], size_t size)
-{
-    return write_state(slave, state, (fmi3Byte *)bytes, size);
-}
-
-int face_read_state(void *slave, const char bytes[], size_t size, void **state)
-{
-    return read_state(slave, (const fmi3Byte *)bytes, size, state);
 }

@@ -42,6 +42,13 @@ static void (*function_in(const char *path, const char *name))(void)
 
 enum { MOST = 64, LONGEST = 1 << 16 };
 
+void (*face_free)(void *);
+int (*face_exit)(void *), (*face_terminate)(void *), (*face_reset)(void *);
+int (*face_get_state)(void *, void **), (*face_set_state)(void *, void *);
+int (*face_free_state)(void *, void **), (*face_state_size)(void *, void *, size_t *);
+int (*face_write_state)(void *, void *, char *, size_t);
+int (*face_read_state)(void *, const char *, size_t, void **);
+
 static void fail(const char *cause, const char *which)
 {
     fprintf(stderr, "host: %s: %s\n", cause, which);
