@@ -43,24 +43,27 @@ LEAST = 95.0
 
 _FLAGS = ("-std=c99", "-O0", "--coverage", "-ffp-contract=off", "-fPIC")
 _HOME = Path(__file__).parents[2] / "fmu_src" / "stickslip_native"
-_WRITE = """\\
-/* Writes the counters at the end of each instance: workers end without the end of a program. */
+_WRITE = """\
 void __gcov_dump(void);
 void __gcov_reset(void);
-void __real_instance_free(void *it);
-void __wrap_instance_free(void *it);
 void write_counters(void);
-
-void __wrap_instance_free(void *it)
-{
-    __real_instance_free(it);
-    write_counters();
-}
 
 void write_counters(void)
 {
     __gcov_dump();
     __gcov_reset();
+}
+"""
+_WRITE_AT_END = """\
+/* Writes the counters at the end of each instance: workers end without the end of a program. */
+void write_counters(void);
+void __real_instance_free(void *it);
+void __wrap_instance_free(void *it);
+
+void __wrap_instance_free(void *it)
+{
+    __real_instance_free(it);
+    write_counters();
 }
 """
 
