@@ -1,6 +1,6 @@
 """Lines and branches of the C sources that the suite and the tests run.
 
-``python -m tests.native.coverage`` compiles the native FMUs with gcc's counters, tries them on the
+``python -m tests.native.coverage`` compiles the native FMU with gcc's counters, tries it on the
 cases and random sequences of the suite, on random calls, damaged states and the sequences of the
 bits, and prints what gcov counted. It exits with 1 where block and friction law stay below 95 %.
 """
@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import fmpy
 
@@ -32,30 +32,38 @@ from tests.native.fuzz.damage import taken
 from tests.native.fuzz.player import findings, opened
 from tests.native.planting import pack
 from tests.native.test_native_bits import FALLING, draw_falling
+from tests.native.test_native_limits import (
+    MOST_SLIPS,
+    shown_after_a_long_step,
+    slips_after_the_most,
+)
 
 LEAST = 95.0
 """Part of the lines and of the branches of block and friction law that must be run [%]."""
 
 _FLAGS = ("-std=c99", "-O0", "--coverage", "-ffp-contract=off", "-fPIC")
 _HOME = Path(__file__).parents[2] / "fmu_src" / "stickslip_native"
-_WRITE = """\\
-/* Writes the counters at the end of each instance: workers end without the end of a program. */
+_WRITE = """\
 void __gcov_dump(void);
 void __gcov_reset(void);
-void __real_instance_free(void *it);
-void __wrap_instance_free(void *it);
 void write_counters(void);
-
-void __wrap_instance_free(void *it)
-{
-    __real_instance_free(it);
-    write_counters();
-}
 
 void write_counters(void)
 {
     __gcov_dump();
     __gcov_reset();
+}
+"""
+_WRITE_AT_END = """\
+/* Writes the counters at the end of each instance: workers end without the end of a program. */
+void write_counters(void);
+void __real_instance_free(void *it);
+void __wrap_instance_free(void *it);
+
+void __wrap_instance_free(void *it)
+{
+    __real_instance_free(it);
+    write_counters();
 }
 """
 
@@ -81,15 +89,20 @@ def _instrumented(folder: Path, sources: Mapping[str, bytes]) -> Path:
     """Compile sources in a folder, as that of an unpacked FMU; return the library."""
     binary: Path = folder / "binaries" / fmpy.platform / "StickSlip.so"
     binary.parent.mkdir(parents=True)
-    for name, content in {**sources, "write.c": _WRITE.encode()}.items():
+    helpers = {"write.c": _WRITE}
+    link = ["--coverage", "-shared", "-Wl,-Bsymbolic"]
+    if "instance.c" in sources:
+        helpers["at_end.c"] = _WRITE_AT_END
+        link.append("-Wl,--wrap=instance_free")
+    for name, content in sources.items():
         (folder / name).write_bytes(content)
     for name in sources:
         if name.endswith(".c"):
             _run("gcc", *_FLAGS, "-c", name, cwd=folder)
-    _run("gcc", "-std=c99", "-fPIC", "-c", "write.c", cwd=folder)
-    objects = sorted(folder.glob("*.o"))
-    link = ("--coverage", "-shared", "-Wl,-Bsymbolic,--wrap=instance_free")
-    _run("gcc", *link, *objects, "-o", binary, "-lm", cwd=folder)
+    for name, text in helpers.items():
+        (folder / name).write_text(text)
+        _run("gcc", "-std=c99", "-fPIC", "-c", name, cwd=folder)
+    _run("gcc", *link, *sorted(folder.glob("*.o")), "-o", binary, "-lm", cwd=folder)
     return binary
 
 
@@ -117,10 +130,9 @@ def _counted(folder: Path) -> dict[str, Counts]:
     return found
 
 
-def _try_suite(folder: Path, library: Path, version: Literal[2, 3]) -> None:
-    sound = build(folder, face=version, this_machine=True)
-    fmu = pack(sound, library, folder / "counting.fmu")
-    verdict = verify(fmu, load_cases(), sequences=COUNT if version == 2 else 0)
+def _try_suite(folder: Path, library: Path) -> None:
+    fmu = pack(build(folder, this_machine=True), library, folder / "counting.fmu")
+    verdict = verify(fmu, load_cases(), sequences=COUNT)
     assert verdict.passed, "the FMU with counters fails the suite"
 
 
@@ -128,8 +140,10 @@ def _try_calls(folder: Path) -> None:
     identity = re.search(r'"(.*)"', (folder / "identity.h").read_text())
     assert identity is not None
     raw = opened(folder, identity[1])
-    assert not findings(raw, range(2_000), Counter())
+    assert not findings(raw, range(1_000), Counter())
     assert not taken(raw)
+    assert slips_after_the_most(raw) == MOST_SLIPS
+    shown_after_a_long_step(raw)
 
 
 def _try_bits(library: Path, spec: Spec, count: int, *how: Any) -> None:
@@ -143,15 +157,12 @@ def _try_bits(library: Path, spec: Spec, count: int, *how: Any) -> None:
 def _run_all() -> dict[str, Counts]:
     """Run everything; return the counts by source."""
     together: dict[str, Counts] = {}
-    versions: tuple[Literal[2, 3], ...] = (2, 3)
     with tempfile.TemporaryDirectory(prefix="coverage-") as name:
-        for version in versions:
-            folder = Path(name, str(version))
-            library = _instrumented(folder, sources_of(version))
-            _try_suite(folder, library, version)
-            if version == 2:
-                _try_calls(folder)
-                _try_bits(library, SPEC, 3_000)
+        folder = Path(name, "fmu")
+        library = _instrumented(folder, sources_of(2))
+        _try_suite(folder, library)
+        _try_calls(folder)
+        _try_bits(library, SPEC, 3_000)
         spec = spec_of(friction_law("tests.laws.falling:FALLING").law)
         library = _instrumented(Path(name, "falling"), _falling(spec))
         _try_bits(library, spec, 1_000, draw_falling, ("slope",))

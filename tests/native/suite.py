@@ -117,6 +117,8 @@ class Suite:
         (answer,) = self._pool.each(task, [arguments])
         assert not answer.late, answer.failure
         if answer.failure is not None:
+            # Anything else is a mistake of the tests.
+            assert answer.failure.startswith(("AssertionError", "the process ")), answer.failure
             return [answer.failure]
         assert answer.value is not None
         found: list[str] = answer.value
