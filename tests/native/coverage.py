@@ -27,7 +27,7 @@ from stickslip_native.table import table_files
 from stickslip_verification import load_cases, verify
 from stickslip_verification.suite.sequences import COUNT
 from tests.native.bits import sequence
-from tests.native.core import CORE, COULOMB, Core
+from tests.native.core import ACCEPTED, CORE, COULOMB, Core
 from tests.native.fuzz.damage import taken
 from tests.native.fuzz.player import findings, opened
 from tests.native.planting import pack
@@ -36,6 +36,7 @@ from tests.native.test_native_bits import FALLING, draw_falling
 from tests.native.test_native_limits import (
     MOST_SLIPS,
     beyond_the_numbers,
+    refused_of_itself,
     shown_after_a_long_step,
     slips_after_the_most,
 )
@@ -165,6 +166,7 @@ def _run_all() -> dict[str, Counts]:
         library = _instrumented(folder, sources_of(2))
         _try_suite(folder, library)
         _try_calls(folder)
+        assert refused_of_itself(Core(library, SPEC)) != ACCEPTED
         _try_bits(library, SPEC, 3_000)
         # In FMI 3.0 the first step tells the start time.
         folder = Path(name, "fmi3")

@@ -10,6 +10,7 @@ from fmukit.model import ModelError
 from stickslip_fmu.block import Block
 from stickslip_fmu.spec import SPEC, TABLE
 from tests.fmu.inside.raw import Raw
+from tests.native.core import ACCEPTED, Core, NativeBlock, compile_core
 from tests.native.fuzz.damage import with_values
 from tests.native.fuzz.player import opened
 from tests.needs import needs
@@ -81,6 +82,16 @@ def beyond_the_numbers(raw: Raw) -> list[tuple[int, int]]:
     return found
 
 
+def refused_of_itself(core: Core) -> int:
+    """Return why a block without FMI shows no output of a motion beyond the numbers."""
+    values = {**TABLE.start_values(), "mu_s": 1e300, "k": 1e-10, "v": 1e300}
+    block = NativeBlock(core, values)
+    block.advance(0.0, 1e9)
+    assert block.refused == ACCEPTED
+    block.outputs()
+    return block.refused
+
+
 def shown_after_a_long_step(raw: Raw) -> list[float]:
     """Return the Reals after one step with thousands of transitions."""
     instance = started(raw)
@@ -101,6 +112,11 @@ def test_an_output_beyond_the_numbers_is_refused(raw: Raw) -> None:
     """Motion beyond the largest number is refused; an energy beyond it only where it is read."""
     assert beyond_the_numbers(raw) == [(3, 3), (0, 3), (0, 3)]
     assert all("leave the range of double-precision numbers" in each for each in raw.messages)
+
+
+def test_the_block_without_fmi_refuses_by_itself(tmp_path: Path) -> None:
+    """Who reads a block that moved beyond the numbers gets the refusal, with no face about it."""
+    assert refused_of_itself(Core(compile_core(tmp_path))) != ACCEPTED
 
 
 def test_a_step_may_hold_thousands_of_transitions(raw: Raw) -> None:
