@@ -89,7 +89,8 @@ def refused_of_itself(core: Core) -> int:
     block.advance(0.0, 1e9)
     assert block.refused == ACCEPTED
     block.outputs()
-    return block.refused
+    refusal: int = block.refused
+    return refusal
 
 
 def shown_after_a_long_step(raw: Raw) -> list[float]:
