@@ -27,13 +27,16 @@ from stickslip_native.table import table_files
 from stickslip_verification import load_cases, verify
 from stickslip_verification.suite.sequences import COUNT
 from tests.native.bits import sequence
-from tests.native.core import CORE, COULOMB, Core
+from tests.native.core import ACCEPTED, CORE, COULOMB, Core
 from tests.native.fuzz.damage import taken
 from tests.native.fuzz.player import findings, opened
 from tests.native.planting import pack
+from tests.native.suite import Suite
 from tests.native.test_native_bits import FALLING, draw_falling
 from tests.native.test_native_limits import (
     MOST_SLIPS,
+    beyond_the_numbers,
+    refused_of_itself,
     shown_after_a_long_step,
     slips_after_the_most,
 )
@@ -144,6 +147,7 @@ def _try_calls(folder: Path) -> None:
     assert not taken(raw)
     assert slips_after_the_most(raw) == MOST_SLIPS
     shown_after_a_long_step(raw)
+    beyond_the_numbers(raw)
 
 
 def _try_bits(library: Path, spec: Spec, count: int, *how: Any) -> None:
@@ -162,7 +166,14 @@ def _run_all() -> dict[str, Counts]:
         library = _instrumented(folder, sources_of(2))
         _try_suite(folder, library)
         _try_calls(folder)
+        assert refused_of_itself(Core(library, SPEC)) != ACCEPTED
         _try_bits(library, SPEC, 3_000)
+        # In FMI 3.0 the first step tells the start time.
+        folder = Path(name, "fmi3")
+        library = _instrumented(folder, sources_of(3))
+        fmu = pack(build(folder, face=3, this_machine=True), library, folder / "counting.fmu")
+        with Suite() as suite:
+            assert not suite.failing(fmu, "starts-at-start-time", "")
         spec = spec_of(friction_law("tests.laws.falling:FALLING").law)
         library = _instrumented(Path(name, "falling"), _falling(spec))
         _try_bits(library, spec, 1_000, draw_falling, ("slope",))
