@@ -298,6 +298,12 @@ def test_event_mode_clocks_and_model_exchange_are_refused(native: Native, tmp_pa
         assert function(b"a", library.identity, Null, 0, 1, Null, library.logger) is None
         assert "is not offered" in _last(library)
         assert function(b"a", library.identity, Null, 0, 1, Null, Null) is None
+    make = library.instantiate_
+    for event_mode, count in ((True, 0), (False, 1)):
+        flags = [ctypes.c_bool(each) for each in (False, False, event_mode, False)]
+        more = (Null, ctypes.c_size_t(count), Null, library.logger, Null)
+        assert make(b"a", library.identity, Null, *flags, *more) is None
+        assert "event mode and intermediate update are not offered" in _last(library)
 
 
 def test_the_status_of_the_last_step_is_told(native: Native, tmp_path: Path) -> None:

@@ -320,3 +320,12 @@ def test_a_state_of_another_fmu_is_refused(native: Native, tmp_path: Path) -> No
     assert three.call("Reset", second) == OK
     assert three.free(second, state) == ERROR
     assert two.free(first, state) == OK
+
+
+def test_a_step_to_the_end_of_numbers_leaves_a_state(native: Native, tmp_path: Path) -> None:
+    """Where the time leaves the numbers, the state can still be written and read back."""
+    library = Library(native(2), tmp_path)
+    instance = library.instantiate()
+    assert library.start(instance, 0.0, v=0.0) == OK
+    assert library.step(instance, 1.5e308, 1e308) == OK
+    assert library.unpacked(instance, library.packed(instance))[0] == OK

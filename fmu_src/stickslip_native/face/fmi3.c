@@ -55,11 +55,18 @@ STICKSLIP_EXPORT fmi3Status FMI3(fmi3SetDebugLogging)(fmi3Instance instance, fmi
 
 STICKSLIP_EXPORT fmi3Instance FMI3(fmi3InstantiateCoSimulation)(
     fmi3String name, fmi3String token, fmi3String resources IGNORED, fmi3Boolean visible IGNORED,
-    fmi3Boolean logging_on IGNORED, fmi3Boolean event_mode_used IGNORED,
+    fmi3Boolean logging_on IGNORED, fmi3Boolean event_mode_used,
     fmi3Boolean early_return_allowed IGNORED, const fmi3ValueReference intermediate[] IGNORED,
-    size_t intermediate_count IGNORED, fmi3InstanceEnvironment environment,
+    size_t intermediate_count, fmi3InstanceEnvironment environment,
     fmi3LogMessageCallback logger, fmi3IntermediateUpdateCallback update IGNORED)
 {
+    if (event_mode_used || intermediate_count > 0) {
+        if (logger != NULL)
+            logger(environment, fmi3Error, "logStatusError",
+                   "fmi3InstantiateCoSimulation: event mode and intermediate update are not "
+                   "offered");
+        return NULL;
+    }
     return instance_make(&FMI3_VERSION, "fmi3InstantiateCoSimulation", name, STICKSLIP_IDENTITY,
                          token, (void (*)(void))logger, environment);
 }

@@ -3,6 +3,7 @@
 
 #include "bytes.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -252,7 +253,9 @@ bool instance_step(struct instance *it, double time, double step, bool starts)
     }
     const enum refusal refused = block_advance(&it->now.block, time, step);
     if (refused != ACCEPTED) return refuse(it, refused, time, step);
-    it->now.time = time + step;
+    /* A state holds no time beyond the numbers. */
+    const double end = time + step;
+    it->now.time = end > DBL_MAX ? DBL_MAX : end;
     return true;
 }
 

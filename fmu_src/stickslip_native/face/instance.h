@@ -40,7 +40,7 @@ struct version {
                 const char *text);
 };
 
-/* Freed states that an instance keeps, so that a second use of one is seen. */
+/* The last freed states, which an instance keeps: a second use of one of them is seen. */
 enum { MOST_FREED = 32 };
 
 struct instance {
