@@ -208,7 +208,7 @@ def test_what_is_not_given_is_that_of_the_axis(monkeypatch: pytest.MonkeyPatch) 
 
 def test_every_option_starts_as_the_axis_is() -> None:
     """No option of `run` for a field of the axis has a number of its own."""
-    own = {"master": "fmpy", "stop_time": "2", "output": OUTPUT}
+    own = {"master": "fmpy", "stop_time": "2", "native": False, "output": OUTPUT}
     for name, parameter in inspect.signature(run).parameters.items():
         assert parameter.default == own.get(name)
 
