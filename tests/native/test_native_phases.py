@@ -414,6 +414,12 @@ def test_the_time_of_fmi3_is_the_end_of_the_last_step(native: Native, tmp_path: 
     assert library.step(instance, 5.25, 0.25) == OK
     status, values = library.get(instance, [REFERENCE["m"], time, REFERENCE["k"]])
     assert (status, values) == (OK, [1.0, 5.5, 1000.0])
+    reached = ctypes.c_double()
+    flags = [ctypes.byref(ctypes.c_bool()) for _ in range(3)]
+    refused = library.instantiate()
+    assert library.start(refused, 5.0) == OK
+    assert library.call("DoStep", refused, 5.0, -1.0, True, *flags, ctypes.byref(reached)) == ERROR
+    assert reached.value == 5.0
     assert library.put(instance, state) == OK
     assert library.get(instance, [time]) == (OK, [5.25])
     kind = REAL[library.face]

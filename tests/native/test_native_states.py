@@ -11,7 +11,7 @@ import pytest
 
 from stickslip_fmu.spec import TABLE
 from tests.native.conftest import Native
-from tests.native.library import ERROR, OK, Library
+from tests.native.library import ERROR, OK, REFERENCE, Library
 from tests.needs import needs
 
 pytestmark = needs("cc")
@@ -24,6 +24,8 @@ _FIELDS = 24
 # instance, its time, phase and whether it is settled.
 _HOLDING = _FIELDS + 8 * SETTABLE
 _VALUES = -8 - 1 - 4 - 8 - 8 * SETTABLE
+# Behind the settings: start of the arc, five sums, seven quantities of the meter; then n_slips.
+_SLIPS = _HOLDING + 8 * SETTABLE + 5 + 8 * 8 + 8 * 10 + 8 * 7
 _RUNNING = {"c": 3.0, "v": -0.04, "mu_s": 0.4, "mu_k": 0.25, "F_ext": 0.3}
 
 
@@ -329,3 +331,19 @@ def test_a_step_to_the_end_of_numbers_leaves_a_state(native: Native, tmp_path: P
     assert library.start(instance, 0.0, v=0.0) == OK
     assert library.step(instance, 1.5e308, 1e308) == OK
     assert library.unpacked(instance, library.packed(instance))[0] == OK
+
+
+def test_the_count_of_slips_stays_at_the_largest_integer(library: Library) -> None:
+    """A block that has slipped 2^31 - 1 times slips on, and the count stays where it is."""
+    instance = _started(library)
+    content = library.packed(instance)
+    count = {2: "Integer", 3: "Int32"}[library.face]
+    read = library.lists("Get", count, instance, [REFERENCE["n_slips"]], [0])
+    assert read == (OK, list(struct.unpack_from("<i", content, _SLIPS)))
+    assert read[1][0] > 2
+    full = content[:_SLIPS] + struct.pack("<i", 2**31 - 1) + content[_SLIPS + 4 :]
+    status, state = library.unpacked(instance, _checked(full))
+    assert (status, library.put(instance, state)) == (OK, OK)
+    assert library.step(instance, 4.0, 5.0) == OK
+    full_still = library.lists("Get", count, instance, [REFERENCE["n_slips"]], [0])
+    assert full_still == (OK, [2**31 - 1])
