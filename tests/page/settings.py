@@ -80,7 +80,7 @@ def wide(draw: Random) -> dict[str, float]:
 
 def presets() -> dict[str, Setting]:
     """Give the settings that the page offers by name."""
-    text = (files("stickslip.page") / "presets.toml").read_text(encoding="utf-8")
+    text = (files("stickslip.page") / "applications" / "presets.toml").read_text(encoding="utf-8")
     return {
         preset["id"]: {name: preset[name] for name in NAMES}
         for preset in tomllib.loads(text)["preset"]

@@ -20,7 +20,7 @@ START = {"k": 1000.0, "v": 0.02, "mu_s": 0.5, "mu_k": 0.3, "m": 1.0, "g": 9.81, 
 
 def table() -> list[dict[str, Any]]:
     """Give the presets as they are written down."""
-    text = (files("stickslip.page") / "presets.toml").read_text(encoding="utf-8")
+    text = (files("stickslip.page") / "applications" / "presets.toml").read_text(encoding="utf-8")
     found: list[dict[str, Any]] = tomllib.loads(text)["preset"]
     return found
 

@@ -12,7 +12,7 @@ from stickslip.page.script import joined
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
 
-_ENTRY: Final = "view/main.js"
+_ENTRY: Final = "main.js"
 # End tags that HTML lets one leave out wherever the next element or the parent's end follows.
 _OPTIONAL_ENDS: Final = re.compile(r"</(?:t[dhr]|d[dt]|li|tbody|thead|option)>(?=\s*<)")
 _SOURCES: Final = files("stickslip.page")
@@ -27,29 +27,32 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         Values that it begins with [SI], by name; the rest are the FMU's start values. A value
         out of `page_range` is named on the page and not taken.
     """
-    from jinja2 import Environment, StrictUndefined
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
     from rcssmin import cssmin
     from rjsmin import jsmin
 
     environment = Environment(
-        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined
+        loader=FunctionLoader(_text),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=StrictUndefined,
     )
-    presets = _table("presets.toml")["preset"]
+    presets = _table("applications/presets.toml")["preset"]
     data = {
         # What the markup already says, the script need not.
         "controls": [_without(each, {"label", "symbol", "folded"}) for each in _controls()],
         "presets": [_without(preset, {"name"}) for preset in presets],
         "setting": dict(setting or {}),
     }
-    text = environment.from_string(_text("page.html.j2")).render(
+    text = environment.get_template("page.html.j2").render(
         version=VERSION,
         controls=_controls(),
         presets=presets,
         data=_embedded(data),
-        style=cssmin(_text("style.css") + _text("schematic.css")),
+        style=cssmin("".join(map(_text, ["style.css", *_paths(".css")]))),
         chart_style=cssmin(_text("chart.css")),
         script=jsmin(joined(_modules(), _ENTRY)),
-        theory=_text("theory.html"),
     )
     return _OPTIONAL_ENDS.sub("", "\n".join(filter(None, map(str.strip, text.splitlines()))))
 
@@ -75,7 +78,7 @@ def _controls() -> list[dict[str, Any]]:
     """Return the controls, each with the start value (SI) of its FMU variable."""
     return [
         {**control, "start": TABLE.by_name[control["name"]].start}
-        for control in _table("controls.toml")["control"]
+        for control in _table("controls/controls.toml")["control"]
     ]
 
 
@@ -84,12 +87,18 @@ def _without(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
 
 
 def _modules() -> dict[str, str]:
-    return {
-        f"{folder}/{file.name}": file.read_text(encoding="utf-8")
-        for folder in ("model", "view")
-        for file in (_SOURCES / folder).iterdir()
-        if file.name.endswith(".js")
-    }
+    return {path: _text(path) for path in ["main.js", *_paths(".js")]}
+
+
+def _paths(suffix: str) -> list[str]:
+    """Return the paths of the files of a kind in the folders of the page."""
+    return sorted(
+        f"{folder.name}/{file.name}"
+        for folder in _SOURCES.iterdir()
+        if folder.is_dir()
+        for file in folder.iterdir()
+        if file.name.endswith(suffix)
+    )
 
 
 def _table(name: str) -> dict[str, Any]:

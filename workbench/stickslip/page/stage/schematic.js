@@ -1,9 +1,9 @@
 /** The model as a moving picture: a block on the ground, drawn along through a spring. */
 
-import { draw, put, setText } from "./dom.js";
-import { px } from "./frame.js";
-import { shortest } from "./typed.js";
-import { quantity, scaleFor } from "./units.js";
+import { draw, put, setText } from "../view/dom.js";
+import { px } from "../view/frame.js";
+import { shortest } from "../controls/typed.js";
+import { quantity, scaleFor } from "../view/units.js";
 
 /** @import { Motion, State } from "../model/motion.js" */
 

@@ -1,6 +1,6 @@
 /** The presets: settings of known things, each with what it shows and its source. */
 
-import { byId, on, setText } from "./dom.js";
+import { byId, on, setText } from "../view/dom.js";
 
 /** @import { Setting } from "../model/friction.js" */
 

@@ -1,10 +1,10 @@
 /** The parameters: a slider and a typed value each, the clamp of mu_k, and what is refused. */
 
 import { kineticInUse, kineticStop } from "../model/friction.js";
-import { byId, on, setText } from "./dom.js";
+import { byId, on, setText } from "../view/dom.js";
 import { placeSlider, sliderEnds, valueAt } from "./slider.js";
 import { readTyped, shortest, typedText } from "./typed.js";
-import { shifted } from "./units.js";
+import { shifted } from "../view/units.js";
 
 /**
  * @import { Setting } from "../model/friction.js"

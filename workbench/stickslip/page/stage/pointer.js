@@ -1,6 +1,6 @@
 /** The pointer on a time chart: it reads, zooms into what is dragged over, and lets go. */
 
-import { on } from "./dom.js";
+import { on } from "../view/dom.js";
 
 /**
  * @import { Stretch } from "./stretch.js"

@@ -1,6 +1,6 @@
 /** The command line that repeats a run. */
 
-import { shifted } from "./units.js";
+import { shifted } from "../view/units.js";
 
 /** @import { Setting } from "../model/friction.js" */
 

@@ -1,15 +1,15 @@
 /** Position and spring force over time: two charts with one stretch of time and one cursor. */
 
-import { axisOf } from "./axis.js";
-import { seenPhases, timePath } from "./curves.js";
-import { draw, put, setText } from "./dom.js";
-import { makeFrame, px } from "./frame.js";
-import { quantity, scaleFor } from "./units.js";
+import { axisOf } from "../view/axis.js";
+import { seenPhases, timePath } from "../view/curves.js";
+import { draw, put, setText } from "../view/dom.js";
+import { makeFrame, px } from "../view/frame.js";
+import { quantity, scaleFor } from "../view/units.js";
 
 /**
  * @import { Motion, State } from "../model/motion.js"
- * @import { SeenPhase } from "./curves.js"
- * @import { Frame } from "./frame.js"
+ * @import { SeenPhase } from "../view/curves.js"
+ * @import { Frame } from "../view/frame.js"
  */
 
 /** @typedef {ReturnType<typeof makeChart>} Chart */

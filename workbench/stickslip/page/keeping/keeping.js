@@ -2,13 +2,13 @@
 
 import { commandLine } from "./command.js";
 import { csvText } from "./csv.js";
-import { byId, on, setText } from "./dom.js";
+import { byId, on, setText } from "../view/dom.js";
 import { pngOf, resolvedStyle, svgText } from "./picture.js";
 
 /**
  * @import { Setting } from "../model/friction.js"
  * @import { Motion } from "../model/motion.js"
- * @import { Stretch } from "./stretch.js"
+ * @import { Stretch } from "../stage/stretch.js"
  */
 
 /** Pixels between two drawings of the picture, and above them for its caption. */

@@ -1,6 +1,6 @@
 /** What a person types for a control: a number of the shown unit, or the reason why it is none. */
 
-import { shifted } from "./units.js";
+import { shifted } from "../view/units.js";
 
 /**
  * A row of the page's controls, as controls.toml explains it.

@@ -1,6 +1,6 @@
 /** The cursor's time: it plays, is scrubbed, or follows the pointer. */
 
-import { byId, on, setText } from "./dom.js";
+import { byId, on, setText } from "../view/dom.js";
 
 /** @import { Stretch } from "./stretch.js" */
 

@@ -1,12 +1,12 @@
 /** The numbers of the cycle: exact and simplified side by side, and how far they are apart. */
 
-import { byId, put, setText } from "./dom.js";
-import { digits, quantity, scaleFor } from "./units.js";
+import { byId, put, setText } from "../view/dom.js";
+import { digits, quantity, scaleFor } from "../view/units.js";
 
 /**
  * @import { Setting, Numbers } from "../model/friction.js"
  * @import { Motion } from "../model/motion.js"
- * @import { Solution } from "./solution.js"
+ * @import { Solution } from "../view/solution.js"
  */
 
 /** From this deviation on the simplified value is marked. */

@@ -1,7 +1,7 @@
 /** The numbers at the cursor, beside the charts and in words. */
 
-import { byId, setText } from "./dom.js";
-import { digits, fixed, quantity, scaleFor } from "./units.js";
+import { byId, setText } from "../view/dom.js";
+import { digits, fixed, quantity, scaleFor } from "../view/units.js";
 
 /** @import { Motion, State } from "../model/motion.js" */
 

@@ -1,6 +1,6 @@
 /** Drawings of the page as a picture that stands alone. */
 
-import { draw, put, setText } from "./dom.js";
+import { draw, put, setText } from "../view/dom.js";
 
 /**
  * CSS with every var(--name) replaced by its value at an element, for use away from the page.

@@ -1,21 +1,21 @@
 /** The page put together: a setting is solved at once and drawn at the next frame. */
 
-import { makeAddress, valuesIn } from "./address.js";
-import { makeControls } from "./controls.js";
-import { byId, on, setText } from "./dom.js";
-import { makeKeeping } from "./keeping.js";
-import { makePlayer } from "./player.js";
-import { listen } from "./pointer.js";
-import { makePortrait } from "./portrait.js";
-import { makePresets } from "./presets.js";
-import { makeReadouts } from "./readouts.js";
-import { makeResults } from "./results.js";
-import { makeSchematic } from "./schematic.js";
-import { flawOf, solve } from "./solution.js";
-import { makeStretch } from "./stretch.js";
-import { makeTimeCharts } from "./timecharts.js";
+import { makeAddress, valuesIn } from "./controls/address.js";
+import { makeControls } from "./controls/controls.js";
+import { byId, on, setText } from "./view/dom.js";
+import { makeKeeping } from "./keeping/keeping.js";
+import { makePlayer } from "./stage/player.js";
+import { listen } from "./stage/pointer.js";
+import { makePortrait } from "./stage/portrait.js";
+import { makePresets } from "./applications/presets.js";
+import { makeReadouts } from "./stage/readouts.js";
+import { makeResults } from "./results/results.js";
+import { makeSchematic } from "./stage/schematic.js";
+import { flawOf, solve } from "./view/solution.js";
+import { makeStretch } from "./stage/stretch.js";
+import { makeTimeCharts } from "./stage/timecharts.js";
 
-/** @import { Solution } from "./solution.js" */
+/** @import { Solution } from "./view/solution.js" */
 
 const data = JSON.parse(byId("page-data").textContent);
 

@@ -1,7 +1,7 @@
 /** How a slider's position and a control's value belong together. */
 
 import { typedText } from "./typed.js";
-import { shifted } from "./units.js";
+import { shifted } from "../view/units.js";
 
 /** @import { Control } from "./typed.js" */
 

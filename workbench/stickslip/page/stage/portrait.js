@@ -1,9 +1,9 @@
 /** The phase portrait: velocity of the mass over the spring's extension. */
 
-import { axisOf } from "./axis.js";
-import { portraitPath, slipNodes } from "./curves.js";
-import { draw, put, setText } from "./dom.js";
-import { makeFrame, px } from "./frame.js";
+import { axisOf } from "../view/axis.js";
+import { portraitPath, slipNodes } from "../view/curves.js";
+import { draw, put, setText } from "../view/dom.js";
+import { makeFrame, px } from "../view/frame.js";
 
 /** @import { Motion, State } from "../model/motion.js" */
 
