@@ -118,7 +118,8 @@ def exact_critical_velocity(setting: Setting, p: Parameters) -> Any:
     if p.c == 0.0:
         return mpf("inf")
     with mp.workdps(DIGITS + 10):
-        k, m, g = (mpf(setting[name]) for name in "kmg")
+        k, m = (mpf(setting[name]) for name in "km")
+        N = m * mpf(setting["g"]) + mpf(setting["load"])
         w = mp.sqrt(k / m)
         critical = truth.critical_lambda(mpf(setting["c"]) / (2 * m * w), digits=DIGITS)
-        return w * (mpf(setting["mu_s"]) - mpf(float(p.mu_k_used))) * m * g / k / critical
+        return w * (mpf(setting["mu_s"]) - mpf(float(p.mu_k_used))) * N / k / critical

@@ -187,7 +187,7 @@ def sizes(expected: Expected) -> dict[str, tuple[float, float]]:
 
     F_s, k, v = float(p.F_s), float(p.k), float(p.v)
     speed = largest("x_dot")
-    # Sharpest at the break-away itself, where it is (mu_s - mu_k) g, or on the way.
+    # Sharpest at the break-away itself, where it is (mu_s - mu_k) N/m, or on the way.
     x_ddot = max(float(p.w**2 * p.Delta), largest("F", "F_friction") / float(p.m))
     return {
         "x": (largest("x"), speed),

@@ -10,7 +10,7 @@ from random import Random
 
 from stickslip_ref import Parameters, critical_lambda
 
-NAMES = ("m", "g", "k", "c", "mu_s", "mu_k", "v")
+NAMES = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
 Setting = Mapping[str, float]
 
 
@@ -28,6 +28,7 @@ def block(draw: Random) -> dict[str, float]:
     return {
         "m": log_uniform(draw, 0.01, 100.0),
         "g": draw.uniform(1.0, 30.0),
+        "load": draw.choice([0.0, log_uniform(draw, 0.1, 1e3)]),
         "k": log_uniform(draw, 10.0, 1e4),
         "c": 0.0,
         "mu_s": mu_s,
@@ -68,6 +69,7 @@ def wide(draw: Random) -> dict[str, float]:
     p = {
         "m": log_uniform(draw, 1e-3, 1e6),
         "g": log_uniform(draw, 0.1, 1e3),
+        "load": 0.0,
         "k": log_uniform(draw, 1.0, 1e8),
         "c": 0.0,
         "mu_s": mu_s,

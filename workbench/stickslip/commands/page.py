@@ -9,6 +9,7 @@ from stickslip.commands.options import (
     Damping,
     Gravity,
     KineticFriction,
+    Load,
     Mass,
     PullingVelocity,
     StaticFriction,
@@ -32,9 +33,10 @@ def page(
     mu_s: StaticFriction = None,
     mu_k: KineticFriction = None,
     v: PullingVelocity = None,
+    load: Load = None,
 ) -> None:
     """Write the interactive page: one HTML file that works without a network."""
-    text = _page({"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k, "v": v})
+    text = _page({"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k, "v": v, "load": load})
     _write(text, output)
     print(f"{output}  {len(text.encode())} bytes")
 
@@ -47,12 +49,13 @@ def explore(
     mu_s: StaticFriction = None,
     mu_k: KineticFriction = None,
     v: PullingVelocity = None,
+    load: Load = None,
 ) -> None:
     """Open the interactive page in the browser: drag a slider, see it stick and slip."""
     import tempfile
     import webbrowser
 
-    text = _page({"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k, "v": v})
+    text = _page({"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k, "v": v, "load": load})
     # The browser reads it after this process has ended, so it stays.
     file = Path(tempfile.mkdtemp(prefix="stickslip-")) / DEFAULT_PAGE
     _write(text, file)

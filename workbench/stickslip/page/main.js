@@ -15,7 +15,28 @@ import { flawOf, solve } from "./view/solution.js";
 import { makeStretch } from "./stage/stretch.js";
 import { makeTimeCharts } from "./stage/timecharts.js";
 
-/** @import { Solution } from "./view/solution.js" */
+/**
+ * @import { Setting } from "./model/friction.js"
+ * @import { Solution } from "./view/solution.js"
+ */
+
+/**
+ * What a section asks of the page.
+ *
+ * @typedef {object} Page
+ * @property {(values: Partial<Setting>, look?: Look) => void} set take these values [SI], the
+ *   others stay; throws a RangeError with the reason if they are refused
+ * @property {() => Setting} setting the values in use
+ * @property {() => Solution} solution the setting solved
+ */
+
+/**
+ * How a new setting is looked at.
+ *
+ * @typedef {object} Look
+ * @property {boolean} [ghost] the curves of the setting before stay as a ghost
+ * @property {"cycles" | "start"} [from] steady cycles, or the first load-up too
+ */
 
 const data = JSON.parse(byId("page-data").textContent);
 
@@ -55,10 +76,20 @@ const controls = makeControls(data.controls, (p) => {
   return null;
 });
 
-const showPreset = makePresets(data.presets, Object.keys(controls.starts), (values) => {
-  seen.release();
-  controls.set(values);
-});
+/** @type {Page} */
+const page = {
+  set(values, { ghost = false, from = "cycles" } = {}) {
+    seen.release();
+    controls.set(values);
+  },
+  setting: () => controls.setting,
+  solution: () => solution,
+};
+
+const showPreset = makePresets(data.presets, Object.keys(controls.starts), page.set);
+
+/** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
+const sections = [];
 
 const keeping = makeKeeping({
   motion: () => solution.motion,
@@ -82,6 +113,7 @@ function redraw() {
   redrawTime();
   showPreset(motion.p);
   writeAddress(controls.wanted);
+  for (const show of sections) show(solution);
 }
 
 /** Draw what depends on the stretch of time. */

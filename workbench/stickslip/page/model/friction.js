@@ -6,6 +6,7 @@
  * @typedef {object} Setting
  * @property {number} m mass [kg]
  * @property {number} g gravity [m/s^2]
+ * @property {number} load normal force on top of the weight m g [N], at least -m g
  * @property {number} k stiffness of the spring [N/m]
  * @property {number} c viscous damping [N s/m]
  * @property {number} mu_s static coefficient [1]
@@ -57,7 +58,7 @@ export function kineticInUse(mu_s, mu_k) {
  * @returns {Numbers}
  */
 export function numbersOf(p) {
-  const N = p.m * p.g;
+  const N = p.m * p.g + p.load;
   const w = Math.sqrt(p.k / p.m);
   // The difference is formed from the coefficients, where it is exact when they are close.
   const Delta = ((p.mu_s - p.mu_k) * N) / p.k;

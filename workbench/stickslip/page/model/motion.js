@@ -195,16 +195,16 @@ export function motionOf(p) {
  * @param {Cycle} cycle of the setting
  * @returns {Dates}
  */
-function datesOf({ m, g, k, mu_s, mu_k, v }, cycle) {
+function datesOf({ m, g, load, k, mu_s, mu_k, v }, cycle) {
   const rate = twoProduct(k, v);
-  const weight = twoProduct(m, g);
-  const first = twofoldOver(twofoldTimes(weight, mu_s), rate);
+  const normal = twofoldPlus(twoProduct(m, g), [load, 0]);
+  const first = twofoldOver(twofoldTimes(normal, mu_s), rate);
   // Without damping the stick is as long as the gap takes to load up, twice: (9).
   const gap = twoSum(mu_s, -mu_k);
-  const load = twofoldPlus(twofoldTimes(weight, gap[0]), [weight[0] * gap[1], 0]);
+  const climb = twofoldPlus(twofoldTimes(normal, gap[0]), [normal[0] * gap[1], 0]);
   /** @type {Twofold} */
   const stick =
-    cycle.zeta === 0 ? twofoldTimes(twofoldOver(load, rate), 2) : [cycle.t_stick, 0];
+    cycle.zeta === 0 ? twofoldTimes(twofoldOver(climb, rate), 2) : [cycle.t_stick, 0];
   const period = twofoldPlus(stick, [cycle.t_slip, 0]);
   return {
     breakAway: (n) => (n === 0 ? first : twofoldPlus(first, twofoldTimes(period, n))),
