@@ -49,7 +49,7 @@ KINDS: Final = {
         Kind("a plain number", "1", "0.5"),
     )
 }
-"""The kinds of quantities that the command reads, by their SI units in the spelling of the table."""
+"""The kinds of quantities that the command reads, by SI unit as the variable table spells it."""
 
 _NUMBER: Final = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
