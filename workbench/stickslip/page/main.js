@@ -10,6 +10,7 @@ import { makePortrait } from "./stage/portrait.js";
 import { makePresets } from "./applications/presets.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
+import { makeReader } from "./view/spelled.js";
 import { makeSchematic } from "./stage/schematic.js";
 import { flawOf, solve } from "./view/solution.js";
 import { makeStretch } from "./stage/stretch.js";
@@ -47,6 +48,7 @@ const schematic = makeSchematic(byId("schematic"));
 const readouts = makeReadouts();
 const showResults = makeResults();
 const writeAddress = makeAddress();
+const reader = makeReader(data.units);
 
 /** @type {Solution} */
 let solution = null;
@@ -66,7 +68,7 @@ const player = makePlayer(
   (t) => readouts.tell(solution.motion.at(t)),
 );
 
-const controls = makeControls(data.controls, (p) => {
+const controls = makeControls(data.controls, reader, (p) => {
   const next = solve(p);
   const flaw = flawOf(next);
   if (flaw) return flaw;
@@ -95,6 +97,7 @@ const keeping = makeKeeping({
   motion: () => solution.motion,
   stretch: seen,
   starts: controls.starts,
+  reader,
 });
 
 function redrawSoon() {

@@ -2,8 +2,7 @@
 
 import { draw, put, setText } from "../view/dom.js";
 import { px } from "../view/frame.js";
-import { shortest } from "../controls/typed.js";
-import { quantity, scaleFor } from "../view/units.js";
+import { quantity, scaleFor, shortest } from "../view/units.js";
 
 /** @import { Motion, State } from "../model/motion.js" */
 
