@@ -18,6 +18,7 @@ import { makeTimeCharts } from "./stage/timecharts.js";
 
 /**
  * @import { Setting } from "./model/friction.js"
+ * @import { Motion } from "./model/motion.js"
  * @import { Solution } from "./view/solution.js"
  */
 
@@ -53,6 +54,8 @@ const reader = makeReader(data.units);
 /** @type {Solution} */
 let solution = null;
 let waiting = false;
+/** @type {Motion | null} the setting before, for comparison */
+let ghost = null;
 // The size of the schematic [px]; asking the browser at every redraw would cost a layout.
 let scene = { width: 0, height: 0 };
 
@@ -80,9 +83,12 @@ const controls = makeControls(data.controls, reader, (p) => {
 
 /** @type {Page} */
 const page = {
-  set(values, { ghost = false, from = "cycles" } = {}) {
-    seen.release();
+  set(values, { ghost: keep = false, from = "cycles" } = {}) {
+    const before = solution.motion;
     controls.set(values);
+    ghost = keep ? before : null;
+    seen.release(from);
+    redrawSoon();
   },
   setting: () => controls.setting,
   solution: () => solution,
@@ -109,10 +115,10 @@ function redrawSoon() {
 function redraw() {
   waiting = false;
   const { motion } = solution;
-  seen.fit(motion);
+  seen.fit(motion, ghost);
   showResults(solution);
-  portrait.show(motion);
-  schematic.arrange(motion, scene.width, scene.height);
+  portrait.show(motion, ghost);
+  byId("forget").hidden = !ghost;
   redrawTime();
   showPreset(motion.p);
   writeAddress(controls.wanted);
@@ -121,7 +127,8 @@ function redraw() {
 
 /** Draw what depends on the stretch of time. */
 function redrawTime() {
-  charts.show(solution.motion, seen);
+  charts.show(solution.motion, seen, ghost);
+  schematic.arrange(solution.motion, seen, scene.width, scene.height);
   readouts.fit(solution.motion, seen);
   keeping.refresh();
   player.refresh();
@@ -175,6 +182,7 @@ for (const [id, act] of [
   ["earlier", () => seen.move(-0.25)],
   ["later", () => seen.move(0.25)],
   ["zoom-auto", () => seen.reset()],
+  ["from-start", () => seen.fromStart()],
 ]) {
   // @ts-expect-error The compiler takes each pair for a list, whose items are both.
   on(byId(id), "click", () => {
@@ -183,6 +191,10 @@ for (const [id, act] of [
     redrawTime();
   });
 }
+on(byId("forget"), "click", () => {
+  ghost = null;
+  redraw();
+});
 if (!matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 
 /** For scripts and tests: the page's unrounded values, SI. */
