@@ -10,6 +10,7 @@ import { makePortrait } from "./stage/portrait.js";
 import { makePresets } from "./applications/presets.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
+import { makeReader } from "./view/spelled.js";
 import { makeSchematic } from "./stage/schematic.js";
 import { flawOf, solve } from "./view/solution.js";
 import { makeStretch } from "./stage/stretch.js";
@@ -17,6 +18,7 @@ import { makeTimeCharts } from "./stage/timecharts.js";
 
 /**
  * @import { Setting } from "./model/friction.js"
+ * @import { Motion } from "./model/motion.js"
  * @import { Solution } from "./view/solution.js"
  */
 
@@ -47,10 +49,13 @@ const schematic = makeSchematic(byId("schematic"));
 const readouts = makeReadouts();
 const showResults = makeResults();
 const writeAddress = makeAddress();
+const reader = makeReader(data.units);
 
 /** @type {Solution} */
 let solution = null;
 let waiting = false;
+/** @type {Motion | null} the setting before, for comparison */
+let ghost = null;
 // The size of the schematic [px]; asking the browser at every redraw would cost a layout.
 let scene = { width: 0, height: 0 };
 
@@ -66,7 +71,7 @@ const player = makePlayer(
   (t) => readouts.tell(solution.motion.at(t)),
 );
 
-const controls = makeControls(data.controls, (p) => {
+const controls = makeControls(data.controls, reader, (p) => {
   const next = solve(p);
   const flaw = flawOf(next);
   if (flaw) return flaw;
@@ -78,9 +83,12 @@ const controls = makeControls(data.controls, (p) => {
 
 /** @type {Page} */
 const page = {
-  set(values, { ghost = false, from = "cycles" } = {}) {
-    seen.release();
+  set(values, { ghost: keep = false, from = "cycles" } = {}) {
+    const before = solution.motion;
     controls.set(values);
+    ghost = keep ? before : null;
+    seen.release(from);
+    redrawSoon();
   },
   setting: () => controls.setting,
   solution: () => solution,
@@ -95,6 +103,7 @@ const keeping = makeKeeping({
   motion: () => solution.motion,
   stretch: seen,
   starts: controls.starts,
+  reader,
 });
 
 function redrawSoon() {
@@ -106,10 +115,10 @@ function redrawSoon() {
 function redraw() {
   waiting = false;
   const { motion } = solution;
-  seen.fit(motion);
+  seen.fit(motion, ghost);
   showResults(solution);
-  portrait.show(motion);
-  schematic.arrange(motion, scene.width, scene.height);
+  portrait.show(motion, ghost);
+  byId("forget").hidden = !ghost;
   redrawTime();
   showPreset(motion.p);
   writeAddress(controls.wanted);
@@ -118,7 +127,8 @@ function redraw() {
 
 /** Draw what depends on the stretch of time. */
 function redrawTime() {
-  charts.show(solution.motion, seen);
+  charts.show(solution.motion, seen, ghost);
+  schematic.arrange(solution.motion, seen, scene.width, scene.height);
   readouts.fit(solution.motion, seen);
   keeping.refresh();
   player.refresh();
@@ -172,6 +182,7 @@ for (const [id, act] of [
   ["earlier", () => seen.move(-0.25)],
   ["later", () => seen.move(0.25)],
   ["zoom-auto", () => seen.reset()],
+  ["from-start", () => seen.fromStart()],
 ]) {
   // @ts-expect-error The compiler takes each pair for a list, whose items are both.
   on(byId(id), "click", () => {
@@ -180,6 +191,10 @@ for (const [id, act] of [
     redrawTime();
   });
 }
+on(byId("forget"), "click", () => {
+  ghost = null;
+  redraw();
+});
 if (!matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 
 /** For scripts and tests: the page's unrounded values, SI. */
