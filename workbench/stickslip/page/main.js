@@ -2,6 +2,7 @@
 
 import { makeAddress, valuesIn } from "./controls/address.js";
 import { makeControls } from "./controls/controls.js";
+import { makeCures } from "./cures/cures.js";
 import { byId, on, setText } from "./view/dom.js";
 import { makeKeeping } from "./keeping/keeping.js";
 import { makePlayer } from "./stage/player.js";
@@ -12,6 +13,7 @@ import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
 import { makeReader } from "./view/spelled.js";
 import { makeSchematic } from "./stage/schematic.js";
+import { curesOf } from "./model/cures.js";
 import { flawOf, solve } from "./view/solution.js";
 import { makeStretch } from "./stage/stretch.js";
 import { makeTimeCharts } from "./stage/timecharts.js";
@@ -98,6 +100,7 @@ const showPreset = makePresets(data.presets, Object.keys(controls.starts), page.
 
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [];
+sections.push(makeCures(page));
 
 const keeping = makeKeeping({
   motion: () => solution.motion,
@@ -216,6 +219,7 @@ window.stickslip = {
   get criticalVelocity() {
     return solution.v_c;
   },
+  cures: (p) => curesOf(p),
   at: (t) => solution.motion.at(t),
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {

@@ -40,7 +40,7 @@ const HIGHEST_AT = 0.181365310656758;
 /** Steps of the search for the mass at which v_c is smallest; it gains a digit in two of them. */
 const DIPS = 60;
 /** A rounded value is this near to the limit. */
-const NEAR = 0.02;
+const NEAR_LIMIT = 0.02;
 
 /**
  * What would halve the jump of a setting, and what would end its cycle.
@@ -56,7 +56,7 @@ export function curesOf(p) {
   const weight = p.m * p.g;
   const gap = p.mu_s - p.mu_k;
   const damped = zeta > 0;
-  const whole = period(lambda_, zeta);
+  const whole = plainPeriod(lambda_, zeta);
 
   /** @type {(name: CureName, parameter: Cure["parameter"], halve: number | null, end: number | null, least: number) => Cure} */
   const cure = (name, parameter, halve, end, least) => ({
@@ -80,9 +80,9 @@ export function curesOf(p) {
     const end = damped ? (zeta / limit) ** 2 : null;
     const least = damped ? (grazing(ray * limit, limit) / whole) * (limit / zeta) : 0;
     /** @type {(r: number) => number} */
-    const jump = (r) => period(lambda_ / Math.sqrt(r), zeta / Math.sqrt(r)) / whole / Math.sqrt(r);
+    const jump = (r) => plainPeriod(lambda_ / Math.sqrt(r), zeta / Math.sqrt(r)) / whole / Math.sqrt(r);
     // Without damping four times the stiffness leaves a half at most.
-    const halve = halved(jump, end ?? 4, least);
+    const halve = halvingFactor(jump, end ?? 4, least);
     return cure("stiffer", "k", by(halve, (r) => p.k * r), by(end, (r) => p.k * r), least);
   }
 
@@ -111,7 +111,7 @@ export function curesOf(p) {
   function slower() {
     const decay = damped ? Math.exp((-Math.PI * zeta) / Math.sqrt((1 - zeta) * (1 + zeta))) : 1;
     const least = (lambda_ * (1 + decay)) / whole;
-    const halve = halved((r) => (period(lambda_ / r, zeta) / whole) * r, 0, least);
+    const halve = halvingFactor((r) => (plainPeriod(lambda_ / r, zeta) / whole) * r, 0, least);
     return cure("slower", "v", by(halve, (r) => p.v * r), null, least);
   }
 
@@ -122,7 +122,7 @@ export function curesOf(p) {
     // Without damping an end to the gap leaves a swing that touches rest.
     const least = (damped ? grazing(critical, zeta) : 2 * Math.PI) / whole;
     const end = damped ? critical / lambda_ : null;
-    const halve = halved((r) => period(lambda_ * r, zeta) / whole, end ?? 0, least);
+    const halve = halvingFactor((r) => plainPeriod(lambda_ * r, zeta) / whole, end ?? 0, least);
     return cure(name, parameter, by(halve, value), by(end, value), least);
   }
 
@@ -134,24 +134,24 @@ export function curesOf(p) {
     // A lift leaves no normal force at a mass above 0.
     const lightest = Math.max(-rest / part, 0);
     /** @type {(r: number) => number} */
-    const jump = (r) => (period(ofLighter(r), zeta / Math.sqrt(r)) / whole) * Math.sqrt(r);
+    const jump = (r) => (plainPeriod(ofLighter(r), zeta / Math.sqrt(r)) / whole) * Math.sqrt(r);
     if (!damped) {
       // Towards m = 0 the slip takes no time; without normal force it is a swing.
       const relief = 2 * lambda_ * Math.max(rest, 0);
       const least = (relief + 2 * Math.PI * Math.sqrt(lightest)) / whole;
-      return cure("lighter", "m", by(halved(jump, lightest, least), (r) => p.m * r), null, least);
+      return cure("lighter", "m", by(halvingFactor(jump, lightest, least), (r) => p.m * r), null, least);
     }
     /** @type {(z: number) => number} lambda at the mass that has a damping ratio */
     const path = (z) => ofLighter((zeta / z) ** 2);
     const dip = dipOf(zeta, rest / part);
     const last = lightest > 0 ? zeta / Math.sqrt(lightest) : 1;
     const limit =
-      dip > zeta && depth(path(dip), dip) < 0
+      dip > zeta && plainDepth(path(dip), dip) < 0
         ? endOf(path, zeta, dip)
         : endOf(path, Math.max(zeta, dip), Math.min(overdamped(), last));
     const end = (zeta / limit) ** 2;
     const least = (grazing(path(limit), limit) / whole) * (zeta / limit);
-    const halve = halved(jump, end, least);
+    const halve = halvingFactor(jump, end, least);
     return cure("lighter", "m", by(halve, (r) => p.m * r), p.m * end, least);
   }
 
@@ -189,7 +189,7 @@ export function valueBeyond(p, { name, parameter, end, now }) {
     const unit = 10 ** (Math.floor(Math.log10(limit)) - count + 1);
     const rounded = (up ? Math.ceil(limit / unit) : Math.floor(limit / unit)) * unit;
     const value = Number((part + sign * rounded).toPrecision(15));
-    const isNear = Math.abs(rounded / limit - 1) <= NEAR;
+    const isNear = Math.abs(rounded / limit - 1) <= NEAR_LIMIT;
     if (isNear && !steadyCycle({ ...p, [parameter]: value }).exists) return value;
   }
   // A double of mu_k may not tell so small a gap, nor one of the load so small a rest of force.
@@ -203,7 +203,7 @@ export function valueBeyond(p, { name, parameter, end, now }) {
  * @param {number} zeta damping ratio [1]
  * @returns {number} NaN without a cycle
  */
-function period(lambda_, zeta) {
+function plainPeriod(lambda_, zeta) {
   const slip = plainSlip(lambda_, zeta);
   return slip ? slip.duration + slip.relief : NaN;
 }
@@ -221,7 +221,7 @@ export function grazing(lambda_, zeta) {
 }
 
 /** @type {(lambda_: number, zeta: number) => number} the cycle exists where it is 0 or more */
-function depth(lambda_, zeta) {
+function plainDepth(lambda_, zeta) {
   return logDepth(Math.log(lambda_), zeta, Math.sqrt((1 - zeta) * (1 + zeta)))[0];
 }
 
@@ -240,7 +240,7 @@ function endOf(path, inside, outside) {
   /** @type {(log: number) => number} */
   const toZeta = (log) => 1 / Math.hypot(1, Math.exp(-log));
   return toZeta(
-    zeroBetween((log) => depth(path(toZeta(log)), toZeta(log)), toLog(inside), toLog(outside)),
+    zeroBetween((log) => plainDepth(path(toZeta(log)), toZeta(log)), toLog(inside), toLog(outside)),
   );
 }
 
@@ -257,7 +257,7 @@ function dampingLimit(lambda_) {
   /** @type {(eta: number) => number} */
   const toZeta = (eta) => eta / Math.hypot(1, eta);
   const eta = zeroBetween(
-    (each) => depth(lambda_, toZeta(each)),
+    (each) => plainDepth(lambda_, toZeta(each)),
     most / (2.001 * Math.PI),
     most / (0.999 * Math.PI),
   );
@@ -310,7 +310,7 @@ function slopeOfCritical(zeta) {
  * @param {number} least the jump there over the jump now [1]
  * @returns {number | null}
  */
-function halved(jump, last, least) {
+function halvingFactor(jump, last, least) {
   if (least > 0.5) return null;
   // In ln of both, where they are nearly linear.
   /** @type {(log: number) => number} */
