@@ -5,6 +5,7 @@ import { makeControls } from "./controls/controls.js";
 import { makeCures } from "./cures/cures.js";
 import { byId, on, setText } from "./view/dom.js";
 import { makeKeeping } from "./keeping/keeping.js";
+import { makeMaps } from "./maps/maps.js";
 import { makePlayer } from "./stage/player.js";
 import { listen } from "./stage/pointer.js";
 import { makePortrait } from "./stage/portrait.js";
@@ -14,6 +15,7 @@ import { makeResults } from "./results/results.js";
 import { makeReader } from "./view/spelled.js";
 import { makeSchematic } from "./stage/schematic.js";
 import { curesOf } from "./model/cures.js";
+import { criticalCurve, equalJump, jumpOverSpeed, slowJump } from "./model/maps.js";
 import { flawOf, solve } from "./view/solution.js";
 import { makeStretch } from "./stage/stretch.js";
 import { makeTimeCharts } from "./stage/timecharts.js";
@@ -100,7 +102,7 @@ const showPreset = makePresets(data.presets, Object.keys(controls.starts), page.
 
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [];
-sections.push(makeCures(page));
+sections.push(makeCures(page), makeMaps(page));
 
 const keeping = makeKeeping({
   motion: () => solution.motion,
@@ -220,6 +222,7 @@ window.stickslip = {
     return solution.v_c;
   },
   cures: (p) => curesOf(p),
+  curves: { criticalCurve, equalJump, jumpOverSpeed, slowJump },
   at: (t) => solution.motion.at(t),
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {

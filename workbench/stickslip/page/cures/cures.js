@@ -149,7 +149,7 @@ function offersOf(p, cures) {
   /** @type {(cure: Cure, without: string) => Offer[]} */
   const end = (cure, without) => {
     if (cure.end === null) return [{ words: `none: ${without}` }];
-    const value = valueBeyond(p, cure);
+    const value = valueBeyond(p, cure, cure.end);
     return [{ value, words: changeInWords(p, cure, value) }];
   };
   const never = (what) => `without damping no ${what} ends it`;

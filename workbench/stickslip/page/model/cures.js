@@ -5,7 +5,7 @@
  */
 
 import { criticalVelocity, logCriticalLambda, logDepth } from "./critical.js";
-import { plainSlip, steadyCycle } from "./cycle.js";
+import { grazingPeriod, plainPeriod, steadyCycle } from "./cycle.js";
 import { numbersOf } from "./friction.js";
 import { zeroBetween } from "./root.js";
 
@@ -78,7 +78,7 @@ export function curesOf(p) {
       ? endOf((z) => ray * z, Math.min(zeta, HIGHEST_AT), Math.min(low, zeta))
       : 0;
     const end = damped ? (zeta / limit) ** 2 : null;
-    const least = damped ? (grazing(ray * limit, limit) / whole) * (limit / zeta) : 0;
+    const least = damped ? (grazingPeriod(ray * limit, limit) / whole) * (limit / zeta) : 0;
     /** @type {(r: number) => number} */
     const jump = (r) => plainPeriod(lambda_ / Math.sqrt(r), zeta / Math.sqrt(r)) / whole / Math.sqrt(r);
     // Without damping four times the stiffness leaves a half at most.
@@ -105,7 +105,7 @@ export function curesOf(p) {
     const end = damped ? p.c * (limit / zeta) : 2 * limit * Math.sqrt(p.k * p.m);
     // It never halves the jump: at the limit the period is above lambda + pi, and without damping
     // it is below twice that.
-    return cure("damping", "c", null, end, grazing(lambda_, limit) / whole);
+    return cure("damping", "c", null, end, grazingPeriod(lambda_, limit) / whole);
   }
 
   function slower() {
@@ -120,7 +120,7 @@ export function curesOf(p) {
     if (lambda_ === 0) return cure(name, parameter, null, null, 1);
     const critical = damped ? Math.exp(logCriticalLambda(zeta)) : 0;
     // Without damping an end to the gap leaves a swing that touches rest.
-    const least = (damped ? grazing(critical, zeta) : 2 * Math.PI) / whole;
+    const least = (damped ? grazingPeriod(critical, zeta) : 2 * Math.PI) / whole;
     const end = damped ? critical / lambda_ : null;
     const halve = halvingFactor((r) => plainPeriod(lambda_ * r, zeta) / whole, end ?? 0, least);
     return cure(name, parameter, by(halve, value), by(end, value), least);
@@ -150,7 +150,7 @@ export function curesOf(p) {
         ? endOf(path, zeta, dip)
         : endOf(path, Math.max(zeta, dip), Math.min(overdamped(), last));
     const end = (zeta / limit) ** 2;
-    const least = (grazing(path(limit), limit) / whole) * (zeta / limit);
+    const least = (grazingPeriod(path(limit), limit) / whole) * (zeta / limit);
     const halve = halvingFactor(jump, end, least);
     return cure("lighter", "m", by(halve, (r) => p.m * r), p.m * end, least);
   }
@@ -175,10 +175,11 @@ export function curesOf(p) {
  * The value of a parameter just beyond the limit of the cycle, with as few digits as do it.
  *
  * @param {Setting} p
- * @param {Cure} cure one that ends the cycle
+ * @param {Cure} cure
+ * @param {number} end its limit [SI]
  * @returns {number} [SI]
  */
-export function valueBeyond(p, { name, parameter, end, now }) {
+export function valueBeyond(p, { name, parameter, now }, end) {
   // The gap and the normal force are what is rounded, not mu_k and the load.
   const part = { gap: p.mu_s, "normal force": -p.m * p.g }[/** @type {string} */ (name)] ?? 0;
   const sign = name === "gap" ? -1 : 1;
@@ -194,30 +195,6 @@ export function valueBeyond(p, { name, parameter, end, now }) {
   }
   // A double of mu_k may not tell so small a gap, nor one of the load so small a rest of force.
   return part || end;
-}
-
-/**
- * Period in units of 1/w, which is the jump in units of v/w.
- *
- * @param {number} lambda_ w Delta/v [1]
- * @param {number} zeta damping ratio [1]
- * @returns {number} NaN without a cycle
- */
-function plainPeriod(lambda_, zeta) {
-  const slip = plainSlip(lambda_, zeta);
-  return slip ? slip.duration + slip.relief : NaN;
-}
-
-/**
- * The same at the limit of the cycle: the slip lasts up to the minimum of the velocity, and the
- * spring relief is Delta.
- *
- * @param {number} lambda_ w Delta/v [1]
- * @param {number} zeta damping ratio [1], below 1
- */
-export function grazing(lambda_, zeta) {
-  const nu = Math.sqrt((1 - zeta) * (1 + zeta));
-  return lambda_ + (2 * Math.PI - Math.atan2(nu * lambda_, 1 - zeta * lambda_)) / nu;
 }
 
 /** @type {(lambda_: number, zeta: number) => number} the cycle exists where it is 0 or more */

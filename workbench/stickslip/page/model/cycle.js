@@ -104,6 +104,31 @@ export function plainSlip(lambda_, zeta) {
 }
 
 /**
+ * Period in units of 1/w, which is the jump in units of v/w.
+ *
+ * @param {number} lambda_ w Delta/v [1]
+ * @param {number} zeta damping ratio [1]
+ * @returns {number} NaN without a cycle
+ */
+export function plainPeriod(lambda_, zeta) {
+  const slip = plainSlip(lambda_, zeta);
+  return slip ? slip.duration + slip.relief : NaN;
+}
+
+/**
+ * The period at the limit of the cycle, in units of 1/w: the slip lasts up to the minimum of the velocity, and the
+ * spring relief is Delta.
+ *
+ * @param {number} lambda_ w Delta/v [1]
+ * @param {number} zeta damping ratio [1], below 1
+ * @returns {number}
+ */
+export function grazingPeriod(lambda_, zeta) {
+  const nu = Math.sqrt((1 - zeta) * (1 + zeta));
+  return lambda_ + (2 * Math.PI - Math.atan2(nu * lambda_, 1 - zeta * lambda_)) / nu;
+}
+
+/**
  * The slip of the cycle without damping: (7), (8), (11).
  *
  * @param {number} lambda_ w Delta/v [1]
