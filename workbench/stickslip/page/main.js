@@ -81,7 +81,7 @@ const controls = makeControls(data.controls, (p) => {
 
 /** @type {Page} */
 const page = {
-  set(values, { ghost: keep = false, from = "cycles" } = {}) {
+  set(values, { ghost: keep = false, from = /** @type {Look["from"]} */ ("cycles") } = {}) {
     const before = solution.motion;
     controls.set(values);
     ghost = keep ? before : null;
@@ -92,7 +92,9 @@ const page = {
   solution: () => solution,
 };
 
-const showPreset = makePresets(data.presets, Object.keys(controls.starts), page.set);
+const showPreset = makePresets(data.presets, Object.keys(controls.starts), (values) =>
+  page.set(values),
+);
 
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [];
@@ -217,5 +219,9 @@ window.stickslip = {
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {
     return { from: seen.from, to: seen.to };
+  },
+  set view({ from, to }) {
+    seen.choose(from, to);
+    redrawTime();
   },
 };

@@ -91,7 +91,7 @@ export function makeTimeCharts(svgX, svgF) {
     const { left, right, bottom } = x.frame.area;
     const t = seen.from + 0.06 * (seen.to - seen.from);
     note(pullName, "pulled end", left + 8, x.frame.y(p.v * t) - 8, x.frame);
-    const stick = phases.findLast(
+    const stick = [...phases].reverse().find(
       ({ kind, start, end }) =>
         kind === "stick" && x.frame.x(end) - x.frame.x(start) > ROOM_FOR_NAME && end < seen.to,
     );
