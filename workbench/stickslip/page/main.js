@@ -203,6 +203,7 @@ window.stickslip = {
     controls.set(values);
     redraw();
   },
+  compare: (values) => page.set(values, { ghost: true }),
   get setting() {
     return controls.setting;
   },
