@@ -216,6 +216,8 @@ window.stickslip = {
   get criticalVelocity() {
     return solution.v_c;
   },
+  /** A text as a quantity of this SI unit, or what is wrong with it. */
+  read: (text, unit) => reader.read(text, unit, unit),
   at: (t) => solution.motion.at(t),
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {
