@@ -10,6 +10,7 @@ import { makePortrait } from "./stage/portrait.js";
 import { makePresets } from "./applications/presets.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
+import { makeReader } from "./view/spelled.js";
 import { makeSchematic } from "./stage/schematic.js";
 import { flawOf, solve } from "./view/solution.js";
 import { makeStretch } from "./stage/stretch.js";
@@ -48,6 +49,7 @@ const schematic = makeSchematic(byId("schematic"));
 const readouts = makeReadouts();
 const showResults = makeResults();
 const writeAddress = makeAddress();
+const reader = makeReader(data.units);
 
 /** @type {Solution} */
 let solution = null;
@@ -69,7 +71,7 @@ const player = makePlayer(
   (t) => readouts.tell(solution.motion.at(t)),
 );
 
-const controls = makeControls(data.controls, (p) => {
+const controls = makeControls(data.controls, reader, (p) => {
   const next = solve(p);
   const flaw = flawOf(next);
   if (flaw) return flaw;
@@ -103,6 +105,7 @@ const keeping = makeKeeping({
   motion: () => solution.motion,
   stretch: seen,
   starts: controls.starts,
+  reader,
 });
 
 function redrawSoon() {
@@ -216,6 +219,8 @@ window.stickslip = {
   get criticalVelocity() {
     return solution.v_c;
   },
+  /** A text as a quantity of this SI unit, or what is wrong with it. */
+  read: (text, unit) => reader.read(text, unit, unit),
   at: (t) => solution.motion.at(t),
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {
