@@ -1,4 +1,4 @@
-"""Puts the page together: markup, style, script, presets and theory in one HTML file."""
+"""Puts the page together: markup, style, script, texts and theory in one HTML file."""
 
 import json
 import re
@@ -15,6 +15,7 @@ from stickslip_fmu.spec import TABLE
 _ENTRY: Final = "main.js"
 # End tags that HTML lets one leave out wherever the next element or the parent's end follows.
 _OPTIONAL_ENDS: Final = re.compile(r"</(?:t[dhr]|d[dt]|li|tbody|thead|option)>(?=\s*<)")
+_SETTING: Final = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
 _SOURCES: Final = files("stickslip.page")
 
 
@@ -31,6 +32,8 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     from rcssmin import cssmin
     from rjsmin import jsmin
 
+    from stickslip.page import rows
+
     environment = Environment(
         loader=FunctionLoader(_text),
         autoescape=True,
@@ -38,17 +41,26 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         lstrip_blocks=True,
         undefined=StrictUndefined,
     )
-    presets = _table("applications/presets.toml")["preset"]
+    start = {name: TABLE.by_name[name].start for name in _SETTING}
+    table = _table("applications/applications.toml")["application"]
+    applications = rows.applications(table, start)
+    story = rows.story(_table("story/story.toml")["step"], start, table)
     data = {
         # What the markup already says, the script need not.
         "controls": [_without(each, {"label", "symbol", "folded"}) for each in _controls()],
-        "presets": [_without(preset, {"name"}) for preset in presets],
+        "applications": [
+            {**_only(each, {"id", *start}), "cures": [cure.get("set") for cure in each["cures"]]}
+            for each in applications
+        ],
+        "steps": [_only(step, {"set", "over", "from"}) for step in story],
         "setting": dict(setting or {}),
     }
     text = environment.get_template("page.html.j2").render(
         version=VERSION,
         controls=_controls(),
-        presets=presets,
+        applications=applications,
+        story=story,
+        questions=rows.questions(_table("questions/questions.toml")["question"], start, table),
         data=_embedded(data),
         style=cssmin("".join(map(_text, ["style.css", *_paths(".css")]))),
         chart_style=cssmin(_text("chart.css")),
@@ -84,6 +96,10 @@ def _controls() -> list[dict[str, Any]]:
 
 def _without(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
     return {key: value for key, value in row.items() if key not in keys}
+
+
+def _only(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
+    return {key: value for key, value in row.items() if key in keys}
 
 
 def _modules() -> dict[str, str]:

@@ -7,11 +7,12 @@ import { makeKeeping } from "./keeping/keeping.js";
 import { makePlayer } from "./stage/player.js";
 import { listen } from "./stage/pointer.js";
 import { makePortrait } from "./stage/portrait.js";
-import { makePresets } from "./applications/presets.js";
+import { makeApplications } from "./applications/applications.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
 import { makeSchematic } from "./stage/schematic.js";
 import { flawOf, solve } from "./view/solution.js";
+import { makeStory } from "./story/story.js";
 import { makeStretch } from "./stage/stretch.js";
 import { makeTimeCharts } from "./stage/timecharts.js";
 
@@ -86,10 +87,11 @@ const page = {
   solution: () => solution,
 };
 
-const showPreset = makePresets(data.presets, Object.keys(controls.starts), page.set);
+const story = makeStory(page, data.steps);
 
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [];
+sections.push(makeApplications(page, data.applications));
 
 const keeping = makeKeeping({
   motion: () => solution.motion,
@@ -111,8 +113,7 @@ function redraw() {
   portrait.show(motion);
   schematic.arrange(motion, scene.width, scene.height);
   redrawTime();
-  showPreset(motion.p);
-  writeAddress(controls.wanted);
+  writeAddress(story.address() ?? controls.wanted);
   for (const show of sections) show(solution);
 }
 
@@ -132,9 +133,11 @@ function resize() {
   redraw();
 }
 
-function takeAddress() {
+/** @param {HashChangeEvent} [event] what led here; none at the start */
+function takeAddress(event) {
+  if (story.take(location.hash, Boolean(event))) return;
   // A jump to a place in the page asks for nothing, and must not cost the setting.
-  if (byId(location.hash.slice(1))) return writeAddress(controls.wanted);
+  if (byId(location.hash.slice(1))) return writeAddress(story.address() ?? controls.wanted);
   const { values, bad } = valuesIn(location.hash);
   const problems = bad.map((part) => `${part} is no number.`);
   for (const [name, value] of Object.entries(values)) {
