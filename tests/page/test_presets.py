@@ -35,7 +35,7 @@ def address(page: Page) -> str:
 
 
 def test_the_default_is_the_start_of_the_fmu() -> None:
-    """The first preset has the start values of the variable table, and the reference has them too."""
+    """The first preset is the start values of the variable table, and those of the reference."""
     assert {name: TABLE.by_name[name].start for name in START} == START
     assert {name: getattr(Parameters(), name) for name in START} == START
 

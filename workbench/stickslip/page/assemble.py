@@ -41,7 +41,7 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         lstrip_blocks=True,
         undefined=StrictUndefined,
     )
-    start = {name: TABLE.by_name[name].start for name in _SETTING}
+    start: dict[str, Any] = {name: TABLE.by_name[name].start for name in _SETTING}
     table = _table("applications/applications.toml")["application"]
     applications = rows.applications(table, start)
     story = rows.story(_table("story/story.toml")["step"], start, table)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
-from stickslip.page.texts import filled
+from stickslip.page.texts import Numbers, filled
 
 Row: TypeAlias = Mapping[str, Any]
 Setting: TypeAlias = Mapping[str, float]
@@ -29,7 +29,7 @@ def story(rows: Sequence[Row], start: Setting, applications: Sequence[Row]) -> l
         The rows with their whole setting as ``set`` and their texts filled.
     """
     settings = [_complete(row, start, applications) for row in rows]
-    steps = []
+    steps: list[Row] = []
     for row, now in zip(rows, settings, strict=True):
         known = {"now": now, "tried": {**now, **row.get("tried", {})}}
         if "over" in row:
@@ -86,12 +86,13 @@ def _setting(row: Row, names: Setting) -> Setting:
     return {name: row[name] for name in names}
 
 
-def _filled(row: Row, known: Mapping[str, Setting]) -> dict[str, Any]:
+def _filled(row: Row, settings: Mapping[str, Setting]) -> dict[str, Any]:
     """Fill the texts of a row, those in its lists and tables of texts too."""
+    numbers = {name: Numbers(setting) for name, setting in settings.items()}
 
     def fill(value: Any) -> Any:
         if isinstance(value, str):
-            return filled(value, **known)
+            return filled(value, numbers)
         if isinstance(value, list):
             return [fill(each) for each in value]
         if isinstance(value, dict):

@@ -45,7 +45,7 @@ _SCALES: Final[Mapping[str, tuple[tuple[float, str, float], ...]]] = {
     "share": ((0.01, "%", 0.0),),
     "number": ((1.0, "", 0.0),),
 }
-"""Kinds of quantity: size [SI] of each unit, its symbol, and how many of it make it the fitting one.
+"""Kinds of quantity: of each unit its size [SI], its symbol, and from how many of it on it fits.
 
 Those of view/units.js, as far as the texts need them.
 """
@@ -120,7 +120,7 @@ class Numbers:
             self.v_c_simple = p.k * p.Delta / damping**0.5
 
 
-def filled(text: str, **settings: Mapping[str, float]) -> str:
+def filled(text: str, numbers: Mapping[str, object]) -> str:
     """Fill a text with numbers.
 
     Parameters
@@ -128,8 +128,8 @@ def filled(text: str, **settings: Mapping[str, float]) -> str:
     text
         A template of Jinja, such as ``"It jumps {{ now.delta_x | length }}."``; the filters are
         the kinds of `quantity`.
-    settings
-        By the names that the text uses, such as ``now``: m, g, load, k, c, mu_s, mu_k, v [SI].
+    numbers
+        By the names that the text uses, such as ``now``: `Numbers` of a setting.
 
     Raises
     ------
@@ -140,7 +140,6 @@ def filled(text: str, **settings: Mapping[str, float]) -> str:
     """
     if "{" not in text:
         return text
-    numbers = {name: Numbers(setting) for name, setting in settings.items()}
     try:
         return _ENVIRONMENT.from_string(text).render(numbers)
     except ValueError as error:
