@@ -25,6 +25,11 @@ def pause(page: Page) -> None:
         page.click("#play")
 
 
+def look(page: Page, start: float, end: float) -> None:
+    """Let the charts show a stretch of time [s]."""
+    page.evaluate("([from, to]) => { window.stickslip.view = { from, to }; }", [start, end])
+
+
 def unfold(page: Page) -> None:
     """Show mass, gravity and damping."""
     page.evaluate("document.querySelector('#more').open = true")
@@ -79,7 +84,7 @@ def shown(page: Page) -> Mapping[str, Any]:
     found: Mapping[str, Any] = page.evaluate(
         "all => Object.fromEntries("
         "all.map(each => [each, document.querySelector(each).getAttribute('d')]))",
-        [*CURVES, "#phase-chart .curve"],
+        [*CURVES, "#phase-chart .curve.mass"],
     )
     return found
 

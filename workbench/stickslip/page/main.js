@@ -18,6 +18,7 @@ import { makeTimeCharts } from "./stage/timecharts.js";
 
 /**
  * @import { Setting } from "./model/friction.js"
+ * @import { Motion } from "./model/motion.js"
  * @import { Solution } from "./view/solution.js"
  */
 
@@ -52,6 +53,8 @@ const writeAddress = makeAddress();
 /** @type {Solution} */
 let solution = null;
 let waiting = false;
+/** @type {Motion | null} the setting before, for comparison */
+let ghost = null;
 // The size of the schematic [px]; asking the browser at every redraw would cost a layout.
 let scene = { width: 0, height: 0 };
 
@@ -79,9 +82,13 @@ const controls = makeControls(data.controls, (p) => {
 
 /** @type {Page} */
 const page = {
-  set(values, { ghost = false, from = "cycles" } = {}) {
-    seen.release();
+  set(values, { ghost: keep = false, from = /** @type {Look["from"]} */ ("cycles") } = {}) {
+    // An address may ask for a step of the story before anything is solved.
+    const before = solution?.motion ?? null;
     controls.set(values);
+    ghost = keep ? before : null;
+    seen.release(from);
+    redrawSoon();
   },
   setting: () => controls.setting,
   solution: () => solution,
@@ -108,10 +115,10 @@ function redrawSoon() {
 function redraw() {
   waiting = false;
   const { motion } = solution;
-  seen.fit(motion);
+  seen.fit(motion, ghost);
   showResults(solution);
-  portrait.show(motion);
-  schematic.arrange(motion, scene.width, scene.height);
+  portrait.show(motion, ghost);
+  byId("forget").hidden = !ghost;
   redrawTime();
   writeAddress(story.address() ?? controls.wanted);
   for (const show of sections) show(solution);
@@ -119,7 +126,8 @@ function redraw() {
 
 /** Draw what depends on the stretch of time. */
 function redrawTime() {
-  charts.show(solution.motion, seen);
+  charts.show(solution.motion, seen, ghost);
+  schematic.arrange(solution.motion, seen, scene.width, scene.height);
   readouts.fit(solution.motion, seen);
   keeping.refresh();
   player.refresh();
@@ -175,6 +183,7 @@ for (const [id, act] of [
   ["earlier", () => seen.move(-0.25)],
   ["later", () => seen.move(0.25)],
   ["zoom-auto", () => seen.reset()],
+  ["from-start", () => seen.fromStart()],
 ]) {
   // @ts-expect-error The compiler takes each pair for a list, whose items are both.
   on(byId(id), "click", () => {
@@ -183,6 +192,10 @@ for (const [id, act] of [
     redrawTime();
   });
 }
+on(byId("forget"), "click", () => {
+  ghost = null;
+  redraw();
+});
 if (!matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 
 /** For scripts and tests: the page's unrounded values, SI. */
@@ -208,5 +221,9 @@ window.stickslip = {
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {
     return { from: seen.from, to: seen.to };
+  },
+  set view({ from, to }) {
+    seen.choose(from, to);
+    redrawTime();
   },
 };

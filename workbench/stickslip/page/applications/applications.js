@@ -1,6 +1,6 @@
 /** The applications: settings of known things, their countermeasures, and which one is shown. */
 
-import { byId, on, put, setText } from "../view/dom.js";
+import { byId, on, put } from "../view/dom.js";
 
 /**
  * @import { Setting } from "../model/friction.js"
@@ -23,13 +23,11 @@ import { byId, on, put, setText } from "../view/dom.js";
  */
 export function makeApplications(page, applications) {
   const names = Object.keys(page.setting());
-  const box = byId("preset-about");
   const parts = applications.map((application) => {
     const entry = byId(`application-${application.id}`);
     const part = {
       button: document.querySelector(`[data-preset="${application.id}"]`),
       entry,
-      about: entry.querySelector(".about").textContent,
       own: Object.fromEntries(names.map((name) => [name, application[name]])),
     };
     const choose = () => page.set(part.own);
@@ -55,10 +53,5 @@ export function makeApplications(page, applications) {
       put(part.button, { "aria-pressed": part === current });
       if (current) part.entry.open = part === current;
     }
-    // Its line keeps its room.
-    box.style.visibility = current ? "" : "hidden";
-    if (!current) return;
-    setText(box.firstElementChild, current.about);
-    put(box.lastElementChild, { href: `#${current.entry.id}` });
   };
 }

@@ -74,10 +74,10 @@ function deviation(exact, simple) {
     return { words: exact === simple ? "0 %" : "–", far: false };
   }
   // The designers' formulas know of no end of the cycle.
-  if (!(exact > 0)) return { words: "▲ no cycle", far: true };
+  if (!(exact > 0)) return { words: "✕ no cycle", far: true };
   const off = simple / exact - 1;
   const far = Math.abs(off) > FAR_OFF;
-  const mark = far ? "▲ " : "";
+  const mark = far ? (off > 0 ? "▲ " : "▼ ") : "";
   if (Math.abs(off) < 1e-12) return { words: "0 %", far };
   if (Math.abs(off) < 1e-4) return { words: "< 0.01 %", far };
   if (off > 9.995) return { words: `${mark}× ${digits(simple / exact, 3)}`, far };

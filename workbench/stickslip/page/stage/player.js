@@ -4,8 +4,8 @@ import { byId, on, setText } from "../view/dom.js";
 
 /** @import { Stretch } from "./stretch.js" */
 
-/** How long the whole picture takes to play, where no speed is chosen [s]. */
-const PICTURE = 10;
+/** How long the view takes to play, where no speed is chosen [s]. */
+const VIEW = 10;
 const SCRUB_STEPS = 1000;
 /** After a pause of the browser the motion goes on where it was [s]. */
 const LONGEST_BREAK = 0.1;
@@ -41,10 +41,11 @@ export function makePlayer(stretch, show, tell) {
 
   function step(stamp) {
     if (!playing) return;
-    const passed = Math.min((stamp - last) / 1000, LONGEST_BREAK);
+    // The stamp of a frame may lie before the moment at which it was asked for.
+    const passed = Math.min(Math.max(stamp - last, 0) / 1000, LONGEST_BREAK);
     last = stamp;
     if (pointed === null) {
-      const rate = speed.value === "picture" ? 1 / PICTURE : Number(speed.value) / stretch.span;
+      const rate = speed.value === "view" ? 1 / VIEW : Number(speed.value) / stretch.span;
       share = (share + rate * passed) % 1;
       refresh();
     }

@@ -9,6 +9,8 @@ import { on } from "../view/dom.js";
 
 /** A drag shorter than this was meant as a click [px]. */
 const CLICK = 6;
+/** Fingers nearer to each other than this tell no stretch [px]. */
+const NEAREST = 12;
 
 /**
  * Listen to a chart.
@@ -21,6 +23,10 @@ const CLICK = 6;
 export function listen(chart, stretch, { read, changed }) {
   const { svg, area } = chart.frame;
   let began = null;
+  /** @type {Map<number, number>} places of the fingers [px] */
+  const fingers = new Map();
+  /** @type {number[]} the times under two fingers when the second came [s] */
+  let held = [];
 
   /** @type {(event: MouseEvent) => number} [px] */
   const placeOf = (event) => {
@@ -34,20 +40,41 @@ export function listen(chart, stretch, { read, changed }) {
     chart.choose();
   };
 
+  /** What was under two fingers stays under them. */
+  const pinch = () => {
+    const [a, b] = [...fingers.values()];
+    if (Math.abs(a - b) < NEAREST || held[0] === held[1]) return;
+    const perPixel = (held[1] - held[0]) / (b - a);
+    if (!(perPixel > 0)) return;
+    const from = held[0] - (a - area.left) * perPixel;
+    stretch.choose(from, from + area.width * perPixel);
+    changed();
+  };
+  const lift = (event) => {
+    fingers.delete(event.pointerId);
+    held = [];
+  };
+
   on(svg, "pointerdown", (event) => {
     if (event.button !== 0) return;
-    // A finger that moves along reads; only a mouse or a pen chooses.
-    if (event.pointerType !== "touch") began = placeOf(event);
+    const place = placeOf(event);
     svg.setPointerCapture(event.pointerId);
-    read(timeAt(placeOf(event)));
+    // One finger that moves along reads, two zoom; a mouse or a pen chooses.
+    if (event.pointerType !== "touch") began = place;
+    else fingers.set(event.pointerId, place);
+    held = fingers.size === 2 ? [...fingers.values()].map(timeAt) : [];
+    read(held.length ? null : timeAt(place));
   });
   on(svg, "pointermove", (event) => {
     const place = placeOf(event);
+    if (fingers.has(event.pointerId)) fingers.set(event.pointerId, place);
+    if (held.length) return pinch();
     read(timeAt(place));
     if (began !== null && Math.abs(place - began) > CLICK) chart.choose(began, place);
   });
   on(svg, "pointerup", (event) => {
     const place = placeOf(event);
+    lift(event);
     const times = began === null ? [] : [timeAt(began), timeAt(place)].sort((a, b) => a - b);
     const chosen = began !== null && Math.abs(place - began) > CLICK;
     end();
@@ -55,7 +82,10 @@ export function listen(chart, stretch, { read, changed }) {
     stretch.choose(...times);
     changed();
   });
-  on(svg, "pointercancel", end);
+  on(svg, "pointercancel", (event) => {
+    lift(event);
+    end();
+  });
   on(window, "keydown", ({ key }) => key === "Escape" && end());
   on(svg, "pointerleave", () => read(null));
   on(svg, "dblclick", () => {

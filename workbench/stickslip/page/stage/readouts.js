@@ -1,7 +1,7 @@
 /** The numbers at the cursor, beside the charts and in words. */
 
 import { byId, setText } from "../view/dom.js";
-import { digits, fixed, quantity, scaleFor } from "../view/units.js";
+import { fixed, scaleFor } from "../view/units.js";
 
 /** @import { Motion, State } from "../model/motion.js" */
 
@@ -18,7 +18,6 @@ export function makeReadouts() {
   const ofX = byId("x-now");
   const ofF = byId("F-now");
   const ofZ = byId("z-now");
-  const overshoot = byId("overshoot");
   /** @type {Partial<Record<"t" | "x" | "x_dot" | "z" | "F", Scale>>} */
   let scales = {};
 
@@ -31,7 +30,6 @@ export function makeReadouts() {
       const { cycle, numbers, slip, p, z_s } = motion;
       // Without friction the spring is as long as its swing.
       const longest = Math.max(z_s + (slip.overshoot?.growth ?? 0), p.v / numbers.w);
-      setText(overshoot, overshootInWords(motion));
       // While the cursor moves, units and decimals stand still.
       scales = {
         t: rangeOf(seen.to, "time", seen.to - seen.from),
@@ -44,7 +42,7 @@ export function makeReadouts() {
     /** @param {State} state */
     show({ t, mode, x, x_pull, x_dot, z, F }) {
       setText(now, `${fixed(t, scales.t)}, ${modeInWords(mode)}`);
-      setText(ofX, `x ${fixed(x, scales.x)}, v t ${fixed(x_pull, scales.x)}`);
+      setText(ofX, `x ${fixed(x, scales.x)}, pulled end ${fixed(x_pull, scales.x)}`);
       setText(ofF, `F ${fixed(F, scales.F)}`);
       setText(ofZ, `ẋ ${fixed(x_dot, scales.x_dot)}, z ${fixed(z, scales.z)}`);
     },
@@ -75,17 +73,4 @@ function rangeOf(largest, kind, range = largest) {
 
 function modeInWords(mode) {
   return mode === 0 ? "sticks" : "slips";
-}
-
-/** @param {Motion} motion */
-function overshootInWords({ slip, p, numbers }) {
-  const force = slip.overshoot ? p.k * slip.overshoot.growth : 0;
-  if (!(force > 0)) return "";
-  const percent = (100 * force) / numbers.F_s;
-  const part = percent < 0.01 ? "less than 0.01" : digits(percent, 2);
-  const inPercent = Number.isFinite(percent) ? ` (${part} %)` : "";
-  return (
-    `F passes the break-away line by ${quantity(force, "force")}${inPercent}: ` +
-    "the mass breaks away on it, but the pulled end outruns it until it is as fast."
-  );
 }

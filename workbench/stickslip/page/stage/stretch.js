@@ -1,13 +1,13 @@
-/** The stretch of time that the charts show. */
+/** The stretch of time that the charts show, and the length of way that the stage shows. */
 
 /** @import { Motion } from "../model/motion.js" */
 
 /** @typedef {ReturnType<typeof makeStretch>} Stretch */
 
-/** The whole picture is this long, if the cycles in it are not fewer or more than these [s]. */
-const USUAL = 10;
-const FEWEST = 2;
-const MOST = 40;
+/** Cycles of the whole picture; while a slider moves, it may come to hold these fewest or most. */
+const CYCLES = 6;
+const FEWEST = 2.5;
+const MOST = 15;
 /** Cycles in the longest stretch. */
 const MOST_ZOOMED_OUT = 200;
 /** The shortest stretch, as a part of a swing. */
@@ -16,20 +16,27 @@ const LEAST_ZOOMED_IN = 1e-5;
 /**
  * Keep the stretch of time: the whole picture, until a person chooses another.
  *
- * @returns from, to [s], span; fit(motion) after a new setting; choose(from, to),
- *   zoom(factor, at), move(share), reset(), release()
+ * @returns from, to [s], span; way(motion): the length that the stage shows [m]; fit(motion, ghost)
+ *   after a new setting; choose(from, to), zoom(factor, at), move(share), reset(), fromStart(),
+ *   release(from)
  */
 export function makeStretch() {
   /** @type {Motion} */
   let motion = null;
   let from = 0;
-  let to = USUAL;
-  let whole = true;
+  let to = 1;
+  /** @type {"cycles" | "start" | "chosen"} */
+  let kind = "cycles";
+  // Whether the next setting chooses the span, or keeps it as long as it can.
+  let free = true;
 
-  function reset() {
-    whole = true;
-    ({ from, to } = wholePicture(motion));
-  }
+  /** @type {(span: number) => void} */
+  const lay = (span) => {
+    from = kind === "start" ? 0 : cyclesBegin(motion);
+    to = from + span + (kind === "start" ? Math.min(motion.first, MOST * motion.beat) : 0);
+    // A first load-up of many cycles would leave them no room.
+    if (kind === "start") to = Math.max(to, motion.first + 0.5 * span);
+  };
 
   /**
    * The latest end of a stretch that begins at a time: cycles count, the load-up does not.
@@ -45,7 +52,12 @@ export function makeStretch() {
     // What is too short is set right about its middle.
     from = Math.max(0.5 * (start + end) - 0.5 * span, 0);
     to = Math.min(from + span, latest(from));
-    whole = false;
+    kind = "chosen";
+  }
+
+  function reset() {
+    kind = "cycles";
+    lay(CYCLES * motion.beat);
   }
 
   return {
@@ -58,14 +70,38 @@ export function makeStretch() {
     get span() {
       return to - from;
     },
-    /** @param {Motion} next */
-    fit(next) {
-      motion = next;
-      if (whole || to > latest(from)) reset();
+    /** The length of way that the stage shows: that of the charts, for some cycles at a time. */
+    get way() {
+      const stride = motion.cycle.exists ? motion.cycle.delta_x : motion.p.v * motion.beat;
+      const cycles = (to - from) / motion.beat;
+      return stride * Math.min(Math.max(cycles, FEWEST), MOST);
     },
-    /** Let the next setting choose the whole picture. */
-    release() {
-      whole = true;
+    /**
+     * @param {Motion} next
+     * @param {Motion | null} ghost that is shown beside it
+     */
+    fit(next, ghost) {
+      const span = to - from;
+      motion = next;
+      if (kind === "chosen" && to <= latest(from)) return;
+      if (kind === "chosen") kind = "cycles";
+      const cycles = span / motion.beat;
+      if (free) {
+        // Of both curves some cycles are seen, unless one is much slower than the other.
+        const beats = [motion.beat, ghost?.beat ?? 0].filter((beat) => beat <= 3 * motion.beat);
+        lay(CYCLES * Math.max(...beats));
+      } else if (kind === "cycles" && cycles >= FEWEST && cycles <= MOST) lay(span);
+      else lay(CYCLES * motion.beat);
+      free = false;
+    },
+    /**
+     * Let the next setting choose the picture.
+     *
+     * @param {"cycles" | "start"} [wanted]
+     */
+    release(wanted = "cycles") {
+      kind = wanted;
+      free = true;
     },
     choose,
     /**
@@ -81,21 +117,20 @@ export function makeStretch() {
       choose(from + step, to + step);
     },
     reset,
+    fromStart() {
+      kind = "start";
+      lay(CYCLES * motion.beat);
+    },
   };
 }
 
 /**
- * Ten seconds, or where a cycle is much shorter or longer, the first load-up and some cycles.
+ * When the steady cycles begin: at the end of the first slip, or where none ends, at a break-away
+ * that leaves the load-up in sight.
  *
  * @param {Motion} motion
- * @returns {{from: number, to: number}} [s]
+ * @returns {number} [s]
  */
-function wholePicture(motion) {
-  const { first, beat } = motion;
-  const cycles = (USUAL - first) / beat;
-  if (cycles >= FEWEST && cycles <= MOST) return { from: 0, to: USUAL };
-  const count = cycles > MOST ? 12 : 4;
-  // A load-up of many cycles would leave them no room.
-  const from = first > 6 * beat ? first - beat : 0;
-  return { from, to: first + count * beat };
+export function cyclesBegin({ cycle, first, beat }) {
+  return cycle.exists ? first + cycle.t_slip : Math.max(first - beat, 0);
 }

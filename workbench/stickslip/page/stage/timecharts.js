@@ -5,6 +5,7 @@ import { seenPhases, timePath } from "../view/curves.js";
 import { draw, put, setText } from "../view/dom.js";
 import { makeFrame, px } from "../view/frame.js";
 import { quantity, scaleFor } from "../view/units.js";
+import { cyclesBegin } from "./stretch.js";
 
 /**
  * @import { Motion, State } from "../model/motion.js"
@@ -19,6 +20,8 @@ import { quantity, scaleFor } from "../view/units.js";
 const ROOM_FOR_NAME = 38;
 /** The overshoot is explained where it is this high [px]. */
 const ROOM_FOR_OVERSHOOT = 2;
+/** Cycles of a ghost that are drawn. */
+const MOST_GHOSTS = 60;
 /** A letter of a note is about this wide [px]. */
 const LETTER = 6.2;
 
@@ -33,11 +36,14 @@ const LETTER = 6.2;
 export function makeTimeCharts(svgX, svgF) {
   const x = makeChart(svgX);
   const F = makeChart(svgF);
+  const ghosts = [x, F].map(({ frame }) => draw(frame.curves, "path", { class: "curve ghost" }));
   const pull = draw(x.frame.curves, "path", { class: "curve pull" });
   const position = draw(x.frame.curves, "path", { class: "curve mass" });
   const threshold = draw(F.frame.curves, "path", { class: "threshold" });
   const force = draw(F.frame.curves, "path", { class: "curve force" });
-  const thresholdName = draw(F.frame.over, "text", { class: "note", "text-anchor": "end" });
+  const thresholdName = draw(F.frame.over, "text", { class: "note limit", "text-anchor": "end" });
+  const pullName = draw(x.frame.over, "text", { class: "note pull" });
+  const massName = draw(x.frame.over, "text", { class: "note mass", "text-anchor": "middle" });
   const overshoot = draw(F.frame.over, "text", { class: "note" });
   const pullDot = draw(x.frame.over, "circle", { class: "dot pull", r: 4 });
   /** @type {Element[]} */
@@ -46,15 +52,19 @@ export function makeTimeCharts(svgX, svgF) {
   /**
    * @param {Motion} motion
    * @param {Seen} seen
+   * @param {Motion | null} ghost whose steady cycles are drawn beside those of the motion
    */
-  function show(motion, seen) {
+  function show(motion, seen, ghost) {
     const { p, numbers } = motion;
     const phases = seenPhases(motion, seen, x.frame.area.width);
     const points = phases.flatMap((phase) => phase.points);
+    const before = ghost ? ghostOf(ghost, motion, seen, x.frame.area.width) : [];
     const time = timeAxis(seen);
     const edges = [points[0].x, points[points.length - 1].x, p.v * seen.from, p.v * seen.to];
-    x.frame.scale(time, axisOf(edges, "length", "x and v t", 0.13, 0.06));
-    F.frame.scale(time, forceAxis(motion, seen, points));
+    x.frame.scale(time, axisOf(edges, "length", "x", 0.13, 0.06));
+    F.frame.scale(time, forceAxis(motion, seen, [...points, ...before.flatMap((phase) => phase.points)]));
+    put(ghosts[0], { d: timePath(before, x.frame, "x", "x_dot") });
+    put(ghosts[1], { d: timePath(before, F.frame, "F", "F_dot") });
     put(position, { d: timePath(phases, x.frame, "x", "x_dot") });
     put(force, { d: timePath(phases, F.frame, "F", "F_dot") });
     const { left, right } = x.frame.area;
@@ -63,10 +73,31 @@ export function makeTimeCharts(svgX, svgF) {
     const level = px(F.frame.y(numbers.F_s));
     put(threshold, { d: `M${left} ${level}H${right}` });
     note(thresholdName, `Fₛ = ${quantity(numbers.F_s, "force")}`, right - 4, level + 13, F.frame);
+    nameCurves(motion, seen, phases);
     showOvershoot(motion, seen, phases);
     x.shade(phases);
     F.shade(phases);
     nameBands(phases);
+  }
+
+  /**
+   * Write the names of mass and pulled end at their curves, where these are apart.
+   *
+   * @param {Motion} motion
+   * @param {Seen} seen
+   * @param {SeenPhase[]} phases
+   */
+  function nameCurves({ p }, seen, phases) {
+    const { left, right, bottom } = x.frame.area;
+    const t = seen.from + 0.06 * (seen.to - seen.from);
+    note(pullName, "pulled end", left + 8, x.frame.y(p.v * t) - 8, x.frame);
+    const stick = [...phases].reverse().find(
+      ({ kind, start, end }) =>
+        kind === "stick" && x.frame.x(end) - x.frame.x(start) > ROOM_FOR_NAME && end < seen.to,
+    );
+    const middle = stick ? 0.5 * (x.frame.x(stick.start) + x.frame.x(stick.end)) : right - 20;
+    const height = stick ? x.frame.y(stick.points[0].x) + 15 : Infinity;
+    note(massName, "mass", middle, Math.min(height, stick ? bottom - 18 : height), x.frame);
   }
 
   /**
@@ -80,9 +111,9 @@ export function makeTimeCharts(svgX, svgF) {
     const first = phases.find(({ kind, start }) => kind === "slip" && start > seen.from);
     const left = first ? F.frame.x(first.start + (slip.overshoot?.tau ?? 0)) : Infinity;
     const { area } = F.frame;
-    const words = `passes Fₛ by ${quantity(height, "force")}: the pulled end outruns the mass`;
+    const words = `F passes Fₛ by ${quantity(height, "force")}`;
     const width = LETTER * words.length;
-    // Beside the title of the axis, not on it; where it has no room the caption says it alone.
+    // Beside the title of the axis, not on it.
     const leftmost = area.left + 60;
     const isHigh = F.frame.y(numbers.F_s) - top >= ROOM_FOR_OVERSHOOT;
     const room = isHigh && leftmost + width < area.right;
@@ -184,6 +215,27 @@ function makeChart(svg) {
   }
 
   return { frame, shade, mark, choose };
+}
+
+/**
+ * The steady cycles of a motion as they are drawn beside those of another, both from the end of
+ * their first slips.
+ *
+ * @param {Motion} ghost
+ * @param {Motion} motion
+ * @param {Seen} seen
+ * @param {number} width of the chart [px]
+ * @returns {SeenPhase[]} none where they would be a blur
+ */
+function ghostOf(ghost, motion, { from, to }, width) {
+  const later = cyclesBegin(motion) - cyclesBegin(ghost);
+  const start = Math.max(from - later, 0);
+  if (to - later <= start || (to - from) / ghost.beat > MOST_GHOSTS) return [];
+  const ahead = motion.at(cyclesBegin(motion)).x - ghost.at(cyclesBegin(ghost)).x;
+  return seenPhases(ghost, { from: start, to: to - later }, width).map((phase) => ({
+    ...phase,
+    points: phase.points.map((point) => ({ ...point, t: point.t + later, x: point.x + ahead })),
+  }));
 }
 
 /** @param {Seen} seen */

@@ -106,16 +106,17 @@ export function timePath(phases, frame, name, slope) {
 }
 
 /**
- * The phase portrait as path data: velocity over spring extension.
+ * A slip as path data: velocity over spring extension.
  *
  * @param {Motion} motion
  * @param {Frame} frame of the chart
- * @param {State[]} states of its first slip, t [s] counted from the break-away
+ * @param {State[]} states of its slip, one at least, t [s] counted from the break-away
+ * @param {boolean} closed whether the stick leads back to the break-away
  */
-export function portraitPath(motion, frame, states) {
+export function loopPath(motion, frame, states, closed) {
   const point = (z, x_dot) => `${px(frame.x(z))} ${px(frame.y(x_dot))}`;
   const { v } = motion.p;
-  let path = `M${point(0, 0)}L${point(motion.z_s, 0)}`;
+  let path = `M${point(states[0].z, states[0].x_dot)}`;
   let last = null;
   for (const state of states) {
     const { t, z, x_dot, x_ddot } = state;
@@ -127,5 +128,5 @@ export function portraitPath(motion, frame, states) {
     }
     last = state;
   }
-  return motion.cycle.exists ? `${path}L${point(motion.z_s, 0)}` : path;
+  return closed ? `${path}L${point(motion.z_s, 0)}` : path;
 }

@@ -1,0 +1,120 @@
+/** Block and ground with the teeth between them, and the places where the block stood. */
+
+import { draw, put, setText } from "../view/dom.js";
+import { px } from "../view/frame.js";
+import { quantity } from "../view/units.js";
+
+/**
+ * @import { Motion, State } from "../model/motion.js"
+ * @import { Layout } from "./schematic.js"
+ */
+
+/** Width and depth of a tooth, and how far the block is lifted while it slips [px]. */
+const TOOTH = { wide: 8, deep: 5, lift: 3 };
+/** The places where the block stood are outlined where they are this far apart, in its widths. */
+const OUTLINES_APART = 1.05;
+/** What a jump measures is shown from this length on, and written where a whole jump has room [px]. */
+const MEASURED = 14;
+const ROOM_FOR_LENGTH = 64;
+/** The streak behind a block at its largest speed [px]. */
+const STREAK = 34;
+
+/** Teeth from left to right [px] as a path, down from a height. */
+function teeth(left, right, height) {
+  const { wide, deep } = TOOTH;
+  const count = Math.max(Math.floor((right - left) / wide), 1);
+  const tooth = `l${0.5 * wide} ${deep}l${0.5 * wide} ${-deep}`;
+  return `M${px(left)} ${px(height)}${tooth.repeat(count)}`;
+}
+
+/**
+ * Returns what lays the ground.
+ *
+ * @param {SVGSVGElement} svg
+ * @returns {(layout: Layout) => void}
+ */
+export function makeGround(svg) {
+  const ground = draw(svg, "path", { class: "ground" });
+  return ({ width, ground: height }) => {
+    put(ground, { d: `${teeth(0, width + TOOTH.wide, height)}V${height + 10}H0Z` });
+  };
+}
+
+/**
+ * Returns what draws the block in a layout; that returns what puts it where a state has it, its
+ * left edge at a place [px].
+ *
+ * @param {SVGSVGElement} svg
+ * @returns {(layout: Layout, motion: Motion) => (state: State, left: number) => void}
+ */
+export function makeBlock(svg) {
+  const group = draw(svg, "g", { class: "mass" });
+  const streaks = draw(group, "path", { class: "streaks" });
+  const lifted = draw(group, "g");
+  const teethBelow = draw(lifted, "path", { class: "body" });
+  const body = draw(lifted, "rect", { class: "body", rx: 4 });
+  const word = draw(lifted, "text");
+  const pointer = draw(group, "path", { class: "pointer" });
+  return ({ ground, block, tall }, { cycle, p }) => {
+    put(body, { x: 0, y: -tall, width: px(block), height: px(tall) });
+    put(word, { x: px(0.5 * block), y: px(5 - 0.5 * tall) });
+    put(pointer, { d: `M${px(0.5 * block - 4)} 9h8l-4 6z` });
+    const fastest = cycle.exists ? cycle.x_dot_peak : 2 * p.v;
+    let shown = null;
+    return ({ mode, x_dot }, left) => {
+      put(group, { transform: `translate(${px(left)} ${px(ground)})` });
+      // In stick the teeth stand in those of the ground, wherever the block stopped.
+      const phase = mode === 0 ? (Math.ceil(left / TOOTH.wide) * TOOTH.wide - left) : 0;
+      put(teethBelow, { d: `${teeth(phase, block, 0)}Z` });
+      const long = STREAK * Math.min(x_dot / fastest, 1);
+      put(streaks, {
+        d: mode === 0 ? "" : [0.25, 0.5, 0.75].map((h) => `M-5 ${px(-h * tall)}h${px(-long)}`).join(""),
+      });
+      if (mode === shown) return;
+      shown = mode;
+      put(group, { class: mode === 0 ? "mass stick" : "mass slip" });
+      put(lifted, { transform: `translate(0 ${mode === 0 ? 0 : -TOOTH.deep - TOOTH.lift})` });
+      setText(word, mode === 0 ? "STICK" : "SLIP");
+    };
+  };
+}
+
+/**
+ * Returns what draws in a layout where the block stuck before; that returns what shows it for a
+ * state in the window that starts at a position [m].
+ *
+ * @param {SVGSVGElement} svg
+ * @returns {(layout: Layout, motion: Motion) => (state: State, start: number) => void}
+ */
+export function makePlaces(svg) {
+  const outlines = draw(svg, "path", { class: "places" });
+  const length = draw(svg, "path", { class: "length" });
+  const words = draw(svg, "text");
+  return ({ left, block, tall, ground, scale }, { cycle }) => {
+    const jump = cycle.exists ? cycle.delta_x : Infinity;
+    const apart = jump * scale;
+    const text = quantity(jump, "length");
+    const top = ground - tall - 17;
+    const middle = left + 0.5 * block;
+    return ({ x, mode }, start) => {
+      let d = "";
+      // Places of stick are whole jumps from the start; those before the mass are marked.
+      const last = Math.ceil(x / jump - 1e-6) - 1;
+      const first = Math.max(Math.ceil(start / jump - 1e-6), 0);
+      const at = (/** @type {number} */ n) => (n * jump - start) * scale;
+      if (apart >= OUTLINES_APART * block && apart < Infinity) {
+        for (let n = first; n <= last; n++) {
+          d += `M${px(left + at(n))} ${ground}v${px(-tall)}h${px(block)}v${px(tall)}`;
+        }
+      }
+      put(outlines, { d });
+      const measured = last >= first && apart >= ROOM_FOR_LENGTH && apart < Infinity;
+      const [a, b] = [middle + at(last), middle + (x - start) * scale];
+      put(length, {
+        d: measured && b - a > MEASURED ? `M${px(a)} ${px(top)}v6m0 -3H${px(b)}m0 -3v6` : "",
+      });
+      setText(words, measured && mode === 0 ? text : "");
+      if (measured) put(words, { x: px(0.5 * (a + b)), y: px(top - 3) });
+    };
+  };
+}
