@@ -1,4 +1,4 @@
-"""Puts the page together: markup, style, script, presets and theory in one HTML file."""
+"""Puts the page together: markup, style, script, texts and theory in one HTML file."""
 
 import json
 import re
@@ -18,6 +18,7 @@ from stickslip_verification import UNIT_PREFIXES, UNITS_ALONE, UNITS_WITH_PREFIX
 _ENTRY: Final = "main.js"
 # End tags that HTML lets one leave out wherever the next element or the parent's end follows.
 _OPTIONAL_ENDS: Final = re.compile(r"</(?:t[dhr]|d[dt]|li|tbody|thead|option)>(?=\s*<)")
+_SETTING: Final = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
 _SOURCES: Final = files("stickslip.page")
 
 
@@ -34,6 +35,8 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     from rcssmin import cssmin
     from rjsmin import jsmin
 
+    from stickslip.page import rows
+
     environment = Environment(
         loader=FunctionLoader(_text),
         autoescape=True,
@@ -41,7 +44,10 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         lstrip_blocks=True,
         undefined=StrictUndefined,
     )
-    presets = _table("applications/presets.toml")["preset"]
+    start: dict[str, Any] = {name: TABLE.by_name[name].start for name in _SETTING}
+    table = _table("applications/applications.toml")["application"]
+    applications = rows.applications(table, start)
+    story = rows.story(_table("story/story.toml")["step"], start, table)
     data = {
         # What the markup already says, the script need not.
         "controls": [
@@ -49,13 +55,19 @@ def page(setting: Mapping[str, float] | None = None) -> str:
             *_parameters(),
         ],
         "units": _units(),
-        "presets": [_without(preset, {"name"}) for preset in presets],
+        "applications": [
+            {**_only(each, {"id", *start}), "cures": [cure.get("set") for cure in each["cures"]]}
+            for each in applications
+        ],
+        "steps": [_only(step, {"set", "over", "from"}) for step in story],
         "setting": dict(setting or {}),
     }
     text = environment.get_template("page.html.j2").render(
         version=VERSION,
         controls=_controls(),
-        presets=presets,
+        applications=applications,
+        story=story,
+        questions=rows.questions(_table("questions/questions.toml")["question"], start, table),
         data=_embedded(data),
         style=cssmin("".join(map(_text, ["style.css", *_paths(".css")]))),
         chart_style=cssmin(_text("chart.css")),
@@ -122,6 +134,10 @@ def _units() -> dict[str, Any]:
 
 def _without(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
     return {key: value for key, value in row.items() if key not in keys}
+
+
+def _only(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
+    return {key: value for key, value in row.items() if key in keys}
 
 
 def _modules() -> dict[str, str]:

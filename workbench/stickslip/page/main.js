@@ -7,12 +7,13 @@ import { makeKeeping } from "./keeping/keeping.js";
 import { makePlayer } from "./stage/player.js";
 import { listen } from "./stage/pointer.js";
 import { makePortrait } from "./stage/portrait.js";
-import { makePresets } from "./applications/presets.js";
+import { makeApplications } from "./applications/applications.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
 import { makeReader } from "./view/spelled.js";
 import { makeSchematic } from "./stage/schematic.js";
 import { flawOf, solve } from "./view/solution.js";
+import { makeStory } from "./story/story.js";
 import { makeStretch } from "./stage/stretch.js";
 import { makeTimeCharts } from "./stage/timecharts.js";
 
@@ -84,7 +85,8 @@ const controls = makeControls(data.controls, reader, (p) => {
 /** @type {Page} */
 const page = {
   set(values, { ghost: keep = false, from = /** @type {Look["from"]} */ ("cycles") } = {}) {
-    const before = solution.motion;
+    // An address may ask for a step of the story before anything is solved.
+    const before = solution?.motion ?? null;
     controls.set(values);
     ghost = keep ? before : null;
     seen.release(from);
@@ -94,12 +96,11 @@ const page = {
   solution: () => solution,
 };
 
-const showPreset = makePresets(data.presets, Object.keys(controls.starts), (values) =>
-  page.set(values),
-);
+const story = makeStory(page, data.steps);
 
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [];
+sections.push(makeApplications(page, data.applications));
 
 const keeping = makeKeeping({
   motion: () => solution.motion,
@@ -122,8 +123,7 @@ function redraw() {
   portrait.show(motion, ghost);
   byId("forget").hidden = !ghost;
   redrawTime();
-  showPreset(motion.p);
-  writeAddress(controls.wanted);
+  writeAddress(story.address() ?? controls.wanted);
   for (const show of sections) show(solution);
 }
 
@@ -144,9 +144,11 @@ function resize() {
   redraw();
 }
 
-function takeAddress() {
+/** @param {HashChangeEvent} [event] what led here; none at the start */
+function takeAddress(event) {
+  if (story.take(location.hash, Boolean(event))) return;
   // A jump to a place in the page asks for nothing, and must not cost the setting.
-  if (byId(location.hash.slice(1))) return writeAddress(controls.wanted);
+  if (byId(location.hash.slice(1))) return writeAddress(story.address() ?? controls.wanted);
   const { values, bad } = valuesIn(location.hash);
   const problems = bad.map((part) => `${part} is no number.`);
   for (const [name, value] of Object.entries(values)) {
