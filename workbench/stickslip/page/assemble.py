@@ -15,6 +15,8 @@ from stickslip_fmu.spec import TABLE
 _ENTRY: Final = "main.js"
 # End tags that HTML lets one leave out wherever the next element or the parent's end follows.
 _OPTIONAL_ENDS: Final = re.compile(r"</(?:t[dhr]|d[dt]|li|tbody|thead|option)>(?=\s*<)")
+# Where a text holds a number of the model: its name, and how it is shown.
+_FIGURE: Final = re.compile(r"\{(\w+:\w+)\}")
 _SOURCES: Final = files("stickslip.page")
 
 
@@ -38,17 +40,23 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         lstrip_blocks=True,
         undefined=StrictUndefined,
     )
+    environment.filters["figures"] = _figures
     presets = _table("applications/presets.toml")["preset"]
+    sentences = _table("said/said.toml")["sentence"]
     data = {
         # What the markup already says, the script need not.
         "controls": [_without(each, {"label", "symbol", "folded"}) for each in _controls()],
         "presets": [_without(preset, {"name"}) for preset in presets],
+        "sentences": [
+            _without(each, {"said", "sign", "verdict", "truth", "topic"}) for each in sentences
+        ],
         "setting": dict(setting or {}),
     }
     text = environment.get_template("page.html.j2").render(
         version=VERSION,
         controls=_controls(),
         presets=presets,
+        sentences=sentences,
         data=_embedded(data),
         style=cssmin("".join(map(_text, ["style.css", *_paths(".css")]))),
         chart_style=cssmin(_text("chart.css")),
@@ -107,6 +115,11 @@ def _table(name: str) -> dict[str, Any]:
 
 def _text(name: str) -> str:
     return (_SOURCES / name).read_text(encoding="utf-8")
+
+
+def _figures(text: str) -> str:
+    """Give each ``{name:kind}`` of a text an element that the script writes the number into."""
+    return _FIGURE.sub(r'<data data-of="\1"></data>', text)
 
 
 def _embedded(data: object) -> str:

@@ -10,7 +10,9 @@ import { makePortrait } from "./stage/portrait.js";
 import { makePresets } from "./applications/presets.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
+import { makeSaid } from "./said/said.js";
 import { makeSchematic } from "./stage/schematic.js";
+import { claimed } from "./model/claims.js";
 import { flawOf, solve } from "./view/solution.js";
 import { makeStretch } from "./stage/stretch.js";
 import { makeTimeCharts } from "./stage/timecharts.js";
@@ -98,6 +100,7 @@ const showPreset = makePresets(data.presets, Object.keys(controls.starts), (valu
 
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [];
+sections.push(makeSaid(page, data.sentences, controls.starts));
 
 const keeping = makeKeeping({
   motion: () => solution.motion,
@@ -215,6 +218,7 @@ window.stickslip = {
   get criticalVelocity() {
     return solution.v_c;
   },
+  said: (id, setting) => claimed(id, { ...controls.starts, ...setting }),
   at: (t) => solution.motion.at(t),
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {
