@@ -11,8 +11,10 @@ import { makePresets } from "./applications/presets.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
 import { makeSaid } from "./said/said.js";
+import { makeSound } from "./sound/sound.js";
 import { makeSchematic } from "./stage/schematic.js";
 import { claimed } from "./model/claims.js";
+import { harmonicsOf } from "./model/harmonics.js";
 import { flawOf, solve } from "./view/solution.js";
 import { makeStretch } from "./stage/stretch.js";
 import { makeTimeCharts } from "./stage/timecharts.js";
@@ -100,7 +102,8 @@ const showPreset = makePresets(data.presets, Object.keys(controls.starts), (valu
 
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [];
-sections.push(makeSaid(page, data.sentences, controls.starts));
+const sound = makeSound(page);
+sections.push(sound.show, makeSaid(page, data.sentences, controls.starts));
 
 const keeping = makeKeeping({
   motion: () => solution.motion,
@@ -219,6 +222,8 @@ window.stickslip = {
     return solution.v_c;
   },
   said: (id, setting) => claimed(id, { ...controls.starts, ...setting }),
+  harmonics: (count) => harmonicsOf(solution.motion.p, count),
+  record: sound.record,
   at: (t) => solution.motion.at(t),
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {
