@@ -42,10 +42,7 @@ BOUND = 1e-9
 """Largest relative error of a number."""
 
 ROUNDING = 8.0 * 2.0**-52
-"""What rounding leaves of a relative deviation, a quotient near 1 less 1."""
-
-DEVIATIONS = re.compile("off.*")
-"""The names of the numbers that are relative deviations."""
+"""What rounding leaves of the deviations of a script: quotients near 1, less 1."""
 
 LIGHT, HEARING, STEP = 0.03, 2e4, 1e-3
 """The light damping ratio [1], the limit of hearing [Hz] and the step [s] of the sentences."""
@@ -306,7 +303,7 @@ def wrong(page: Page, name: str) -> dict[str, str]:
         if got.keys() != wanted.keys():
             return {"names": f"{sorted(got)} are not {sorted(wanted)}"}
         for each in wanted:
-            rounding = ROUNDING if name == "step" or DEVIATIONS.match(each) else 0.0
+            rounding = ROUNDING if name == "step" else 0.0
             if not close(got[each], wanted[each], rounding):
                 found[each] = f"{got[each]!r} is not {wanted[each]!r} at {p}"
     return found
@@ -467,7 +464,7 @@ def test_a_text_holds_its_numbers_rounded(page: Page) -> None:
         found = list(figures(page, name))
         assert found
         for key, kind, value, text in found:
-            rounding = ROUNDING if name == "step" or DEVIATIONS.match(key) else 0.0
+            rounding = ROUNDING if name == "step" else 0.0
             assert close(value, wanted[key], rounding), (name, key)
             number, _, unit = text.replace("−", "-").partition("\u00a0")
             digits = 3 if kind in ("percent", "times") else 4

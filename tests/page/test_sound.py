@@ -196,8 +196,8 @@ def test_a_tone_has_the_pitch_and_the_partials_of_the_cycle(page: Page, name: st
     exact, _ = exact_harmonics(p, numbers)
     heard = lines(samples, [n * f for n in numbers[1:] if n * f < 8000.0])
     wanted = np.abs(exact[1 : heard.size + 1])
-    # The browser interpolates in tables of some thousand samples.
-    assert heard / heard.max() == pytest.approx(wanted / wanted.max(), abs=0.005)
+    # The browser computes in single precision and interpolates in tables of some thousand samples.
+    assert heard / heard.max() == pytest.approx(wanted / wanted.max(), abs=1e-4)
 
 
 def test_the_known_pitches(page: Page) -> None:
@@ -265,8 +265,7 @@ def test_the_nearest_note_is_named(page: Page) -> None:
     for f, name in NOTES.items():
         for cents in (-45, 45):
             set_values(page, **scaled_to(f * 2.0 ** (cents / 1200)))
-            assert heard(page).endswith(f" Hz, close to {name}.") or f > 4000
-            assert name in heard(page)
+            assert heard(page).endswith(f"Hz, close to {name}.")
 
 
 SILENT = {
