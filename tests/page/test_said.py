@@ -437,6 +437,15 @@ def test_a_sentence_that_compares_sets_both_settings(page: Page) -> None:
             assert page.evaluate(WRITTEN, [parameter, name]) == texts
 
 
+def test_the_curves_of_what_it_is_compared_with_stay(page: Page) -> None:
+    """A sentence that compares leaves a second curve; any other leaves none."""
+    for name, sentence in SENTENCES.items():
+        page.click(f"[data-said={name}]")
+        drawn(page)
+        ghost = page.get_attribute("#phase-chart .curve.ghost", "d")
+        assert bool(ghost) == ("before" in sentence)
+
+
 def figures(page: Page, name: str) -> Iterator[tuple[str, str, float, str]]:
     """Give name, kind, value and text of each number in the text of a sentence."""
     rows = page.eval_on_selector_all(
