@@ -19,6 +19,8 @@ _ENTRY: Final = "main.js"
 # End tags that HTML lets one leave out wherever the next element or the parent's end follows.
 _OPTIONAL_ENDS: Final = re.compile(r"</(?:t[dhr]|d[dt]|li|tbody|thead|option)>(?=\s*<)")
 _SETTING: Final = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
+# Where a text holds a number of the model: its name, and how it is shown.
+_FIGURE: Final = re.compile(r"\{(\w+:\w+)\}")
 _SOURCES: Final = files("stickslip.page")
 
 
@@ -44,10 +46,12 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         lstrip_blocks=True,
         undefined=StrictUndefined,
     )
+    environment.filters["figures"] = _figures
     start: dict[str, Any] = {name: TABLE.by_name[name].start for name in _SETTING}
     table = _table("applications/applications.toml")["application"]
     applications = rows.applications(table, start)
     story = rows.story(_table("story/story.toml")["step"], start, table)
+    sentences = _table("said/said.toml")["sentence"]
     data = {
         # What the markup already says, the script need not.
         "controls": [
@@ -60,6 +64,9 @@ def page(setting: Mapping[str, float] | None = None) -> str:
             for each in applications
         ],
         "steps": [_only(step, {"set", "over", "from"}) for step in story],
+        "sentences": [
+            _without(each, {"said", "sign", "verdict", "truth", "topic"}) for each in sentences
+        ],
         "setting": dict(setting or {}),
     }
     text = environment.get_template("page.html.j2").render(
@@ -68,6 +75,7 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         applications=applications,
         story=story,
         questions=rows.questions(_table("questions/questions.toml")["question"], start, table),
+        sentences=sentences,
         data=_embedded(data),
         style=cssmin("".join(map(_text, ["style.css", *_paths(".css")]))),
         chart_style=cssmin(_text("chart.css")),
@@ -161,6 +169,11 @@ def _table(name: str) -> dict[str, Any]:
 
 def _text(name: str) -> str:
     return (_SOURCES / name).read_text(encoding="utf-8")
+
+
+def _figures(text: str) -> str:
+    """Give each ``{name:kind}`` of a text an element that the script writes the number into."""
+    return _FIGURE.sub(r'<data data-of="\1"></data>', text)
 
 
 def _embedded(data: object) -> str:

@@ -11,7 +11,11 @@ import { makeApplications } from "./applications/applications.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
 import { makeReader } from "./view/spelled.js";
+import { makeSaid } from "./said/said.js";
+import { makeSound } from "./sound/sound.js";
 import { makeSchematic } from "./stage/schematic.js";
+import { claimed } from "./model/claims.js";
+import { harmonicsOf } from "./model/harmonics.js";
 import { flawOf, solve } from "./view/solution.js";
 import { makeStory } from "./story/story.js";
 import { makeStretch } from "./stage/stretch.js";
@@ -101,6 +105,8 @@ const story = makeStory(page, data.steps);
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [];
 sections.push(makeApplications(page, data.applications));
+const sound = makeSound(page);
+sections.push(sound.show, makeSaid(page, data.sentences, controls.starts));
 
 const keeping = makeKeeping({
   motion: () => solution.motion,
@@ -223,6 +229,9 @@ window.stickslip = {
   },
   /** A text as a quantity of this SI unit, or what is wrong with it. */
   read: (text, unit) => reader.read(text, unit, unit),
+  said: (id, setting) => claimed(id, { ...controls.starts, ...setting }),
+  harmonics: (count) => harmonicsOf(solution.motion.p, count),
+  record: sound.record,
   at: (t) => solution.motion.at(t),
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {
