@@ -13,7 +13,9 @@ import { march } from "./verlet.js";
 /** @import { Setting } from "./friction.js" */
 
 /** The step of the script [s], the limit of hearing [Hz], and a light damping ratio [1]. */
-const [STEP, HEARING, LIGHT] = [1e-3, 2e4, 0.03];
+const STEP = 1e-3;
+const HEARING = 2e4;
+const LIGHT = 0.03;
 
 /**
  * The numbers of each sentence by its name, SI; NaN where a cycle that is compared does not exist.

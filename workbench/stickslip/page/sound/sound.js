@@ -12,10 +12,13 @@ import { quantity, scaleFor } from "../view/units.js";
  */
 
 /** What can be heard as a tone [Hz]; below, each slip is a thud, if one comes in time [s]. */
-const [LOWEST, HIGHEST, PATIENCE] = [20, 2e4, 30];
+const LOWEST_TONE = 20;
+const HIGHEST_TONE = 2e4;
+const PATIENCE = 30;
 
 /** Effective value and greatest value of a sound, full scale being 1. */
-const [LOUDNESS, PEAK] = [0.1, 0.8];
+const LOUDNESS = 0.1;
+const PEAK = 0.8;
 
 /** A sound grows and fades in this time, and follows a slider as often [s]. */
 const FADE = 0.05;
@@ -89,8 +92,8 @@ export function makeSound(page) {
  * @returns {(() => void) | null} lets it fade; null where there is nothing to hear
  */
 function sounding(context, { p, cycle }) {
-  if (!(cycle.f * PATIENCE >= 1 && cycle.f <= HIGHEST)) return null;
-  const { source, level } = cycle.f < LOWEST ? thuds(context, cycle) : tone(context, p, cycle);
+  if (!(cycle.f * PATIENCE >= 1 && cycle.f <= HIGHEST_TONE)) return null;
+  const { source, level } = cycle.f < LOWEST_TONE ? thuds(context, cycle) : tone(context, p, cycle);
   const gain = context.createGain();
   const start = context.currentTime;
   gain.gain.setValueAtTime(0, start);
@@ -106,7 +109,7 @@ function sounding(context, { p, cycle }) {
 
 /** The velocity as a periodic wave. */
 function tone(context, p, { f, x_dot_peak }) {
-  const { cosines, sines } = harmonicsOf(p, Math.floor(HIGHEST / f));
+  const { cosines, sines } = harmonicsOf(p, Math.floor(HIGHEST_TONE / f));
   const source = context.createOscillator();
   source.frequency.value = f;
   source.setPeriodicWave(
@@ -142,12 +145,12 @@ function thuds(context, { T }) {
  */
 function inSound({ exists, f, T }) {
   if (!exists) return "Steady sliding makes no periodic sound.";
-  if (f > HIGHEST) return `Silent: ${quantity(f, "frequency")} is above hearing.`;
+  if (f > HIGHEST_TONE) return `Silent: ${quantity(f, "frequency")} is above hearing.`;
   if (f * PATIENCE < 1) {
     const { size, unit } = scaleFor(T, "time");
     return `Silent: one slip in ${Number((T / size).toPrecision(2))} ${unit}.`;
   }
-  if (f < LOWEST) return `A thud at each slip, every ${quantity(T, "time")}.`;
+  if (f < LOWEST_TONE) return `A thud at each slip, every ${quantity(T, "time")}.`;
   return `A tone of ${quantity(f, "frequency")}, close to ${noteOf(f)}.`;
 }
 
