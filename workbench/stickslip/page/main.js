@@ -2,8 +2,10 @@
 
 import { makeAddress, valuesIn } from "./controls/address.js";
 import { makeControls } from "./controls/controls.js";
+import { makeCures } from "./cures/cures.js";
 import { byId, on, setText } from "./view/dom.js";
 import { makeKeeping } from "./keeping/keeping.js";
+import { makeMaps } from "./maps/maps.js";
 import { makePlayer } from "./stage/player.js";
 import { listen } from "./stage/pointer.js";
 import { makePortrait } from "./stage/portrait.js";
@@ -16,6 +18,8 @@ import { makeSound } from "./sound/sound.js";
 import { makeSchematic } from "./stage/schematic.js";
 import { claimed } from "./model/claims.js";
 import { harmonicsOf } from "./model/harmonics.js";
+import { curesOf } from "./model/cures.js";
+import { criticalCurve, equalJump, jumpOverSpeed, slowJump } from "./model/maps.js";
 import { flawOf, solve } from "./view/solution.js";
 import { makeStory } from "./story/story.js";
 import { makeStretch } from "./stage/stretch.js";
@@ -107,6 +111,7 @@ const sections = [];
 sections.push(makeApplications(page, data.applications));
 const sound = makeSound(page);
 sections.push(sound.show, makeSaid(page, data.sentences, controls.starts));
+sections.push(makeCures(page), makeMaps(page));
 
 const keeping = makeKeeping({
   motion: () => solution.motion,
@@ -232,6 +237,8 @@ window.stickslip = {
   said: (id, setting) => claimed(id, { ...controls.starts, ...setting }),
   harmonics: (count) => harmonicsOf(solution.motion.p, count),
   record: sound.record,
+  cures: (p) => curesOf(p),
+  curves: { criticalCurve, equalJump, jumpOverSpeed, slowJump },
   at: (t) => solution.motion.at(t),
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {

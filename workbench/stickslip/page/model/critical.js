@@ -35,7 +35,7 @@ export function firstOrderCriticalVelocity(p) {
  * @param {number} zeta damping ratio [1], above 0 and below 1
  * @returns {number} [1]
  */
-function logCriticalLambda(zeta) {
+export function logCriticalLambda(zeta) {
   const nu = Math.sqrt((1 - zeta) * (1 + zeta));
   // Light damping gives lambda_c = sqrt(4 pi zeta), heavy exp((zeta/nu)(pi + acos zeta)). The root
   // is above the first and below the sum of both; a unit to each side makes them a bracket.
@@ -43,18 +43,19 @@ function logCriticalLambda(zeta) {
   const heavy = (zeta / nu) * (Math.PI + Math.acos(zeta));
   const low = light - 1;
   const high = Math.max(light, heavy) + Math.LN2 + 1;
-  return risingZero((log) => excess(log, zeta, nu), low, high, zeta < 0.3 ? light : heavy);
+  return risingZero((log) => logDepth(log, zeta, nu), low, high, zeta < 0.3 ? light : heavy);
 }
 
 /**
- * ln of the deepest velocity deviation over v, and its slope in ln lambda.
+ * ln of the deepest velocity deviation over v, and its slope in ln lambda: a slip from rest ends
+ * where it is 0 or more.
  *
  * @param {number} log ln lambda [1]
  * @param {number} zeta damping ratio [1]
  * @param {number} nu sqrt(1 - zeta^2) [1]
  * @returns {[number, number]} value and slope [1]
  */
-function excess(log, zeta, nu) {
+export function logDepth(log, zeta, nu) {
   // Below lambda = 1 the logarithm is of 1 + lambda (lambda - 2 zeta), above of lambda times that.
   const e = Math.exp(-Math.abs(log));
   const inner = e * (e - 2 * zeta);

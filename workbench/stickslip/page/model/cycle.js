@@ -55,7 +55,7 @@ import { risingZero } from "./root.js";
  */
 export function steadyCycle(p) {
   const { F_s, Delta, lambda_, zeta, w } = numbersOf(p);
-  const slip = zeta === 0 ? undampedSlip(lambda_) : dampedSlip(lambda_, zeta);
+  const slip = plainSlip(lambda_, zeta);
   const { duration, relief, peak } = slip ?? { duration: NaN, relief: NaN, peak: NaN };
   const t_slip = duration / w;
   const t_stick = relief / w;
@@ -90,6 +90,42 @@ export function simplified(p) {
   const t_slip = Math.PI / w;
   const T = t_stick + t_slip;
   return { F_s, delta_x: 2 * Delta, t_stick, t_slip, T, f: 1 / T, share: t_stick / T };
+}
+
+/**
+ * The slip of the cycle, or null where a slip from rest never ends.
+ *
+ * @param {number} lambda_ w Delta/v [1]
+ * @param {number} zeta damping ratio [1]
+ * @returns {PlainSlip | null}
+ */
+export function plainSlip(lambda_, zeta) {
+  return zeta === 0 ? undampedSlip(lambda_) : dampedSlip(lambda_, zeta);
+}
+
+/**
+ * Period in units of 1/w, which is the jump in units of v/w.
+ *
+ * @param {number} lambda_ w Delta/v [1]
+ * @param {number} zeta damping ratio [1]
+ * @returns {number} NaN without a cycle
+ */
+export function plainPeriod(lambda_, zeta) {
+  const slip = plainSlip(lambda_, zeta);
+  return slip ? slip.duration + slip.relief : NaN;
+}
+
+/**
+ * The period at the limit of the cycle, in units of 1/w: the slip lasts up to the minimum of the velocity, and the
+ * spring relief is Delta.
+ *
+ * @param {number} lambda_ w Delta/v [1]
+ * @param {number} zeta damping ratio [1], below 1
+ * @returns {number}
+ */
+export function grazingPeriod(lambda_, zeta) {
+  const nu = Math.sqrt((1 - zeta) * (1 + zeta));
+  return lambda_ + (2 * Math.PI - Math.atan2(nu * lambda_, 1 - zeta * lambda_)) / nu;
 }
 
 /**

@@ -30,19 +30,21 @@ import { digits, quantity } from "../view/units.js";
  * @returns {(solution: Solution) => void} shows which sentence has set the stage
  */
 export function makeSaid(page, sentences, starts) {
+  let chosen = "";
   const rows = sentences.map(({ id, set, before, from }) => {
     const values = { ...starts, ...set };
     const button = document.querySelector(`[data-said="${id}"]`);
     on(button, "click", () => {
+      chosen = id;
       if (before) page.set({ ...values, ...before });
       page.set(values, { ghost: !!before, from: from ?? "cycles" });
     });
     fillIn(id, claimed(id, values));
-    return { button, values: { ...values, mu_k: kineticInUse(values.mu_s, values.mu_k) } };
+    return { id, button, values: { ...values, mu_k: kineticInUse(values.mu_s, values.mu_k) } };
   });
   return ({ motion: { p } }) => {
-    for (const { button, values } of rows) {
-      const current = Object.keys(values).every((name) => values[name] === p[name]);
+    for (const { id, button, values } of rows) {
+      const current = id === chosen && Object.keys(values).every((name) => values[name] === p[name]);
       put(button, { "aria-pressed": current });
     }
   };

@@ -10,6 +10,7 @@ import { scaleFor } from "./units.js";
  * @property {number} high upper end [SI]
  * @property {number} size of its unit [SI]
  * @property {string} title quantity and unit
+ * @property {boolean} [log] whether each decade is as long as another
  */
 
 /** What is spanned is at least this part of its size: less is rounding and no motion. */
@@ -42,13 +43,40 @@ export function axisOf(values, kind, name, below, above = below) {
 }
 
 /**
+ * A logarithmic axis.
+ *
+ * @param {number} low lower end [SI], above 0
+ * @param {number} high upper end [SI]
+ * @param {string} kind of quantity, for its unit
+ * @param {string} name of the quantity
+ * @returns {Axis}
+ */
+export function logAxis(low, high, kind, name) {
+  const { size, unit } = scaleFor(Math.sqrt(low) * Math.sqrt(high), kind);
+  return { low, high, size, title: `${name} in ${unit}`, log: true };
+}
+
+/**
+ * How far along an axis a value lies.
+ *
+ * @param {Axis} axis
+ * @param {number} value [SI]
+ * @returns {number} 0 at the lower end, 1 at the upper
+ */
+export function shareAlong({ low, high, log }, value) {
+  return log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+}
+
+/**
  * Round values within an axis and their texts, about `count` of them.
  *
  * @param {Axis} axis
  * @param {number} count
  * @returns {{value: number, text: string}[]} values [SI]
  */
-export function ticks({ low, high, size }, count) {
+export function ticks(axis, count) {
+  if (axis.log) return logTicks(axis, count);
+  const { low, high, size } = axis;
   const bottom = low / size;
   const top = high / size;
   const rough = (top - bottom) / count;
@@ -67,6 +95,29 @@ export function ticks({ low, high, size }, count) {
     const text = plain ? value.toFixed(decimals) : exponential.replace("e+", "e");
     return { value: value * size, text: text.replace(/^-/, "−") };
   });
+}
+
+/**
+ * Marks at powers of ten, some left out where they are dense; with 2 and 5 where they are few.
+ *
+ * @param {Axis} axis
+ * @param {number} count
+ */
+function logTicks({ low, high, size }, count) {
+  const first = Math.ceil(Math.log10(low / size) - 1e-9);
+  const last = Math.floor(Math.log10(high / size) + 1e-9);
+  const step = Math.max(Math.ceil((last - first + 1) / count), 1);
+  const few = last - first < 2;
+  const marks = [];
+  for (let n = first - (few ? 1 : 0); n <= last; n += few ? 1 : step) {
+    for (const digit of few ? [1, 2, 5] : [1]) {
+      const text = `${digit}e${n}`;
+      const value = Number(text) * size;
+      if (value < low * (1 - 1e-9) || value > high * (1 + 1e-9)) continue;
+      marks.push({ value, text: (Math.abs(n) < 4 ? `${Number(text)}` : text).replace("-", "−") });
+    }
+  }
+  return marks;
 }
 
 /** The multiples of a step from bottom to top. */

@@ -1,6 +1,6 @@
 /** The frame of a chart: its place, axes, grid and layers. */
 
-import { ticks } from "./axis.js";
+import { shareAlong, ticks } from "./axis.js";
 import { draw, put, setText } from "./dom.js";
 
 /** @import { Axis } from "./axis.js" */
@@ -13,6 +13,8 @@ const MARGIN = { left: 54, right: 12, top: 8, bottom: 34 };
 const WIDE = 7.7;
 /** Pixels between two marks, about. */
 const APART = { x: 90, y: 38 };
+/** The same along a logarithmic axis, whose texts are short. */
+const APART_IN_LOG = { x: 52, y: 38 };
 
 /**
  * A coordinate, to a fiftieth of a pixel.
@@ -24,11 +26,21 @@ export function px(value) {
 }
 
 /**
+ * Straight lines through points as path data.
+ *
+ * @param {[x: number, y: number][]} points [px]
+ */
+export function polyline(points) {
+  const far = (value) => px(Math.min(Math.max(value, -1e4), 1e4));
+  return points.map(([x, y], n) => `${n ? "L" : "M"}${far(x)} ${far(y)}`).join("");
+}
+
+/**
  * Make a chart's frame in an empty svg element.
  *
  * @param {SVGSVGElement} svg
  * @returns svg; under, curves, over: groups to draw in; resize(width, height);
- *   scale(x, y): the axes, each of `axisOf`;
+ *   scale(x, y): the axes, each of `axisOf` or `logAxis`;
  *   x(value), y(value): pixels; area: the plot's rectangle in pixels
  */
 export function makeFrame(svg) {
@@ -62,10 +74,9 @@ export function makeFrame(svg) {
   }
 
   /** @type {(value: number) => number} from SI to [px] */
-  const x = (value) => area.left + ((value - axes.x.low) / (axes.x.high - axes.x.low)) * area.width;
+  const x = (value) => area.left + shareAlong(axes.x, value) * area.width;
   /** @type {(value: number) => number} from SI to [px] */
-  const y = (value) =>
-    area.bottom - ((value - axes.y.low) / (axes.y.high - axes.y.low)) * area.height;
+  const y = (value) => area.bottom - shareAlong(axes.y, value) * area.height;
 
   /**
    * @param {Axis} horizontal
@@ -81,13 +92,13 @@ export function makeFrame(svg) {
       setText(element, text);
       put(element, { x: px(left), y: px(top), "text-anchor": anchor });
     };
-    for (const { value, text } of ticks(horizontal, Math.max(area.width / APART.x, 2))) {
+    for (const { value, text } of ticks(horizontal, markCount(horizontal, "x", area.width))) {
       path += `M${px(x(value))} ${px(area.top)}V${px(area.bottom)}`;
       const edge = area.right + MARGIN.right;
       const cut = x(value) + 0.5 * WIDE * text.length > edge;
       label(text, cut ? edge : x(value), area.bottom + 15, cut ? "end" : "middle");
     }
-    for (const { value, text } of ticks(vertical, Math.max(area.height / APART.y, 2))) {
+    for (const { value, text } of ticks(vertical, markCount(vertical, "y", area.height))) {
       path += `M${px(area.left)} ${px(y(value))}H${px(area.right)}`;
       // What the margin cannot hold stands inside, above its line.
       if (WIDE * text.length > MARGIN.left - 5) label(text, area.left + 4, y(value) - 3, "start");
@@ -100,6 +111,11 @@ export function makeFrame(svg) {
   }
 
   return { svg, under, curves, over, area, resize, scale, x, y };
+}
+
+/** @type {(axis: Axis, way: "x" | "y", length: number) => number} how many marks have room */
+function markCount({ log }, way, length) {
+  return Math.max(length / (log ? APART_IN_LOG : APART)[way], 2);
 }
 
 function place(element, text, left, top) {

@@ -1,7 +1,7 @@
 /** Parts of the page that are out of sight wait: what is seen is drawn first. */
 
 /** What is out of sight is brought up to date once nothing has changed for this long [ms]. */
-const STILL = 250;
+const UNSEEN_STILL = 250;
 
 /**
  * Put off what is out of sight.
@@ -33,6 +33,6 @@ export function whenSeen(element, show) {
     latest = what;
     if (inSight) return flush();
     clearTimeout(waiting);
-    waiting = setTimeout(flush, STILL);
+    waiting = setTimeout(flush, UNSEEN_STILL);
   };
 }

@@ -1,0 +1,207 @@
+/** What suppresses the cycle: a table of values, each of them a button that sets it. */
+
+import { curesOf, valueBeyond } from "../model/cures.js";
+import { numbersOf } from "../model/friction.js";
+import { byId, on, put, setText } from "../view/dom.js";
+import { whenSeen } from "../view/seen.js";
+import { digits, quantity } from "../view/units.js";
+
+/**
+ * @import { Page } from "../main.js"
+ * @import { Cure, Cures } from "../model/cures.js"
+ * @import { Setting } from "../model/friction.js"
+ * @import { Solution } from "../view/solution.js"
+ */
+
+/**
+ * What a cell of the table offers.
+ *
+ * @typedef {object} Offer
+ * @property {number} [value] of the parameter [SI]; without one the words say why there is none
+ * @property {string} words
+ */
+
+/** A parameter that changes by more than this factor is out of reach of a design. */
+const REACH = 100;
+/** So is a damping ratio above this: slides and drives have 0.01 to 0.1. */
+const MOST_ZETA = 0.5;
+
+/** @type {Record<string, {name: string, kind?: string}>} how a parameter is called and shown */
+const LEVERS = {
+  k: { name: "stiffness", kind: "stiffness" },
+  c: { name: "damping", kind: "damping" },
+  v: { name: "speed", kind: "velocity" },
+  mu_k: { name: "kinetic friction" },
+  load: { name: "normal force", kind: "force" },
+  m: { name: "mass", kind: "mass" },
+};
+const ENDS_FIRST = { words: "ends the cycle first" };
+/** What is left at c = 0 without gap or normal force: no even sliding. */
+const TOUCHES_REST = "it swings and touches rest";
+const NO_CURE = { words: "–" };
+
+/**
+ * Bring the cures to life.
+ *
+ * @param {Page} page
+ * @returns {(solution: Solution) => void} shows the cures of a solution
+ */
+export function makeCures(page) {
+  const lead = byId("cures-lead");
+  const told = byId("cures-said");
+  const back = byId("cures-back");
+  const rows = Object.keys(LEVERS).map((parameter) => {
+    const body = byId(`cure-${parameter}`);
+    const [halve, end] = body.querySelectorAll("td");
+    return { parameter, now: body.querySelector(".now"), cells: [halve, end].map(makeCell) };
+  });
+  /** @type {Setting | null} the setting before the last cure */
+  let before = null;
+
+  /** @type {(values: Partial<Setting>, what: string) => void} */
+  function set(values, what) {
+    const old = page.setting();
+    try {
+      page.set(values, { ghost: true });
+    } catch (error) {
+      return setText(told, error.message);
+    }
+    before = old;
+    back.disabled = false;
+    const { exists, delta_x } = page.solution().motion.cycle;
+    setText(told, `${what} ${exists ? `The jump is ${quantity(delta_x, "length")}.` : "No cycle."}`);
+  }
+  on(back, "click", () => set(before, "Set back."));
+
+  /** @param {HTMLTableCellElement} cell */
+  function makeCell(cell) {
+    /** @type {{button: any, note: HTMLElement, value: number}[]} */
+    const parts = [];
+    let shown = "";
+    /** @type {(p: Setting, parameter: string, offers: Offer[], aim: string) => void} */
+    return (p, parameter, offers, aim) => {
+      const texts = offers.map(({ value }) =>
+        value === undefined ? "" : leverInWords(p, parameter, value),
+      );
+      offers.forEach(({ value }, index) => {
+        if (parts[index]) parts[index].value = value;
+      });
+      const next = JSON.stringify([texts, offers.map(({ words }) => words)]);
+      if (next === shown) return;
+      shown = next;
+      offers.forEach(({ value, words }, index) => {
+        parts[index] ??= addPart(cell, parameter);
+        const { button, note } = parts[index];
+        parts[index].value = value;
+        setText(button, texts[index]);
+        setText(note, words);
+        put(button, { "aria-label": `${LEVERS[parameter].name} ${texts[index]}, ${words}: ${aim}` });
+      });
+      parts.forEach(({ button, note }, index) => {
+        button.hidden = !texts[index];
+        note.hidden = index >= offers.length;
+      });
+    };
+  }
+
+  function addPart(cell, parameter) {
+    const button = document.createElement("button");
+    const note = document.createElement("span");
+    note.className = "small";
+    const part = { button, note, value: NaN };
+    on(button, "click", () => {
+      const { name } = LEVERS[parameter];
+      set({ [parameter]: part.value }, `The ${name} is ${button.textContent}.`);
+    });
+    cell.append(button, note);
+    return part;
+  }
+
+  return whenSeen(byId("cures"), ({ motion: { p } }) => {
+    const found = curesOf(p);
+    setText(lead, curesInWords(p, found));
+    const offers = found.cures.length ? offersOf(p, found.cures) : null;
+    for (const { parameter, now, cells } of rows) {
+      setText(now, leverInWords(p, parameter, p[parameter]));
+      const [halve, end] = offers ? offers[parameter] : [[NO_CURE], [NO_CURE]];
+      cells[0](p, parameter, halve, "halves the jump");
+      cells[1](p, parameter, end, "ends the cycle");
+    }
+  });
+}
+
+/**
+ * What the cells of each parameter offer.
+ *
+ * @param {Setting} p
+ * @param {Cure[]} cures of it
+ * @returns {Record<string, [halve: Offer[], end: Offer[]]>}
+ */
+function offersOf(p, cures) {
+  const { stiffer, softer, damping, slower, faster, gap, lighter, "normal force": force } =
+    /** @type {Record<string, Cure>} */ (Object.fromEntries(cures.map((cure) => [cure.name, cure])));
+  /** @type {(cure: Cure) => Offer[]} */
+  const halve = (cure) => {
+    if (cure.halve !== null) return [{ value: cure.halve, words: changeInWords(p, cure, cure.halve) }];
+    if (cure.end !== null) return [ENDS_FIRST];
+    return [{ words: cure.least < 1 ? `none: ${digits(100 * cure.least, 2)} % at best` : "none" }];
+  };
+  /** @type {(cure: Cure, without: string) => Offer[]} */
+  const end = (cure, without) => {
+    if (cure.end === null) return [{ words: `none: ${without}` }];
+    const value = valueBeyond(p, cure, cure.end);
+    return [{ value, words: changeInWords(p, cure, value) }];
+  };
+  const never = (what) => `without damping no ${what} ends it`;
+  const soft = softer.end === null ? [] : end(softer, "");
+  return {
+    k: [halve(stiffer), [...end(stiffer, never("stiffness")), ...soft]],
+    c: [halve(damping), end(damping, "")],
+    v: [halve(slower), end(faster, never("speed"))],
+    mu_k: [halve(gap), end(gap, TOUCHES_REST)],
+    load: [halve(force), end(force, TOUCHES_REST)],
+    m: [halve(lighter), end(lighter, never("mass"))],
+  };
+}
+
+/** A change of a parameter in words, with the remark that it is out of reach. */
+function changeInWords(p, { name, parameter, now }, value) {
+  const { N } = numbersOf(p);
+  const [from, to] = {
+    gap: [p.mu_s - now, p.mu_s - value],
+    "normal force": [N, N - now + value],
+  }[name] ?? [now, value];
+  const factor = to / from;
+  const { zeta } = numbersOf({ ...p, [parameter]: value });
+  const isFar = name === "damping" ? zeta > MOST_ZETA : factor > REACH || factor < 1 / REACH;
+  const what = { gap: "gap ", softer: "or softer, " }[name] ?? "";
+  const times = factor >= 1 ? `× ${digits(factor, 3)}` : to > 0 ? `÷ ${digits(1 / factor, 3)}` : "0";
+  const words = name === "damping" ? `ζ = ${digits(zeta, 2)}` : what + times;
+  return isFar ? `${words}, out of reach` : words;
+}
+
+/** The value of a parameter with its unit, without needless zeros; of the load, the normal force. */
+function leverInWords(p, parameter, value) {
+  const { kind } = LEVERS[parameter];
+  const shown = parameter === "load" ? p.m * p.g + value : value;
+  const text = kind ? quantity(shown, kind) : digits(shown);
+  return text.replace(/(\.\d*?)0+(?!\d)/, "$1").replace(/\.(?!\d)/, "");
+}
+
+/**
+ * @param {Setting} p
+ * @param {Cures} found
+ */
+function curesInWords(p, { jump, v_c, cures }) {
+  if (cures.length) {
+    return `Each change alone, the rest held. The jump is ${quantity(jump, "length")} now.`;
+  }
+  const { zeta, Delta } = numbersOf(p);
+  if (zeta >= 1) return `Nothing to suppress: with ζ = ${digits(zeta, 3)} no slip comes to rest.`;
+  if (!(Delta > 0)) return "Nothing to suppress: damping and no gap leave no cycle.";
+  const [pull, critical] = [p.v, v_c].map((each) => quantity(each, "velocity"));
+  return (
+    `Nothing to suppress: the pull of ${pull} is ${digits(p.v / v_c, 3)} times the critical ` +
+    `velocity ${critical}.`
+  );
+}

@@ -1,0 +1,252 @@
+/** The plane of stiffness and speed: where there is no stick-slip, and the setting as a point. */
+
+import { numbersOf } from "../model/friction.js";
+import { criticalCurve, equalJump } from "../model/maps.js";
+import { logAxis } from "../view/axis.js";
+import { byId, draw, on, put, setText } from "../view/dom.js";
+import { makeFrame, polyline, px } from "../view/frame.js";
+import { quantity } from "../view/units.js";
+
+/**
+ * @import { Page } from "../main.js"
+ * @import { Setting } from "../model/friction.js"
+ * @import { Solution } from "../view/solution.js"
+ */
+
+/** @typedef {{low: number, high: number}} Span SI */
+
+/** Decades of each axis. */
+const DECADES = 4;
+/** Where the point is nearer to an edge than this part of the axis, the axis is placed anew. */
+const EDGE = 0.06;
+/** Lines of equal jump are drawn this often at most while a slider is dragged [ms]. */
+const LINES_EVERY = 150;
+/** An arrow key changes a parameter by this factor, a page key by the larger. */
+const KEY_STEP = 10 ** (1 / 40);
+const PAGE_STEP = 10 ** (1 / 4);
+/** Room for the words of the free region [px]. */
+const ROOM_FOR_WORDS = 30;
+const MOST_LINES = 9;
+
+/**
+ * Bring the plane to life.
+ *
+ * @param {SVGSVGElement} svg
+ * @param {Page} page
+ * @returns resize(); show(solution)
+ */
+export function makePlane(svg, page) {
+  const frame = makeFrame(svg);
+  const said = byId("plane-said");
+  const point = byId("plane-point");
+  const hatch = draw(svg.querySelector("defs"), "pattern", {
+    id: "plane-hatch",
+    width: 7,
+    height: 7,
+    patternUnits: "userSpaceOnUse",
+    patternTransform: "rotate(45)",
+  });
+  draw(hatch, "path", { class: "free-line", d: "M0 0V7" });
+  const free = draw(frame.under, "path", { fill: "url(#plane-hatch)" });
+  const lines = draw(frame.curves, "path", { class: "level" });
+  const curve = draw(frame.curves, "path", { class: "curve mass" });
+  const words = draw(frame.over, "text", { class: "note", "text-anchor": "middle" });
+  /** @type {Element[]} */
+  const names = [];
+  /** @type {{k: Span, v: Span} | null} */
+  let spans = null;
+  /** @type {Setting} */
+  let p = null;
+  let drawn = "";
+  let waiting = 0;
+  /** @type {{dx: number, dy: number, box: DOMRect} | null} from the point to the pointer [px] */
+  let grip = null;
+
+  /** What the plane depends on: k and v are no part of it, their axes are. */
+  const key = () =>
+    [p.m, numbersOf(p).N, p.mu_s, p.mu_k, p.c, spans.k.low, spans.v.low, svg.clientWidth].join();
+
+  /** @param {Solution} solution */
+  function show({ motion, v_c }) {
+    p = motion.p;
+    if (!grip) spans = { k: spanFor(p.k, spans?.k), v: spanFor(p.v, spans?.v) };
+    const now = key();
+    if (now !== drawn) {
+      drawn = now;
+      drawPlane();
+      waiting ||= setTimeout(drawLines, LINES_EVERY);
+    }
+    const [x, y] = [frame.x(p.k), frame.y(p.v)].map(px);
+    point.style.transform = `translate(${x}px, ${y}px)`;
+    const values = `k ${quantity(p.k, "stiffness")}, v ${quantity(p.v, "velocity")}`;
+    put(point, {
+      "aria-valuenow": Math.log10(p.k).toFixed(3),
+      "aria-valuemin": Math.log10(spans.k.low),
+      "aria-valuemax": Math.log10(spans.k.high),
+      "aria-valuetext": `${values}, ${motion.cycle.exists ? "stick-slip" : "no stick-slip"}`,
+    });
+    setText(said, planeInWords(p, v_c, values));
+  }
+
+  function drawPlane() {
+    const { k, v } = spans;
+    frame.scale(
+      logAxis(k.low, k.high, "stiffness", "k"),
+      logAxis(v.low, v.high, "velocity", "v"),
+    );
+    const { left, right, top, bottom } = frame.area;
+    const points = criticalCurve(p, k.low, k.high).map(
+      (each) => /** @type {[number, number]} */ ([frame.x(each.k), frame.y(each.v)]),
+    );
+    put(curve, { d: polyline(points) });
+    // Without damping there is no region without stick-slip; with it, all that is not below v_c.
+    const under = points.length ? `H${px(points[0][0])}L${polyline(points).slice(1)}V${top}` : "V";
+    const around = points.length ? `M${left} ${bottom}${under}H${left}Z` : "";
+    const whole = `M${left} ${bottom}H${right}V${top}H${left}Z`;
+    put(free, { d: p.c === 0 ? "" : around || whole });
+    const { text, x, y } = wordsFor(points);
+    setText(words, text);
+    put(words, { x: px(x), y: px(y) });
+  }
+
+  /** The words for the free region, where there is most room for them. */
+  function wordsFor(points) {
+    const { left, top, width, bottom } = frame.area;
+    const middle = left + 0.5 * width;
+    if (p.c === 0) return { text: "c = 0: stick-slip in the whole plane", x: middle, y: top + 30 };
+    const rooms = [0.3, 0.5, 0.7].map((share) => {
+      const x = left + share * width;
+      const beyond = points.findIndex(([px]) => px >= x);
+      // To the left of the curve all is free.
+      const floor = beyond > 0 ? Math.min(points[beyond][1], points[beyond - 1][1]) : bottom;
+      return { x, room: Math.min(floor, bottom) - top };
+    });
+    const best = rooms.reduce((one, other) => (other.room > one.room ? other : one));
+    const hasRoom = best.room > ROOM_FOR_WORDS + 14;
+    return { text: hasRoom ? "no stick-slip" : "", x: best.x, y: top + 0.5 * best.room + 8 };
+  }
+
+  function drawLines() {
+    waiting = 0;
+    const { left, right, top, bottom } = frame.area;
+    let path = "";
+    let used = 0;
+    for (const jump of levels(p, spans)) {
+      const points = equalJump(p, jump, spans.v.low, spans.v.high).map(
+        (each) => /** @type {[number, number]} */ ([frame.x(each.k), frame.y(each.v)]),
+      );
+      path += polyline(points);
+      const seen = points.find(
+        ([x, y]) => x > left + 18 && x < right - 18 && y < bottom - 4 && y > top + 22,
+      );
+      if (!seen) continue;
+      names[used] ??= draw(frame.over, "text", { class: "note", "text-anchor": "middle" });
+      setText(names[used], quantity(jump, "length").replace(".000", "").replace(/\.0+/, ""));
+      put(names[used++], { x: px(seen[0]), y: px(seen[1]) });
+    }
+    for (const name of names.splice(used)) name.remove();
+    put(lines, { d: path });
+  }
+
+  /** @type {(values: {k: number, v: number}) => void} */
+  function move(values) {
+    const rounded = Object.entries(values).map(([name, value]) => [name, Number(value.toPrecision(3))]);
+    try {
+      page.set(Object.fromEntries(rounded));
+    } catch {
+      // What the page refuses, the point does not reach.
+    }
+  }
+
+  /** @type {(x: number, y: number) => void} to a place in the drawing [px], held inside the plot */
+  function moveTo(x, y) {
+    const { left, top, width, height } = frame.area;
+    const along = (share, { low, high }) => low * (high / low) ** Math.min(Math.max(share, 0), 1);
+    move({
+      k: along((x - left) / width, spans.k),
+      v: along(1 - (y - top) / height, spans.v),
+    });
+  }
+
+  on(point, "pointerdown", (event) => {
+    const box = svg.getBoundingClientRect();
+    grip = {
+      dx: event.clientX - box.left - frame.x(p.k),
+      dy: event.clientY - box.top - frame.y(p.v),
+      box,
+    };
+    point.setPointerCapture(event.pointerId);
+  });
+  on(point, "pointermove", ({ clientX, clientY }) => {
+    if (grip) moveTo(clientX - grip.box.left - grip.dx, clientY - grip.box.top - grip.dy);
+  });
+  on(point, "lostpointercapture", () => {
+    grip = null;
+    // The axes follow once the point is let go, so that it stays under the pointer.
+    show(page.solution());
+  });
+  on(svg, "click", ({ clientX, clientY }) => {
+    const box = svg.getBoundingClientRect();
+    moveTo(clientX - box.left, clientY - box.top);
+  });
+  on(point, "keydown", (event) => {
+    const step = event.shiftKey ? PAGE_STEP : KEY_STEP;
+    const [k, v] = {
+      ArrowRight: [step, 1],
+      ArrowLeft: [1 / step, 1],
+      ArrowUp: [1, step],
+      ArrowDown: [1, 1 / step],
+      PageUp: [1, PAGE_STEP],
+      PageDown: [1, 1 / PAGE_STEP],
+      Home: [spans.k.low / p.k, 1],
+      End: [spans.k.high / p.k, 1],
+    }[event.key] ?? [0, 0];
+    if (!k) return;
+    event.preventDefault();
+    move({ k: p.k * k, v: p.v * v });
+  });
+
+  return {
+    resize() {
+      frame.resize(svg.clientWidth, svg.clientHeight);
+    },
+    show,
+  };
+}
+
+/**
+ * The ends of an axis, whole decades: those in use while the value is well inside them.
+ *
+ * @param {number} value SI
+ * @param {Span} [old]
+ * @returns {Span}
+ */
+function spanFor(value, old) {
+  if (old) {
+    const share = Math.log(value / old.low) / Math.log(old.high / old.low);
+    if (share > EDGE && share < 1 - EDGE) return old;
+  }
+  const low = Math.round(Math.log10(value) - 0.5 * DECADES);
+  return { low: Number(`1e${low}`), high: Number(`1e${low + DECADES}`) };
+}
+
+/** The powers of ten among the jumps in the plane [m]. */
+function levels(p, { k, v }) {
+  const force = (p.mu_s - p.mu_k) * numbersOf(p).N;
+  const swing = (speed, stiffness) => 2 * Math.PI * speed * Math.sqrt(p.m / stiffness);
+  const least = Math.log10(force / k.high + swing(v.low, k.high));
+  const most = Math.log10((2 * force) / k.low + swing(v.high, k.low));
+  const step = Math.max(1, Math.ceil((most - least) / MOST_LINES));
+  const found = [];
+  for (let n = Math.ceil(least); n <= most; n += step) found.push(Number(`1e${n}`));
+  return found;
+}
+
+function planeInWords(p, v_c, values) {
+  if (p.c === 0) return `At ${values}: c = 0, so there is no critical velocity at any stiffness.`;
+  if (v_c === 0) return `At ${values}: no stick-slip at any speed.`;
+  const critical = quantity(v_c, "velocity");
+  return p.v > v_c
+    ? `At ${values}: no stick-slip, as v is above the critical ${critical}.`
+    : `At ${values}: stick-slip; it ends above ${critical}.`;
+}
