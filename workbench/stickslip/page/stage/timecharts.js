@@ -18,6 +18,8 @@ import { cyclesBegin } from "./stretch.js";
 
 /** A phase's name is written into its band where that is this wide [px]. */
 const ROOM_FOR_NAME = 38;
+/** The name of the break-away force stands above its line where this is free [px]. */
+const ROOM_ABOVE = 18;
 /** Width of the words "pulled end" [px]. */
 const PULLED_END = 62;
 /** The overshoot is told where it is this high [px]. */
@@ -74,7 +76,9 @@ export function makeTimeCharts(svgX, svgF) {
     put(pull, { d: `M${left} ${start}L${right} ${end}` });
     const level = px(F.frame.y(numbers.F_s));
     put(threshold, { d: `M${left} ${level}H${right}` });
-    note(thresholdName, `Fₛ = ${quantity(numbers.F_s, "force")}`, right - 4, level + 13, F.frame);
+    const above = level - F.frame.area.top > ROOM_ABOVE ? -6 : 13;
+    const F_s = quantity(numbers.F_s, "force");
+    note(thresholdName, `Fₛ = ${F_s}`, right - 4, level + above, F.frame);
     nameCurves(motion, seen, phases);
     showOvershoot(motion, seen, phases);
     x.shade(phases);
