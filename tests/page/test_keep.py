@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from stickslip.commands.quantities import read_values
 from tests.page.browser import opened
 from tests.page.settings import block, corner, presets, wide, with_damping
-from tests.page.using import drawn, pause, set_values, setting, text_of
+from tests.page.using import drawn, look, pause, set_values, setting, text_of
 from tests.workbench.running import Command
 
 if TYPE_CHECKING:
@@ -75,6 +75,7 @@ def test_the_csv_is_what_the_charts_show(page: Page, tmp_path: Path) -> None:
 
 def test_every_event_has_its_row(page: Page, tmp_path: Path) -> None:
     """Break-aways and re-sticks stand at their exact times, beside 2,000 even steps."""
+    look(page, 0.0, 10.0)
     rows = table(page, tmp_path)
     events = [each["t"] for each in page.evaluate("window.stickslip.events(0, 10)")]
     assert len(events) > 60
@@ -114,7 +115,9 @@ def test_the_svg_stands_alone(
         paths = {each.get("class"): each.get("d") for each in root.iter(f"{SVG}path")}
         assert paths["curve force"] == page.get_attribute("#F-chart .curve.force", "d")
         masses = [
-            each.get("d") for each in root.iter(f"{SVG}path") if each.get("class") == "curve mass"
+            each.get("d")
+            for each in root.iter(f"{SVG}path")
+            if (each.get("class") or "").startswith("curve mass")
         ]
         assert masses == [
             page.get_attribute(f"#{chart} .curve.mass", "d") for chart in ("x-chart", "phase-chart")

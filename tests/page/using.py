@@ -28,6 +28,11 @@ def pause(page: Page) -> None:
         page.click("#play")
 
 
+def look(page: Page, start: float, end: float) -> None:
+    """Let the charts show a stretch of time [s]."""
+    page.evaluate("([from, to]) => { window.stickslip.view = { from, to }; }", [start, end])
+
+
 def type_in(page: Page, name: str, text: str) -> None:
     """Type a text for a parameter, in place of what stands there."""
     page.fill(f"#{name}", text)
@@ -73,7 +78,7 @@ def shown(page: Page) -> Mapping[str, Any]:
     found: Mapping[str, Any] = page.evaluate(
         "all => Object.fromEntries("
         "all.map(each => [each, document.querySelector(each).getAttribute('d')]))",
-        [*CURVES, "#phase-chart .curve"],
+        [*CURVES, "#phase-chart .curve.mass"],
     )
     return found
 
