@@ -10,7 +10,7 @@ from stickslip_fmu.spec import TABLE
 from stickslip_ref import Parameters
 from tests.page.browser import opened
 from tests.page.settings import block, presets, table
-from tests.page.using import drawn, press, set_values, setting, shown, type_in, unfold
+from tests.page.using import drawn, press, set_values, setting, shown, type_in
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -123,12 +123,3 @@ def test_a_jump_within_the_page_is_no_setting(page: Page) -> None:
     assert page.inner_text("#address-said") == ""
     assert "k=2345" in address(page)
     assert setting(page)["k"] == 2345.0
-
-
-def test_the_folded_values_are_still_told(page: Page) -> None:
-    """Mass, gravity and damping are said in one line while their controls are folded away."""
-    for text in ("m 1 kg", "g 9.81 m/s²", "c 0 N·s/m"):
-        assert text in page.inner_text("#more summary")
-    assert not page.is_visible("#m")
-    unfold(page)
-    assert page.is_visible("#m")

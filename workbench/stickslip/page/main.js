@@ -10,7 +10,12 @@ import { makePortrait } from "./stage/portrait.js";
 import { makeApplications } from "./applications/applications.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
+import { makeReader } from "./view/spelled.js";
+import { makeSaid } from "./said/said.js";
+import { makeSound } from "./sound/sound.js";
 import { makeSchematic } from "./stage/schematic.js";
+import { claimed } from "./model/claims.js";
+import { harmonicsOf } from "./model/harmonics.js";
 import { flawOf, solve } from "./view/solution.js";
 import { makeStory } from "./story/story.js";
 import { makeStretch } from "./stage/stretch.js";
@@ -49,6 +54,7 @@ const schematic = makeSchematic(byId("schematic"));
 const readouts = makeReadouts();
 const showResults = makeResults();
 const writeAddress = makeAddress();
+const reader = makeReader(data.units);
 
 /** @type {Solution} */
 let solution = null;
@@ -70,7 +76,7 @@ const player = makePlayer(
   (t) => readouts.tell(solution.motion.at(t)),
 );
 
-const controls = makeControls(data.controls, (p) => {
+const controls = makeControls(data.controls, reader, (p) => {
   const next = solve(p);
   const flaw = flawOf(next);
   if (flaw) return flaw;
@@ -99,11 +105,14 @@ const story = makeStory(page, data.steps);
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [];
 sections.push(makeApplications(page, data.applications));
+const sound = makeSound(page);
+sections.push(sound.show, makeSaid(page, data.sentences, controls.starts));
 
 const keeping = makeKeeping({
   motion: () => solution.motion,
   stretch: seen,
   starts: controls.starts,
+  reader,
 });
 
 function redrawSoon() {
@@ -205,6 +214,7 @@ window.stickslip = {
     controls.set(values);
     redraw();
   },
+  compare: (values) => page.set(values, { ghost: true }),
   get setting() {
     return controls.setting;
   },
@@ -217,6 +227,11 @@ window.stickslip = {
   get criticalVelocity() {
     return solution.v_c;
   },
+  /** A text as a quantity of this SI unit, or what is wrong with it. */
+  read: (text, unit) => reader.read(text, unit, unit),
+  said: (id, setting) => claimed(id, { ...controls.starts, ...setting }),
+  harmonics: (count) => harmonicsOf(solution.motion.p, count),
+  record: sound.record,
   at: (t) => solution.motion.at(t),
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {
