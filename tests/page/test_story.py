@@ -61,15 +61,16 @@ def test_next_and_back_lead_through_the_steps(page: Page) -> None:
 
 
 def test_a_link_opens_any_step(browser: Browser, page_file: Path) -> None:
-    """In a fresh window the step of the address is set, open, and scrolled into sight."""
+    """In a fresh window the step of the address is set, and it stands open beneath the stage."""
     for n, values in STEPS.items():
         with opened(browser, page_file, fragment=f"step={n}") as page:
             assert setting(page) == values
             assert open_steps(page) == [n]
             page.wait_for_function(
                 """step => {
+                  const stage = document.querySelector("#stage").getBoundingClientRect();
                   const { top } = document.getElementById(step).getBoundingClientRect();
-                  return top >= 0 && top < innerHeight;
+                  return top >= stage.bottom && top < 0.6 * innerHeight;
                 }""",
                 arg=f"step={n}",
             )
