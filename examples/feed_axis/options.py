@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import typer
 
-from stickslip.commands.units import parse
+from stickslip.units import parse
 
 from .axis import Axis, critically_damped
 

@@ -15,8 +15,8 @@ from typing import Annotated, Final
 import numpy as np
 import typer
 
-from stickslip.commands.units import parse
 from stickslip.errors import CommandError
+from stickslip.units import parse
 from stickslip_fmu.packer import build as build_block
 from stickslip_native.compiler import CompilerError
 from stickslip_native.packer import build as build_native

@@ -14,7 +14,7 @@ import pytest
 
 from tests.page.browser import launched, opened
 from tests.page.settings import presets
-from tests.page.using import drag, open_folds, press, type_in
+from tests.page.using import SI, drag, open_folds, press, type_in
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -39,7 +39,7 @@ FILES = ("save-csv", "save-svg", "save-png")
 def use_everything(page: Page) -> None:
     """Press, drag, type, choose and save all that the page offers."""
     open_folds(page)
-    for name in ("k", "v", "mu_s", "mu_k", "m", "g", "c"):
+    for name in SI:
         press(page, name, "ArrowRight")
         type_in(page, name, "x")
         type_in(page, name, "0.4")

@@ -40,6 +40,9 @@ PLAIN: Dimension = (0, 0, 0, 0, 0, 0, 0, 0)
         ("ms", "0.001", "s"),
         ("us", "1e-6", "s"),
         ("min", "60", "s"),
+        ("day", "86400", "s"),
+        ("mm/year", "1/31557600000", "m/s"),
+        ("TN/m", "1e12", "N/m"),
         ("kHz", "1000", "Hz"),
         ("1/s", "1", "Hz"),
         ("g", "0.001", "kg"),
@@ -62,7 +65,22 @@ def test_a_plain_spelling_is_understood(text: str, factor: str, si: str) -> None
 
 @pytest.mark.parametrize(
     "text",
-    ["furlong", "m/s/s", "N/m.s", "mm.", "/s", "kkg", "rad/s", "degC", "m/", "in", "m m", "-1"],
+    [
+        "furlong",
+        "m/s/s",
+        "N/m.s",
+        "mm.",
+        "/s",
+        "kkg",
+        "rad/s",
+        "degC",
+        "m/",
+        "in",
+        "m m",
+        "-1",
+        "kday",
+        "years",
+    ],
 )
 def test_what_could_be_read_in_two_ways_is_not_understood(text: str) -> None:
     """An unknown or ambiguous spelling is no unit rather than a guess."""

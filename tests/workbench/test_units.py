@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stickslip.commands.units import kind_of, parse
 from stickslip.errors import CommandError
+from stickslip.units import KINDS, parse
 
 UNITS = ("kg", "m", "s", "m/s", "m/s2", "N", "N/m", "N.s/m", "1")
 
@@ -27,6 +27,9 @@ UNITS = ("kg", "m", "s", "m/s", "m/s2", "N", "N/m", "N.s/m", "1")
         ("3 ms", "s", 0.003),
         ("2 min", "s", 120.0),
         ("1.2 m/min", "m/s", 0.02),
+        ("2 mm/min", "m/s", 1 / 30000),
+        ("31.5576 mm/year", "m/s", 1e-9),
+        ("1 day", "s", 86400.0),
         ("-3 mm", "m", -0.003),
         ("+.5e-1cm", "m", 5e-4),
         ("2 N.s/m", "N.s/m", 2.0),
@@ -91,7 +94,7 @@ def test_what_is_no_such_quantity_is_refused(text: str, unit: str, reason: str) 
         parse(text, unit, "--option", "(above 0)")
     message = str(refusal.value)
     assert message.startswith(f"--option {text!r} {reason}")
-    assert message.endswith(f"(above 0), such as {kind_of(unit).example}")
+    assert message.endswith(f"(above 0), such as {KINDS[unit].example}")
     assert "\n" not in message
 
 
@@ -113,4 +116,4 @@ def test_no_text_gives_anything_but_a_number_or_a_refusal(text: str, unit: str) 
 @pytest.mark.parametrize("unit", UNITS)
 def test_an_example_in_a_message_is_right(unit: str) -> None:
     """The example that a message gives is accepted."""
-    assert parse(kind_of(unit).example, unit, "--option") > 0.0
+    assert parse(KINDS[unit].example, unit, "--option") > 0.0

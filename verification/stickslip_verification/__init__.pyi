@@ -11,6 +11,9 @@ from .model.events import Event as Event
 from .model.events import Transition as Transition
 from .model.events import events_between as events_between
 from .model.margins import margin as margin
+from .model.units import UNIT_PREFIXES as UNIT_PREFIXES
+from .model.units import UNITS_ALONE as UNITS_ALONE
+from .model.units import UNITS_WITH_PREFIX as UNITS_WITH_PREFIX
 from .model.units import Unit as Unit
 from .model.units import spelled as spelled
 from .model.verdict import CheckResult as CheckResult

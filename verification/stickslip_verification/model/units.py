@@ -54,7 +54,7 @@ class Conversion:
         return moved * self.denominator / self.numerator
 
 
-_COHERENT: Mapping[str, tuple[Fraction, Dimension]] = {
+UNITS_WITH_PREFIX: Mapping[str, tuple[Fraction, Dimension]] = {
     "m": (Fraction(1), _LENGTH),
     "g": (Fraction(1, 1000), _MASS),
     "s": (Fraction(1), _TIME),
@@ -63,17 +63,21 @@ _COHERENT: Mapping[str, tuple[Fraction, Dimension]] = {
     "W": (Fraction(1), (1, 2, -3, 0, 0, 0, 0, 0)),
     "Hz": (Fraction(1), (0, 0, -1, 0, 0, 0, 0, 0)),
 }
+"""Factor and dimension of the units that take a prefix, by symbol."""
 
-_ALONE: Mapping[str, tuple[Fraction, Dimension]] = {
+UNITS_ALONE: Mapping[str, tuple[Fraction, Dimension]] = {
     "1": (Fraction(1), _NONE),
     "%": (Fraction(1, 100), _NONE),
     "min": (Fraction(60), _TIME),
     "h": (Fraction(3600), _TIME),
+    "day": (Fraction(86400), _TIME),
+    # The Julian year of astronomy and geodesy: 365.25 days.
+    "year": (Fraction(31557600), _TIME),
     "t": (Fraction(1000), _MASS),
 }
-"""Units that take no prefix."""
+"""Factor and dimension of the units that take no prefix, by symbol."""
 
-_PREFIXES: Mapping[str, Fraction] = {
+UNIT_PREFIXES: Mapping[str, Fraction] = {
     "p": Fraction(1, 10**12),
     "n": Fraction(1, 10**9),
     "u": Fraction(1, 10**6),
@@ -85,7 +89,9 @@ _PREFIXES: Mapping[str, Fraction] = {
     "k": Fraction(1000),
     "M": Fraction(10**6),
     "G": Fraction(10**9),
+    "T": Fraction(10**12),
 }
+"""Factors of the prefixes, by symbol."""
 
 _FACTOR = re.compile(
     r"(?P<symbol>1|%|[^\W\d_²³]+)(?:(?:\^|\*\*)?(?P<power>[+-]?\d{1,2})|(?P<raised>[²³]))?"
@@ -134,13 +140,13 @@ def _factor(text: str) -> tuple[Fraction, Dimension, int] | None:
     if match is None:
         return None
     symbol, power = match["symbol"], int(match["power"] or _RAISED.get(match["raised"], 1))
-    if symbol in _ALONE:
-        return *_ALONE[symbol], power
-    if symbol in _COHERENT:
-        return *_COHERENT[symbol], power
-    if symbol[0] in _PREFIXES and symbol[1:] in _COHERENT:
-        size, dimension = _COHERENT[symbol[1:]]
-        return _PREFIXES[symbol[0]] * size, dimension, power
+    if symbol in UNITS_ALONE:
+        return *UNITS_ALONE[symbol], power
+    if symbol in UNITS_WITH_PREFIX:
+        return *UNITS_WITH_PREFIX[symbol], power
+    if symbol[0] in UNIT_PREFIXES and symbol[1:] in UNITS_WITH_PREFIX:
+        size, dimension = UNITS_WITH_PREFIX[symbol[1:]]
+        return UNIT_PREFIXES[symbol[0]] * size, dimension, power
     return None
 
 

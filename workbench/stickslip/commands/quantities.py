@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from fmukit.table import Table
-from stickslip.commands import units
+from stickslip import units
 from stickslip.errors import CommandError
 from stickslip_fmu.spec import TABLE
 

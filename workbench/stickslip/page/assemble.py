@@ -1,20 +1,24 @@
-"""Puts the page together: markup, style, script, presets and theory in one HTML file."""
+"""Puts the page together: markup, style, script, texts and theory in one HTML file."""
 
 import json
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from functools import cache
 from importlib.resources import files
 from typing import Any, Final
 
 from stickslip.page.script import joined
+from stickslip.units import KINDS
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
+from stickslip_verification import UNIT_PREFIXES, UNITS_ALONE, UNITS_WITH_PREFIX
 
 _ENTRY: Final = "main.js"
 # End tags that HTML lets one leave out wherever the next element or the parent's end follows.
 _OPTIONAL_ENDS: Final = re.compile(r"</(?:t[dhr]|d[dt]|li|tbody|thead|option)>(?=\s*<)")
+_SETTING: Final = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
 # Where a text holds a number of the model: its name, and how it is shown.
 _FIGURE: Final = re.compile(r"\{(\w+:\w+)\}")
 _SOURCES: Final = files("stickslip.page")
@@ -33,6 +37,8 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     from rcssmin import cssmin
     from rjsmin import jsmin
 
+    from stickslip.page import rows
+
     environment = Environment(
         loader=FunctionLoader(_text),
         autoescape=True,
@@ -41,12 +47,23 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         undefined=StrictUndefined,
     )
     environment.filters["figures"] = _figures
-    presets = _table("applications/presets.toml")["preset"]
+    start: dict[str, Any] = {name: TABLE.by_name[name].start for name in _SETTING}
+    table = _table("applications/applications.toml")["application"]
+    applications = rows.applications(table, start)
+    story = rows.story(_table("story/story.toml")["step"], start, table)
     sentences = _table("said/said.toml")["sentence"]
     data = {
         # What the markup already says, the script need not.
-        "controls": [_without(each, {"label", "symbol", "folded"}) for each in _controls()],
-        "presets": [_without(preset, {"name"}) for preset in presets],
+        "controls": [
+            *(_without(each, {"label", "symbol"}) for each in _controls()),
+            *_parameters(),
+        ],
+        "units": _units(),
+        "applications": [
+            {**_only(each, {"id", *start}), "cures": [cure.get("set") for cure in each["cures"]]}
+            for each in applications
+        ],
+        "steps": [_only(step, {"set", "over", "from"}) for step in story],
         "sentences": [
             _without(each, {"said", "sign", "verdict", "truth", "topic"}) for each in sentences
         ],
@@ -55,7 +72,9 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     text = environment.get_template("page.html.j2").render(
         version=VERSION,
         controls=_controls(),
-        presets=presets,
+        applications=applications,
+        story=story,
+        questions=rows.questions(_table("questions/questions.toml")["question"], start, table),
         sentences=sentences,
         data=_embedded(data),
         style=cssmin("".join(map(_text, ["style.css", *_paths(".css")]))),
@@ -71,27 +90,62 @@ def page_range(name: str) -> tuple[float, float, str]:
     Raises
     ------
     KeyError
-        If the page has no such control.
+        If the page has no such parameter.
     """
-    control = next((each for each in _controls() if each["name"] == name), None)
-    if control is None:
+    row = next((each for each in [*_controls(), *_parameters()] if each["name"] == name), None)
+    if row is None:
         raise KeyError(name)
-    shown = 10.0 ** control["decimals"]
     unit = TABLE.by_name[name].unit
-    return control["least"] / shown, control["most"] / shown, "" if unit == "1" else unit
+    return row["least"], row["most"], "" if unit == "1" else unit
 
 
 @cache
 def _controls() -> list[dict[str, Any]]:
-    """Return the controls, each with the start value (SI) of its FMU variable."""
-    return [
-        {**control, "start": TABLE.by_name[control["name"]].start}
-        for control in _table("controls/controls.toml")["control"]
-    ]
+    """Return the controls, each with its SI unit and what is expected there in words.
+
+    That of a parameter has the start value (SI) of its FMU variable.
+    """
+    return [_described(row) for row in _table("controls/controls.toml")["control"]]
+
+
+@cache
+def _parameters() -> list[dict[str, Any]]:
+    """Return the parameters that have no control, each with its start value (SI)."""
+    return [_described(row) for row in _table("controls/controls.toml")["parameter"]]
+
+
+def _described(row: Mapping[str, Any]) -> dict[str, Any]:
+    variable = TABLE.by_name.get(row["name"])
+    # The normal force is no variable of the FMU.
+    kind = KINDS[variable.unit if variable else "N"]
+    start = {"start": variable.start} if variable else {}
+    unit = "" if kind.unit == "1" else kind.unit
+    return {**row, **start, "unit": unit, "expected": kind.expected()}
+
+
+def _units() -> dict[str, Any]:
+    """Return the command's tables of units: symbol to numerator, denominator and exponents."""
+
+    def spelled_out(table: Mapping[str, tuple[Fraction, Sequence[int]]]) -> dict[str, list[int]]:
+        return {
+            symbol: [*size.as_integer_ratio(), *dimension]
+            for symbol, (size, dimension) in table.items()
+        }
+
+    return {
+        "prefixable": spelled_out(UNITS_WITH_PREFIX),
+        "alone": spelled_out(UNITS_ALONE),
+        "prefixes": {symbol: size.as_integer_ratio() for symbol, size in UNIT_PREFIXES.items()},
+        "kinds": {unit: kind.name for unit, kind in KINDS.items()},
+    }
 
 
 def _without(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
     return {key: value for key, value in row.items() if key not in keys}
+
+
+def _only(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
+    return {key: value for key, value in row.items() if key in keys}
 
 
 def _modules() -> dict[str, str]:

@@ -1,128 +1,155 @@
 /** The parameters: a slider and a typed value each, the clamp of mu_k, and what is refused. */
 
-import { kineticInUse, kineticStop } from "../model/friction.js";
+import { kineticInUse, kineticStop, numbersOf } from "../model/friction.js";
 import { byId, on, setText } from "../view/dom.js";
-import { placeSlider, sliderEnds, valueAt } from "./slider.js";
-import { readTyped, shortest, typedText } from "./typed.js";
-import { shifted } from "../view/units.js";
+import { scaleFor, shortest } from "../view/units.js";
+import { numberAt, placeSlider, sliderEnds } from "./slider.js";
+import { outOfRange, readTyped, typedText } from "./typed.js";
 
 /**
  * @import { Setting } from "../model/friction.js"
+ * @import { Reader } from "../view/spelled.js"
  * @import { Control } from "./typed.js"
  */
+
+/** A unit may be half typed: what is wrong with it is told when nothing more comes [ms]. */
+const HALF_TYPED = 900;
 
 /**
  * Bring the controls to life.
  *
- * @param {Control[]} table the page's controls
+ * @param {Control[]} table the page's controls, and the parameters without one
+ * @param {Reader} reader of the typed quantities
  * @param {(p: Setting) => string | null} accept called with each new setting; a text refuses it
- * @returns setting: the values in use; wanted; set(values): take these [SI] as if typed, throws a
- *   RangeError with the reason if they are refused; objectionTo(name, value): that reason for one
- *   of them; starts: the values of the FMU
+ * @returns setting: the values in use; wanted: the same as the person asked for; set(values): take
+ *   these [SI] as if typed, throws a RangeError with the reason if they are refused;
+ *   objectionTo(name, value): that reason for one of them; starts: the values of the FMU
  */
-export function makeControls(table, accept) {
+export function makeControls(table, reader, accept) {
+  const parameters = table.filter(({ start }) => start !== undefined);
   /** @type {any} a Setting, by the names of the table */
-  const starts = Object.fromEntries(table.map(({ name, start }) => [name, start]));
-  const rows = Object.fromEntries(table.map((control) => [control.name, makeRow(control)]));
-  const folded = byId("folded-values");
+  const starts = Object.fromEntries(parameters.map(({ name, start }) => [name, start]));
+  const rows = table.filter(({ kind }) => kind).map(makeRow);
+  const parts = byId("N-parts");
   /** @type {Setting} */
   let setting = { ...starts };
-  // What the person asked of mu_k; what is in use may be less.
-  let asked = setting.mu_k;
+  // What the person asked for; mu_k in use may be less, and the load more.
+  let wanted = setting;
 
   function makeRow(control) {
-    const box = byId(`${control.name}-control`);
+    const { name } = control;
+    const box = byId(`${name}-control`);
     const row = {
       control,
-      text: byId(control.name),
-      slider: byId(`${control.name}-slider`),
+      text: byId(name),
+      unit: byId(`${name}-unit`),
+      slider: byId(`${name}-slider`),
       track: box.querySelector(".track"),
       ends: box.querySelectorAll(".ends span"),
       said: box.querySelector(".said"),
+      scale: null,
       shown: null,
       state: null,
       written: null,
+      waiting: 0,
     };
     on(row.slider, "input", () => slide(row));
+    on(row.slider, "blur", () => show(row));
     on(row.text, "input", () => type(row));
-    on(row.text, "blur", () => row.said.dataset.bad || write(row));
-    on(row.text, "keydown", (event) => {
-      if (event.key === "Escape") show(row, true);
+    on(row.text, "blur", () => leave(row));
+    on(row.text, "keydown", ({ key }) => {
+      if (key === "Enter") leave(row);
+      if (key === "Escape") show(row);
     });
     return row;
   }
 
   function slide(row) {
     const { name } = row.control;
-    const value = valueAt(row.slider, row.control, row.shown);
-    if (name === "mu_k") return take({ mu_k: value }, value, row);
+    const value = reader.valueOf(numberAt(row.slider, row.control, row.shown), row.scale.unit);
+    const next = changed(name, value);
     // A slider keeps the gap; what is typed needs only to be no more than mu_s.
-    const mu_k = name === "mu_s" ? Math.min(asked, kineticStop(value)) : setting.mu_k;
-    return take({ [name]: value, mu_k }, asked, row);
+    const stop = name === "mu_s" ? Math.min(next.mu_k, kineticStop(value)) : setting.mu_k;
+    take(next, name === "mu_k" ? value : stop, row);
   }
 
-  function type(row) {
-    const { name } = row.control;
-    const read = readTyped(row.text.value, row.control);
-    const objection = read.objection ?? tryTyped(name, read.value, row);
-    if (objection) refuse(row, objection);
+  function type(row, isAll = false) {
+    clearTimeout(row.waiting);
+    row.waiting = 0;
+    const read = readTyped(row.text.value, row.control, reader, row.scale.unit);
+    // The unit beside the field is not that of a text which names its own.
+    row.unit.style.visibility = read.inUnit ? "hidden" : "";
+    const objection = read.objection ?? takeTyped(changed(row.control.name, read.value), row);
+    if (!objection) return;
+    if (!read.inUnit || isAll) refuse(row, objection);
+    else row.waiting = setTimeout(() => refuse(row, objection), HALF_TYPED);
   }
 
-  function tryTyped(name, value, row) {
-    const wanted = name === "mu_k" ? value : asked;
-    const mu_s = name === "mu_s" ? value : setting.mu_s;
-    return take({ [name]: value, mu_k: kineticInUse(mu_s, wanted) }, wanted, row);
+  /** The field is left: what stands there is all, and is shown as the value in use. */
+  function leave(row) {
+    if (row.waiting) type(row, true);
+    if (row.said.dataset.bad) return;
+    row.written = null;
+    show(row);
   }
 
-  /** Take new values if they are accepted, and show them; `from` is the row they come from. */
-  function take(values, wanted, from) {
-    const next = { ...setting, ...values };
-    const objection = accept(next);
+  /** What is wanted with another value of one of the controls. */
+  function changed(name, value) {
+    return { ...wanted, ...(name === "N" ? { load: value - setting.m * setting.g } : { [name]: value }) };
+  }
+
+  function takeTyped(next, from) {
+    return take(next, kineticInUse(next.mu_s, next.mu_k), from);
+  }
+
+  /** Take what is wanted if it is accepted, and show it; `from` is the row it comes from. */
+  function take(next, mu_k, from) {
+    // A lighter mass keeps its load, till that would lift it.
+    const used = { ...next, mu_k, load: Math.max(next.load, -(next.m * next.g)) };
+    const objection = accept(used);
     if (objection) return objection;
-    setting = next;
-    asked = wanted;
-    for (const row of Object.values(rows)) show(row, row !== from);
-    showFolded();
+    setting = used;
+    wanted = next;
+    for (const row of rows) show(row, from);
+    const { m, g, load } = setting;
+    setText(parts, `weight ${short(m * g)} + load ${short(load)}`);
     return null;
-  }
-
-  /** What is folded away is still said. */
-  function showFolded() {
-    const texts = ["m", "g", "c"].map((name) => {
-      const { control } = rows[name];
-      return `${name} ${typedText(setting[name], control)} ${control.unit}`;
-    });
-    setText(folded, texts.join(", "));
   }
 
   function refuse(row, objection) {
     row.text.setAttribute("aria-invalid", "true");
-    const { name, unit } = row.control;
-    const last = `${typedText(setting[name], row.control)} ${unit}`.trim();
-    say(row, `${objection} The picture still shows ${last}.`, true);
+    say(row, `${objection} The picture still shows ${inWords(row)}.`, true);
   }
 
-  function show(row, rewrite) {
+  function valueOf({ control: { name } }) {
+    return name === "N" ? numbersOf(setting).N : setting[name];
+  }
+
+  /** Show the value in use; in the row that it comes from, what the person holds stays. */
+  function show(row, from = null) {
     const { control, slider, text, said } = row;
+    clearTimeout(row.waiting);
+    row.waiting = 0;
     const isKinetic = control.name === "mu_k";
-    const value = setting[control.name];
+    const value = valueOf(row);
+    if (row !== from) row.scale = scaleFor(value, control.kind);
     const note = isKinetic ? clampNote() : "";
-    const state = `${value} ${isKinetic ? setting.mu_s : ""} ${note}`;
+    const state = `${value} ${row.scale.unit} ${isKinetic ? setting.mu_s : ""} ${note}`;
     // To set a slider where it stands already would still cost a layout.
     if (state === row.state && text.value === row.written && !said.dataset.bad) return;
     row.state = state;
-    if (slider !== document.activeElement || rewrite || isKinetic) place(row, value);
-    else slider.setAttribute("aria-valuetext", `${typedText(value, control)} ${control.unit}`);
-    if (rewrite || text !== document.activeElement) write(row);
+    const held = row === from ? document.activeElement : null;
+    if (slider !== held || isKinetic) place(row, value);
+    slider.setAttribute("aria-valuetext", inWords(row));
+    if (text !== held) write(row, value);
     row.written = text.value;
     text.removeAttribute("aria-invalid");
     say(row, note, false);
   }
 
   function place(row, value) {
-    const { control } = row;
-    const shown = shifted(String(control.name === "mu_k" ? setting.mu_s : value), control.decimals);
-    const ends = sliderEnds(control, shown);
+    const { control, scale } = row;
+    const ends = sliderEnds(control, control.name === "mu_k" ? setting.mu_s : value, scale);
     setText(row.ends[0], shortest(ends.low));
     setText(row.ends[1], shortest(ends.high));
     row.shown = ends;
@@ -132,19 +159,23 @@ export function makeControls(table, accept) {
       row.track.style.setProperty("--share", stop / ends.high);
       row.shown = { low: 0, high: stop };
     }
-    placeSlider(row.slider, control, value, row.shown);
+    placeSlider(row.slider, control, value, scale, row.shown);
   }
 
-  function write(row) {
-    const text = typedText(setting[row.control.name], row.control);
-    // What rounding left of a difference is not for reading.
-    row.text.value = text.length > 14 ? String(Number(Number(text).toPrecision(12))) : text;
+  function write(row, value) {
+    row.text.value = typedText(value, row.scale);
+    setText(row.unit, row.scale.unit);
+    row.unit.style.visibility = "";
+  }
+
+  function inWords(row) {
+    return `${typedText(valueOf(row), row.scale)} ${row.scale.unit}`.trim();
   }
 
   function clampNote() {
-    if (asked === setting.mu_k) return "";
+    if (wanted.mu_k === setting.mu_k) return "";
     const held = Number(setting.mu_k.toPrecision(6));
-    return `Held at ${held}: ${asked} is too near to μs = ${setting.mu_s}, or above.`;
+    return `Held at ${held}: ${wanted.mu_k} is too near to μs = ${setting.mu_s}, or above.`;
   }
 
   function say(row, text, bad) {
@@ -155,20 +186,23 @@ export function makeControls(table, accept) {
 
   /** What is wrong with a value of a parameter, SI, or null. */
   function objectionTo(name, value) {
-    const row = rows[name];
-    if (!row) return `There is no parameter ${name}.`;
-    const { objection } = readTyped(typedText(Number(value), row.control), row.control);
-    return objection ? `${name}: ${objection}` : null;
+    const parameter = parameters.find((each) => each.name === name);
+    if (!parameter) return `There is no parameter ${name}.`;
+    const objection = outOfRange(Number(value), parameter);
+    return objection ? `${name}: ${value} ${objection}.` : null;
   }
 
   function set(values) {
-    const next = { ...setting, mu_k: asked };
+    const next = { ...wanted };
     for (const [name, value] of Object.entries(values)) {
       const objection = objectionTo(name, value);
       if (objection) throw new RangeError(objection);
       next[name] = Number(value);
     }
-    const objection = take({ ...next, mu_k: kineticInUse(next.mu_s, next.mu_k) }, next.mu_k, null);
+    const lifted = "load" in values && next.m * next.g + next.load < 0;
+    const objection = lifted
+      ? `load: ${next.load} N would lift the mass, whose weight is ${next.m * next.g} N.`
+      : takeTyped(next, null);
     if (objection) throw new RangeError(objection);
   }
 
@@ -176,12 +210,17 @@ export function makeControls(table, accept) {
     get setting() {
       return setting;
     },
-    /** The same with mu_k as the person asked for it. */
     get wanted() {
-      return { ...setting, mu_k: asked };
+      return wanted;
     },
     objectionTo,
     set,
     starts,
   };
+}
+
+/** A force in four digits. */
+function short(force) {
+  const { size, unit } = scaleFor(force, "force");
+  return `${shortest(Number((force / size).toPrecision(4))).replace("-", "−")}\u00a0${unit}`;
 }

@@ -1,8 +1,5 @@
 /** How a slider's position and a control's value belong together. */
 
-import { typedText } from "./typed.js";
-import { shifted } from "../view/units.js";
-
 /** @import { Control } from "./typed.js" */
 
 /**
@@ -13,7 +10,7 @@ import { shifted } from "../view/units.js";
  */
 
 /**
- * The ends of a slider, in its control's unit.
+ * The ends of a slider, in the unit that is shown.
  *
  * @typedef {{low: number, high: number}} Ends
  */
@@ -22,22 +19,20 @@ import { shifted } from "../view/units.js";
 const STEPS = 300;
 
 /**
- * The ends of a control's slider, in its unit: those of the table, or, for a value beyond them,
- * ends about that value.
+ * The ends of a control's slider in a unit: those of the table, or, for a value beyond them, ends
+ * about that value.
  *
  * @param {Control} control
- * @param {number} value in the control's unit
+ * @param {number} value SI
+ * @param {{size: number}} scale of the unit that is shown
  * @returns {Ends}
  */
-export function sliderEnds(control, value) {
-  const { low, high, scale } = control;
-  if (value >= low && value <= high) return { low, high };
-  if (scale !== "log") {
-    const rounded = (number) => Number(number.toPrecision(2));
-    if (value > high) return { low, high: rounded(1.25 * value) };
-    return { low: rounded(0.5 * value), high };
-  }
-  const decade = Math.floor(Math.log10(value));
+export function sliderEnds({ low, high, scale }, value, { size }) {
+  const shown = (number) => Number((number / size).toPrecision(12));
+  const rounded = (number) => Number((number / size).toPrecision(2));
+  if (value > high && scale !== "log") return { low: shown(low), high: rounded(1.25 * value) };
+  if (!value || (value >= low && value <= high)) return { low: shown(low), high: shown(high) };
+  const decade = Math.floor(Math.log10(shown(value)));
   return { low: Number(`1e${decade - 1}`), high: Number(`1e${decade + 2}`) };
 }
 
@@ -47,41 +42,38 @@ export function sliderEnds(control, value) {
  * @param {Slider} slider
  * @param {Control} control
  * @param {number} value in use, SI
+ * @param {{size: number}} scale of the unit that is shown
  * @param {Ends} ends
  */
-export function placeSlider(slider, control, value, ends) {
-  const shown = shifted(String(value), control.decimals);
+export function placeSlider(slider, control, value, { size }, ends) {
+  const shown = value / size;
   const linear = control.scale === "linear";
   slider.min = linear ? ends.low : 0;
   slider.max = linear ? ends.high : STEPS;
   slider.step = linear ? linearStep(ends) : 1;
   slider.value = linear ? shown : STEPS * shareOf(control, shown, ends);
-  slider.setAttribute("aria-valuetext", `${typedText(value, control)} ${control.unit}`.trim());
 }
 
 /**
- * The value, SI, that a slider's position means: three digits of the shown unit.
+ * The number, in the unit that is shown, that a slider's position means: three digits.
  *
  * @param {HTMLInputElement} slider
  * @param {Control} control
  * @param {Ends} ends
+ * @returns {string}
  */
-export function valueAt(slider, control, ends) {
-  if (control.scale === "linear") {
-    // The end itself may lie between two steps.
-    const text = atEnd(slider) ? String(ends.high) : slider.value;
-    return shifted(text, -control.decimals);
-  }
+export function numberAt(slider, control, { low, high }) {
+  // The end itself may lie between two steps.
+  if (control.scale === "linear") return atEnd(slider) ? String(high) : slider.value;
   const share = Number(slider.value) / STEPS;
-  const { low, high } = ends;
   const shown = control.scale === "log" ? low * (high / low) ** share : high * share * share;
-  return shifted(String(Number(shown.toPrecision(3))), -control.decimals);
+  return String(Number(shown.toPrecision(3)));
 }
 
 function shareOf(control, shown, { low, high }) {
-  return control.scale === "log"
-    ? Math.log(shown / low) / Math.log(high / low)
-    : Math.sqrt(shown / high);
+  if (control.scale !== "log") return Math.sqrt(shown / high);
+  // A value of 0 has no place on it, and is shown at the lower end.
+  return shown > 0 ? Math.log(shown / low) / Math.log(high / low) : 0;
 }
 
 function linearStep({ high }) {

@@ -1,77 +1,67 @@
-/** What a person types for a control: a number of the shown unit, or the reason why it is none. */
+/** What a person types for a control: a quantity, or the reason why it is none. */
 
-import { shifted } from "../view/units.js";
+import { shortened } from "../view/spelled.js";
+import { shortest } from "../view/units.js";
+
+/** @import { Reader } from "../view/spelled.js" */
 
 /**
  * A row of the page's controls, as controls.toml explains it.
  *
  * @typedef {object} Control
- * @property {string} name of the parameter
- * @property {string} unit in which it is shown
- * @property {number} decimals the shown number is the SI one times ten to this power
+ * @property {string} name of the parameter, or N for the normal force
+ * @property {string} unit SI
+ * @property {string} expected what may be typed, in words
+ * @property {string} kind key of the scales of its units
  * @property {string} scale how the slider spans its ends: "linear", "log" or "square"
- * @property {number} low lower end of the slider, in the shown unit
- * @property {number} high upper end of the slider, in the shown unit
- * @property {number} least what may be typed at least, in the shown unit
- * @property {number} most what may be typed at most, in the shown unit
- * @property {number} start start value of the FMU [SI]
+ * @property {number} low lower end of the slider [SI]
+ * @property {number} high upper end of the slider [SI]
+ * @property {number} least what is taken at least [SI]
+ * @property {number} most what is taken at most [SI]
+ * @property {number} [start] start value of the FMU [SI]
  */
-
-const NUMBER = /^[+-]?(\d+(\.\d*)?|\.\d+)(e[+-]?\d+)?$/i;
 
 /**
  * Read a typed text.
  *
  * @param {string} text as typed
  * @param {Control} control
- * @returns {{value?: number, objection?: string}} the value in SI, rounded once, or what is wrong
+ * @param {Reader} reader
+ * @param {string} shown the unit beside the field, which a plain number is in
+ * @returns {{value?: number, objection?: string, inUnit?: boolean}} the value in SI, rounded once,
+ *   or what is wrong; whether the text names a unit
  */
-export function readTyped(text, control) {
-  const typed = text.trim().replace(/^−/, "-");
-  const unit = control.unit ? ` ${control.unit}` : "";
+export function readTyped(text, control, reader, shown) {
+  const typed = text.trim();
   if (typed === "") return { objection: "A number is needed." };
-  if (/^[+-]?\d+,\d+$/.test(typed)) return { objection: "Write the decimals after a point." };
-  if (!NUMBER.test(typed)) {
-    const hint = /^[+-]?\.?\d/.test(typed) ? " Type it alone, without unit or blanks." : "";
-    return { objection: `“${shortened(typed)}” is no number.${hint}` };
-  }
-  const shown = Number(typed);
-  if (!Number.isFinite(shown)) {
-    return { objection: `${shortened(typed)} is larger than can be computed with.` };
-  }
-  if (shown < 0 || (shown === 0 && control.least > 0)) {
-    const range = control.least > 0 ? "above 0" : "0 or more";
-    return { objection: `${shortened(typed)}${unit} is out of range: it must be ${range}.` };
-  }
-  if (shown < control.least || shown > control.most) {
-    const range = `from ${control.least} to ${control.most}${unit}`;
-    return { objection: `${shortened(typed)}${unit} is out of range: ${range}.` };
-  }
+  const { value, wrong, inUnit } = reader.read(typed, control.unit, shown);
+  const objection = wrong ? `${wrong}; expected ${control.expected}` : outOfRange(value, control);
   // A typed -0 is a 0.
-  return { value: shifted(typed, -control.decimals) + 0 };
+  if (!objection) return { value: value + 0, inUnit };
+  return { objection: `“${shortened(typed)}” ${objection}.`, inUnit };
 }
 
 /**
- * The text of an SI value in the control's unit, with all its digits.
+ * Why a value is out of a control's range, or null.
  *
  * @param {number} value SI
  * @param {Control} control
  */
-export function typedText(value, control) {
-  return shortest(shifted(String(value), control.decimals));
+export function outOfRange(value, { least, most, unit }) {
+  if (value >= least && value <= most) return null;
+  if (least >= 0 && value <= 0) {
+    return `is out of range: it must be ${least > 0 ? "above 0" : "0 or more"}`;
+  }
+  return `is out of range: from ${least} to ${most} ${unit}`.trim();
 }
 
 /**
- * The text of a double, with an exponent where zeros would fill it.
+ * The number of an SI value in a unit, as a person reads it.
  *
- * @param {number} value
+ * @param {number} value SI
+ * @param {{size: number}} scale of the unit
  */
-export function shortest(value) {
-  const plain = String(value);
-  const withExponent = value.toExponential().replace("e+", "e");
-  return plain.length > 7 && withExponent.length < plain.length ? withExponent : plain;
-}
-
-function shortened(text) {
-  return text.length > 14 ? `${text.slice(0, 12)}…` : text;
+export function typedText(value, { size }) {
+  // Beyond 12 digits stands what rounding left of a division or a difference.
+  return shortest(Number((value / size).toPrecision(12)));
 }

@@ -9,6 +9,7 @@ import { pngOf, resolvedStyle, svgText } from "./picture.js";
  * @import { Setting } from "../model/friction.js"
  * @import { Motion } from "../model/motion.js"
  * @import { Stretch } from "../stage/stretch.js"
+ * @import { Reader } from "../view/spelled.js"
  */
 
 /** Pixels between two drawings of the picture, and above them for its caption. */
@@ -22,20 +23,20 @@ const FINENESS = 2;
  *
  * @param {Setting} p
  */
-function settingInWords({ k, v, mu_s, mu_k, m, g, c }) {
+function settingInWords({ k, v, mu_s, mu_k, m, g, load, c }) {
   return [
     `k = ${k} N/m, v = ${v} m/s, μₛ = ${mu_s}, μₖ = ${mu_k}`,
-    `m = ${m} kg, g = ${g} m/s², c = ${c} N·s/m`,
+    `m = ${m} kg, g = ${g} m/s², load = ${load} N, c = ${c} N·s/m`,
   ];
 }
 
 /**
  * Bring the buttons to life.
  *
- * @param {{motion: () => Motion, stretch: Stretch, starts: Setting}} of what they keep
+ * @param {{motion: () => Motion, stretch: Stretch, starts: Setting, reader: Reader}} of what they keep
  * @returns refresh(): after another setting or stretch of time
  */
-export function makeKeeping({ motion, stretch, starts }) {
+export function makeKeeping({ motion, stretch, starts, reader }) {
   const command = byId("command");
   const said = byId("keep-said");
 
@@ -90,7 +91,7 @@ export function makeKeeping({ motion, stretch, starts }) {
 
   return {
     refresh() {
-      setText(command, commandLine(motion().p, starts, stretch.to));
+      setText(command, commandLine(motion().p, starts, stretch.to, reader));
     },
   };
 }

@@ -18,7 +18,9 @@ import { cyclesBegin } from "./stretch.js";
 
 /** A phase's name is written into its band where that is this wide [px]. */
 const ROOM_FOR_NAME = 38;
-/** The overshoot is explained where it is this high [px]. */
+/** Width of the words "pulled end" [px]. */
+const PULLED_END = 62;
+/** The overshoot is told where it is this high [px]. */
 const ROOM_FOR_OVERSHOOT = 2;
 /** Cycles of a ghost that are drawn. */
 const MOST_GHOSTS = 60;
@@ -89,8 +91,9 @@ export function makeTimeCharts(svgX, svgF) {
    */
   function nameCurves({ p }, seen, phases) {
     const { left, right, bottom } = x.frame.area;
-    const t = seen.from + 0.06 * (seen.to - seen.from);
-    note(pullName, "pulled end", left + 8, x.frame.y(p.v * t) - 8, x.frame);
+    // The line rises: the name clears it where it ends.
+    const t = seen.from + ((8 + PULLED_END) / (right - left)) * (seen.to - seen.from);
+    note(pullName, "pulled end", left + 8, x.frame.y(p.v * t) - 2, x.frame);
     const stick = [...phases].reverse().find(
       ({ kind, start, end }) =>
         kind === "stick" && x.frame.x(end) - x.frame.x(start) > ROOM_FOR_NAME && end < seen.to,

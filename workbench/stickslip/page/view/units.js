@@ -14,6 +14,29 @@ const SCALES = {
     [1e-3, "mm/s"],
     [1e-6, "µm/s"],
     [1e-9, "nm/s"],
+    [1e-3 / 31557600, "mm/year"],
+  ],
+  mass: [
+    [1e3, "t"],
+    [1, "kg"],
+    [1e-3, "g"],
+    [1e-6, "mg"],
+  ],
+  stiffness: [
+    [1e12, "TN/m"],
+    [1e9, "kN/µm"],
+    [1e6, "N/µm"],
+    [1e3, "kN/m"],
+    [1, "N/m"],
+    [1e-3, "mN/m"],
+  ],
+  damping: [
+    [1e12, "TN·s/m"],
+    [1e9, "GN·s/m"],
+    [1e6, "MN·s/m"],
+    [1e3, "kN·s/m"],
+    [1, "N·s/m"],
+    [1e-3, "mN·s/m"],
   ],
   force: [
     [1e12, "TN"],
@@ -46,9 +69,9 @@ const SCALES = {
   number: [[1, ""]],
 };
 
-/** Minutes, hours, days begin to be better read at more than one of them. */
+/** Units that begin to be better read than the next smaller one at more than one of them. */
 /** @type {Record<string, number>} */
-const ENOUGH = { min: 2, h: 2, days: 2, years: 2 };
+const ENOUGH = { min: 2, h: 2, days: 2, years: 2, "nm/s": 10, "kN/m": 10 };
 
 /**
  * The unit in which a value is read best.
@@ -110,12 +133,12 @@ export function fixed(value, { size, unit, decimals }) {
 }
 
 /**
- * A double from its shortest text, times ten to a power, rounded once: ("0.02", 3) is 20.
+ * The text of a double, with an exponent where zeros would fill it.
  *
- * @param {string} text
- * @param {number} power
+ * @param {number} value
  */
-export function shifted(text, power) {
-  const [mantissa, exponent = "0"] = text.toLowerCase().split("e");
-  return Number(`${mantissa}e${Number(exponent) + power}`);
+export function shortest(value) {
+  const plain = String(value);
+  const withExponent = value.toExponential().replace("e+", "e");
+  return plain.length > 7 && withExponent.length < plain.length ? withExponent : plain;
 }

@@ -1,4 +1,4 @@
-"""Quantities as people type them: `20mm/s`, `1 kN/m`, `0.5 N/um`, `1e3`; plain numbers are SI.
+"""Quantities as people type them: `20mm/s`, `31 mm/year`, `0.5 N/um`, `1e3`; plain numbers are SI.
 
 A unit is a product and quotient of symbols, each with an optional power: `N.s/m`, `m/s2`, `kg/s`.
 It is refused if its dimension is not the one expected. Numbers are scaled as fractions and rounded
@@ -29,9 +29,13 @@ class Kind:
         unit = spelled(self.unit)
         return unit.dimension if unit else None
 
+    def expected(self, within: str = "") -> str:
+        """Return what is expected in words: name, SI unit, range `within`, example."""
+        unit = "" if self.unit == "1" else f" in {self.unit}"
+        return f"{self.name}{unit}{' ' if within else ''}{within}, such as {self.example}"
 
-# The keys are units as the FMU's variable table and the command's own options write them.
-_KINDS: Final = {
+
+KINDS: Final = {
     kind.unit: kind
     for kind in (
         Kind("a mass", "kg", "2 kg"),
@@ -45,24 +49,9 @@ _KINDS: Final = {
         Kind("a plain number", "1", "0.5"),
     )
 }
+"""The kinds of quantities that the command reads, by SI unit as the variable table spells it."""
 
 _NUMBER: Final = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
-
-
-def kind_of(unit: str) -> Kind:
-    """Return the kind of quantity that has this SI unit.
-
-    Parameters
-    ----------
-    unit
-        An SI unit as the FMU's variable table writes it, such as ``"N.s/m"``.
-
-    Raises
-    ------
-    KeyError
-        If the command knows no quantity of this unit.
-    """
-    return _KINDS[unit]
 
 
 def parse(text: str, unit: str, option: str, within: str = "") -> float:
@@ -91,8 +80,8 @@ def parse(text: str, unit: str, option: str, within: str = "") -> float:
         message names the option, the text and what is expected.
     """
     # A friction law may have a parameter of any unit.
-    kind = _KINDS.get(unit) or Kind("a quantity", unit, f"0.5 {unit}")
-    expected = _expected(kind, within)
+    kind = KINDS.get(unit) or Kind("a quantity", unit, f"0.5 {unit}")
+    expected = kind.expected(within)
     stripped = text.strip()
     number = _NUMBER.match(stripped)
     if number is None:
@@ -107,7 +96,7 @@ def parse(text: str, unit: str, option: str, within: str = "") -> float:
         if typed is None:
             raise _refused(text, expected, option, f"has the unknown unit {symbol!r}")
         if typed.dimension != kind.dimension:
-            found = next((k.name for k in _KINDS.values() if k.dimension == typed.dimension), None)
+            found = next((k.name for k in KINDS.values() if k.dimension == typed.dimension), None)
             reason = f"is {found}" if found else f"has the unit {symbol!r}"
             raise _refused(text, expected, option, reason)
         scale = typed.factor
@@ -126,11 +115,6 @@ def _scaled(number: str, scale: Fraction) -> float:
         return float(Fraction(number) * scale)
     except OverflowError:
         return math.inf
-
-
-def _expected(kind: Kind, within: str) -> str:
-    unit = "" if kind.unit == "1" else f" in {kind.unit}"
-    return f"{kind.name}{unit}{' ' if within else ''}{within}, such as {kind.example}"
 
 
 def _refused(text: str, expected: str, option: str, reason: str) -> CommandError:

@@ -1,0 +1,152 @@
+/** Quantities as people type them, read as the command reads them: `20 mm/s`, `40 N/um`, `1e3`. */
+
+/**
+ * A unit: its size in SI as a fraction, and the exponents of the base units.
+ *
+ * @typedef {{top: bigint, bottom: bigint, dimension: number[]}} Unit
+ */
+
+/**
+ * The command's own tables: size as a fraction and exponents by symbol, names of dimensions.
+ *
+ * @typedef {object} UnitTable
+ * @property {Record<string, [top: number, bottom: number, ...dimension: number[]]>} prefixable
+ * @property {Record<string, [top: number, bottom: number, ...dimension: number[]]>} alone
+ * @property {Record<string, [top: number, bottom: number]>} prefixes
+ * @property {Record<string, string>} kinds name of a quantity by its SI unit
+ */
+
+/** @typedef {ReturnType<typeof makeReader>} Reader */
+
+const NUMBER = /^[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+-]?\d+)?/i;
+const FACTOR = /^(1|%|\p{L}+)(?:(?:\^|\*\*)?([+-]?\d{1,2})|([²³]))?$/u;
+const PRODUCT = /[.·]|(?<!\*)\*(?!\*)/;
+
+/** The smallest double above 0 is two to minus this power. */
+const LOWEST = 1074;
+
+/**
+ * Make the reader of quantities.
+ *
+ * @param {UnitTable} table
+ * @returns read(text, unit, shown): a quantity of the dimension of `unit`; valueOf(number, unit):
+ *   the double, SI, nearest to a decimal number of a unit
+ */
+export function makeReader({ prefixable, alone, prefixes, kinds }) {
+  /** The unit of a spelling, or null if it is not understood. */
+  function unitOf(spelling) {
+    const text = spelling === "-" ? "" : spelling;
+    const [above, ...below] = text.replace(/\s*([./*·])\s*/g, "$1").split("/");
+    const parts = above ? above.split(PRODUCT).map((part) => factor(part, 1)) : [];
+    if (below.length && !above) return null;
+    // As in print, everything after the stroke stands below it.
+    parts.push(...below.flatMap((each) => each.split(PRODUCT)).map((part) => factor(part, -1)));
+    if (parts.includes(null)) return null;
+    return parts.reduce(
+      (all, part) => ({
+        top: all.top * part.top,
+        bottom: all.bottom * part.bottom,
+        dimension: all.dimension.map((power, n) => power + part.dimension[n]),
+      }),
+      { top: 1n, bottom: 1n, dimension: alone[1].slice(2) },
+    );
+  }
+
+  function factor(text, side) {
+    const [, symbol, digits, raised] = FACTOR.exec(text) ?? [];
+    if (!symbol) return null;
+    const power = side * Number(digits ?? (raised === "³" ? 3 : raised === "²" ? 2 : 1));
+    let [size, prefix] = [own(alone, symbol) ?? own(prefixable, symbol), [1, 1]];
+    if (!size) {
+      [prefix, size] = [own(prefixes, symbol[0]), own(prefixable, symbol.slice(1))];
+      if (!prefix || !size) return null;
+    }
+    const [top, bottom] = [0, 1].map((n) => BigInt(size[n] * prefix[n]) ** BigInt(Math.abs(power)));
+    const dimension = size.slice(2).map((each) => power * each);
+    return power < 0 ? { top: bottom, bottom: top, dimension } : { top, bottom, dimension };
+  }
+
+  /** The name of a quantity of this unit, such as "a force". */
+  function nameOf({ dimension }) {
+    return Object.keys(kinds).find((unit) => same(unitOf(unit).dimension, dimension));
+  }
+
+  return {
+    /**
+     * Read a quantity.
+     *
+     * @param {string} text as typed
+     * @param {string} unit SI, of the dimension that is expected
+     * @param {string} shown the unit of a number without one
+     * @returns {{value?: number, wrong?: string, inUnit: boolean}} the finite double nearest to the
+     *   quantity, SI, or what is wrong with the text; whether it names a unit
+     */
+    read(text, unit, shown) {
+      const typed = text.trim();
+      const [number] = NUMBER.exec(typed) ?? [];
+      if (number === undefined) return { wrong: "is not a finite number", inUnit: false };
+      const symbol = typed.slice(number.length).trim();
+      if (symbol[0] === ",") {
+        return { wrong: "has a comma where the decimal point is expected", inUnit: false };
+      }
+      const inUnit = symbol !== "";
+      const found = unitOf(symbol || shown);
+      if (!found) return { wrong: `has the unknown unit “${shortened(symbol)}”`, inUnit };
+      if (!same(found.dimension, unitOf(unit).dimension)) {
+        const kind = nameOf(found);
+        return { wrong: kind ? `is ${kinds[kind]}` : `has the unit “${symbol}”`, inUnit };
+      }
+      const value = scaled(number, found);
+      return Number.isFinite(value)
+        ? { value, inUnit }
+        : { wrong: "is larger than a double can hold", inUnit };
+    },
+    valueOf: (number, unit) => scaled(number, unitOf(unit)),
+  };
+}
+
+/**
+ * A text short enough to be said again.
+ *
+ * @param {string} text
+ */
+export function shortened(text) {
+  return text.length > 14 ? `${text.slice(0, 12)}…` : text;
+}
+
+function own(table, symbol) {
+  return Object.hasOwn(table, symbol) ? table[symbol] : undefined;
+}
+
+function same(one, other) {
+  return one.every((power, n) => power === other[n]);
+}
+
+/** The double nearest to a decimal number times the size of a unit: rounded once. */
+function scaled(number, { top, bottom }) {
+  const unscaled = Number(number);
+  // A number that is 0 or infinity as a double has an exponent that a fraction must not expand.
+  if (top === bottom || !unscaled || !Number.isFinite(unscaled)) return unscaled;
+  const [mantissa, exponent = "0"] = number.toLowerCase().split("e");
+  const [whole, decimals = ""] = mantissa.replace(/[+-]/, "").split(".");
+  const power = Number(exponent) - decimals.length;
+  const ten = 10n ** BigInt(Math.abs(power));
+  const above = BigInt(whole + decimals) * top;
+  const value = nearest(power > 0 ? above * ten : above, power < 0 ? bottom * ten : bottom);
+  return unscaled < 0 ? -value : value;
+}
+
+/** The double nearest to a fraction above 0, the even one of two that are as near. */
+function nearest(top, bottom) {
+  const bits = (whole) => whole.toString(2).length;
+  // The quotient as a whole number of 53 bits, of fewer where doubles end, times a power of two.
+  for (let shift = Math.min(53 - bits(top) + bits(bottom), LOWEST); ; shift -= 1) {
+    const above = top << BigInt(Math.max(shift, 0));
+    const below = bottom << BigInt(Math.max(-shift, 0));
+    const whole = above / below;
+    if (whole >> 53n) continue;
+    const rest = 2n * (above - whole * below);
+    const up = rest > below || (rest === below && whole & 1n);
+    return Number(up ? whole + 1n : whole) * 2 ** -shift;
+  }
+}
