@@ -20,7 +20,18 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 MOST_BYTES = 200_000
-BUTTONS = ("play", "play", "zoom-in", "zoom-out", "earlier", "later", "zoom-auto", "copy")
+BUTTONS = (
+    "play",
+    "play",
+    "sound",
+    "sound",
+    "zoom-in",
+    "zoom-out",
+    "earlier",
+    "later",
+    "zoom-auto",
+    "copy",
+)
 PLANTED = "http://127.0.0.1:9/planted"
 FILES = ("save-csv", "save-svg", "save-png")
 
@@ -37,6 +48,8 @@ def use_everything(page: Page) -> None:
         page.click(f"[data-preset={preset}]")
     for button in BUTTONS:
         page.click(f"#{button}")
+    for button in page.locator("[data-said]").all():
+        button.click()
     for button in FILES:
         with page.expect_download() as download:
             page.click(f"#{button}")
