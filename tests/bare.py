@@ -1,8 +1,9 @@
 """Runs tests as on a machine that lacks what they need beyond pip, and reads the reasons told.
 
 ``python -m tests.bare`` runs the tests that need something (tests/needs.py); further words go to
-pytest, such as ``tests`` for all of them. No chromium, C compiler and node are on the PATH, libtbb,
-libatomic and Pango are empty files, the shared libpython counts as missing. No test may fail.
+pytest, such as ``tests`` for all of them. No chromium, Firefox, C compiler and node are on the
+PATH, libtbb, libatomic and Pango are empty files, the shared libpython counts as missing. No test
+may fail.
 """
 
 import os
@@ -14,10 +15,15 @@ from pathlib import Path
 
 from tests.needs import HIDDEN_LIBPYTHON, NEEDS, ROOT
 
-PROGRAMS = re.compile(r"(.*-)?(cc|c\d\d|gcc|clang|tcc|chromium|chrome|node|np[mx])([-_.\d].*)?")
+PROGRAMS = re.compile(
+    r"(.*-)?(cc|c\d\d|gcc|clang|tcc|chromium|chrome|firefox|node|np[mx])([-_.\d].*)?"
+)
 """The programs that are hidden, by their names."""
 LIBRARIES = ("libtbb.so.12", "libatomic.so.1", "libpango-1.0.so.0")
-MISSING = ("libcosimpy", "ecospy", "proxyfmu", "cc", "libpython", "browser", "typescript", "pdf")
+MISSING = (
+    *("libcosimpy", "ecospy", "proxyfmu", "cc", "libpython"),
+    *("browser", "firefox", "typescript", "pdf"),
+)
 """What cannot be used without them."""
 
 

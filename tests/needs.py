@@ -31,6 +31,13 @@ is linked to it cannot run where it is hidden."""
 TSC = ("npx", "--yes", "--package", "typescript@6.0.3", "--", "tsc")
 """The command of TypeScript's compiler: its version is said here alone, npm gets and keeps it."""
 
+PUPPETEER = ("npx", "--yes", "--package", "puppeteer-core@24.43.1", "--", "node")
+"""The command of node with puppeteer-core, which drives Firefox by WebDriver BiDi: its version is
+said here alone, npm gets and keeps it. Playwright drives no Firefox but its own."""
+
+SMOKE = ROOT / "tests" / "page" / "firefox" / "smoke.js"
+"""The script that drives Firefox."""
+
 ARM_LIBRARIES = "/usr/aarch64-linux-gnu"
 """Folder with the C library of Linux ARM64: Debian's package libc6-arm64-cross."""
 
@@ -206,17 +213,39 @@ _qemu = partial(
 _wine = partial(_starts, "wine64", WINE, "--version")
 
 
-def _typescript() -> None:
+def _by_npm(*command: str) -> None:
+    """Run a command of a package that npm gets."""
     install = "apt-get install nodejs npm"
     if lost := [name for name in ("node", "npx") if shutil.which(name) is None]:
         raise LackingError(f"there is no program {' and no '.join(lost)}", install)
     # Two processes that fetch it at once would disturb each other.
     with Path(__file__).open(encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        done = _run([*TSC, "--version"])
+        done = _run(list(command))
     if done.returncode != 0:
         said = done.stderr.strip() or f"exit code {done.returncode}"
-        raise LackingError(f"npx: {said.splitlines()[0]}", install)
+        raise LackingError(f"npx: {said.splitlines()[-1]}", install)
+
+
+_typescript = partial(_by_npm, *TSC, "--version")
+
+
+def firefox() -> str:
+    """Return the path of Firefox.
+
+    Raises
+    ------
+    LackingError
+        If there is none.
+    """
+    found = shutil.which("firefox-esr") or shutil.which("firefox")
+    if found is None:
+        raise LackingError("there is no program firefox-esr", "apt-get install firefox-esr")
+    return found
+
+
+def _firefox() -> None:
+    _by_npm(*PUPPETEER, str(SMOKE), firefox())
 
 
 def _run(command: list[str], said: str = "") -> subprocess.CompletedProcess[str]:
@@ -260,6 +289,7 @@ NEEDS = {
         "the page",
         partial(_python, _START_A_BROWSER, "page", "chromium fonts-dejavu-core fonts-dejavu-extra"),
     ),
+    "firefox": Need("the page in Firefox", _firefox),
     "pdf": Need(
         "the report as PDF",
         partial(

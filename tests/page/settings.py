@@ -7,6 +7,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from importlib.resources import files
 from random import Random
+from typing import Any
 
 from stickslip_ref import Parameters, critical_lambda
 
@@ -82,11 +83,14 @@ def wide(draw: Random) -> dict[str, float]:
 
 def presets() -> dict[str, Setting]:
     """Give the settings that the page offers by name."""
-    text = (files("stickslip.page") / "applications" / "presets.toml").read_text(encoding="utf-8")
-    return {
-        preset["id"]: {name: preset[name] for name in NAMES}
-        for preset in tomllib.loads(text)["preset"]
-    }
+    rows = table("applications")["application"]
+    return {row["id"]: {name: row[name] for name in NAMES} for row in rows}
+
+
+def table(section: str) -> dict[str, Any]:
+    """Give the table of a section of the page, such as its applications, as it is written down."""
+    file = files("stickslip.page") / section / f"{section}.toml"
+    return tomllib.loads(file.read_text(encoding="utf-8"))
 
 
 CORNERS: Mapping[str, Setting] = {

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from stickslip.units import parse
 from tests.page.browser import opened
 from tests.page.settings import presets
-from tests.page.using import drawn, open_folds, press, setting, type_in
+from tests.page.using import SI, drawn, open_folds, press, setting, type_in
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -80,19 +81,12 @@ def test_axe_finds_nothing(browser: Browser, page_file: Path, width: int) -> Non
 
 
 def test_forced_colours_hide_no_state(browser: Browser, page_file: Path) -> None:
-    """Where the system chooses the colours, the chosen preset and the key of a curve still show."""
+    """Where the system chooses the colours, the chosen preset still shows."""
     with opened(browser, page_file, forced_colors="active") as page:
         paint = "e => getComputedStyle(e).backgroundColor"
         chosen = page.eval_on_selector("[data-preset][aria-pressed=true]", paint)
         other = page.eval_on_selector("[data-preset][aria-pressed=false]", paint)
         assert chosen != other
-        for key, curve in {
-            "mass": "#x-chart .curve.mass",
-            "force": "#F-chart .curve.force",
-        }.items():
-            stroke = page.eval_on_selector(curve, "e => getComputedStyle(e).stroke")
-            line = "e => getComputedStyle(e, '::before').borderTopColor"
-            assert page.eval_on_selector(f".key.{key}", line) == stroke
 
 
 def test_every_control_is_reached_by_tab_in_the_order_of_reading(page: Page) -> None:
@@ -107,7 +101,7 @@ def test_every_control_is_reached_by_tab_in_the_order_of_reading(page: Page) -> 
         assert here["inSight"], here
         walked.append(here["name"])
     assert walked == wanted
-    controls = ["k", "v", "mu_s", "mu_k", "m", "g", "c"]
+    controls = list(SI)
     assert [name for name in walked if name in controls] == controls
     assert {f"{name}-slider" for name in controls} <= set(walked)
     assert {"play", "scrub", "speed", "zoom-in", "save-csv", "copy", *presets()} <= set(walked)
@@ -116,7 +110,7 @@ def test_every_control_is_reached_by_tab_in_the_order_of_reading(page: Page) -> 
 
 
 def test_the_keyboard_alone_works_the_page(page: Page) -> None:
-    """A preset, a slider, a field, a fold, play and speed: each by Tab, Enter, Space and arrows."""
+    """Presets, a slider, a field with a unit, play, speed: by Tab, Enter, Space and arrows."""
     page.press("[data-preset=squeaky-drawer]", "Enter")
     assert setting(page) == presets()["squeaky-drawer"]
     page.press("[data-preset=violin-bow]", "Space")
@@ -127,10 +121,10 @@ def test_the_keyboard_alone_works_the_page(page: Page) -> None:
     page.keyboard.press("Control+a")
     page.keyboard.type("12.5")
     assert setting(page)["v"] == 0.0125
-    page.press("#more summary", "Enter")
-    assert page.is_visible("#m")
-    page.press("#more summary", "Space")
-    assert not page.is_visible("#m")
+    page.keyboard.press("Control+a")
+    page.keyboard.type("31 mm/year")
+    page.keyboard.press("Tab")
+    assert setting(page)["v"] == parse("31 mm/year", "m/s", "v")
     page.focus("#speed")
     page.keyboard.press("ArrowDown")
     assert page.input_value("#speed") == "1"
@@ -148,12 +142,11 @@ def test_a_first_tab_leads_past_the_controls(page: Page) -> None:
 
 def test_a_slider_says_value_and_unit(page: Page) -> None:
     """What a screen reader says of a slider is the number that is shown, with its unit."""
-    units = {"k": "N/m", "v": "mm/s", "mu_s": "", "mu_k": "", "m": "kg", "g": "m/s²", "c": "N·s/m"}
-    for name, unit in units.items():
+    for name in SI:
         press(page, name, "ArrowLeft", "ArrowRight", "ArrowRight")
         spoken = page.get_attribute(f"#{name}-slider", "aria-valuetext") or ""
-        number, _, said = spoken.partition(" ")
-        assert said == unit
+        number, _, unit = spoken.partition(" ")
+        assert unit == page.inner_text(f"#{name}-unit")
         assert float(number) == float(page.input_value(f"#{name}"))
         label = page.get_attribute(f"#{name}-slider", "aria-label") or ""
         assert label.split(",")[0] in page.inner_text(f"label[for={name}]").replace("\u00a0", " ")
@@ -236,9 +229,9 @@ def test_on_paper_it_is_light_and_keeps_its_values(browser: Browser, page_file: 
             assert page.is_visible(part)
         assert page.input_value("#k") == "1234"
         assert "1234" in page.inner_text("#command")
-        # Browsers leave out backgrounds on paper; in the key of the bands they are what is said.
-        exact = "e => getComputedStyle(e, '::before').printColorAdjust"
-        assert page.eval_on_selector(".key.sticks", exact) == "exact"
+        # Browsers leave out backgrounds on paper; the bands are what is said.
+        exact = "e => getComputedStyle(e).printColorAdjust"
+        assert page.eval_on_selector(".stick-band", exact) == "exact"
         for part in ("#play", "#k-slider", ".presets", "#save-csv", "#copy"):
             assert not page.is_visible(part)
 

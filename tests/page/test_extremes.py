@@ -17,7 +17,7 @@ from tests.page.browser import WIDTH, opened
 from tests.page.drawing import PIXEL
 from tests.page.settings import corner, log_uniform
 from tests.page.test_access import NARROW
-from tests.page.using import pause, press, said, set_values, setting, shown, type_in
+from tests.page.using import look, pause, press, said, set_values, setting, shown, type_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -123,15 +123,15 @@ _SHOW_ALL = """
 
 def typed_anywhere(draw: Random) -> dict[str, float]:
     """Draw a setting [SI] from all that may be typed: each decade alike, often at an end."""
-    text = (files("stickslip.page") / "controls.toml").read_text(encoding="utf-8")
-    p = {}
+    text = (files("stickslip.page") / "controls" / "controls.toml").read_text(encoding="utf-8")
+    p = {"g": 9.81}
     for control in tomllib.loads(text)["control"]:
         ends = control["least"], control["most"]
         # What may be 0 is drawn down to 1e-9 as well.
         inside = log_uniform(draw, max(ends[0], 1e-9), ends[1])
         usual = log_uniform(draw, max(control["low"], 1e-3), control["high"])
-        shown_value = draw.choice([*ends, *[inside] * 8, *[usual] * 5])
-        p[control["name"]] = shown_value * 10.0 ** -control["decimals"]
+        p[control["name"]] = draw.choice([*ends, *[inside] * 8, *[usual] * 5])
+    p["load"] = max(p.pop("N") - p["m"] * p["g"], -p["m"] * p["g"])
     # Independent draws seldom meet: no gap, no damping, and a damping that counts.
     p["mu_k"] = draw.choice([p["mu_k"], p["mu_s"], p["mu_s"] * draw.random()])
     swinging = 2.0 * log_uniform(draw, 1e-6, 10.0) * float(np.sqrt(p["k"] * p["m"]))
@@ -168,6 +168,7 @@ def marks(page: Page, chart: str) -> list[str]:
 def test_a_force_that_is_constant_to_the_last_bit_has_an_axis(page: Page) -> None:
     """Damped to rest and zoomed in 2^9 times, F is one number; its axis is still short and true."""
     pause(page)
+    look(page, 0.0, 10.0)
     press(page, "c", "End")
     assert setting(page)["c"] == 100.0
     for button, times in {"zoom-in": 9, "later": 60}.items():
@@ -230,24 +231,28 @@ def test_an_unreachable_cycle_is_refused(browser: Browser, page_file: Path, page
         assert setting(other)["k"] == 2000.0
     set_values(page, **{**UNREACHED, "g": 1.0})
     good, picture = setting(page), shown(page)
-    type_in(page, "g", "3.26e11")
-    assert "1e9 cycles" in said(page, "g")
-    assert page.get_attribute("#g", "aria-invalid") == "true"
+    type_in(page, "N", "1.4e16 N")
+    assert "1e9 cycles" in said(page, "N")
+    assert page.get_attribute("#N", "aria-invalid") == "true"
     assert (setting(page), shown(page)) == (good, picture)
     page.click("#zoom-in")
     assert page.evaluate("Number.isFinite(window.stickslip.at(window.stickslip.view.to).x)")
 
 
-def test_gravity_below_its_slider_has_a_thumb_to_move(page: Page) -> None:
-    """At g = 0.5, typed, the slider's ends make room, and arrows move it both ways."""
-    type_in(page, "g", "0.5")
-    slider = page.locator("#g-slider")
-    low, value, high = (float(slider.evaluate(f"s => s.{end}")) for end in ("min", "value", "max"))
-    assert low < value == 0.5 < high
-    press(page, "g", "ArrowRight")
-    above = setting(page)["g"]
-    press(page, "g", "ArrowLeft", "ArrowLeft")
-    assert setting(page)["g"] < 0.5 < above
+def test_a_force_below_its_slider_has_a_thumb_to_move(page: Page) -> None:
+    """At N = 0.05, typed, the slider's ends make room, and arrows move it both ways."""
+    type_in(page, "N", "0.05")
+    assert normal_force(page) == pytest.approx(0.05, rel=1e-12)
+    press(page, "N", "ArrowRight")
+    above = normal_force(page)
+    press(page, "N", "ArrowLeft", "ArrowLeft")
+    assert normal_force(page) < 0.05 < above
+
+
+def normal_force(page: Page) -> float:
+    """Give m g + load [N]."""
+    p = setting(page)
+    return p["m"] * p["g"] + p["load"]
 
 
 def test_absurd_turns_of_the_wheel_leave_a_view(page: Page) -> None:
@@ -363,9 +368,8 @@ def test_a_slip_without_end_is_drawn_in_the_portrait_as_it_moves(page: Page, nam
     values, _ = ENDLESS[name]
     pause(page)
     set_values(page, **values)
-    path = page.get_attribute("#phase-chart .curve", "d") or ""
-    load_up, *slip = controls(path)
-    assert len(load_up) == 2
+    path = page.get_attribute("#phase-chart .curve.mass", "d") or ""
+    slip = controls(path)
     spiral = np.concatenate([points_on(piece, 6) for piece in slip])
     p = setting(page)
     first = float(page.evaluate("window.stickslip.events(0, 1e3)[0].t"))

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from stickslip.commands.quantities import read_values
 from tests.page.browser import opened
 from tests.page.settings import block, corner, presets, wide, with_damping
-from tests.page.using import drawn, pause, set_values, setting, text_of
+from tests.page.using import drawn, look, pause, set_values, setting, text_of
 from tests.workbench.running import Command
 
 if TYPE_CHECKING:
@@ -75,6 +75,7 @@ def test_the_csv_is_what_the_charts_show(page: Page, tmp_path: Path) -> None:
 
 def test_every_event_has_its_row(page: Page, tmp_path: Path) -> None:
     """Break-aways and re-sticks stand at their exact times, beside 2,000 even steps."""
+    look(page, 0.0, 10.0)
     rows = table(page, tmp_path)
     events = [each["t"] for each in page.evaluate("window.stickslip.events(0, 10)")]
     assert len(events) > 60
@@ -114,7 +115,9 @@ def test_the_svg_stands_alone(
         paths = {each.get("class"): each.get("d") for each in root.iter(f"{SVG}path")}
         assert paths["curve force"] == page.get_attribute("#F-chart .curve.force", "d")
         masses = [
-            each.get("d") for each in root.iter(f"{SVG}path") if each.get("class") == "curve mass"
+            each.get("d")
+            for each in root.iter(f"{SVG}path")
+            if (each.get("class") or "").startswith("curve mass")
         ]
         assert masses == [
             page.get_attribute(f"#{chart} .curve.mass", "d") for chart in ("x-chart", "phase-chart")
@@ -178,6 +181,7 @@ def test_the_command_repeats_the_setting_to_the_last_bit(page: Page) -> None:
     chosen = [make(draw) for make in (block, with_damping, wide) for _ in range(25)]
     chosen += [LONG, {"v": 0.02 * (1 + 2.0**-52)}, {"v": 1e-9, "k": 1e18, "m": 1e18}]
     chosen += [dict(each) for each in presets().values()]
+    chosen += [{"m": 2.0, "load": -19.0}, {"v": 1e-9}, {"m": 1.0, "load": 5.0 - 9.81}]
     lines = page.evaluate(
         """all => all.map(values => {
           window.stickslip.set(values);
@@ -190,10 +194,30 @@ def test_the_command_repeats_the_setting_to_the_last_bit(page: Page) -> None:
         program, verb, *rest = shlex.split(each["line"])
         assert (program, verb) == ("stickslip", "simulate")
         options = dict(zip(rest[::2], rest[1::2], strict=True))
-        assert float(options.pop("--stop-time")) == each["to"]
+        stop = options.pop("--stop-time")
+        assert each["to"] <= float(stop) <= 1.01 * each["to"]
+        assert len(stop.partition("e")[0].replace(".", "").strip("0")) <= 3
         typed = {name[2:].replace("-", "_"): text for name, text in options.items()}
         values = read_values(typed)
         assert {name: values[name] for name in each["setting"]} == each["setting"]
+
+
+def test_the_command_has_digits_that_a_person_types(page: Page) -> None:
+    """Values stand in the unit that is shown, SI without one; start values are left out."""
+    expected = {
+        "default": "--k 1000 --v 20mm/s --mu-s 0.5 --mu-k 0.3",
+        "machine-slideway": "--k 50N/um --v 1mm/s --mu-s 0.2 --mu-k 0.15 --m 500 --c 10kN.s/m",
+        "violin-bow": "--k 2823 --v 200mm/s --mu-s 0.8 --mu-k 0.35 --m 100mg --load 999.019mN",
+        "fault-block": "--k 3TN/m --v 31.5576mm/year --mu-s 0.6 --mu-k 0.55 --m 2.7e9t",
+        "brake-pad": "--k 5N/um --v 20mm/s --mu-s 0.45 --mu-k 0.4 --m 20 --c 400 --load 4.8038kN",
+        "squeaky-drawer": "--k 1N/um --v 20mm/s --mu-s 0.5 --mu-k 0.35"
+        " --m 500g --c 20 --load 95.095",
+    }
+    for name, values in presets().items():
+        set_values(page, **values)
+        line, _, stop = text_of(page, "#command").partition(" --stop-time ")
+        assert line == f"stickslip simulate {expected[name]}"
+        assert len(stop) <= 7
 
 
 def test_the_command_runs(page: Page, tmp_path: Path, command: Command) -> None:
@@ -208,7 +232,8 @@ def test_the_command_runs(page: Page, tmp_path: Path, command: Command) -> None:
     assert float(jump[1]) == pytest.approx(1e3 * page.evaluate("window.stickslip.cycle.delta_x"))
     rows = read_csv(tmp_path / "run.csv")
     states = page.evaluate("ts => ts.map(t => window.stickslip.at(t))", rows["time"].tolist())
-    assert rows["time"][-1] == page.evaluate("window.stickslip.view.to")
+    stop = page.evaluate("window.stickslip.view.to")
+    assert stop <= rows["time"][-1] <= 1.01 * stop
     for name in ("x", "F"):
         exact = np.array([state[name] for state in states])
         # The reference integrates to 1e-10 of each cycle's scale, some 30 cycles long.

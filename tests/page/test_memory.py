@@ -14,7 +14,18 @@ from tests.page.settings import presets
 from tests.page.test_cursor import check_readings
 from tests.page.test_presets import START, pressed
 from tests.page.test_zoom import choose, place, view
-from tests.page.using import drag, drawn, pause, press, said, set_values, setting, shown, type_in
+from tests.page.using import (
+    drag,
+    drawn,
+    look,
+    pause,
+    press,
+    said,
+    set_values,
+    setting,
+    shown,
+    type_in,
+)
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -39,6 +50,7 @@ def test_a_pasted_address_shows_its_whole_picture(
 ) -> None:
     """A link shows in a used and zoomed window what it shows in a fresh one."""
     pause(page)
+    look(page, 0.0, 10.0)
     choose(page, "x-chart", 4.0, 4.2)
     fragment = "k=2000&v=0.05"
     go_to(page, fragment, "window.stickslip.setting.k === 2000")
@@ -128,6 +140,7 @@ def test_two_pages_do_not_share_their_memory(browser: Browser, page_file: Path, 
 def test_scrubbing_while_it_plays_stops_at_the_chosen_place(page: Page) -> None:
     """The cursor stays where it was put, not where the play had come to."""
     assert page.text_content("#play") == "Pause"
+    look(page, 0.0, 10.0)
     page.fill("#scrub", "732")
     assert page.text_content("#play") == "Play"
     for _ in range(3):
@@ -141,6 +154,7 @@ def test_scrubbing_while_it_plays_stops_at_the_chosen_place(page: Page) -> None:
 def test_the_cursor_stays_under_a_resting_pointer(page: Page) -> None:
     """Where the picture changes under the pointer, years to seconds, it reads what is there."""
     pause(page)
+    look(page, 0.0, 10.0)
     left, top = place(page, "x-chart", 4.0)
     page.mouse.move(round(left), top)
     before = drawing.cursor(page, "x-chart")
@@ -164,6 +178,7 @@ def drawing_time(page: Page) -> float:
 def test_escape_ends_a_choice_that_has_begun(page: Page) -> None:
     """Who drags over a chart by mistake presses Escape, and the picture stays."""
     pause(page)
+    look(page, 0.0, 10.0)
     page.mouse.move(*place(page, "x-chart", 3.0))
     page.mouse.down()
     page.mouse.move(*place(page, "x-chart", 5.0), steps=3)
@@ -206,6 +221,7 @@ def test_what_changes_from_frame_to_frame_is_not_announced(page: Page) -> None:
 def test_what_is_told_of_the_cursor_is_fresh(page: Page) -> None:
     """Paused, a new value changes at once what a screen reader says of the scrubber."""
     pause(page)
+    look(page, 0.0, 10.0)
     page.fill("#scrub", "600")
     before = page.get_attribute("#scrub", "aria-valuetext")
     type_in(page, "v", "25")

@@ -129,8 +129,8 @@ FAULTS = {
         "x",
     ),
     "critical velocity to first order": (
-        "Math.exp(-logCriticalLambda(zeta))",
-        "1 / Math.sqrt(4 * Math.PI * zeta)",
+        "w * Delta * Math.exp(-logCriticalLambda(zeta))",
+        "w * Delta / Math.sqrt(4 * Math.PI * zeta)",
         "v_c",
     ),
 }

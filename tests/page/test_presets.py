@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import tomllib
-from importlib.resources import files
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from stickslip_fmu.spec import TABLE
+from stickslip_ref import Parameters
 from tests.page.browser import opened
-from tests.page.settings import block, presets
-from tests.page.using import drawn, press, set_values, setting, shown, type_in, unfold
+from tests.page.settings import block, presets, table
+from tests.page.using import drawn, press, set_values, setting, shown, type_in
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-START = {"k": 1000.0, "v": 0.02, "mu_s": 0.5, "mu_k": 0.3, "m": 1.0, "g": 9.81, "c": 0.0}
-
-
-def table() -> list[dict[str, Any]]:
-    """Give the presets as they are written down."""
-    text = (files("stickslip.page") / "applications" / "presets.toml").read_text(encoding="utf-8")
-    found: list[dict[str, Any]] = tomllib.loads(text)["preset"]
-    return found
+START = presets()["default"]
+"""The start values of the FMU, SI; `test_the_default_is_the_start_of_the_fmu`."""
 
 
 def pressed(page: Page) -> list[str]:
@@ -40,17 +34,22 @@ def address(page: Page) -> str:
     return str(page.evaluate("location.hash.slice(1)"))
 
 
+def test_the_default_is_the_start_of_the_fmu() -> None:
+    """The first preset is the start values of the variable table, and those of the reference."""
+    assert {name: TABLE.by_name[name].start for name in START} == START
+    assert {name: getattr(Parameters(), name) for name in START} == START
+
+
 def test_a_preset_is_a_complete_setting_with_its_source(page: Page) -> None:
-    """Each sets all seven values, says what it shows and where its numbers are from."""
-    for preset, values in zip(table(), presets().values(), strict=True):
-        page.click(f"[data-preset={preset['id']}]")
+    """Each sets all values, and its entry says what it shows and where its numbers are from."""
+    for row, values in zip(table("applications")["application"], presets().values(), strict=True):
+        page.click(f"[data-preset={row['id']}]")
         drawn(page)
         assert setting(page) == values
-        assert pressed(page) == [preset["id"]]
-        assert page.inner_text("#preset-about summary") == preset["about"]
-        page.click("#preset-about summary")
-        assert page.inner_text("#preset-about p") == preset["source"]
-        page.click("#preset-about summary")
+        assert pressed(page) == [row["id"]]
+        entry = page.inner_text(f"#application-{row['id']}")
+        assert row["about"].split("{")[0] in entry
+        assert row["source"].split("{")[0] in entry
         assert "NaN" not in page.inner_text("body")
         assert all("NaN" not in str(path) for path in shown(page).values())
 
@@ -62,19 +61,19 @@ def test_a_moved_slider_releases_the_preset(page: Page) -> None:
     press(page, "k", "ArrowRight")
     drawn(page)
     assert pressed(page) == []
-    assert not page.is_visible("#preset-about")
     set_values(page, **presets()["violin-bow"])
     assert pressed(page) == ["violin-bow"]
 
 
 def test_the_start_values_restore_all(page: Page) -> None:
-    """One press leads back to the start values of the FMU and to their ten seconds."""
+    """One press leads back to the start values of the FMU and to their six cycles."""
+    start = page.evaluate("window.stickslip.view")
     page.click("[data-preset=fault-block]")
     type_in(page, "mu_k", "0.59")
     page.click("[data-preset=default]")
     drawn(page)
     assert setting(page) == START
-    assert page.evaluate("window.stickslip.view") == {"from": 0, "to": 10}
+    assert page.evaluate("window.stickslip.view") == start
 
 
 def test_the_address_holds_the_setting(browser: Browser, page_file: Path, page: Page) -> None:
@@ -124,12 +123,3 @@ def test_a_jump_within_the_page_is_no_setting(page: Page) -> None:
     assert page.inner_text("#address-said") == ""
     assert "k=2345" in address(page)
     assert setting(page)["k"] == 2345.0
-
-
-def test_the_folded_values_are_still_told(page: Page) -> None:
-    """Mass, gravity and damping are said in one line while their controls are folded away."""
-    for text in ("m 1 kg", "g 9.81 m/s²", "c 0 N·s/m"):
-        assert text in page.inner_text("#more summary")
-    assert not page.is_visible("#m")
-    unfold(page)
-    assert page.is_visible("#m")

@@ -117,6 +117,13 @@ def test_a_name_of_two_modules_is_refused(line: str) -> None:
         joined(modules, "view/show.js")
 
 
+def test_names_declared_by_a_pattern_are_refused() -> None:
+    """Names that a pattern takes apart would escape the search for names used twice."""
+    modules = {**MODULES, "view/show.js": f"{SHOW}\nconst [force, idle] = [1, 2];\n"}
+    with pytest.raises(ValueError, match=r"view/show\.js: a pattern declares names"):
+        joined(modules, "view/show.js")
+
+
 def test_a_name_inside_a_function_is_nobody_elses() -> None:
     """Only names at the top of a module are shared."""
     modules = {**MODULES, "view/show.js": f"{SHOW}\nfunction own() {{\n  const force = 1;\n}}\n"}

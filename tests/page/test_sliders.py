@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING
 import pytest
 
 from stickslip_ref import FrictionClampWarning, Parameters
-from tests.page.using import drag, press, said, set_values, setting, shown, text_of, type_in
+from tests.page.using import (
+    SI,
+    drag,
+    press,
+    said,
+    set_values,
+    setting,
+    shown,
+    si_of,
+    text_of,
+    type_in,
+)
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -18,7 +29,6 @@ ENDS = {
     "v": (0.0001, 0.2),
     "mu_s": (0.0, 1.5),
     "m": (0.01, 100.0),
-    "g": (1.0, 30.0),
     "c": (0.0, 100.0),
 }
 """What a slider spans, SI."""
@@ -69,9 +79,58 @@ def test_every_move_of_a_slider_is_drawn_and_counted(page: Page) -> None:
 
 def test_a_slider_and_its_typed_value_say_the_same(page: Page) -> None:
     """What a slider chose stands in the field beside it, in the shown unit."""
-    for name, scale in {"k": 1.0, "v": 1e-3, "mu_s": 1.0, "mu_k": 1.0}.items():
+    for name in SI:
         drag(page, name, 0.62)
-        assert setting(page)[name] == pytest.approx(scale * float(page.input_value(f"#{name}")))
+        used = normal_force(page) if name == "N" else setting(page)[name]
+        assert used == pytest.approx(si_of(page, name), rel=1e-11)
+
+
+def normal_force(page: Page) -> float:
+    """Give the normal force in use [N]."""
+    p = setting(page)
+    return p["m"] * p["g"] + p["load"]
+
+
+def test_the_normal_force_sets_the_load(page: Page) -> None:
+    """N = m g + load: the load is what the weight leaves, from -m g, where N is 0."""
+    type_in(page, "N", "20")
+    assert setting(page)["load"] == 20.0 - 9.81
+    assert page.inner_text("#N-parts") == "weight 9.81\u00a0N + load 10.19\u00a0N"
+    for text in ("5", "0"):
+        type_in(page, "N", text)
+        assert setting(page)["load"] == float(text) - 9.81
+    assert normal_force(page) == 0.0
+    assert page.inner_text("#N-parts") == "weight 9.81\u00a0N + load −9.81\u00a0N"
+    press(page, "N", "ArrowRight", "Home")
+    assert normal_force(page) == pytest.approx(0.1, rel=1e-12)
+    press(page, "N", "End")
+    assert normal_force(page) == pytest.approx(1000.0, rel=1e-12)
+
+
+def test_the_normal_force_follows_the_mass(page: Page) -> None:
+    """Another mass keeps the load, and N has its weight; a load that would lift it is held at -m g.
+
+    The mass back, the load is what it was.
+    """
+    set_values(page, load=50.0)
+    type_in(page, "m", "2")
+    assert setting(page)["load"] == 50.0
+    assert float(page.input_value("#N")) == 69.62
+    set_values(page, load=-15.0)
+    for mass, load in (("1", -9.81), ("0.5", -0.5 * 9.81), ("2", -15.0)):
+        type_in(page, "m", mass)
+        assert setting(page)["load"] == load
+    assert float(page.input_value("#N")) == 4.62
+
+
+def test_a_load_that_lifts_the_mass_is_refused(page: Page) -> None:
+    """A script that asks for it is told, and nothing changes."""
+    good = setting(page)
+    said = page.evaluate(
+        "() => { try { stickslip.set({ load: -9.9 }); } catch (e) { return e.message; } }"
+    )
+    assert "-9.9 N would lift the mass" in said
+    assert setting(page) == good
 
 
 def test_a_value_beyond_the_slider_is_taken_and_its_ends_follow(page: Page) -> None:

@@ -42,7 +42,7 @@ WRONG = {
     ],
     ".": [
         ("model/root.js", 'risingZero("x", 0, 1, 0);', "'string' is not assignable"),
-        ("view/units.js", "shifted(20, 3);", "'number' is not assignable to parameter"),
+        ("view/units.js", "shortest('20');", "'string' is not assignable to parameter"),
     ],
 }
 """Folder to modules, a wrong line for the end of each, and what is said of it."""

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from stickslip.units import parse
+
 if TYPE_CHECKING:
     from playwright.sync_api import Page
 
-FOLDED = ("m", "g", "c")
+SI = {"k": "N/m", "v": "m/s", "mu_s": "1", "mu_k": "1", "N": "N", "m": "kg", "c": "N.s/m"}
+"""The controls, in the order of the page, with their units as the command knows them."""
 CURVES = ("#x-chart .curve.mass", "#x-chart .curve.pull", "#F-chart .curve.force")
 
 _NEXT_FRAME = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
@@ -25,22 +28,18 @@ def pause(page: Page) -> None:
         page.click("#play")
 
 
-def unfold(page: Page) -> None:
-    """Show mass, gravity and damping."""
-    page.evaluate("document.querySelector('#more').open = true")
+def look(page: Page, start: float, end: float) -> None:
+    """Let the charts show a stretch of time [s]."""
+    page.evaluate("([from, to]) => { window.stickslip.view = { from, to }; }", [start, end])
 
 
 def type_in(page: Page, name: str, text: str) -> None:
     """Type a text for a parameter, in place of what stands there."""
-    if name in FOLDED:
-        unfold(page)
     page.fill(f"#{name}", text)
 
 
 def press(page: Page, slider: str, *keys: str) -> None:
     """Press keys on the slider of a parameter."""
-    if slider in FOLDED:
-        unfold(page)
     page.focus(f"#{slider}-slider")
     for key in keys:
         page.keyboard.press(key)
@@ -79,7 +78,7 @@ def shown(page: Page) -> Mapping[str, Any]:
     found: Mapping[str, Any] = page.evaluate(
         "all => Object.fromEntries("
         "all.map(each => [each, document.querySelector(each).getAttribute('d')]))",
-        [*CURVES, "#phase-chart .curve"],
+        [*CURVES, "#phase-chart .curve.mass"],
     )
     return found
 
@@ -88,6 +87,12 @@ def text_of(page: Page, selector: str) -> str:
     """Give the text that is seen in a part of the page, once it is drawn."""
     drawn(page)
     return page.inner_text(selector)
+
+
+def si_of(page: Page, name: str) -> float:
+    """Give what stands in the field of a parameter with the unit beside it, SI."""
+    typed = f"{page.input_value(f'#{name}')} {page.inner_text(f'#{name}-unit')}"
+    return parse(typed, SI[name], name)
 
 
 def said(page: Page, name: str) -> str:

@@ -77,6 +77,11 @@ def _page(typed: dict[str, str | None]) -> str:
             raise CommandError(
                 f"{option_name(name)} {text!r}: the page shows {low:g} to {high:g} {unit}".rstrip()
             )
+    weight = values["m"] * values["g"]
+    if weight + values["load"] < 0.0:
+        raise CommandError(
+            f"{option_name('load')} {typed['load']!r} would lift the mass of {weight:g} N"
+        )
     return assemble({name: values[name] for name, text in typed.items() if text is not None})
 
 

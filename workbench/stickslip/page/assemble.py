@@ -1,4 +1,4 @@
-"""Puts the page together: markup, style, script, presets and theory in one HTML file."""
+"""Puts the page together: markup, style, script, texts and theory in one HTML file."""
 
 import json
 import re
@@ -18,6 +18,9 @@ from stickslip_verification import UNIT_PREFIXES, UNITS_ALONE, UNITS_WITH_PREFIX
 _ENTRY: Final = "main.js"
 # End tags that HTML lets one leave out wherever the next element or the parent's end follows.
 _OPTIONAL_ENDS: Final = re.compile(r"</(?:t[dhr]|d[dt]|li|tbody|thead|option)>(?=\s*<)")
+_SETTING: Final = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
+# Where a text holds a number of the model: its name, and how it is shown.
+_FIGURE: Final = re.compile(r"\{(\w+:\w+)\}")
 _SOURCES: Final = files("stickslip.page")
 
 
@@ -34,6 +37,8 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     from rcssmin import cssmin
     from rjsmin import jsmin
 
+    from stickslip.page import rows
+
     environment = Environment(
         loader=FunctionLoader(_text),
         autoescape=True,
@@ -41,7 +46,12 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         lstrip_blocks=True,
         undefined=StrictUndefined,
     )
-    presets = _table("applications/presets.toml")["preset"]
+    environment.filters["figures"] = _figures
+    start: dict[str, Any] = {name: TABLE.by_name[name].start for name in _SETTING}
+    table = _table("applications/applications.toml")["application"]
+    applications = rows.applications(table, start)
+    story = rows.story(_table("story/story.toml")["step"], start, table)
+    sentences = _table("said/said.toml")["sentence"]
     data = {
         # What the markup already says, the script need not.
         "controls": [
@@ -49,13 +59,23 @@ def page(setting: Mapping[str, float] | None = None) -> str:
             *_parameters(),
         ],
         "units": _units(),
-        "presets": [_without(preset, {"name"}) for preset in presets],
+        "applications": [
+            {**_only(each, {"id", *start}), "cures": [cure.get("set") for cure in each["cures"]]}
+            for each in applications
+        ],
+        "steps": [_only(step, {"set", "over", "from"}) for step in story],
+        "sentences": [
+            _without(each, {"said", "sign", "verdict", "truth", "topic"}) for each in sentences
+        ],
         "setting": dict(setting or {}),
     }
     text = environment.get_template("page.html.j2").render(
         version=VERSION,
         controls=_controls(),
-        presets=presets,
+        applications=applications,
+        story=story,
+        questions=rows.questions(_table("questions/questions.toml")["question"], start, table),
+        sentences=sentences,
         data=_embedded(data),
         style=cssmin("".join(map(_text, ["style.css", *_paths(".css")]))),
         chart_style=cssmin(_text("chart.css")),
@@ -124,6 +144,10 @@ def _without(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
     return {key: value for key, value in row.items() if key not in keys}
 
 
+def _only(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
+    return {key: value for key, value in row.items() if key in keys}
+
+
 def _modules() -> dict[str, str]:
     return {path: _text(path) for path in ["main.js", *_paths(".js")]}
 
@@ -145,6 +169,11 @@ def _table(name: str) -> dict[str, Any]:
 
 def _text(name: str) -> str:
     return (_SOURCES / name).read_text(encoding="utf-8")
+
+
+def _figures(text: str) -> str:
+    """Give each ``{name:kind}`` of a text an element that the script writes the number into."""
+    return _FIGURE.sub(r'<data data-of="\1"></data>', text)
 
 
 def _embedded(data: object) -> str:

@@ -9,14 +9,19 @@ import { makeMaps } from "./maps/maps.js";
 import { makePlayer } from "./stage/player.js";
 import { listen } from "./stage/pointer.js";
 import { makePortrait } from "./stage/portrait.js";
-import { makePresets } from "./applications/presets.js";
+import { makeApplications } from "./applications/applications.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
 import { makeReader } from "./view/spelled.js";
+import { makeSaid } from "./said/said.js";
+import { makeSound } from "./sound/sound.js";
 import { makeSchematic } from "./stage/schematic.js";
+import { claimed } from "./model/claims.js";
+import { harmonicsOf } from "./model/harmonics.js";
 import { curesOf } from "./model/cures.js";
 import { criticalCurve, equalJump, jumpOverSpeed, slowJump } from "./model/maps.js";
 import { flawOf, solve } from "./view/solution.js";
+import { makeStory } from "./story/story.js";
 import { makeStretch } from "./stage/stretch.js";
 import { makeTimeCharts } from "./stage/timecharts.js";
 
@@ -87,8 +92,9 @@ const controls = makeControls(data.controls, reader, (p) => {
 
 /** @type {Page} */
 const page = {
-  set(values, { ghost: keep = false, from = "cycles" } = {}) {
-    const before = solution.motion;
+  set(values, { ghost: keep = false, from = /** @type {Look["from"]} */ ("cycles") } = {}) {
+    // An address may ask for a step of the story before anything is solved.
+    const before = solution?.motion ?? null;
     controls.set(values);
     ghost = keep ? before : null;
     seen.release(from);
@@ -98,10 +104,13 @@ const page = {
   solution: () => solution,
 };
 
-const showPreset = makePresets(data.presets, Object.keys(controls.starts), page.set);
+const story = makeStory(page, data.steps);
 
 /** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
 const sections = [];
+sections.push(makeApplications(page, data.applications));
+const sound = makeSound(page);
+sections.push(sound.show, makeSaid(page, data.sentences, controls.starts));
 sections.push(makeCures(page), makeMaps(page));
 
 const keeping = makeKeeping({
@@ -125,8 +134,7 @@ function redraw() {
   portrait.show(motion, ghost);
   byId("forget").hidden = !ghost;
   redrawTime();
-  showPreset(motion.p);
-  writeAddress(controls.wanted);
+  writeAddress(story.address() ?? controls.wanted);
   for (const show of sections) show(solution);
 }
 
@@ -147,9 +155,11 @@ function resize() {
   redraw();
 }
 
-function takeAddress() {
+/** @param {HashChangeEvent} [event] what led here; none at the start */
+function takeAddress(event) {
+  if (story.take(location.hash, Boolean(event))) return;
   // A jump to a place in the page asks for nothing, and must not cost the setting.
-  if (byId(location.hash.slice(1))) return writeAddress(controls.wanted);
+  if (byId(location.hash.slice(1))) return writeAddress(story.address() ?? controls.wanted);
   const { values, bad } = valuesIn(location.hash);
   const problems = bad.map((part) => `${part} is no number.`);
   for (const [name, value] of Object.entries(values)) {
@@ -209,6 +219,7 @@ window.stickslip = {
     controls.set(values);
     redraw();
   },
+  compare: (values) => page.set(values, { ghost: true }),
   get setting() {
     return controls.setting;
   },
@@ -221,11 +232,20 @@ window.stickslip = {
   get criticalVelocity() {
     return solution.v_c;
   },
+  /** A text as a quantity of this SI unit, or what is wrong with it. */
+  read: (text, unit) => reader.read(text, unit, unit),
+  said: (id, setting) => claimed(id, { ...controls.starts, ...setting }),
+  harmonics: (count) => harmonicsOf(solution.motion.p, count),
+  record: sound.record,
   cures: (p) => curesOf(p),
   curves: { criticalCurve, equalJump, jumpOverSpeed, slowJump },
   at: (t) => solution.motion.at(t),
   events: (from, to) => [...solution.motion.events(from, to)],
   get view() {
     return { from: seen.from, to: seen.to };
+  },
+  set view({ from, to }) {
+    seen.choose(from, to);
+    redrawTime();
   },
 };

@@ -14,6 +14,7 @@ _EXPORT: Final = re.compile(r"^export (?=(?:function|const|class)\b)", re.MULTIL
 _NAME: Final = re.compile(
     r"^(?:function\*? |const |let |class )(?P<name>[A-Za-z_$][\w$]*)", re.MULTILINE
 )
+_PATTERN: Final = re.compile(r"^(?:const|let) [\[{]", re.MULTILINE)
 
 
 def joined(modules: Mapping[str, str], entry: str) -> str:
@@ -34,12 +35,15 @@ def joined(modules: Mapping[str, str], entry: str) -> str:
     Raises
     ------
     ValueError
-        If a module is missing, a circle of imports is found, or two modules use one name.
+        If a module is missing, a circle of imports is found, two modules use one name, or one
+        declares several names by a pattern.
     """
     owners: dict[str, str] = {}
     parts = []
     for path in _in_order(modules, entry):
         text = _EXPORT.sub("", _IMPORT.sub("", modules[path]))
+        if _PATTERN.search(text):
+            raise ValueError(f"{path}: a pattern declares names; declare each by itself")
         for found in _NAME.finditer(text):
             other = owners.setdefault(found["name"], path)
             if other != path:

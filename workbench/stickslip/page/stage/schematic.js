@@ -17,7 +17,7 @@ const ROOM = { left: 22, pull: 74, below: 34 };
 
 /** A jump is seen as one where it is this long, in widths of the block. */
 const SEEN = 1.15;
-/** A mass that stands a rounding before the end of a window is still in it, in windows. */
+/** How near to the end of a window a mass stands at it, in windows. */
 const ROUNDING = 1e-6;
 
 /**
@@ -79,7 +79,9 @@ export function makeSchematic(svg) {
     let shown = null;
 
     show = (state) => {
-      const window = Math.max(Math.floor((state.x - origin) / way - ROUNDING), 0);
+      // A new window begins with a stick, but for the one that ends the view.
+      const late = state.t < seen.to ? ROUNDING : -ROUNDING;
+      const window = Math.max(Math.floor((state.x - origin) / way + late), 0);
       const start = origin + window * way;
       if (window !== shown) turnRuler(start);
       shown = window;

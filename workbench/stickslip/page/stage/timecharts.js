@@ -18,7 +18,11 @@ import { cyclesBegin } from "./stretch.js";
 
 /** A phase's name is written into its band where that is this wide [px]. */
 const ROOM_FOR_NAME = 38;
-/** The overshoot is explained where it is this high [px]. */
+/** The name of the break-away force stands above its line where this is free [px]. */
+const ROOM_ABOVE = 18;
+/** Width of the words "pulled end" [px]. */
+const PULLED_END = 62;
+/** The overshoot is told where it is this high [px]. */
 const ROOM_FOR_OVERSHOOT = 2;
 /** Cycles of a ghost that are drawn. */
 const MOST_GHOSTS = 60;
@@ -72,7 +76,9 @@ export function makeTimeCharts(svgX, svgF) {
     put(pull, { d: `M${left} ${start}L${right} ${end}` });
     const level = px(F.frame.y(numbers.F_s));
     put(threshold, { d: `M${left} ${level}H${right}` });
-    note(thresholdName, `Fₛ = ${quantity(numbers.F_s, "force")}`, right - 4, level + 13, F.frame);
+    const above = level - F.frame.area.top > ROOM_ABOVE ? -6 : 13;
+    const F_s = quantity(numbers.F_s, "force");
+    note(thresholdName, `Fₛ = ${F_s}`, right - 4, level + above, F.frame);
     nameCurves(motion, seen, phases);
     showOvershoot(motion, seen, phases);
     x.shade(phases);
@@ -89,9 +95,10 @@ export function makeTimeCharts(svgX, svgF) {
    */
   function nameCurves({ p }, seen, phases) {
     const { left, right, bottom } = x.frame.area;
-    const t = seen.from + 0.06 * (seen.to - seen.from);
-    note(pullName, "pulled end", left + 8, x.frame.y(p.v * t) - 8, x.frame);
-    const stick = phases.findLast(
+    // The line rises: the name clears it where it ends.
+    const t = seen.from + ((8 + PULLED_END) / (right - left)) * (seen.to - seen.from);
+    note(pullName, "pulled end", left + 8, x.frame.y(p.v * t) - 2, x.frame);
+    const stick = [...phases].reverse().find(
       ({ kind, start, end }) =>
         kind === "stick" && x.frame.x(end) - x.frame.x(start) > ROOM_FOR_NAME && end < seen.to,
     );

@@ -1,0 +1,179 @@
+"""The stage: block, teeth, spring, force bar, marks, and the curve of the setting before."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from tests.page import drawing
+from tests.page.browser import opened
+from tests.page.drawing import PIXEL
+from tests.page.settings import CORNERS, corner, presets
+from tests.page.using import drawn, look, pause, set_values
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+_STAGE = """
+shares => {
+  const scrub = document.querySelector("#scrub");
+  const schematic = document.querySelector("#schematic");
+  const part = (selector, name) => schematic.querySelector(selector).getAttribute(name);
+  const { from, to } = window.stickslip.view;
+  return shares.map(share => {
+    scrub.value = 1000 * share;
+    scrub.dispatchEvent(new Event("input", { bubbles: true }));
+    const state = window.stickslip.at(from + scrub.value / 1000 * (to - from));
+    const points = part(".spring", "points").split(" ").map(each => Number(each.split(",")[0]));
+    return {
+      state,
+      block: Number(part(".mass", "transform").match(/[(]([-\\d.]+)/)[1]),
+      wide: Number(part(".mass rect", "width")),
+      spring: [points[0], points.at(-1)],
+      gauge: Number(part(".gauge", "transform").match(/[(]([-\\d.]+)/)[1]),
+      bar: [Number(part(".bar", "x")), Number(part(".bar", "width"))],
+      limit: Number(part(".limit", "d").match(/M([-\\d.]+)/)[1]),
+      places: (part(".places", "d").match(/M[-\\d.]+/g) ?? []).map(each => Number(each.slice(1))),
+      teeth: part(".mass path.body", "d"),
+    };
+  });
+}
+"""
+SHARES = [n / 40 for n in range(40)]
+
+
+def stage(page: Page) -> list[dict[str, Any]]:
+    """Give state and drawing at 40 moments of the view."""
+    found: list[dict[str, Any]] = page.evaluate(_STAGE, SHARES)
+    return found
+
+
+def scale(moments: list[dict[str, Any]]) -> float:
+    """Give pixels per metre of the stage, from two places of the block in one window."""
+    first, last = moments[0], moments[-1]
+    return float((last["block"] - first["block"]) / (last["state"]["x"] - first["state"]["x"]))
+
+
+def test_the_block_stands_where_the_motion_has_it(page: Page) -> None:
+    """In every preset block, spring and pulled end are drawn to one scale over the whole view."""
+    pause(page)
+    for name in presets():
+        page.click(f"[data-preset={name}]")
+        drawn(page)
+        moments = stage(page)
+        per_metre = scale(moments)
+        origin = moments[0]
+        for each in moments:
+            state = each["state"]
+            moved = per_metre * (state["x"] - origin["state"]["x"])
+            assert each["block"] - origin["block"] == pytest.approx(moved, abs=2 * PIXEL)
+            assert each["spring"][0] == pytest.approx(each["block"] + each["wide"], abs=2 * PIXEL)
+            pulled = per_metre * (state["x_pull"] - origin["state"]["x_pull"])
+            assert each["spring"][1] - origin["spring"][1] == pytest.approx(pulled, abs=3 * PIXEL)
+
+
+def test_the_teeth_give_where_the_bar_meets_its_mark(page: Page) -> None:
+    """The force bar ends at the pulled end; it reaches the mark F_s exactly at break-away."""
+    pause(page)
+    for each in stage(page):
+        end = each["gauge"] + each["bar"][0] + each["bar"][1]
+        assert end == pytest.approx(each["spring"][1], abs=3 * PIXEL)
+    start, end = (page.evaluate("window.stickslip.view")[side] for side in ("from", "to"))
+    events = page.evaluate("([a, b]) => window.stickslip.events(a, b)", [start, end])
+    t = next(each["t"] for each in events if each["kind"] == "break-away")
+    look(page, t, t + 1.0)
+    moment = stage(page)[0]
+    assert moment["state"]["t"] == t
+    assert sum(moment["bar"]) == pytest.approx(moment["limit"], abs=2 * PIXEL)
+
+
+def test_the_marks_are_the_places_where_the_mass_stood(page: Page) -> None:
+    """Each outline is a whole jump from the next, all behind the block, none in front of it."""
+    pause(page)
+    moments = stage(page)
+    jump = scale(moments) * page.evaluate("window.stickslip.cycle.delta_x")
+    most = 0
+    for each in moments:
+        behind = [*each["places"], each["block"]] if each["state"]["mode"] == 0 else each["places"]
+        gaps = [b - a for a, b in pairwise(behind)]
+        assert gaps == pytest.approx([jump] * len(gaps), abs=3 * PIXEL)
+        assert all(place < each["block"] for place in each["places"])
+        most = max(most, len(each["places"]))
+    assert most == 6
+
+
+def test_in_stick_the_teeth_of_the_block_stand_in_those_of_the_ground(page: Page) -> None:
+    """Wherever the block stops, its teeth begin where a tooth of the ground does."""
+    pause(page)
+    for each in stage(page):
+        if each["state"]["mode"] != 0:
+            continue
+        begin = float(re.match(r"M([-\d.]+)", each["teeth"])[1])  # type: ignore[index]
+        place = (each["block"] + begin) / 8.0
+        assert place == pytest.approx(round(place), abs=0.01)
+
+
+def test_the_stage_lives_at_the_corners(page: Page) -> None:
+    """Without friction, without a gap, without a cycle: every number drawn is a number."""
+    pause(page)
+    for name in CORNERS:
+        set_values(page, **corner(name))
+        for each in stage(page):
+            assert "NaN" not in str(each), name
+            assert -1e4 < each["block"] < 1e4, name
+
+
+def test_the_first_frame_is_not_before_the_start(browser: Browser, page_file: Path) -> None:
+    """Over several loads no frame shows a time before the view begins."""
+    watch = """
+    () => {
+      window.earliest = Infinity;
+      const cursor = document.querySelector("#x-chart .cursor");
+      const left = () => Number(cursor.getAttribute("d").match(/M([\\d.]+)/)[1]);
+      window.earliest = left();
+      new MutationObserver(() => { window.earliest = Math.min(window.earliest, left()); })
+        .observe(cursor, { attributes: true });
+    }
+    """
+    for _ in range(4):
+        with opened(browser, page_file) as page:
+            page.evaluate(watch)
+            page.click("#play")
+            page.evaluate("() => { document.querySelector('#scrub').value = 0; }")
+            page.fill("#scrub", "0")
+            page.click("#play")
+            for _ in range(3):
+                drawn(page)
+            left = float(page.get_attribute("#x-chart clipPath rect", "x") or "")
+            assert page.evaluate("window.earliest") >= left
+
+
+def test_the_setting_before_stays_as_a_ghost_until_it_is_removed(page: Page) -> None:
+    """A preset's countermeasure leaves the old curves: the very paths, from the same corner on."""
+    pause(page)
+    before = page.evaluate("window.stickslip.cycle")
+    page.evaluate("window.stickslip.compare({ k: 2000 })")
+    drawn(page)
+    ghost = drawing.curve(page, "#x-chart .curve.ghost")
+    axis = drawing.time_axis(page)
+    cycle = page.evaluate("window.stickslip.cycle")
+    assert page.is_visible("#forget")
+    start = axis.start
+    # The first stick of the ghost begins with that of the curve and lasts as long as it did.
+    (first, *_) = drawing.lines(ghost)
+    assert first.start[0] == pytest.approx(axis.place(start), abs=PIXEL)
+    assert first.end[0] == pytest.approx(axis.place(start + before["t_stick"]), abs=PIXEL)
+    rise = first.start[1] - drawing.lines(ghost)[1].start[1]
+    (own, next_own, *_) = drawing.lines(drawing.curve(page, "#x-chart .curve.mass"))
+    jump = before["delta_x"] / cycle["delta_x"]
+    assert rise / (own.start[1] - next_own.start[1]) == pytest.approx(jump, abs=0.01)
+    # Of both some cycles are seen.
+    assert axis.span >= 5.9 * before["T"]
+    page.click("#forget")
+    drawn(page)
+    assert not page.is_visible("#forget")
+    assert drawing.curve(page, "#x-chart .curve.ghost") == []

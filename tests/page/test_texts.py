@@ -1,0 +1,133 @@
+"""The numbers in the page's texts: those of its own model, in the digits and units it shows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from importlib.resources import files
+from random import Random
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from stickslip.page.script import joined
+from stickslip.page.texts import Numbers, filled, quantity
+from tests.page.exchange import ask
+from tests.page.settings import log_uniform, presets, table
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+# Kinds that both sides write, and between which values [SI] both have a unit.
+SHARED = {
+    "length": (1e-6, 1e6),
+    "velocity": (1e-6, 1e3),
+    "force": (1e-3, 1e15),
+    "time": (1e-6, 1e10),
+    "frequency": (1e-3, 1e5),
+    "share": (1e-4, 1.0),
+    "number": (1e-3, 1e4),
+}
+
+NUMBERS_OF_THE_PAGE = """
+settings => settings.map(each => {
+  const page = window.stickslip;
+  page.set(each);
+  const { cycle, simplified, criticalVelocity, setting } = page;
+  // The force is largest in the second slip, well after the load-up.
+  const slip = page.events(0, 3 * (simplified.t_stick + cycle.T)).filter(e => e.t > 0)[2]?.t ?? 0;
+  let F_max = 0;
+  for (let at = 0; at <= 20000; at++) {
+    F_max = Math.max(F_max, page.at(slip + (at / 20000) * (cycle.t_slip || 0)).F);
+  }
+  const v_c_simple = Number(document.querySelectorAll("#readout-v_c data")[1].value);
+  const N = setting.m * setting.g + setting.load;
+  return { ...setting, ...cycle, simple: simplified, v_c: criticalVelocity, v_c_simple, N, F_max };
+})
+"""
+
+
+def texts() -> Iterator[tuple[str, Mapping[str, Mapping[str, float]], str]]:
+    """Give each text with a number, the settings it speaks of, and where it stands in the page."""
+    steps = [complete(row) for row in table("story")["step"]]
+    for n, (row, now) in enumerate(zip(table("story")["step"], steps, strict=True), 1):
+        known: dict[str, Mapping[str, float]] = {"now": now, "tried": now | row.get("tried", {})}
+        if "over" in row:
+            known["over"] = steps[row["over"] - 1]
+        for name in ("text", "try", "see"):
+            yield row[name], known, f"[id='step={n}']"
+    for row in table("applications")["application"]:
+        own = dict(presets()[row["id"]])
+        entry = f"#application-{row['id']}"
+        for text in (row["about"], row["source"], row["noticed"], *row["stands"].values()):
+            yield text, {"now": own}, entry
+        for cure in row.get("cures", ()):
+            known = {"now": own | cure.get("set", {}), "over": own}
+            yield cure["what"], known, entry
+            yield cure.get("button", ""), known, entry
+    for row in table("questions")["question"]:
+        yield row["answer"], {"now": complete(row)}, "#questions"
+
+
+def complete(row: Mapping[str, Any]) -> dict[str, float]:
+    """Give the setting of a row: its preset or the start values, with its own values."""
+    return {**presets()[row.get("preset", "default")], **row.get("set", {})}
+
+
+def test_every_number_in_a_text_is_the_one_that_the_page_computes(page: Page) -> None:
+    """The texts, filled again with what the page's own model gives, are those that stand there.
+
+    Numbers and texts come from two models: the reference fills the texts when the page is
+    assembled, the page solves each setting in the browser.
+    """
+    wanted = [each for each in texts() if "{" in each[0]]
+    assert len(wanted) > 60
+    known = [setting for _, settings, _ in wanted for setting in settings.values()]
+    found = iter(ask(page, NUMBERS_OF_THE_PAGE, known))
+    expected = [
+        (where, filled(text, {name: from_page(next(found)) for name in settings}))
+        for text, settings, where in wanted
+    ]
+    missing = ask(
+        page,
+        """texts => texts.filter(([where, text]) => {
+          const own = document.createElement("p");
+          own.innerHTML = text;
+          return !document.querySelector(where).textContent.includes(own.textContent);
+        })""",
+        expected,
+    )
+    assert missing == []
+
+
+def from_page(numbers: Mapping[str, Any]) -> SimpleNamespace:
+    """Make what the page computes look like the reference's numbers."""
+    return SimpleNamespace(**{**numbers, "simple": SimpleNamespace(**numbers["simple"])})
+
+
+def test_a_quantity_is_written_as_the_page_writes_it(page: Page) -> None:
+    """Python and the page's script choose the same unit and the same four digits."""
+    draw = Random("quantities")
+    asked = [
+        (kind, draw.choice((1.0, -1.0)) * log_uniform(draw, *ends))
+        for kind, ends in SHARED.items()
+        for _ in range(200)
+    ]
+    asked += [(kind, 0.0) for kind in SHARED if kind != "share"]
+    source = (files("stickslip.page") / "view" / "units.js").read_text(encoding="utf-8")
+    script = joined({"units.js": source}, "units.js")
+    written = ask(
+        page, f"asked => {{ {script} return asked.map(([k, v]) => quantity(v, k)); }}", asked
+    )
+    assert [quantity(value, kind=kind) for kind, value in asked] == written
+
+
+def test_a_text_cannot_tell_of_a_cycle_that_does_not_exist() -> None:
+    """A jump above the critical velocity, or a name that there is not, ends the assembly."""
+    sliding = Numbers({**presets()["default"], "c": 20.0})
+    assert math.isnan(sliding.__dict__["delta_x"])
+    with pytest.raises(ValueError, match="asks for a length that is nan: It jumps"):
+        filled("It jumps {{ now.delta_x | length }}.", {"now": sliding})
+    with pytest.raises(Exception, match="delta_y"):
+        filled("{{ now.delta_y | length }}", {"now": sliding})
