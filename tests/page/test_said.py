@@ -387,13 +387,14 @@ def pressed(page: Page) -> list[str]:
 
 def test_a_sentence_sets_its_stage(page: Page) -> None:
     """A click sets all of the sentence's values; it stays current until the setting is another."""
-    assert pressed(page) == []
     for name in SENTENCES:
         page.click(f"[data-said={name}]")
         assert setting(page) == in_use(values_of(name))
         assert pressed(page) == [name]
         assert "NaN" not in page.inner_text("body")
     press(page, "k", "ArrowRight")
+    assert pressed(page) == []
+    set_values(page, **values_of("gap"))
     assert pressed(page) == []
 
 
