@@ -38,6 +38,7 @@ const LEVERS = {
 const ENDS_FIRST = { words: "ends the cycle first" };
 /** What is left at c = 0 without gap or normal force: no even sliding. */
 const TOUCHES_REST = "it swings and touches rest";
+const JUMP_GROWS = { words: "none: it grows" };
 const NO_CURE = { words: "–" };
 
 /**
@@ -50,10 +51,11 @@ export function makeCures(page) {
   const lead = byId("cures-lead");
   const told = byId("cures-said");
   const back = byId("cures-back");
-  const rows = Object.keys(LEVERS).map((parameter) => {
-    const body = byId(`cure-${parameter}`);
-    const [halve, end] = body.querySelectorAll("td");
-    return { parameter, now: body.querySelector(".now"), cells: [halve, end].map(makeCell) };
+  const rows = [...document.querySelectorAll("[data-cure]")].map((/** @type {HTMLElement} */ row) => {
+    const { cure, parameter } = row.dataset;
+    const [halve, end] = row.querySelectorAll("td");
+    const cells = [halve, end].map((cell) => makeCell(cell, parameter));
+    return { cure, parameter, now: row.querySelector(".now"), cells };
   });
   /** @type {Setting | null} the setting before the last cure */
   let before = null;
@@ -73,94 +75,73 @@ export function makeCures(page) {
   }
   on(back, "click", () => set(before, "Set back."));
 
-  /** @param {HTMLTableCellElement} cell */
-  function makeCell(cell) {
-    /** @type {{button: any, note: HTMLElement, value: number}[]} */
-    const parts = [];
-    let shown = "";
-    /** @type {(p: Setting, parameter: string, offers: Offer[], aim: string) => void} */
-    return (p, parameter, offers, aim) => {
-      const texts = offers.map(({ value }) =>
-        value === undefined ? "" : leverInWords(p, parameter, value),
-      );
-      offers.forEach(({ value }, index) => {
-        if (parts[index]) parts[index].value = value;
-      });
-      const next = JSON.stringify([texts, offers.map(({ words }) => words)]);
-      if (next === shown) return;
-      shown = next;
-      offers.forEach(({ value, words }, index) => {
-        parts[index] ??= addPart(cell, parameter);
-        const { button, note } = parts[index];
-        parts[index].value = value;
-        setText(button, texts[index]);
-        setText(note, words);
-        put(button, { "aria-label": `${LEVERS[parameter].name} ${texts[index]}, ${words}: ${aim}` });
-      });
-      parts.forEach(({ button, note }, index) => {
-        button.hidden = !texts[index];
-        note.hidden = index >= offers.length;
-      });
-    };
-  }
-
-  function addPart(cell, parameter) {
+  /** @type {(cell: HTMLTableCellElement, parameter: string) => (offer: Offer, text: string, aim: string) => void} */
+  function makeCell(cell, parameter) {
+    const { name } = LEVERS[parameter];
     const button = document.createElement("button");
     const note = document.createElement("span");
     note.className = "small";
-    const part = { button, note, value: NaN };
+    button.hidden = true;
+    let value = NaN;
     on(button, "click", () => {
-      const { name } = LEVERS[parameter];
-      set({ [parameter]: part.value }, `The ${name} is ${button.textContent}.`);
+      set({ [parameter]: value }, `The ${name} is ${button.textContent}.`);
     });
     cell.append(button, note);
-    return part;
+    return (offer, text, aim) => {
+      value = offer.value;
+      button.hidden = !text;
+      setText(button, text);
+      setText(note, offer.words);
+      put(button, { "aria-label": `${name} ${text}, ${offer.words}: ${aim}` });
+    };
   }
 
   return whenSeen(byId("cures"), ({ motion: { p } }) => {
     const found = curesOf(p);
     setText(lead, curesInWords(p, found));
     const offers = found.cures.length ? offersOf(p, found.cures) : null;
-    for (const { parameter, now, cells } of rows) {
-      setText(now, leverInWords(p, parameter, p[parameter]));
-      const [halve, end] = offers ? offers[parameter] : [[NO_CURE], [NO_CURE]];
-      cells[0](p, parameter, halve, "halves the jump");
-      cells[1](p, parameter, end, "ends the cycle");
+    for (const { cure, parameter, now, cells } of rows) {
+      /** @type {(value: number | undefined) => string} */
+      const text = (value) => (value === undefined ? "" : leverInWords(p, parameter, value));
+      const [halve, end] = offers ? offers[cure] : [NO_CURE, NO_CURE];
+      setText(now, text(p[parameter]));
+      cells[0](halve, text(halve.value), "halves the jump");
+      cells[1](end, text(end.value), "ends the cycle");
     }
   });
 }
 
 /**
- * What the cells of each parameter offer.
+ * What the cells of each row offer.
  *
  * @param {Setting} p
  * @param {Cure[]} cures of it
- * @returns {Record<string, [halve: Offer[], end: Offer[]]>}
+ * @returns {Record<string, [halve: Offer, end: Offer]>}
  */
 function offersOf(p, cures) {
   const { stiffer, softer, damping, slower, faster, gap, lighter, "normal force": force } =
     /** @type {Record<string, Cure>} */ (Object.fromEntries(cures.map((cure) => [cure.name, cure])));
-  /** @type {(cure: Cure) => Offer[]} */
+  /** @type {(cure: Cure) => Offer} */
   const halve = (cure) => {
-    if (cure.halve !== null) return [{ value: cure.halve, words: changeInWords(p, cure, cure.halve) }];
-    if (cure.end !== null) return [ENDS_FIRST];
-    return [{ words: cure.least < 1 ? `none: ${digits(100 * cure.least, 2)} % at best` : "none" }];
+    if (cure.halve !== null) return { value: cure.halve, words: changeInWords(p, cure, cure.halve) };
+    if (cure.end !== null) return ENDS_FIRST;
+    return { words: cure.least < 1 ? `none: ${Math.round(100 * cure.least)} % at best` : "none" };
   };
-  /** @type {(cure: Cure, without: string) => Offer[]} */
+  /** @type {(cure: Cure, without: string) => Offer} */
   const end = (cure, without) => {
-    if (cure.end === null) return [{ words: `none: ${without}` }];
+    if (cure.end === null) return { words: `none: ${without}` };
     const value = valueBeyond(p, cure, cure.end);
-    return [{ value, words: changeInWords(p, cure, value) }];
+    return { value, words: changeInWords(p, cure, value) };
   };
   const never = (what) => `without damping no ${what} ends it`;
-  const soft = softer.end === null ? [] : end(softer, "");
   return {
-    k: [halve(stiffer), [...end(stiffer, never("stiffness")), ...soft]],
-    c: [halve(damping), end(damping, "")],
-    v: [halve(slower), end(faster, never("speed"))],
-    mu_k: [halve(gap), end(gap, TOUCHES_REST)],
-    load: [halve(force), end(force, TOUCHES_REST)],
-    m: [halve(lighter), end(lighter, never("mass"))],
+    stiffer: [halve(stiffer), end(stiffer, never("stiffness"))],
+    softer: [JUMP_GROWS, end(softer, never("stiffness"))],
+    damping: [halve(damping), end(damping, "")],
+    speed: [halve(slower), end(faster, never("speed"))],
+    gap: [halve(gap), end(gap, TOUCHES_REST)],
+    force: [halve(force), end(force, TOUCHES_REST)],
+    lighter: [halve(lighter), end(lighter, never("mass"))],
   };
 }
 
@@ -174,9 +155,8 @@ function changeInWords(p, { name, parameter, now }, value) {
   const factor = to / from;
   const { zeta } = numbersOf({ ...p, [parameter]: value });
   const isFar = name === "damping" ? zeta > MOST_ZETA : factor > REACH || factor < 1 / REACH;
-  const what = { gap: "gap ", softer: "or softer, " }[name] ?? "";
   const times = factor >= 1 ? `× ${digits(factor, 3)}` : to > 0 ? `÷ ${digits(1 / factor, 3)}` : "0";
-  const words = name === "damping" ? `ζ = ${digits(zeta, 2)}` : what + times;
+  const words = name === "damping" ? `ζ = ${digits(zeta, 2)}` : (name === "gap" ? "gap " : "") + times;
   return isFar ? `${words}, out of reach` : words;
 }
 

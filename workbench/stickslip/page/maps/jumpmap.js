@@ -12,7 +12,7 @@ import { digits, quantity } from "../view/units.js";
  * Bring the chart to life.
  *
  * @param {SVGSVGElement} svg
- * @returns resize(); show(solution)
+ * @returns svg; resize(width, height) [px]; show(solution)
  */
 export function makeJumpMap(svg) {
   const frame = makeFrame(svg);
@@ -53,9 +53,8 @@ export function makeJumpMap(svg) {
   }
 
   return {
-    resize() {
-      frame.resize(svg.clientWidth, svg.clientHeight);
-    },
+    svg,
+    resize: frame.resize,
     show,
   };
 }
@@ -70,7 +69,7 @@ export function makeJumpMap(svg) {
 function speeds(v, v_c, ofGap) {
   const known = v_c > 0 && v_c < Infinity ? v_c : ofGap || v;
   return {
-    low: 10 ** Math.floor(Math.log10(Math.min(v, known / 20))),
+    low: 10 ** Math.floor(Math.log10(Math.min(v / 1.3, known / 20))),
     high: 10 ** Math.ceil(Math.log10(Math.max(v, known * (v_c < Infinity ? 1 : 5)) * 1.2)),
   };
 }

@@ -18,13 +18,16 @@ import { makePlane } from "./plane.js";
  */
 export function makeMaps(page) {
   const maps = [makeJumpMap(byId("jump-map")), makePlane(byId("plane"), page)];
-  let width = 0;
-  return whenSeen(byId("maps"), (solution) => {
-    const now = byId("maps").clientWidth;
-    for (const map of maps) {
-      if (now !== width) map.resize();
-      map.show(solution);
-    }
-    width = now;
+  let sized = false;
+  /** @param {Solution} solution */
+  const show = (solution) => {
+    if (sized) for (const map of maps) map.show(solution);
+  };
+  const resizes = new ResizeObserver(() => {
+    for (const { svg, resize } of maps) resize(svg.clientWidth, svg.clientHeight);
+    sized = true;
+    show(page.solution());
   });
+  for (const { svg } of maps) resizes.observe(svg);
+  return whenSeen(byId("maps"), show);
 }

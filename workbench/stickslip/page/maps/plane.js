@@ -33,7 +33,7 @@ const MOST_LINES = 9;
  *
  * @param {SVGSVGElement} svg
  * @param {Page} page
- * @returns resize(); show(solution)
+ * @returns svg; resize(width, height) [px]; show(solution)
  */
 export function makePlane(svg, page) {
   const frame = makeFrame(svg);
@@ -64,7 +64,7 @@ export function makePlane(svg, page) {
 
   /** What the plane depends on: k and v are no part of it, their axes are. */
   const key = () =>
-    [p.m, numbersOf(p).N, p.mu_s, p.mu_k, p.c, spans.k.low, spans.v.low, svg.clientWidth].join();
+    [p.m, numbersOf(p).N, p.mu_s, p.mu_k, p.c, spans.k.low, spans.v.low, frame.area.width].join();
 
   /** @param {Solution} solution */
   function show({ motion, v_c }) {
@@ -191,6 +191,8 @@ export function makePlane(svg, page) {
   });
   on(point, "keydown", (event) => {
     const step = event.shiftKey ? PAGE_STEP : KEY_STEP;
+    // What is shown may be a few presses behind.
+    const now = page.setting();
     const [k, v] = {
       ArrowRight: [step, 1],
       ArrowLeft: [1 / step, 1],
@@ -198,18 +200,17 @@ export function makePlane(svg, page) {
       ArrowDown: [1, 1 / step],
       PageUp: [1, PAGE_STEP],
       PageDown: [1, 1 / PAGE_STEP],
-      Home: [spans.k.low / p.k, 1],
-      End: [spans.k.high / p.k, 1],
+      Home: [spans.k.low / now.k, 1],
+      End: [spans.k.high / now.k, 1],
     }[event.key] ?? [0, 0];
     if (!k) return;
     event.preventDefault();
-    move({ k: p.k * k, v: p.v * v });
+    move({ k: now.k * k, v: now.v * v });
   });
 
   return {
-    resize() {
-      frame.resize(svg.clientWidth, svg.clientHeight);
-    },
+    svg,
+    resize: frame.resize,
     show,
   };
 }
