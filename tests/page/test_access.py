@@ -30,7 +30,7 @@ _OPERABLE = "a[href], button, input, select, summary, textarea, [tabindex]"
 
 _WALK = f"""
 () => [...document.querySelectorAll("{_OPERABLE}")]
-  .filter(each => each.tabIndex >= 0 && each.checkVisibility())
+  .filter(each => each.tabIndex >= 0 && !each.disabled && each.checkVisibility())
   .map(each => each.id || each.dataset.preset || each.textContent.trim())
 """
 _FOCUSED = """

@@ -212,6 +212,7 @@ def test_the_command_has_digits_that_a_person_types(page: Page) -> None:
         "brake-pad": "--k 5N/um --v 20mm/s --mu-s 0.45 --mu-k 0.4 --m 20 --c 400 --load 4.8038kN",
         "squeaky-drawer": "--k 1N/um --v 20mm/s --mu-s 0.5 --mu-k 0.35"
         " --m 500g --c 20 --load 95.095",
+        "rubber-seal": "--k 10kN/m --v 10mm/s --mu-s 0.9 --mu-k 0.6 --m 3 --c 30 --load 70.57",
     }
     for name, values in presets().items():
         set_values(page, **values)

@@ -239,6 +239,7 @@ def test_the_shown_unit_follows_the_size(page: Page) -> None:
         "violin-bow": "2823 N/m, 200 mm/s, 1 N, 100 mg, 0 N·s/m",
         "fault-block": "3 TN/m, 31.5576 mm/year, 26.487 TN, 2.7e9 t, 0 N·s/m",
         "brake-pad": "5 N/µm, 20 mm/s, 5 kN, 20 kg, 400 N·s/m",
+        "rubber-seal": "10 kN/m, 10 mm/s, 100 N, 3 kg, 30 N·s/m",
         "squeaky-drawer": "1 N/µm, 20 mm/s, 100 N, 500 g, 20 N·s/m",
     }
     names = [name for name in SI if not name.startswith("mu")]

@@ -12,43 +12,74 @@ from jinja2 import Environment, StrictUndefined
 
 from stickslip_ref import Parameters, critical_velocity, simplified, steady_cycle
 
-_ALMOST: Final = 0.9999
-_SCALES: Final[Mapping[str, tuple[tuple[float, str, float], ...]]] = {
-    "length": (
-        (1e3, "km", _ALMOST),
-        (1.0, "m", _ALMOST),
-        (1e-3, "mm", _ALMOST),
-        (1e-6, "µm", _ALMOST),
+_YEAR: Final = 31557600.0
+_SCALES: Final[Mapping[str, tuple[tuple[float, str], ...]]] = {
+    "length": ((1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
+    "velocity": (
+        (1.0, "m/s"),
+        (1e-3, "mm/s"),
+        (1e-6, "µm/s"),
+        (1e-9, "nm/s"),
+        (1e-3 / _YEAR, "mm/year"),
     ),
-    "velocity": ((1.0, "m/s", _ALMOST), (1e-3, "mm/s", _ALMOST), (1e-6, "µm/s", _ALMOST)),
+    "mass": ((1e3, "t"), (1.0, "kg"), (1e-3, "g"), (1e-6, "mg")),
+    "stiffness": (
+        (1e12, "TN/m"),
+        (1e9, "kN/µm"),
+        (1e6, "N/µm"),
+        (1e3, "kN/m"),
+        (1.0, "N/m"),
+        (1e-3, "mN/m"),
+    ),
+    "damping": (
+        (1e12, "TN·s/m"),
+        (1e9, "GN·s/m"),
+        (1e6, "MN·s/m"),
+        (1e3, "kN·s/m"),
+        (1.0, "N·s/m"),
+        (1e-3, "mN·s/m"),
+    ),
     "force": (
-        (1e12, "TN", _ALMOST),
-        (1e9, "GN", _ALMOST),
-        (1e6, "MN", _ALMOST),
-        (1e3, "kN", _ALMOST),
-        (1.0, "N", _ALMOST),
-        (1e-3, "mN", _ALMOST),
+        (1e12, "TN"),
+        (1e9, "GN"),
+        (1e6, "MN"),
+        (1e3, "kN"),
+        (1.0, "N"),
+        (1e-3, "mN"),
+        (1e-6, "µN"),
     ),
     "time": (
-        (31557600.0, "years", 2.0),
-        (86400.0, "days", 2.0),
-        (3600.0, "h", 2.0),
-        (60.0, "min", 2.0),
-        (1.0, "s", _ALMOST),
-        (1e-3, "ms", _ALMOST),
-        (1e-6, "µs", _ALMOST),
+        (_YEAR, "years"),
+        (86400.0, "days"),
+        (3600.0, "h"),
+        (60.0, "min"),
+        (1.0, "s"),
+        (1e-3, "ms"),
+        (1e-6, "µs"),
+        (1e-9, "ns"),
     ),
-    "frequency": ((1e3, "kHz", _ALMOST), (1.0, "Hz", _ALMOST), (1e-3, "mHz", _ALMOST)),
-    "stiffness": ((1e6, "N/µm", _ALMOST), (1.0, "N/m", _ALMOST)),
-    "damping": ((1e3, "kN·s/m", _ALMOST), (1.0, "N·s/m", _ALMOST)),
-    "mass": ((1.0, "kg", _ALMOST), (1e-3, "g", _ALMOST)),
-    "share": ((0.01, "%", 0.0),),
-    "number": ((1.0, "", 0.0),),
+    "frequency": (
+        (1e6, "MHz"),
+        (1e3, "kHz"),
+        (1.0, "Hz"),
+        (1e-3, "mHz"),
+        (1e-6, "µHz"),
+        (1e-9, "nHz"),
+    ),
+    "share": ((0.01, "%"),),
+    "number": ((1.0, ""),),
 }
-"""Kinds of quantity: of each unit its size [SI], its symbol, and from how many of it on it fits.
+"""Size [SI] and symbol of the units of each kind of quantity; those of view/units.js."""
 
-Those of view/units.js, as far as the texts need them.
-"""
+_ENOUGH: Final[Mapping[str, float]] = {
+    "min": 2.0,
+    "h": 2.0,
+    "days": 2.0,
+    "years": 2.0,
+    "nm/s": 10.0,
+    "kN/m": 10.0,
+}
+"""Units that begin to be better read than the next smaller one at more than one of them."""
 
 
 def quantity(value: float, count: int = 4, *, kind: str) -> str:
@@ -66,18 +97,19 @@ def quantity(value: float, count: int = 4, *, kind: str) -> str:
     Raises
     ------
     ValueError
-        If the value is not finite: a text must not tell of a cycle that does not exist.
+        If the value is not finite: a text must not tell of a cycle that does not exist. If no unit
+        fits, so that it would need an exponent.
     """
     if not math.isfinite(value):
         raise ValueError(f"a text of the page asks for a {kind} that is {value}")
     scales = _SCALES[kind]
-    size, unit, _ = next(
-        (scale for scale in scales if abs(value) >= scale[2] * scale[0]), scales[-1]
-    )
     if value == 0.0:
-        size, unit = 1.0, next(unit for size, unit, _ in scales if size == 1.0)
-        count = 1
+        return f"0\u00a0{next((unit for size, unit in scales if size == 1.0), '%')}".strip()
+    fitting = (scale for scale in scales if abs(value) >= scale[0] * _ENOUGH.get(scale[1], 0.9999))
+    size, unit = next(fitting, scales[-1])
     shown = value / size
+    if not 1e-3 <= abs(shown) < 1e5:
+        raise ValueError(f"a text of the page asks for a {kind} of {value:g}, which no unit fits")
     whole = abs(shown) >= 10**count
     digits = f"{shown:.0f}" if whole else f"{shown:#.{count}g}".rstrip(".")
     return f"{digits}\u00a0{unit}".rstrip("\u00a0").replace("-", "−")

@@ -25,7 +25,7 @@ const GAUGE_LETTER = 6.3;
 export function makeGauge(svg) {
   const group = draw(svg, "g", { class: "gauge" });
   const tie = draw(group, "path", { class: "tie" });
-  const track = draw(group, "path", { class: "track" });
+  const track = draw(group, "path", { class: "rail" });
   const bar = draw(group, "rect", { class: "bar", height: THICK });
   const limit = draw(group, "path", { class: "limit" });
   const name = draw(group, "text", { class: "force" });
