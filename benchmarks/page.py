@@ -1,17 +1,32 @@
-"""The page in a headless browser: how long a moved slider takes to be seen."""
+"""The page in a headless browser: from file to first picture, from a moved slider to its redraw.
 
+``python -m benchmarks.page BASELINE`` measures the page of this source tree beside another file.
+"""
+
+import argparse
 import shutil
 import statistics
-from collections.abc import Callable, Mapping, Sequence
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from stickslip.page import page as page_text
 from tests.page.browser import ARGUMENTS
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 MOVES = 100
 ROUNDS = 5
+OPENINGS = 9
+PLACES = {"top": "h1", "story": "#story", "maps": "#maps"}
+"""What is scrolled into sight while a slider is moved."""
+MOST_RATIO = 1.2
+"""What the first picture may take at most, against that of the baseline."""
 # A frame as soon as there is one: what is timed is the page and not the wait for a tick.
 FRAMES_AT_ONCE = ("--disable-frame-rate-limit", "--disable-gpu-vsync")
 
@@ -68,6 +83,29 @@ async positions => {
 """
 
 
+OPENING = """
+window.opening = new Promise(done => {
+  let first = Infinity, shift = 0;
+  new PerformanceObserver(list => {
+    for (const entry of list.getEntries())
+      if (entry.startTime > first && !entry.hadRecentInput) shift += entry.value;
+  }).observe({ type: "layout-shift", buffered: true });
+  const look = () => {
+    if (window.stickslip === undefined) return requestAnimationFrame(look);
+    const channel = new MessageChannel();
+    channel.port1.onmessage = () => {
+      first = performance.now();
+      setTimeout(() => done({ first, shift }), 1000);
+    };
+    channel.port2.postMessage(null);
+  };
+  requestAnimationFrame(look);
+});
+"""
+"""Script that runs before the page's own: `opening` becomes the time of the first picture [ms] and
+the layout shift in the second after it, of what moves without a person."""
+
+
 class NoBrowserError(Exception):
     """The page cannot be measured here; the message says what is missing."""
 
@@ -99,21 +137,25 @@ class PageTimes:
     after_burst: float
 
 
-def measure_moves(file: Path) -> PageTimes:
-    """Open the page and move its slider.
+@dataclass(frozen=True)
+class Opening:
+    """The opening of a page file.
 
-    Parameters
+    Attributes
     ----------
-    file
-        The page.
-
-    Raises
-    ------
-    NoBrowserError
-        If Playwright or a browser is missing.
-    RuntimeError
-        If moving the slider does not change the setting.
+    first
+        From the navigation to the end of the frame after the script has drawn [s], median.
+    shift
+        The cumulative layout shift in the second that follows [1], the largest.
     """
+
+    first: float
+    shift: float
+
+
+@contextmanager
+def _launched() -> Iterator["Browser"]:
+    """Launch the browser; `NoBrowserError` if Playwright or the browser is missing."""
     try:
         # An extra: the other benchmarks run without it.
         from playwright.sync_api import Error, sync_playwright
@@ -128,12 +170,75 @@ def measure_moves(file: Path) -> PageTimes:
             reason = error.message.splitlines()[0]
             raise NoBrowserError(f"no browser starts, install chromium ({reason})") from None
         with browser:
-            page = browser.new_page(viewport={"width": 1280, "height": 800})
-            page.goto(file.as_uri())
-            page.wait_for_function("window.stickslip !== undefined")
+            yield browser
+
+
+def measure_openings(files: Sequence[Path]) -> list[Opening]:
+    """Open pages by turns, each time in a fresh context.
+
+    Parameters
+    ----------
+    files
+        The pages.
+
+    Raises
+    ------
+    NoBrowserError
+        If Playwright or a browser is missing.
+    """
+    found: dict[Path, list[Mapping[str, float]]] = {file: [] for file in files}
+    with _launched() as browser:
+        for turn in range(OPENINGS):
+            # Neither always comes first.
+            for file in files if turn % 2 == 0 else reversed(files):
+                with browser.new_context(viewport={"width": 1280, "height": 800}) as context:
+                    page = context.new_page()
+                    page.add_init_script(OPENING)
+                    page.goto(file.as_uri())
+                    page.wait_for_function("window.stickslip !== undefined")
+                    found[file].append(page.evaluate("window.opening"))
+    return [
+        Opening(
+            1e-3 * statistics.median(each["first"] for each in found[file]),
+            max(each["shift"] for each in found[file]),
+        )
+        for file in files
+    ]
+
+
+def measure_moves(file: Path) -> dict[str, PageTimes]:
+    """Open the page and move its slider, with each of `PLACES` in sight.
+
+    Parameters
+    ----------
+    file
+        The page; a place that it does not have is left out.
+
+    Raises
+    ------
+    NoBrowserError
+        If Playwright or a browser is missing.
+    RuntimeError
+        If moving the slider does not change the setting.
+    """
+    times = {}
+    with _launched() as browser:
+        page = browser.new_page(viewport={"width": 1280, "height": 800})
+        page.goto(file.as_uri())
+        page.wait_for_function("window.stickslip !== undefined")
+        for place, selector in PLACES.items():
+            element = page.query_selector(selector)
+            if element is None:
+                continue
+            element.scroll_into_view_if_needed()
             rounds = [page.evaluate(_MEASURE, _positions(n)) for n in range(ROUNDS)]
-    if any(each["different"] < MOVES for each in rounds):
-        raise RuntimeError("a move of #k-slider did not change the stiffness of the page")
+            if any(each["different"] < MOVES for each in rounds):
+                raise RuntimeError("a move of #k-slider did not change the stiffness of the page")
+            times[place] = _times(rounds)
+    return times
+
+
+def _times(rounds: Sequence[Mapping[str, Any]]) -> PageTimes:
     return PageTimes(
         median=_usual(rounds, "redraw", statistics.median),
         late=_usual(rounds, "redraw", _percentile_95),
@@ -158,3 +263,30 @@ def _positions(seed: int) -> list[float]:
 
 def _percentile_95(times: Sequence[float]) -> float:
     return statistics.quantiles(times, n=20)[-1]
+
+
+def main() -> None:
+    """Measure the page of this source tree beside a baseline, and print it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("baseline", type=Path, metavar="BASELINE", help="another page file")
+    baseline = parser.parse_args().baseline.resolve(strict=True)
+    with tempfile.TemporaryDirectory(prefix="stickslip-bench-") as folder:
+        ours = Path(folder) / "stick-slip.html"
+        ours.write_text(page_text(), encoding="utf-8")
+        first, other = measure_openings([ours, baseline])
+        ratio = first.first / other.first
+        print(
+            f"file to first picture: {1e3 * first.first:.0f} ms,"
+            f" baseline {1e3 * other.first:.0f} ms, ratio {ratio:.2f} (limit {MOST_RATIO})"
+        )
+        print(f"layout shift after it: {first.shift:g} (limit 0), baseline {other.shift:g}")
+        for name, file in {"this page": ours, "baseline": baseline}.items():
+            for place, times in measure_moves(file).items():
+                print(
+                    f"slider to redraw, {name}, {place} in sight:"
+                    f" median {1e3 * times.median:.1f} ms, 95 % {1e3 * times.late:.1f} ms"
+                )
+
+
+if __name__ == "__main__":
+    main()

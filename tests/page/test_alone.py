@@ -48,8 +48,8 @@ def use_everything(page: Page) -> None:
         page.click(f"[data-preset={preset}]")
     for button in BUTTONS:
         page.click(f"#{button}")
-    for button in page.locator("[data-said]").all():
-        button.click()
+    for sentence in page.locator("[data-said]").all():
+        sentence.click()
     for button in FILES:
         with page.expect_download() as download:
             page.click(f"#{button}")
