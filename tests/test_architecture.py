@@ -51,6 +51,7 @@ EXTRA_OUTSIDE = {
     ("stickslip", "show.curve"): frozenset({"scipy"}),
     ("stickslip", "handbook.document"): frozenset({"jinja2", "markupsafe", "rcssmin"}),
     ("stickslip", "page.assemble"): frozenset({"jinja2", "rcssmin", "rjsmin"}),
+    ("stickslip", "page.texts"): frozenset({"jinja2"}),
     ("stickslip_fmu", "laws.named"): frozenset({COMPUTED}),
     ("stickslip_ref", "laws.named"): frozenset({COMPUTED}),
     ("stickslip_verification", "truth.named"): frozenset({COMPUTED}),

@@ -68,6 +68,7 @@ def test_a_countermeasure_does_what_it_says(page: Page, name: str) -> None:
         press(page, "v", "ArrowRight")
         item.locator("button").click()
         assert setting(page) == {**own, **cure["set"]}
+        assert page.get_attribute("#x-chart .curve.ghost", "d")
         ends = "cycle ends" in item.inner_text()
         assert text_of(page, "#lead").startswith("No cycle") == ends
         assert ends or page.evaluate("window.stickslip.cycle.delta_x") < before

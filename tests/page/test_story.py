@@ -77,6 +77,29 @@ def test_a_link_opens_any_step(browser: Browser, page_file: Path) -> None:
             address(page, f"step={n}")
 
 
+def test_the_dotted_curve_is_the_step_that_is_named(browser: Browser, page_file: Path) -> None:
+    """A step that compares shows the same dotted curves by Next and by a link in a fresh window."""
+    comparing = [n for n, row in enumerate(ROWS, 1) if "over" in row]
+    assert len(comparing) >= 3
+    with opened(browser, page_file) as page:
+        page.click("#story-start")
+        for n in range(2, len(STEPS) + 1):
+            page.click("#story-next")
+            assert all(dotted(page)) == (n in comparing)
+            if n in comparing:
+                with opened(browser, page_file, fragment=f"step={n}") as other:
+                    assert dotted(other) == dotted(page)
+
+
+def dotted(page: Page) -> list[str]:
+    """Give the curves of the setting before, as they are drawn."""
+    drawn(page)
+    found: list[str] = page.eval_on_selector_all(
+        ".curve.ghost", "all => all.map(each => each.getAttribute('d') ?? '')"
+    )
+    return found
+
+
 def test_the_list_of_steps_opens_any_and_the_browser_leads_back(page: Page) -> None:
     """The titles in the list are links; Back of the browser leads to the step before."""
     page.click(".steps summary")

@@ -20,7 +20,7 @@ from stickslip_verification.drive.fmu.digest import content_digest
 from .running import Command
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"
-MOST_BYTES = 350_000
+MOST_BYTES = 420_000
 
 
 @pytest.fixture(scope="module")

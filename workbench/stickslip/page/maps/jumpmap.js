@@ -24,11 +24,28 @@ export function makeJumpMap(svg) {
   const endName = draw(frame.over, "text", { class: "note", "text-anchor": "end" });
   const dot = draw(frame.over, "circle", { class: "dot", r: 4.5 });
 
+  let drawn = "";
+
   /** @param {Solution} solution */
-  function show({ motion: { p, cycle, numbers }, v_c, simple }) {
+  function show(solution) {
+    const { motion, v_c, simple } = solution;
+    const { p, cycle, numbers } = motion;
     const { low, high } = speeds(p.v, v_c, numbers.w * numbers.Delta);
+    // The curve depends on the speed by the ends of its axis alone.
+    const key = [numbers.Delta, numbers.w, numbers.zeta, low, high, frame.area.width].join();
+    if (key !== drawn) drawCurve(solution, low, high);
+    drawn = key;
+    const at = px(frame.x(p.v));
+    put(here, { d: `M${at} ${frame.area.top}V${frame.area.bottom}` });
+    put(dot, { visibility: cycle.exists ? "visible" : "hidden" });
+    if (cycle.exists) put(dot, { cx: at, cy: px(frame.y(cycle.delta_x)) });
+    setText(said, jumpInWords(p, cycle, v_c, simple.delta_x));
+  }
+
+  /** @type {(solution: Solution, low: number, high: number) => void} */
+  function drawCurve({ motion: { p, numbers }, v_c, simple }, low, high) {
     const points = jumpOverSpeed(p, low, high);
-    const jumps = [simple.delta_x, cycle.delta_x, ...points.map(({ jump }) => jump)];
+    const jumps = [simple.delta_x, ...points.map(({ jump }) => jump)];
     const known = jumps.filter((jump) => jump > 0);
     // Without cycle and gap there is no jump to scale by.
     if (!known.length) known.push(p.v / numbers.w);
@@ -36,11 +53,7 @@ export function makeJumpMap(svg) {
       logAxis(low, high, "velocity", "v"),
       logAxis(Math.min(...known) / 2, Math.max(...known) * 2.5, "length", "jump"),
     );
-    const { left, right, top, bottom } = frame.area;
-    const at = px(frame.x(p.v));
-    put(here, { d: `M${at} ${top}V${bottom}` });
-    put(dot, { visibility: cycle.exists ? "visible" : "hidden" });
-    if (cycle.exists) put(dot, { cx: at, cy: px(frame.y(cycle.delta_x)) });
+    const { left, right } = frame.area;
     put(curve, { d: polyline(points.map(({ v, jump }) => [frame.x(v), frame.y(jump)])) });
     const level = simple.delta_x > 0 ? `M${left} ${px(frame.y(simple.delta_x))}H${right}` : "";
     put(constant, { d: level });
@@ -49,7 +62,6 @@ export function makeJumpMap(svg) {
     put(end, { d: last ? `M${x} ${y - 7}V${y + 7}` : "" });
     setText(endName, last ? `ends at ${quantity(v_c, "velocity")}` : "");
     put(endName, { x: Math.max(x + 4, left + 130), y: y - 11 });
-    setText(said, jumpInWords(p, cycle, v_c, simple.delta_x));
   }
 
   return {

@@ -14,7 +14,7 @@ import { zeroBetween } from "./root.js";
  */
 
 /** Points of a curve: enough for straight lines between them. */
-const POINTS = 60;
+const POINTS = 40;
 /** The same of a line of equal jump, which is nearly straight. */
 const LINE_POINTS = 28;
 
