@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from stickslip_ref import FrictionClampWarning, Parameters
+from tests.page.browser import opened
+from tests.page.settings import presets
 from tests.page.using import (
     SI,
     drag,
@@ -22,7 +24,9 @@ from tests.page.using import (
 )
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Page
+    from pathlib import Path
+
+    from playwright.sync_api import Browser, Page
 
 ENDS = {
     "k": (10.0, 10000.0),
@@ -131,6 +135,37 @@ def test_a_load_that_lifts_the_mass_is_refused(page: Page) -> None:
     )
     assert "-9.9 N would lift the mass" in said
     assert setting(page) == good
+
+
+_BOXES = """
+names => names.map(name => ["label[for=" + name + "]", "#" + name, "#" + name + "-unit",
+  "#" + name + "-slider", "#" + name + "-control .ends"].map(each => {
+    const { left, right, top, bottom } = document.querySelector(each).getBoundingClientRect();
+    return { left, right, top, bottom, height: bottom - top };
+  }))
+"""
+
+
+def test_name_value_and_unit_share_a_line_from_1280_px(page: Page) -> None:
+    """All seven are in sight, each on one line above its slider, and the fields in one column."""
+    set_values(page, **presets()["fault-block"])
+    rows = page.evaluate(_BOXES, list(SI))
+    for label, field, unit, slider, ends in rows:
+        assert label["height"] < 30
+        assert label["left"] < field["left"] < unit["left"]
+        assert max(label["top"], unit["top"]) < field["bottom"] <= slider["top"] + 1
+        assert slider["bottom"] <= ends["top"] + 1
+        assert field["left"] == pytest.approx(rows[0][1]["left"], abs=0.5)
+
+
+def test_a_finger_finds_sliders_and_fields(browser: Browser, page_file: Path) -> None:
+    """On a phone both are 44 px high, and the ends of the sliders are shown."""
+    with opened(browser, page_file, width=320, has_touch=True, is_mobile=True) as phone:
+        for _, field, _, slider, ends in phone.evaluate(_BOXES, list(SI)):
+            assert field["height"] >= 44
+            assert slider["height"] >= 44
+            assert ends["height"] > 5
+        assert phone.locator("#k-control .ends span").all_inner_texts() == ["10", "10000"]
 
 
 def test_a_value_beyond_the_slider_is_taken_and_its_ends_follow(page: Page) -> None:
