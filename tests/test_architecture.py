@@ -59,6 +59,7 @@ EXTRA_OUTSIDE = {
     ("fmukit", "fmi3.face"): frozenset({"pythonfmu3"}),
     ("fmukit", "packer"): frozenset({"pythonfmu", "pythonfmu3"}),
     ("stickslip_design", "claims.plots"): frozenset({"matplotlib"}),
+    ("stickslip_design", "cures"): frozenset({"scipy"}),
     ("stickslip_verification", "report.curve"): frozenset({"scipy"}),
     ("stickslip_verification", "report.house_style"): frozenset({"matplotlib"}),
     ("stickslip_verification", "report.environment"): frozenset({"jinja2", "markupsafe"}),
