@@ -249,6 +249,17 @@ def test_back_brings_the_setting_back(page: Page) -> None:
     assert setting(page) == cured
 
 
+def test_the_keyboard_goes_on_from_the_way_back(page: Page) -> None:
+    """A button that ends the cycle vanishes with its value; the focus is on Back then, not lost."""
+    to_cures(page)
+    before = setting(page)
+    page.locator("[data-cure=damping] td:last-child button").press("Enter")
+    text_of(page, "#cures-said")
+    assert page.evaluate("document.activeElement.id") == "cures-back"
+    page.keyboard.press("Enter")
+    assert setting(page) == before
+
+
 def test_a_cure_leaves_the_curve_before_as_a_ghost(page: Page) -> None:
     """The curve of the setting before stays in the charts."""
     to_cures(page)

@@ -89,6 +89,8 @@ export function makeCures(page) {
     cell.append(button, note);
     return (offer, text, aim) => {
       value = offer.value;
+      // Who has just ended the cycle by the keyboard goes on from the way back.
+      if (!text && button === document.activeElement) back.focus({ preventScroll: true });
       button.hidden = !text;
       setText(button, text);
       setText(note, offer.words);
