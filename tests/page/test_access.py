@@ -92,8 +92,8 @@ def test_forced_colours_hide_no_state(browser: Browser, page_file: Path) -> None
 def test_every_control_is_reached_by_tab_in_the_order_of_reading(page: Page) -> None:
     """Tab passes everything that can be used once, in order, each outlined and in sight."""
     open_folds(page)
-    # What is out of sight at first is drawn a moment later.
-    page.wait_for_function("document.querySelector('#cures td button') !== null")
+    # What is out of sight is drawn a moment later, and has buttons then.
+    page.wait_for_function("document.querySelector('#cures-lead').textContent !== ''")
     wanted = page.evaluate(_WALK)
     walked = []
     for _ in range(len(wanted)):

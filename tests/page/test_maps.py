@@ -310,7 +310,8 @@ def test_the_point_lies_in_the_hatched_region_without_a_cycle(page: Page) -> Non
             for v in (1.05 * v_c, 0.95 * v_c) if v_c > 0.0 else (0.002,):
                 set_values(page, c=c, k=k, v=v)
                 on_screen(page)
-                assert page.evaluate(inside) is not page.evaluate("window.stickslip.cycle.exists")
+                exists = page.evaluate("window.stickslip.cycle.exists")
+                assert page.evaluate(inside) is not exists, (c, k, v)
 
 
 def test_no_path_breaks_at_the_corners(page: Page) -> None:

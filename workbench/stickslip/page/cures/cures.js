@@ -69,7 +69,7 @@ export function makeCures(page) {
       return setText(told, error.message);
     }
     before = old;
-    back.disabled = false;
+    back.hidden = false;
     const { exists, delta_x } = page.solution().motion.cycle;
     setText(told, `${what} ${exists ? `The jump is ${quantity(delta_x, "length")}.` : "No cycle."}`);
   }

@@ -15,6 +15,10 @@ import { zeroBetween } from "./root.js";
 
 /** Points of a curve: enough for straight lines between them. */
 const POINTS = 40;
+/** The same of the critical velocity, which falls off steeply on one side. */
+const CRITICAL_POINTS = 80;
+/** At this zeta/nu the critical velocity is 1e-16 of its largest. */
+const STEEPEST = 12;
 /** The same of a line of equal jump, which is nearly straight. */
 const LINE_POINTS = 28;
 
@@ -64,8 +68,8 @@ export function criticalCurve(p, low, high) {
   const soft = (p.c * p.c) / (4 * p.m);
   const etaAt = (/** @type {number} */ k) => Math.sqrt(soft / (k - soft));
   if (high <= soft) return [];
-  const start = low > soft * 1.001 ? etaAt(low) : 30;
-  return spaced(start, etaAt(high), POINTS).map((eta) => {
+  const start = low > soft * (1 + STEEPEST ** -2) ? etaAt(low) : STEEPEST;
+  return spaced(start, etaAt(high), CRITICAL_POINTS).map((eta) => {
     const k = soft * (1 + 1 / (eta * eta));
     return { k, v: criticalVelocity({ ...p, k }) };
   });
