@@ -29,7 +29,8 @@ const TYPED = [
 ];
 
 /** What is asked for is drawn with the next frame. */
-const frames = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+const frames = () =>
+  new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
 
 async function setting(page) {
   await page.evaluate(frames);
@@ -67,7 +68,8 @@ async function pressAll(page, buttons) {
     pressed += 1;
     set.push(JSON.stringify(await setting(page)));
   }
-  return { pressed, settings: new Set(set).size, text: await page.evaluate("document.body.innerText") };
+  const text = await page.evaluate("document.body.innerText");
+  return { pressed, settings: new Set(set).size, text };
 }
 
 /** Name, the element that the check is about, and what it finds. */
@@ -83,7 +85,8 @@ const CHECKS = [
     "#play",
     async (page) => {
       const cursor = async () => Number(await page.$eval("#scrub", (each) => each.value));
-      if ((await page.$eval("#play", (each) => each.textContent)) !== "Pause") await page.click("#play");
+      const plays = await page.$eval("#play", (each) => each.textContent === "Pause");
+      if (!plays) await page.click("#play");
       const before = await cursor();
       await page.waitForFunction(`document.querySelector("#scrub").value != ${before}`);
       await page.click("#play");

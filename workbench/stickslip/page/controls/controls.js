@@ -95,7 +95,8 @@ export function makeControls(table, reader, accept) {
 
   /** What is wanted with another value of one of the controls. */
   function changed(name, value) {
-    return { ...wanted, ...(name === "N" ? { load: value - setting.m * setting.g } : { [name]: value }) };
+    const { m, g } = setting;
+    return { ...wanted, ...(name === "N" ? { load: value - m * g } : { [name]: value }) };
   }
 
   function takeTyped(next, from) {

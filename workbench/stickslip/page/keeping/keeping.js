@@ -33,7 +33,8 @@ function settingInWords({ k, v, mu_s, mu_k, m, g, load, c }) {
 /**
  * Bring the buttons to life.
  *
- * @param {{motion: () => Motion, stretch: Stretch, starts: Setting, reader: Reader}} of what they keep
+ * @param {{motion: () => Motion, stretch: Stretch, starts: Setting, reader: Reader}} of what they
+ *   keep, and what reads quantities
  * @returns refresh(): after another setting or stretch of time
  */
 export function makeKeeping({ motion, stretch, starts, reader }) {
