@@ -38,7 +38,7 @@ OUTSIDE = {
     "stickslip_verification": frozenset({"numpy", "mpmath", "fmpy", "jsonschema", "lazy_loader"}),
     "stickslip_verification.truth": frozenset({"mpmath"}),
     "stickslip_score": frozenset({"lazy_loader", "mpmath", "numpy", "scipy"}),
-    "stickslip_design": frozenset({"lazy_loader", "mpmath", "numpy"}),
+    "stickslip_design": frozenset({"lazy_loader", "mpmath", "numpy", "scipy"}),
     "stickslip": frozenset({"typer", "rich", "matplotlib", "numpy"}),
 }
 

@@ -73,6 +73,7 @@ def test_a_halving_value_halves_the_jump() -> None:
         found = cures(p)
         assert found.jump == pytest.approx(whole, rel=1e-12)
         for cure in found.cures:
+            assert (cure.halve is None) is (cure.least > 0.5)
             if cure.halve is not None:
                 halving += 1
                 assert exact_jump(at(p, cure, cure.halve)) == pytest.approx(0.5 * whole, rel=1e-11)

@@ -145,14 +145,14 @@ def test_the_cures_are_those_of_python(page: Page) -> None:
 
 FAULTS = {
     "half of another jump": ("Math.log(2 * (", "Math.log(2.00000001 * (", "stiffer halve"),
-    "stiffer from the other side": (
-        "Math.min(zeta, HIGHEST_AT)",
-        "Math.min(zeta, 0.05 * HIGHEST_AT)",
+    "stiffer up to the first order": (
+        "const low = (4 * Math.PI) / (ray * ray);",
+        "const low = (5 * Math.PI) / (ray * ray);",
         "stiffer end",
     ),
-    "softer from the other side": (
-        "Math.max(zeta, HIGHEST_AT)",
-        "Math.max(zeta, 4 * HIGHEST_AT)",
+    "softer not far enough": (
+        "Math.log1p((2 * lambda_) / zeta) / Math.PI",
+        "Math.log1p((2 * lambda_) / zeta) / 9",
         "softer end",
     ),
     "lighter past the first limit": ("const DIPS = 60;", "const DIPS = 0;", "lighter end"),
@@ -189,6 +189,7 @@ def test_a_button_does_what_it_says(page: Page) -> None:
     """Pressed, each value that the table offers halves the jump, or leaves no cycle, alone."""
     chosen = [dict(each) for each in settings.presets().values()]
     chosen += [dict(each) for each in drawn()[150:156]]
+    chosen += [dict(settings.corner(name)) for name in ("no gap", "frictionless", "fastest")]
     pressed = press_all(page, chosen)
     for each in pressed:
         assert each["changed"] == [each["parameter"]], each

@@ -61,9 +61,10 @@ def test_next_and_back_lead_through_the_steps(page: Page) -> None:
 
 
 def test_a_link_opens_any_step(browser: Browser, page_file: Path) -> None:
-    """In a fresh window the step of the address is set, and it stands open beneath the stage."""
+    """In a fresh window, of a phone or a desktop, its step is set and stands beneath the stage."""
     for n, values in STEPS.items():
-        with opened(browser, page_file, fragment=f"step={n}") as page:
+        width = 390 if n % 2 else 1280
+        with opened(browser, page_file, width=width, fragment=f"step={n}") as page:
             assert setting(page) == values
             assert open_steps(page) == [n]
             page.wait_for_function(

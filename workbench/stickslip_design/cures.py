@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Literal
 
 from scipy.optimize import brentq
@@ -131,15 +130,14 @@ def cures(p: Parameters) -> Cures:
 
 
 def _stiffer(p: Parameters) -> Cure:
-    """Return the stiffer spring: its limit lies where v_c falls with k, zeta < 0.1814."""
+    """Return the stiffer spring: its limit lies where v_c falls with k."""
     k, zeta = float(p.k), float(p.zeta)
     end, least = None, 0.0
     if zeta > 0.0:
         q = _quotient(p)
         # With the first order of lambda_c, sqrt(4 pi zeta), which is too low: (14).
         low = math.pi * q * q
-        high = min(zeta, _zeta_of_highest())
-        ratio = _root(lambda z: _part(z) - q, low, high)
+        ratio = _root(lambda z: _part(z) - q, low, zeta)
         end = k * (zeta / ratio) ** 2
         least = _grazing_jump(replace(p, k=end)) / _jump(p)
     # Without damping four times the stiffness leaves a half at most.
@@ -148,12 +146,12 @@ def _stiffer(p: Parameters) -> Cure:
 
 
 def _softer(p: Parameters) -> Cure:
-    """Return the softer spring, which ends the cycle by over-damping: zeta > 0.1814."""
+    """Return the softer spring, which ends the cycle by strong damping of the slip."""
     k, zeta = float(p.k), float(p.zeta)
     end = None
     if zeta > 0.0:
         q = _quotient(p)
-        ratio = _root(lambda z: _part(z) - q, max(zeta, _zeta_of_highest()), 1.0)
+        ratio = _root(lambda z: _part(z) - q, zeta, 1.0)
         end = k * (zeta / ratio) ** 2
     return Cure("softer", "k", k, None, end, 1.0)
 
@@ -294,12 +292,6 @@ def _slope(zeta: float) -> float:
     theta = math.atan2(nu * L, 1.0 - zeta * L)
     turn = 2.0 * math.pi - theta + math.sin(theta) * math.cos(theta)
     return 1.0 - zeta * turn * ((1.0 - zeta / L) ** 2 + (nu / L) ** 2) / nu**3
-
-
-@cache
-def _zeta_of_highest() -> float:
-    """Return the damping ratio at which v_c is largest over k: 0.1814."""
-    return _root(_slope, 0.1, 0.3)
 
 
 def _jump(p: Parameters) -> float:

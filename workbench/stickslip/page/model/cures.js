@@ -35,8 +35,6 @@ import { zeroBetween } from "./root.js";
  * @property {Cure[]} cures none where there is no cycle
  */
 
-/** The damping ratio at which v_c is largest over k: docs/theory.md (14). */
-const HIGHEST_AT = 0.181365310656758;
 /** Steps of the search for the mass at which v_c is smallest; it gains a digit in two of them. */
 const DIPS = 60;
 /** A rounded value is this near to the limit. */
@@ -71,11 +69,11 @@ export function curesOf(p) {
   const by = (factor, value) => (factor === null ? null : value(factor));
 
   function stiffer() {
-    // lambda and zeta fall as one; lambda_c is above sqrt(4 pi zeta).
+    // Lambda and zeta fall as one; lambda_c is above sqrt(4 pi zeta).
     const ray = lambda_ / zeta;
     const low = (4 * Math.PI) / (ray * ray);
     const limit = damped
-      ? endOf((z) => ray * z, Math.min(zeta, HIGHEST_AT), Math.min(low, zeta))
+      ? endOf((z) => ray * z, zeta, Math.min(low, zeta))
       : 0;
     const end = damped ? (zeta / limit) ** 2 : null;
     const least = damped ? (grazingPeriod(ray * limit, limit) / whole) * (limit / zeta) : 0;
@@ -89,7 +87,7 @@ export function curesOf(p) {
   function softer() {
     const ray = lambda_ / zeta;
     const end = damped
-      ? p.k * (zeta / endOf((z) => ray * z, Math.max(zeta, HIGHEST_AT), overdamped())) ** 2
+      ? p.k * (zeta / endOf((z) => ray * z, zeta, overdamped())) ** 2
       : null;
     return cure("softer", "k", null, end, 1);
   }

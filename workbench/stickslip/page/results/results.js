@@ -100,7 +100,7 @@ function hidden(words) {
  */
 function inWords({ cycle, numbers, p }, v_c) {
   if (!cycle.exists) {
-    return `No cycle: it breaks away once and then slides. ${whyNone(numbers, p, v_c)}`;
+    return `No cycle, it slides: ${whyNone(numbers, p, v_c)}`;
   }
   const { delta_x, T, t_stick, t_slip } = cycle;
   const jump = `It jumps ${quantity(delta_x, "length")} every ${quantity(T, "time")}`;
@@ -114,8 +114,8 @@ function inWords({ cycle, numbers, p }, v_c) {
  * @param {number} v_c critical velocity [m/s]
  */
 function whyNone({ zeta, Delta }, p, v_c) {
-  if (zeta >= 1) return `The slip does not swing (ζ = ${digits(zeta, 3)}).`;
-  if (Delta === 0) return "There is damping and no gap between μs and μk.";
+  if (zeta >= 1) return `the slip does not swing (ζ = ${digits(zeta, 3)}).`;
+  if (Delta === 0) return "there is damping and no gap between μs and μk.";
   const [pull, critical] = [p.v, v_c].map((each) => quantity(each, "velocity"));
-  return `The pull at ${pull} is above the critical velocity ${critical}.`;
+  return `${pull} is above the critical velocity, ${critical}.`;
 }
