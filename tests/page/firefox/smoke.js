@@ -62,9 +62,12 @@ const drawing = (svg) => {
 async function pressAll(page, buttons) {
   const set = [];
   let pressed = 0;
+  await page.evaluate(() => {
+    for (const fold of document.querySelectorAll("details")) fold.open = true;
+  });
   for (const button of await page.$$(buttons)) {
     if (!(await button.evaluate((each) => !each.disabled && each.checkVisibility()))) continue;
-    await button.click();
+    await button.press("Enter");
     pressed += 1;
     set.push(JSON.stringify(await setting(page)));
   }
@@ -173,7 +176,7 @@ const CHECKS = [
       return found;
     },
   ],
-  ["story", "#story button", (page) => pressAll(page, "#story button, #story-next")],
+  ["story", "#story button", (page) => pressAll(page, "#story button")],
   ["said", "#said button", (page) => pressAll(page, "#said button")],
   ["cures", "#cures td button", (page) => pressAll(page, "#cures td button")],
   ["applications", "#applications button", (page) => pressAll(page, "#applications button")],

@@ -77,7 +77,8 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         questions=rows.questions(_table("questions/questions.toml")["question"], start, table),
         sentences=sentences,
         data=_embedded(data),
-        style=cssmin("".join(map(_text, ["style.css", *_paths(".css")]))),
+        # What paper hides, it hides in every part.
+        style=cssmin("".join(map(_text, ["style.css", *_paths(".css"), "print.css"]))),
         chart_style=cssmin(_text("chart.css")),
         script=jsmin(joined(_modules(), _ENTRY)),
     )
