@@ -57,7 +57,7 @@ const portrait = makePortrait(byId("phase-chart"));
 const schematic = makeSchematic(byId("schematic"));
 const readouts = makeReadouts();
 const showResults = makeResults();
-const writeAddress = makeAddress();
+const address = makeAddress();
 const reader = makeReader(data.units);
 
 /** @type {Solution} */
@@ -95,7 +95,9 @@ const page = {
   set(values, { ghost: keep = false, from = /** @type {Look["from"]} */ ("cycles") } = {}) {
     // An address may ask for a step of the story before anything is solved.
     const before = solution?.motion ?? null;
+    const left = before && (story.address() ?? controls.wanted);
     controls.set(values);
+    if (left) address.step(left);
     ghost = keep ? before : null;
     seen.release(from);
     redrawSoon();
@@ -134,7 +136,7 @@ function redraw() {
   portrait.show(motion, ghost);
   byId("forget").hidden = !ghost;
   redrawTime();
-  writeAddress(story.address() ?? controls.wanted);
+  address.write(story.address() ?? controls.wanted);
   for (const show of sections) show(solution);
 }
 
@@ -150,6 +152,7 @@ function redrawTime() {
 function resize() {
   const { clientWidth, clientHeight } = byId("schematic");
   scene = { width: clientWidth, height: clientHeight };
+  document.documentElement.style.setProperty("--covered", `${byId("stage").offsetHeight}px`);
   charts.resize();
   portrait.resize();
   redraw();
@@ -159,16 +162,17 @@ function resize() {
 function takeAddress(event) {
   if (story.take(location.hash, Boolean(event))) return;
   // A jump to a place in the page asks for nothing, and must not cost the setting.
-  if (byId(location.hash.slice(1))) return writeAddress(story.address() ?? controls.wanted);
+  if (byId(location.hash.slice(1))) return address.write(story.address() ?? controls.wanted);
   const { values, bad } = valuesIn(location.hash);
   const problems = bad.map((part) => `${part} is no number.`);
   for (const [name, value] of Object.entries(values)) {
     const objection = controls.objectionTo(name, value);
     if (!objection) continue;
-    problems.push(objection);
+    problems.push(name === "step" ? `The story has no step ${value}.` : objection);
     delete values[name];
   }
   seen.release();
+  ghost = null;
   // What the address leaves out is as at the start, whatever was shown before.
   for (const asked of [controls.starts, data.setting, values]) {
     try {

@@ -2,6 +2,8 @@
 
 /** The address is written once the setting has been still this long [ms]. */
 const STILL = 250;
+/** Presses that follow each other faster are one step of the browser's Back [ms]. */
+const ONE_STEP = 1000;
 
 /**
  * The values that an address asks for.
@@ -29,11 +31,27 @@ function hashOf(values) {
     .join("&")}`;
 }
 
-/** Give a function that writes values into the address bar, once they have been still a moment. */
+/**
+ * Keep the address bar.
+ *
+ * @returns write(values): write them once they have been still a moment; step(before): the
+ *   setting changes at one press, so that the browser's Back brings `before` back
+ */
 export function makeAddress() {
   let waiting = 0;
-  return (values) => {
-    clearTimeout(waiting);
-    waiting = setTimeout(() => history.replaceState(null, "", hashOf(values)), STILL);
+  let last = -Infinity;
+  return {
+    write(/** @type {Record<string, number>} */ values) {
+      clearTimeout(waiting);
+      waiting = setTimeout(() => history.replaceState(null, "", hashOf(values)), STILL);
+    },
+    step(/** @type {Record<string, number>} */ before) {
+      const pause = performance.now() - last;
+      last += pause;
+      if (pause < ONE_STEP) return;
+      clearTimeout(waiting);
+      history.replaceState(null, "", hashOf(before));
+      history.pushState(null, "", hashOf(before));
+    },
   };
 }

@@ -15,6 +15,12 @@ import { outOfRange, readTyped, typedText } from "./typed.js";
 /** A unit may be half typed: what is wrong with it is told when nothing more comes [ms]. */
 const HALF_TYPED = 900;
 
+/** Whether a number is too long for its field, in the unit that is shown. */
+function isUnwieldy(number) {
+  const size = Math.abs(number);
+  return size >= 1e6 || (size > 0 && size < 1e-3);
+}
+
 /**
  * Bring the controls to life.
  *
@@ -52,14 +58,15 @@ export function makeControls(table, reader, accept) {
       state: null,
       written: null,
       waiting: 0,
+      named: false,
     };
     on(row.slider, "input", () => slide(row));
-    on(row.slider, "blur", () => show(row));
+    on(row.slider, "blur", () => show(row, null, false));
     on(row.text, "input", () => type(row));
     on(row.text, "blur", () => leave(row));
     on(row.text, "keydown", ({ key }) => {
       if (key === "Enter") leave(row);
-      if (key === "Escape") show(row);
+      if (key === "Escape") show(row, null, false);
     });
     return row;
   }
@@ -79,6 +86,7 @@ export function makeControls(table, reader, accept) {
     const read = readTyped(row.text.value, row.control, reader, row.scale.unit);
     // The unit beside the field is not that of a text which names its own.
     row.unit.style.visibility = read.inUnit ? "hidden" : "";
+    row.named = read.inUnit;
     const objection = read.objection ?? takeTyped(changed(row.control.name, read.value), row);
     if (!objection) return;
     if (!read.inUnit || isAll) refuse(row, objection);
@@ -90,7 +98,7 @@ export function makeControls(table, reader, accept) {
     if (row.waiting) type(row, true);
     if (row.said.dataset.bad) return;
     row.written = null;
-    show(row);
+    show(row, null, row.named);
   }
 
   /** What is wanted with another value of one of the controls. */
@@ -126,14 +134,20 @@ export function makeControls(table, reader, accept) {
     return name === "N" ? numbersOf(setting).N : setting[name];
   }
 
-  /** Show the value in use; in the row that it comes from, what the person holds stays. */
-  function show(row, from = null) {
+  /**
+   * Show the value in use; in the row that it comes from, what the person holds stays. A fresh
+   * value has its unit chosen by its size.
+   */
+  function show(row, from = null, fresh = from === null) {
     const { control, slider, text, said } = row;
     clearTimeout(row.waiting);
     row.waiting = 0;
     const isKinetic = control.name === "mu_k";
     const value = valueOf(row);
-    if (row !== from) row.scale = scaleFor(value, control.kind);
+    // The unit of a plain number must not change under the hands of who types it.
+    if (fresh || (row !== from && isUnwieldy(value / row.scale.size))) {
+      row.scale = scaleFor(value, control.kind);
+    }
     const note = isKinetic ? clampNote() : "";
     const state = `${value} ${row.scale.unit} ${isKinetic ? setting.mu_s : ""} ${note}`;
     // To set a slider where it stands already would still cost a layout.

@@ -19,12 +19,15 @@ import { digits, quantity } from "../view/units.js";
  * @typedef {object} Offer
  * @property {number} [value] of the parameter [SI]; without one the words say why there is none
  * @property {string} words
+ * @property {boolean} [far] whether the value is out of reach
  */
 
 /** A parameter that changes by more than this factor is out of reach of a design. */
 const REACH = 100;
 /** So is a damping ratio above this: slides and drives have 0.01 to 0.1. */
 const MOST_ZETA = 0.5;
+/** A damping ratio that is often met. */
+const USUAL_ZETA = 0.03;
 
 /** @type {Record<string, {name: string, kind?: string}>} how a parameter is called and shown */
 const LEVERS = {
@@ -57,23 +60,31 @@ export function makeCures(page) {
     const cells = [halve, end].map((cell) => makeCell(cell, parameter));
     return { cure, parameter, now: row.querySelector(".now"), cells };
   });
-  /** @type {Setting | null} the setting before the last cure */
-  let before = null;
+  /**
+   * While a cure is shown, what it was taken from, so that cures are compared and do not add up.
+   *
+   * @type {{from: Solution, cured: Setting, button: Element} | null}
+   */
+  let tried = null;
+  const stillTried = () => tried !== null && tried.cured === page.setting();
 
-  /** @type {(values: Partial<Setting>, what: string) => void} */
-  function set(values, what) {
-    const old = page.setting();
+  /** @type {(values: Partial<Setting>, what: string, button: Element) => void} */
+  function set(values, what, button) {
+    const from = stillTried() ? tried.from : page.solution();
     try {
+      if (stillTried()) page.set(from.motion.p);
       page.set(values, { ghost: true });
     } catch (error) {
       return setText(told, error.message);
     }
-    before = old;
-    back.hidden = false;
+    tried = { from, cured: page.setting(), button };
     const { exists, delta_x } = page.solution().motion.cycle;
     setText(told, `${what} ${exists ? `The jump is ${quantity(delta_x, "length")}.` : "No cycle."}`);
   }
-  on(back, "click", () => set(before, "Set back."));
+  on(back, "click", () => {
+    page.set(tried.from.motion.p);
+    setText(told, "Set back.");
+  });
 
   /** @type {(cell: HTMLTableCellElement, parameter: string) => (offer: Offer, text: string, aim: string) => void} */
   function makeCell(cell, parameter) {
@@ -84,21 +95,23 @@ export function makeCures(page) {
     button.hidden = true;
     let value = NaN;
     on(button, "click", () => {
-      set({ [parameter]: value }, `The ${name} is ${button.textContent}.`);
+      set({ [parameter]: value }, `The ${name} is ${button.textContent}.`, button);
     });
     cell.append(button, note);
     return (offer, text, aim) => {
       value = offer.value;
-      // Who has just ended the cycle by the keyboard goes on from the way back.
-      if (!text && button === document.activeElement) back.focus({ preventScroll: true });
-      button.hidden = !text;
+      button.hidden = !text || offer.far;
       setText(button, text);
-      setText(note, offer.words);
-      put(button, { "aria-label": `${name} ${text}, ${offer.words}: ${aim}` });
+      setText(note, offer.far ? `${text}, ${offer.words}` : offer.words);
+      const pressed = stillTried() && tried.button === button;
+      put(button, { "aria-label": `${name} ${text}, ${offer.words}: ${aim}`, "aria-pressed": pressed });
     };
   }
 
-  return whenSeen(byId("cures"), ({ motion: { p } }) => {
+  return whenSeen(byId("cures"), (/** @type {Solution} */ solution) => {
+    if (!stillTried()) tried = null;
+    back.hidden = !tried;
+    const { p } = (tried?.from ?? solution).motion;
     const found = curesOf(p);
     setText(lead, curesInWords(p, found));
     const offers = found.cures.length ? offersOf(p, found.cures) : null;
@@ -125,7 +138,7 @@ function offersOf(p, cures) {
     /** @type {Record<string, Cure>} */ (Object.fromEntries(cures.map((cure) => [cure.name, cure])));
   /** @type {(cure: Cure) => Offer} */
   const halve = (cure) => {
-    if (cure.halve !== null) return { value: cure.halve, words: changeInWords(p, cure, cure.halve) };
+    if (cure.halve !== null) return { value: cure.halve, ...changeOf(p, cure, cure.halve) };
     if (cure.end !== null) return ENDS_FIRST;
     return { words: cure.least < 1 ? `none: ${Math.round(100 * cure.least)} % at best` : "none" };
   };
@@ -133,7 +146,7 @@ function offersOf(p, cures) {
   const end = (cure, without) => {
     if (cure.end === null) return { words: `none: ${without}` };
     const value = valueBeyond(p, cure, cure.end);
-    return { value, words: changeInWords(p, cure, value) };
+    return { value, ...changeOf(p, cure, value) };
   };
   const never = (what) => `without damping no ${what} ends it`;
   return {
@@ -147,8 +160,8 @@ function offersOf(p, cures) {
   };
 }
 
-/** A change of a parameter in words, with the remark that it is out of reach. */
-function changeInWords(p, { name, parameter, now }, value) {
+/** A change of a parameter in words, and whether it is out of reach. */
+function changeOf(p, { name, parameter, now }, value) {
   const { N } = numbersOf(p);
   const [from, to] = {
     gap: [p.mu_s - now, p.mu_s - value],
@@ -159,7 +172,7 @@ function changeInWords(p, { name, parameter, now }, value) {
   const isFar = name === "damping" ? zeta > MOST_ZETA : factor > REACH || factor < 1 / REACH;
   const times = factor >= 1 ? `× ${digits(factor, 3)}` : to > 0 ? `÷ ${digits(1 / factor, 3)}` : "0";
   const words = name === "damping" ? `ζ = ${digits(zeta, 2)}` : (name === "gap" ? "gap " : "") + times;
-  return isFar ? `${words}, out of reach` : words;
+  return { words: isFar ? `${words}, out of reach` : words, far: isFar };
 }
 
 /** The value of a parameter with its unit, without needless zeros; of the load, the normal force. */
@@ -175,10 +188,14 @@ function leverInWords(p, parameter, value) {
  * @param {Cures} found
  */
 function curesInWords(p, { jump, v_c, cures }) {
-  if (cures.length) {
-    return `Each change alone, the rest held. The jump is ${quantity(jump, "length")} now.`;
-  }
   const { zeta, Delta } = numbersOf(p);
+  if (cures.length) {
+    const usual = quantity(2 * USUAL_ZETA * Math.sqrt(p.k * p.m), "damping");
+    const hint =
+      ` There is no damping (c = 0), so nothing ends it; a slide often has ζ = ${USUAL_ZETA}, here c = ${usual}.`;
+    const now = `Each change alone, the rest held. The jump is ${quantity(jump, "length")} now.`;
+    return p.c > 0 ? now : now + hint;
+  }
   if (zeta >= 1) return `Nothing to suppress: with ζ = ${digits(zeta, 3)} no slip comes to rest.`;
   if (!(Delta > 0)) return "Nothing to suppress: damping and no gap leave no cycle.";
   const [pull, critical] = [p.v, v_c].map((each) => quantity(each, "velocity"));

@@ -104,6 +104,7 @@ function inWords({ cycle, numbers, p }, v_c) {
   }
   const { delta_x, T, t_stick, t_slip } = cycle;
   const jump = `It jumps ${quantity(delta_x, "length")} every ${quantity(T, "time")}`;
+  if (numbers.F_s === 0) return `${jump} and never sticks: there is no friction.`;
   if (t_stick === 0) return `${jump} and never sticks: there is no gap between μs and μk.`;
   return `${jump}: sticks ${quantity(t_stick, "time")}, slips ${quantity(t_slip, "time")}.`;
 }

@@ -8,6 +8,9 @@
 const CYCLES = 6;
 const FEWEST = 2.5;
 const MOST = 15;
+/** Decays of a slip without end that are seen, in at most so many of its swings. */
+const DECAYS = 4;
+const SWINGS_SEEN = 40;
 /** Cycles in the longest stretch. */
 const MOST_ZOOMED_OUT = 200;
 /** The shortest stretch, as a part of a swing. */
@@ -57,7 +60,7 @@ export function makeStretch() {
 
   function reset() {
     kind = "cycles";
-    lay(CYCLES * motion.beat);
+    lay(usual(motion));
   }
 
   return {
@@ -89,9 +92,9 @@ export function makeStretch() {
       if (free) {
         // Of both curves some cycles are seen, unless one is much slower than the other.
         const beats = [motion.beat, ghost?.beat ?? 0].filter((beat) => beat <= 3 * motion.beat);
-        lay(CYCLES * Math.max(...beats));
+        lay(Math.max(usual(motion), CYCLES * Math.max(...beats)));
       } else if (kind === "cycles" && cycles >= FEWEST && cycles <= MOST) lay(span);
-      else lay(CYCLES * motion.beat);
+      else lay(usual(motion));
       free = false;
     },
     /**
@@ -119,9 +122,20 @@ export function makeStretch() {
     reset,
     fromStart() {
       kind = "start";
-      lay(CYCLES * motion.beat);
+      lay(usual(motion));
     },
   };
+}
+
+/**
+ * The span of the whole picture: some cycles, or till a slip without end has settled.
+ *
+ * @param {Motion} motion
+ * @returns {number} [s]
+ */
+function usual({ cycle, beat, slip }) {
+  if (cycle.exists) return CYCLES * beat;
+  return Math.min(Math.max(CYCLES * beat, DECAYS / slip.slow), SWINGS_SEEN * beat);
 }
 
 /**
