@@ -104,7 +104,10 @@ export function makeCures(page) {
       setText(button, text);
       setText(note, offer.far ? `${text}, ${offer.words}` : offer.words);
       const pressed = stillTried() && tried.button === button;
-      put(button, { "aria-label": `${name} ${text}, ${offer.words}: ${aim}`, "aria-pressed": pressed });
+      put(button, {
+        "aria-label": `${name} ${text}, ${offer.words}: ${aim}`,
+        "aria-pressed": pressed,
+      });
     };
   }
 
@@ -192,7 +195,8 @@ function curesInWords(p, { jump, v_c, cures }) {
   if (cures.length) {
     const usual = quantity(2 * USUAL_ZETA * Math.sqrt(p.k * p.m), "damping");
     const hint =
-      ` There is no damping (c = 0), so nothing ends it; a slide often has ζ = ${USUAL_ZETA}, here c = ${usual}.`;
+      " Without damping (c = 0) no stiffness and no speed ends it. " +
+      `A slide often has ζ = ${USUAL_ZETA}: here c = ${usual}.`;
     const now = `Each change alone, the rest held. The jump is ${quantity(jump, "length")} now.`;
     return p.c > 0 ? now : now + hint;
   }
