@@ -21,7 +21,7 @@ from tests.page.browser import opened
 from tests.page.by_python import exact_critical_velocity
 from tests.page.comparison import DECIDABLE
 from tests.page.exchange import ask
-from tests.page.using import set_values, setting, text_of
+from tests.page.using import drawn, set_values, setting, text_of
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -67,7 +67,7 @@ async settings => {
 
 
 @functools.cache
-def drawn() -> tuple[settings.Setting, ...]:
+def every_setting() -> tuple[settings.Setting, ...]:
     """Give 300 settings and those that the page offers, some with a load or a lift."""
     draw = Random("cures of the page")
     chosen = [dict(each) for each in settings.batch("cures of the page", 120, 110, 70)]
@@ -80,7 +80,7 @@ def drawn() -> tuple[settings.Setting, ...]:
 @functools.cache
 def by_python() -> tuple[Cures, ...]:
     """Give what Python says of them."""
-    return tuple(cures(parameters(each)) for each in drawn())
+    return tuple(cures(parameters(each)) for each in every_setting())
 
 
 def parameters(values: settings.Setting) -> Parameters:
@@ -101,7 +101,7 @@ def errors(page: Page, every: int = 1) -> dict[str, float]:
         Of the settings, how many to go on by.
     """
     worst: dict[str, float] = {}
-    chosen, python = drawn()[::every], by_python()[::every]
+    chosen, python = every_setting()[::every], by_python()[::every]
     found = ask(page, _ASK, [dict(each) for each in chosen])
     for values, got, wanted in zip(chosen, found, python, strict=True):
         p = parameters(values)
@@ -188,7 +188,7 @@ def test_a_planted_fault_is_found(
 def test_a_button_does_what_it_says(page: Page) -> None:
     """Pressed, each value that the table offers halves the jump, or leaves no cycle, alone."""
     chosen = [dict(each) for each in settings.presets().values()]
-    chosen += [dict(each) for each in drawn()[150:156]]
+    chosen += [dict(each) for each in every_setting()[150:156]]
     chosen += [dict(settings.corner(name)) for name in ("no gap", "frictionless", "fastest")]
     pressed = press_all(page, chosen)
     for each in pressed:
@@ -323,3 +323,26 @@ def test_every_corner_has_an_answer(page: Page) -> None:
                 assert difference(each[key], getattr(cure, key)) <= NEAR, (values, cure, key)
         set_values(page, **values)
         assert not re.search(r"NaN|undefined|Infinity|null|Invalid", text_of(page, "#cures"))
+
+
+def test_cures_are_compared_from_one_setting(page: Page) -> None:
+    """A second cure starts where the first did, the table stays, and Back leads there."""
+    own = dict(setting(page))
+    stiffer = page.locator("[data-cure=stiffer] button").first
+    lighter = page.locator("[data-cure=lighter] button").first
+    stiffer.scroll_into_view_if_needed()
+    drawn(page)
+    before = page.inner_text("#cures table")
+    stiffer.click()
+    drawn(page)
+    assert setting(page)["k"] > own["k"]
+    assert page.inner_text("#cures table") == before
+    assert stiffer.get_attribute("aria-pressed") == "true"
+    lighter.click()
+    drawn(page)
+    assert setting(page)["k"] == own["k"]
+    assert setting(page)["m"] < own["m"]
+    page.click("#cures-back")
+    drawn(page)
+    assert setting(page) == own
+    assert not page.is_visible("#cures-back")

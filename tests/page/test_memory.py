@@ -241,3 +241,20 @@ def test_a_number_given_as_text_becomes_a_number(page: Page) -> None:
     by_text = page.evaluate("window.stickslip.cycle")
     set_values(page, k=2000.0, mu_k=0.2, v=0.05)
     assert page.evaluate("window.stickslip.cycle") == by_text
+
+
+def test_the_browsers_back_undoes_a_press(page: Page) -> None:
+    """Own values that a preset has replaced come back, and with them no ghost."""
+    pause(page)
+    type_in(page, "k", "2345")
+    type_in(page, "v", "12")
+    own = setting(page)
+    page.click("[data-preset=brake-pad]")
+    drawn(page)
+    assert setting(page) == presets()["brake-pad"]
+    page.evaluate("history.back()")
+    page.wait_for_function("window.stickslip.setting.k === 2345")
+    assert setting(page) == own
+    page.evaluate("window.stickslip.compare({ k: 4000 })")
+    drawn(page)
+    assert page.is_visible("#forget")

@@ -6,6 +6,8 @@ from decimal import Decimal, localcontext
 from random import Random
 from typing import TYPE_CHECKING
 
+import pytest
+
 from stickslip.errors import CommandError
 from stickslip.units import KINDS, parse
 from tests.page.exchange import ask
@@ -316,3 +318,18 @@ def test_a_very_long_text_is_refused_at_once(page: Page) -> None:
     )
     page.wait_for_function("document.querySelector('#k-said').textContent.includes('unknown')")
     assert len(said(page, "k")) < 200
+
+
+def test_a_plain_number_stays_in_its_unit(page: Page) -> None:
+    """Typed twice without a unit, a number means twice the same: no unit changes on its way."""
+    for name, numbers in {"c": (1000, 2000), "N": (5886, 6000)}.items():
+        for number in numbers:
+            type_in(page, name, str(number))
+            page.press(f"#{name}", "Enter")
+            p = {**setting(page), "N": setting(page)["g"] + setting(page)["load"]}
+            assert p[name] == pytest.approx(number, rel=1e-12)
+    # Another mass moves the normal force, but not the unit in which it is typed.
+    type_in(page, "m", "600")
+    assert page.inner_text("#N-unit") == "N"
+    set_values(page, **presets()["machine-slideway"])
+    assert page.inner_text("#N-unit") == "kN"

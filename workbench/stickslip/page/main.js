@@ -97,7 +97,7 @@ const page = {
     const before = solution?.motion ?? null;
     const left = before && (story.address() ?? controls.wanted);
     controls.set(values);
-    if (left) address.step(left);
+    if (left) address.step(left, controls.wanted);
     ghost = keep ? before : null;
     seen.release(from);
     redrawSoon();

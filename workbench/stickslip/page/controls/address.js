@@ -34,8 +34,8 @@ function hashOf(values) {
 /**
  * Keep the address bar.
  *
- * @returns write(values): write them once they have been still a moment; step(before): the
- *   setting changes at one press, so that the browser's Back brings `before` back
+ * @returns write(values): write them once they have been still a moment; step(before, after):
+ *   the setting changes at one press, so that the browser's Back brings `before` back
  */
 export function makeAddress() {
   let waiting = 0;
@@ -45,13 +45,13 @@ export function makeAddress() {
       clearTimeout(waiting);
       waiting = setTimeout(() => history.replaceState(null, "", hashOf(values)), STILL);
     },
-    step(/** @type {Record<string, number>} */ before) {
+    step(/** @type {Record<string, number>} */ before, /** @type {Record<string, number>} */ after) {
       const pause = performance.now() - last;
       last += pause;
       if (pause < ONE_STEP) return;
       clearTimeout(waiting);
       history.replaceState(null, "", hashOf(before));
-      history.pushState(null, "", hashOf(before));
+      history.pushState(null, "", hashOf(after));
     },
   };
 }
