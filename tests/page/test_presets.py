@@ -119,7 +119,13 @@ def test_a_jump_within_the_page_is_no_setting(page: Page) -> None:
     type_in(page, "k", "2345")
     address(page)
     page.click("a[href='#theory-cycle']")
-    page.wait_for_function("document.querySelector('#theory-cycle').getBoundingClientRect().y < 99")
+    page.wait_for_function(
+        """() => {
+          const covered = document.querySelector("#stage").getBoundingClientRect().bottom;
+          const { top } = document.querySelector("#theory-cycle").getBoundingClientRect();
+          return top >= covered && top < covered + 99;
+        }"""
+    )
     assert page.inner_text("#address-said") == ""
     assert "k=2345" in address(page)
     assert setting(page)["k"] == 2345.0

@@ -63,6 +63,8 @@ const reader = makeReader(data.units);
 /** @type {Solution} */
 let solution = null;
 let waiting = false;
+// Whether a setting comes from a link.
+let linked = false;
 /** @type {Motion | null} the setting before, for comparison */
 let ghost = null;
 // The size of the schematic [px]; asking the browser at every redraw would cost a layout.
@@ -97,7 +99,8 @@ const page = {
     const before = solution?.motion ?? null;
     const left = before && (story.address() ?? controls.wanted);
     controls.set(values);
-    if (left) address.step(left, controls.wanted);
+    // A link to a step of the story has its own place in the history.
+    if (left && !linked) address.step(left, controls.wanted);
     ghost = keep ? before : null;
     seen.release(from);
     redrawSoon();
@@ -152,15 +155,23 @@ function redrawTime() {
 function resize() {
   const { clientWidth, clientHeight } = byId("schematic");
   scene = { width: clientWidth, height: clientHeight };
-  document.documentElement.style.setProperty("--covered", `${byId("stage").offsetHeight}px`);
+  cover();
   charts.resize();
   portrait.resize();
   redraw();
 }
 
+/** Tell the style how much of the window the stage covers. */
+function cover() {
+  document.documentElement.style.setProperty("--covered", `${byId("stage").offsetHeight}px`);
+}
+
 /** @param {HashChangeEvent} [event] what led here; none at the start */
 function takeAddress(event) {
-  if (story.take(location.hash, Boolean(event))) return;
+  linked = true;
+  const taken = story.take(location.hash, Boolean(event));
+  linked = false;
+  if (taken) return;
   // A jump to a place in the page asks for nothing, and must not cost the setting.
   if (byId(location.hash.slice(1))) return address.write(story.address() ?? controls.wanted);
   const { values, bad } = valuesIn(location.hash);
@@ -185,6 +196,7 @@ function takeAddress(event) {
   setText(byId("address-said"), problems.length ? complaint : "");
 }
 
+cover();
 takeAddress();
 resize();
 
