@@ -217,6 +217,18 @@ def test_arrow_keys_move_the_point(page: Page) -> None:
         page.keyboard.press("ArrowRight")
     assert setting(page)["k"] == pytest.approx(10.0 * before["k"], rel=0.03)
     assert setting(page)["v"] == before["v"]
+    for key, k, v in (
+        ("Shift+ArrowLeft", -0.25, 0.0),
+        ("Shift+ArrowUp", 0.0, 0.25),
+        ("ArrowDown", 0.0, -0.025),
+        ("PageUp", 0.0, 0.25),
+        ("PageDown", 0.0, -0.25),
+    ):
+        now = setting(page)
+        page.keyboard.press(key)
+        assert setting(page)["k"] == pytest.approx(now["k"] * 10.0**k, rel=0.01), key
+        assert setting(page)["v"] == pytest.approx(now["v"] * 10.0**v, rel=0.01), key
+    set_values(page, **before)
     page.keyboard.press("PageDown")
     assert setting(page)["v"] == pytest.approx(before["v"] / 10.0**0.25, rel=0.01)
     on_screen(page)
@@ -224,6 +236,10 @@ def test_arrow_keys_move_the_point(page: Page) -> None:
     assert f"{setting(page)['k']:.4g}" in told
     assert "11.2" in told
     assert "stick-slip" in told
+    for key, wanted in (("Home", 10.0), ("End", 1e5)):
+        set_values(page, **before)
+        page.keyboard.press(key)
+        assert setting(page)["k"] == wanted
 
 
 def test_a_press_on_the_plane_sets_the_point_there(page: Page) -> None:
@@ -312,6 +328,11 @@ def test_the_point_lies_in_the_hatched_region_without_a_cycle(page: Page) -> Non
                 on_screen(page)
                 exists = page.evaluate("window.stickslip.cycle.exists")
                 assert page.evaluate(inside) is not exists, (c, k, v)
+    # So much damping that no stiffness of the whole plane has a cycle.
+    set_values(page, c=1e5, k=1000.0, v=0.002)
+    on_screen(page)
+    assert page.get_attribute("#plane .curve", "d") == ""
+    assert page.evaluate(inside)
 
 
 def test_no_path_breaks_at_the_corners(page: Page) -> None:
@@ -324,3 +345,5 @@ def test_no_path_breaks_at_the_corners(page: Page) -> None:
         assert "NaN" not in drawing, values
         assert "Infinity" not in drawing, values
         assert "undefined" not in drawing, values
+        for axis in ("[text-anchor=middle]", ":not([text-anchor=middle])"):
+            assert page.locator(f"#jump-map .ticks text{axis}").count() >= 2, values

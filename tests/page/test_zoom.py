@@ -198,6 +198,30 @@ def test_a_zoom_outlives_a_slider_and_ends_with_a_preset(page: Page) -> None:
     page.wait_for_function("window.stickslip.view.to < 1")
 
 
+def test_a_zoom_that_would_hold_hundreds_of_cycles_gives_way(page: Page) -> None:
+    """A stretch of time outlives a setting until its cycles would be a blur; then six are shown."""
+    pause(page)
+    look(page, 0.0, 10.0)
+    set_values(page, k=1e4)
+    assert 100.0 < 10.0 / page.evaluate("window.stickslip.cycle.T") < 200.0
+    assert view(page) == (0.0, 10.0)
+    set_values(page, k=1e8)
+    assert view(page) == pytest.approx(whole(page))
+
+
+def test_the_marks_of_a_detail_are_times_in_the_unit_of_the_axis(page: Page) -> None:
+    """A detail of milliseconds late in the run is read off its axis as the times that it shows."""
+    pause(page)
+    for start, end in ((0.0, 10.0), (10.0, 10.5), (0.0, 0.02), (60.0, 60.001)):
+        look(page, start, end)
+        for chart in ("x-chart", "F-chart"):
+            axis = drawing.time_axis(page, chart)
+            for t in (start, 0.3 * start + 0.7 * end):
+                found, slack = drawing.value_at(page, chart, "x", axis.place(t))
+                # The labels of a late detail have digits to tell them apart.
+                assert found == pytest.approx(t, abs=slack), (chart, t)
+
+
 def test_zoom_has_its_ends(page: Page) -> None:
     """However often a button is pressed, the picture stays one: no time is lost in rounding."""
     pause(page)
