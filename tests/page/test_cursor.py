@@ -186,6 +186,23 @@ def test_play_and_pause(page: Page) -> None:
     assert page.text_content("#play") == "Pause"
 
 
+def test_a_pointer_holds_the_motion_and_lets_it_go_on(page: Page) -> None:
+    """Over a chart the cursor stays at the pointer; off it, what played plays on."""
+    left, top = place(page, "x-chart", drawing.time_axis(page).time(300.0))
+    page.mouse.move(round(left), top)
+    drawn(page)
+    held = page.get_attribute("#x-chart .cursor", "d")
+    for _ in range(3):
+        drawn(page)
+    assert page.get_attribute("#x-chart .cursor", "d") == held
+    page.mouse.move(2, 2)
+    goes = "d => document.querySelector('#x-chart .cursor').getAttribute('d') !== d"
+    page.wait_for_function(goes, arg=held)
+    moved = page.get_attribute("#x-chart .cursor", "d")
+    page.wait_for_function(goes, arg=moved)
+    assert page.inner_text("#play") == "Pause"
+
+
 def test_the_speed_is_as_it_says(page: Page) -> None:
     """A second of a clock moves the cursor a second, a part of it, or a tenth of the view."""
     pause(page)

@@ -11,7 +11,7 @@ import pytest
 from rjsmin import jsmin
 
 from stickslip_ref import Parameters, critical_velocity, steady_cycle
-from tests.page import settings
+from tests.page import drawing, settings
 from tests.page.browser import opened
 from tests.page.exchange import ask
 from tests.page.test_cures import NEAR, drawn, parameters
@@ -165,6 +165,21 @@ def decade(page: Page) -> tuple[float, float]:
     clip = page.locator("#plane clipPath rect")
     width, height = (float(clip.get_attribute(name) or "") for name in ("width", "height"))
     return width / 4, height / 4
+
+
+def test_the_dot_lies_on_the_curve_of_the_jump(page: Page) -> None:
+    """The setting in use is a point of the exact curve, not of the handbooks' constant."""
+    middle(page)
+    for values in ({}, {"v": 0.1}, {"c": 5.0, "v": 0.03}):
+        set_values(page, **values)
+        on_screen(page)
+        path = page.get_attribute("#jump-map .curve.mass", "d") or ""
+        ends = [(each.start, each.end) for each in drawing.pieces(path)]
+        x, y = drawing.dot(page, "jump-map")
+        ((x_0, y_0), (x_1, y_1)) = next(each for each in ends if each[0][0] <= x <= each[1][0])
+        on_curve = y_0 + (y_1 - y_0) * (x - x_0) / (x_1 - x_0)
+        # The curve is of straight lines between its points.
+        assert y == pytest.approx(on_curve, abs=0.5), values
 
 
 def test_dragging_the_point_sets_stiffness_and_speed(page: Page) -> None:
@@ -341,9 +356,9 @@ def test_no_path_breaks_at_the_corners(page: Page) -> None:
     for values in [*map(settings.corner, settings.CORNERS), *settings.presets().values()]:
         set_values(page, **values)
         page.wait_for_timeout(220)
-        drawing = page.inner_html("#maps")
-        assert "NaN" not in drawing, values
-        assert "Infinity" not in drawing, values
-        assert "undefined" not in drawing, values
+        drawn_maps = page.inner_html("#maps")
+        assert "NaN" not in drawn_maps, values
+        assert "Infinity" not in drawn_maps, values
+        assert "undefined" not in drawn_maps, values
         for axis in ("[text-anchor=middle]", ":not([text-anchor=middle])"):
             assert page.locator(f"#jump-map .ticks text{axis}").count() >= 2, values

@@ -132,6 +132,30 @@ def test_two_fingers_zoom_and_what_is_under_them_stays(browser: Browser, page_fi
         assert view(page) == pytest.approx((2.5, 7.5))
 
 
+def test_a_finger_that_the_browser_took_is_no_finger_of_two(
+    browser: Browser, page_file: Path
+) -> None:
+    """Where a touch became a scroll, the next finger reads and zooms nothing."""
+    with opened(browser, page_file, width=400, has_touch=True) as page:
+        pause(page)
+        look(page, 0.0, 10.0)
+        page.evaluate(
+            """() => {
+              const chart = document.querySelector("#x-chart");
+              const { left } = chart.getBoundingClientRect();
+              const touch = (type, pointerId, x) => chart.dispatchEvent(
+                new PointerEvent(type, { pointerId, pointerType: "touch", clientX: left + x }));
+              chart.setPointerCapture = () => {};
+              touch("pointerdown", 1, 100);
+              touch("pointercancel", 1, 100);
+              touch("pointerdown", 2, 200);
+              touch("pointermove", 2, 250);
+            }"""
+        )
+        assert view(page) == (0.0, 10.0)
+        assert drawing.cursor(page, "x-chart") == pytest.approx(250.0, abs=0.5)
+
+
 def test_dragging_over_a_chart_shows_what_was_dragged_over(page: Page) -> None:
     """Either way, on either chart, to the width of a pixel; a double-click shows all again."""
     pause(page)
