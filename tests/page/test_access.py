@@ -176,6 +176,31 @@ def test_a_screen_reader_hears_the_numbers_once_the_slider_is_still(page: Page) 
     assert "ms" in heard
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_each_curve_stands_out_from_the_paper(
+    browser: Browser, page_file: Path, scheme: str
+) -> None:
+    """Its contrast is 3 at least, WCAG 1.4.11; axe-core looks at texts only."""
+    with opened(browser, page_file, color_scheme=scheme) as page:
+        page.evaluate("window.stickslip.compare({ k: 2000 })")
+        paper = luminance(page, "body", "backgroundColor")
+        for chart in ("x-chart", "F-chart", "phase-chart"):
+            for each in page.locator(f"#{chart} .curve, #{chart} .threshold").all():
+                name = each.get_attribute("class")
+                ink = luminance(page, f"#{chart} [class='{name}']", "stroke")
+                contrast = (max(ink, paper) + 0.05) / (min(ink, paper) + 0.05)
+                assert contrast >= 3.0, (chart, name)
+
+
+def luminance(page: Page, selector: str, name: str) -> float:
+    """Give the relative luminance of a colour of an element, WCAG 2.2."""
+    parts = [
+        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
+        for part in rgb(page, selector, name)
+    ]
+    return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2]
+
+
 def test_nothing_scrolls_sideways_at_320_px(browser: Browser, page_file: Path) -> None:
     """At the start, unfolded, with objections, and with the longest numbers."""
     with opened(browser, page_file, width=NARROW, height=640) as page:
@@ -240,6 +265,11 @@ def test_on_paper_it_is_light_and_keeps_its_values(browser: Browser, page_file: 
 
 def lightness(page: Page, selector: str, name: str) -> float:
     """Give how light a colour of an element is, from 0 to 1."""
+    red, green, blue = rgb(page, selector, name)
+    return 0.21 * red + 0.72 * green + 0.07 * blue
+
+
+def rgb(page: Page, selector: str, name: str) -> list[float]:
+    """Give red, green and blue of a colour of an element, each from 0 to 1."""
     colour = page.eval_on_selector(selector, "(e, name) => getComputedStyle(e)[name]", name)
-    red, green, blue = (int(each) for each in re.findall(r"\d+", colour)[:3])
-    return (0.21 * red + 0.72 * green + 0.07 * blue) / 255.0
+    return [int(each) / 255.0 for each in re.findall(r"\d+", colour)[:3]]

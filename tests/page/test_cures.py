@@ -234,6 +234,15 @@ def test_a_value_that_ends_the_cycle_is_round_and_near_its_limit(page: Page) -> 
         assert value != limit
         assert value == pytest.approx(limit, rel=0.02)
         assert len(re.sub(r"e.*|^0\.0*|\.|0+$", "", f"{value:.12g}".rstrip("0"))) <= 3, value
+    # What is rounded of these two is the gap and the normal force.
+    for cure, name in (("gap", "gap"), ("force", "normal force")):
+        set_values(page, **preset)
+        page.locator(f"[data-cure={cure}] td:last-child button").click()
+        after, limit = parameters(setting(page)), limits[name]
+        assert limit is not None
+        left = after.mu_s - after.mu_k if cure == "gap" else float(after.N)
+        whole = after.mu_s - limit if cure == "gap" else after.m * after.g + limit
+        assert 0.98 * whole <= left < whole, cure
 
 
 def test_the_keyboard_stays_on_the_cure(page: Page) -> None:
@@ -247,6 +256,21 @@ def test_the_keyboard_stays_on_the_cure(page: Page) -> None:
     assert page.evaluate("window.stickslip.cycle.exists") is False
     page.press("#cures-back", "Enter")
     assert setting(page) == before
+
+
+def test_back_brings_the_setting_back(page: Page) -> None:
+    """After any cure, one press brings the setting before."""
+    to_cures(page)
+    # With damping each of the rows offers something.
+    set_values(page, c=5.0, v=0.01)
+    text_of(page, "#cures-lead")
+    before = setting(page)
+    rows = {"stiffer": "k", "damping": "c", "gap": "mu_k", "force": "load", "lighter": "m"}
+    for cure, parameter in rows.items():
+        page.locator(f"[data-cure={cure}] td button:visible").first.click()
+        assert setting(page)[parameter] != before[parameter]
+        page.click("#cures-back")
+        assert setting(page) == before
 
 
 def test_a_cure_leaves_the_curve_before_as_a_ghost(page: Page) -> None:
@@ -270,6 +294,22 @@ def test_without_damping_the_table_says_what_does_not_end_it(page: Page) -> None
         assert "touches rest" in rows[cure]
     assert page.inner_text("[data-cure=damping] td").strip() == "ends the cycle first"
     assert "62 % at best" in page.inner_text("[data-cure=speed] td")
+
+
+def test_out_of_sight_the_section_follows_all_the_same(page: Page) -> None:
+    """Soon after the setting, for who reads without looking; on paper at once."""
+    page.evaluate("scrollTo(0, 0)")
+    jump = "document.querySelector('#cures-lead').textContent.includes('{}')"
+    set_values(page, k=2000.0)
+    page.wait_for_function(jump.format(f"{1e3 * page.evaluate('stickslip.cycle.delta_x'):.4g}"))
+    told = page.evaluate(
+        """() => {
+          stickslip.set({ k: 3000 });
+          dispatchEvent(new Event("beforeprint"));
+          return document.querySelector("#cures-lead").textContent;
+        }"""
+    )
+    assert f"{1e3 * page.evaluate('stickslip.cycle.delta_x'):.4g}" in told
 
 
 def test_without_a_cycle_there_is_nothing_to_suppress(page: Page) -> None:

@@ -25,6 +25,14 @@ READINGS = {
     "z": ("#z-now", rf"z {NUMBER}"),
 }
 """Where each part of the state is read, and how it is written."""
+TOLD = {
+    "t": rf"^{NUMBER.replace(',|$', ':')}",
+    "x": rf"mass at {NUMBER}",
+    "x_pull": rf"pulled end at {NUMBER}",
+    "F": rf"spring force {NUMBER}",
+    "x_dot": rf"velocity {NUMBER}",
+}
+"""How each part of the state is told to who cannot see it."""
 
 
 def state(page: Page, t: float) -> dict[str, Any]:
@@ -33,15 +41,20 @@ def state(page: Page, t: float) -> dict[str, Any]:
     return found
 
 
+def check_number(words: str, pattern: str, exact: float) -> None:
+    """Hold a quantity in a text against its exact value [SI], to its last shown digit."""
+    match = re.search(pattern, words.replace("\u00a0", " "))
+    assert match, (pattern, words)
+    text, size = match[1], SIZES[match[2]]
+    half = 0.5 * 10.0 ** -len(text.partition(".")[2]) * size
+    assert abs(float(text.replace("−", "-")) * size - exact) <= 1.001 * half, (pattern, words)
+
+
 def check_readings(page: Page, t: float) -> None:
     """Hold every read-out against the state at a time, to its last shown digit."""
     exact = state(page, t)
     for name, (selector, pattern) in READINGS.items():
-        match = re.search(pattern, page.inner_text(selector).replace("\u00a0", " "))
-        assert match, (name, page.inner_text(selector))
-        text, size = match[1], SIZES[match[2]]
-        half = 0.5 * 10.0 ** -len(text.partition(".")[2]) * size
-        assert abs(float(text.replace("−", "-")) * size - exact[name]) <= 1.001 * half, name
+        check_number(page.inner_text(selector), pattern, exact[name])
     assert ("sticks" if exact["mode"] == 0 else "slips") in page.inner_text("#now")
 
 
@@ -112,6 +125,48 @@ def test_the_scrubber_moves_the_cursor_by_mouse_and_by_key(page: Page) -> None:
     check_readings(page, 0.0)
 
 
+def test_who_cannot_see_is_told_the_state_at_the_cursor(page: Page) -> None:
+    """In stick and in slip the words of the scrubber are that state's, to their last digit."""
+    pause(page)
+    for name in ("default", "violin-bow", "machine-slideway"):
+        page.click(f"[data-preset={name}]")
+        modes = set()
+        for step in range(0, 500, 23):
+            page.fill("#scrub", str(step))
+            check_told(page)
+            modes.add(state(page, cursor_time(page))["mode"])
+        assert len(modes) == 2
+
+
+def test_what_is_told_is_back_after_a_pause(page: Page) -> None:
+    """Paused, the scrubber tells the state at which the cursor stopped."""
+    page.wait_for_function("Number(document.querySelector('#scrub').value) > 5")
+    page.click("#play")
+    assert page.inner_text("#play") == "Play"
+    check_told(page, near=True)
+
+
+def cursor_time(page: Page) -> float:
+    """Give the time of the cursor where the scrubber was put [s]."""
+    axis = drawing.time_axis(page)
+    return axis.start + float(page.input_value("#scrub")) / 1000.0 * axis.span
+
+
+def check_told(page: Page, near: bool = False) -> None:
+    """Hold the words of the scrubber against the state there; near: only to a step of it."""
+    words = page.get_attribute("#scrub", "aria-valuetext") or ""
+    exact = state(page, cursor_time(page))
+    if near:
+        match = re.search(TOLD["t"], words.replace("\u00a0", " "))
+        assert match, words
+        told = float(match[1]) * SIZES[match[2]]
+        assert abs(told - exact["t"]) <= drawing.time_axis(page).span / 1000.0
+        return
+    for name, pattern in TOLD.items():
+        check_number(words, pattern, exact[name])
+    assert ("sticks" if exact["mode"] == 0 else "slips") in words
+
+
 def test_play_and_pause(page: Page) -> None:
     """Playing moves the cursor from frame to frame; paused it stands, and the button says which."""
     assert page.inner_text("#play") == "Pause"
@@ -129,6 +184,23 @@ def test_play_and_pause(page: Page) -> None:
     assert drawing.cursor(page, "x-chart") == stopped != before
     page.press("#play", "Enter")
     assert page.text_content("#play") == "Pause"
+
+
+def test_a_pointer_holds_the_motion_and_lets_it_go_on(page: Page) -> None:
+    """Over a chart the cursor stays at the pointer; off it, what played plays on."""
+    left, top = place(page, "x-chart", drawing.time_axis(page).time(300.0))
+    page.mouse.move(round(left), top)
+    drawn(page)
+    held = page.get_attribute("#x-chart .cursor", "d")
+    for _ in range(3):
+        drawn(page)
+    assert page.get_attribute("#x-chart .cursor", "d") == held
+    page.mouse.move(2, 2)
+    goes = "d => document.querySelector('#x-chart .cursor').getAttribute('d') !== d"
+    page.wait_for_function(goes, arg=held)
+    moved = page.get_attribute("#x-chart .cursor", "d")
+    page.wait_for_function(goes, arg=moved)
+    assert page.inner_text("#play") == "Pause"
 
 
 def test_the_speed_is_as_it_says(page: Page) -> None:

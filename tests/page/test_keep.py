@@ -141,6 +141,22 @@ def test_the_svg_stands_alone(
             assert float(inner.get("width") or "") <= width
 
 
+def test_the_picture_has_the_curves_of_the_setting_before(page: Page, tmp_path: Path) -> None:
+    """What is compared on the page is compared in the picture: dotted, and in the same colour."""
+    pause(page)
+    page.evaluate("window.stickslip.compare({ k: 2000 })")
+    file = saved(page, "svg", tmp_path)
+    selector = "path[class='curve ghost']"
+    ways = "all => all.map(each => each.getAttribute('d'))"
+    on_page = page.eval_on_selector_all(selector, ways), colour(page, selector, "stroke")
+    assert all(on_page[0])
+    assert len(on_page[0]) == 3
+    page.goto(file.as_uri())
+    assert (page.eval_on_selector_all(selector, ways), colour(page, selector, "stroke")) == on_page
+    assert colour(page, selector, "strokeDasharray") != "none"
+    assert on_page[1] != "none"
+
+
 def colour(page: Page, selector: str | None, name: str) -> str:
     """Give a colour of an element, or of the page's paper."""
     script = "([s, n]) => getComputedStyle(document.querySelector(s))[n]"
@@ -239,6 +255,14 @@ def test_the_command_runs(page: Page, tmp_path: Path, command: Command) -> None:
         exact = np.array([state[name] for state in states])
         # The reference integrates to 1e-10 of each cycle's scale, some 30 cycles long.
         assert np.abs(rows[name] - exact).max() <= 1e-7 * np.abs(exact).max()
+
+
+def test_the_command_runs_as_long_as_what_is_seen(page: Page) -> None:
+    """Another stretch of time, by a button or a script, is another stop time at once."""
+    look(page, 0.0, 10.0)
+    assert page.inner_text("#command").endswith(" --stop-time 10")
+    page.click("#zoom-in")
+    assert page.inner_text("#command").endswith(" --stop-time 7.5")
 
 
 def test_the_command_is_copied(browser: Browser, page_file: Path) -> None:

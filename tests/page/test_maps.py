@@ -11,7 +11,7 @@ import pytest
 from rjsmin import jsmin
 
 from stickslip_ref import Parameters, critical_velocity, steady_cycle
-from tests.page import settings
+from tests.page import drawing, settings
 from tests.page.browser import opened
 from tests.page.exchange import ask
 from tests.page.test_cures import NEAR, drawn, parameters
@@ -167,6 +167,21 @@ def decade(page: Page) -> tuple[float, float]:
     return width / 4, height / 4
 
 
+def test_the_dot_lies_on_the_curve_of_the_jump(page: Page) -> None:
+    """The setting in use is a point of the exact curve, not of the handbooks' constant."""
+    middle(page)
+    for values in ({}, {"v": 0.1}, {"c": 5.0, "v": 0.03}):
+        set_values(page, **values)
+        on_screen(page)
+        path = page.get_attribute("#jump-map .curve.mass", "d") or ""
+        ends = [(each.start, each.end) for each in drawing.pieces(path)]
+        x, y = drawing.dot(page, "jump-map")
+        ((x_0, y_0), (x_1, y_1)) = next(each for each in ends if each[0][0] <= x <= each[1][0])
+        on_curve = y_0 + (y_1 - y_0) * (x - x_0) / (x_1 - x_0)
+        # The curve is of straight lines between its points.
+        assert y == pytest.approx(on_curve, abs=0.5), values
+
+
 def test_dragging_the_point_sets_stiffness_and_speed(page: Page) -> None:
     """A decade to the right is ten times the stiffness, half a decade down 0.316 of the speed."""
     x, y = middle(page)
@@ -217,6 +232,18 @@ def test_arrow_keys_move_the_point(page: Page) -> None:
         page.keyboard.press("ArrowRight")
     assert setting(page)["k"] == pytest.approx(10.0 * before["k"], rel=0.03)
     assert setting(page)["v"] == before["v"]
+    for key, k, v in (
+        ("Shift+ArrowLeft", -0.25, 0.0),
+        ("Shift+ArrowUp", 0.0, 0.25),
+        ("ArrowDown", 0.0, -0.025),
+        ("PageUp", 0.0, 0.25),
+        ("PageDown", 0.0, -0.25),
+    ):
+        now = setting(page)
+        page.keyboard.press(key)
+        assert setting(page)["k"] == pytest.approx(now["k"] * 10.0**k, rel=0.01), key
+        assert setting(page)["v"] == pytest.approx(now["v"] * 10.0**v, rel=0.01), key
+    set_values(page, **before)
     page.keyboard.press("PageDown")
     assert setting(page)["v"] == pytest.approx(before["v"] / 10.0**0.25, rel=0.01)
     on_screen(page)
@@ -224,6 +251,10 @@ def test_arrow_keys_move_the_point(page: Page) -> None:
     assert f"{setting(page)['k']:.4g}" in told
     assert "11.2" in told
     assert "stick-slip" in told
+    for key, wanted in (("Home", 10.0), ("End", 1e5)):
+        set_values(page, **before)
+        page.keyboard.press(key)
+        assert setting(page)["k"] == wanted
 
 
 def test_a_press_on_the_plane_sets_the_point_there(page: Page) -> None:
@@ -312,6 +343,11 @@ def test_the_point_lies_in_the_hatched_region_without_a_cycle(page: Page) -> Non
                 on_screen(page)
                 exists = page.evaluate("window.stickslip.cycle.exists")
                 assert page.evaluate(inside) is not exists, (c, k, v)
+    # So much damping that no stiffness of the whole plane has a cycle.
+    set_values(page, c=1e5, k=1000.0, v=0.002)
+    on_screen(page)
+    assert page.get_attribute("#plane .curve", "d") == ""
+    assert page.evaluate(inside)
 
 
 def test_no_path_breaks_at_the_corners(page: Page) -> None:
@@ -320,7 +356,9 @@ def test_no_path_breaks_at_the_corners(page: Page) -> None:
     for values in [*map(settings.corner, settings.CORNERS), *settings.presets().values()]:
         set_values(page, **values)
         page.wait_for_timeout(220)
-        drawing = page.inner_html("#maps")
-        assert "NaN" not in drawing, values
-        assert "Infinity" not in drawing, values
-        assert "undefined" not in drawing, values
+        drawn_maps = page.inner_html("#maps")
+        assert "NaN" not in drawn_maps, values
+        assert "Infinity" not in drawn_maps, values
+        assert "undefined" not in drawn_maps, values
+        for axis in ("[text-anchor=middle]", ":not([text-anchor=middle])"):
+            assert page.locator(f"#jump-map .ticks text{axis}").count() >= 2, values

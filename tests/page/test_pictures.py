@@ -156,6 +156,30 @@ def test_the_grey_line_is_the_pulled_end(page: Page) -> None:
         assert piece.end[1] >= pulled - PIXEL
 
 
+def test_the_names_stand_at_their_curves(page: Page) -> None:
+    """The name of the pulled end stands on its line, that of the mass below one of its sticks."""
+    pause(page)
+    notes = """
+      () => [...document.querySelectorAll("#x-chart .note")].map(each => {
+        const { x, y, width, height } = each.getBBox();
+        return [each.textContent, { left: x, right: x + width, top: y, bottom: y + height }];
+      })
+    """
+    (line,) = drawing.curve(page, "#x-chart .curve.pull")
+    slope = (line.end[1] - line.start[1]) / (line.end[0] - line.start[0])
+    boxes = dict(page.evaluate(notes))
+    pulled, mass = boxes["pulled end"], boxes["mass"]
+    at_end = line.start[1] + slope * (pulled["right"] - line.start[0])
+    assert at_end - 12.0 < pulled["bottom"] < at_end + 6.0
+    middle = 0.5 * (mass["left"] + mass["right"])
+    (stick,) = (
+        each
+        for each in drawing.lines(drawing.curve(page, "#x-chart .curve.mass"))
+        if each.start[0] < middle < each.end[0]
+    )
+    assert stick.start[1] < mass["top"] + 6.0 < stick.start[1] + 18.0
+
+
 def test_the_overshoot_is_told_where_it_shows(page: Page) -> None:
     """F passes F_s by k Delta (sqrt(1 + 1/lambda^2) - 1); the note has the number."""
     pause(page)

@@ -71,6 +71,18 @@ def test_what_is_read_is_the_number_rounded(page: Page) -> None:
     assert "37.8 %" in table["delta_x"][3]
 
 
+def test_both_numbers_of_a_row_have_one_unit(page: Page) -> None:
+    """Exact and simplified are compared at a glance, also on either side of a change of units."""
+    straddles = 0
+    for k in (2000.0, 5000.0, 1e5):
+        set_values(page, k=k)
+        for name, row in rows(page).items():
+            units = [text.partition("\u00a0")[2] for text in row["words"][1:3] if text[0].isdigit()]
+            assert len(set(units)) <= 1, (name, row)
+            straddles += name == "delta_x" and row["words"][2].startswith("0.")
+    assert straddles
+
+
 def test_more_than_five_percent_is_marked_and_less_is_not(page: Page) -> None:
     """The mark is a sign and a word, beside its colour, and stands exactly where it is due."""
     draw = Random("marks")

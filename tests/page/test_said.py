@@ -392,6 +392,11 @@ def test_a_sentence_sets_its_stage(page: Page) -> None:
         assert setting(page) == in_use(values_of(name))
         assert pressed(page) == [name]
         assert "NaN" not in page.inner_text("body")
+        # The first load-up is seen where the sentence is about it, else steady cycles alone.
+        drawn(page)
+        from_start = SENTENCES[name].get("from") == "start"
+        if from_start or page.evaluate("window.stickslip.cycle.exists"):
+            assert (page.evaluate("window.stickslip.view.from") == 0.0) == from_start, name
     press(page, "k", "ArrowRight")
     assert pressed(page) == []
     set_values(page, **values_of("gap"))

@@ -111,6 +111,14 @@ def test_the_normal_force_sets_the_load(page: Page) -> None:
     assert normal_force(page) == pytest.approx(1000.0, rel=1e-12)
 
 
+def test_the_weight_in_the_normal_force_is_that_of_the_gravity_in_use(page: Page) -> None:
+    """On the moon, too, N typed is N in use: the load is N less m g."""
+    set_values(page, g=1.62, m=2.0)
+    type_in(page, "N", "5")
+    assert setting(page)["load"] == 5.0 - 2.0 * 1.62
+    assert page.evaluate("stickslip.cycle.F_s") == pytest.approx(0.5 * 5.0, rel=1e-12)
+
+
 def test_the_normal_force_follows_the_mass(page: Page) -> None:
     """Another mass keeps the load, and N has its weight; a load that would lift it is held at -m g.
 

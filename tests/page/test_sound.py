@@ -230,6 +230,21 @@ def test_below_20_hz_each_slip_is_a_thud(page: Page) -> None:
         assert np.mean(samples < 1e-3) > 0.2
 
 
+def test_the_thuds_keep_time(page: Page) -> None:
+    """A period that is no whole number of the thud's samples is none the longer for it.
+
+    150 periods on, 7.5 s, the sound is the same to the sample; a period 0.1 % off is not.
+    """
+    period = 2403
+    set_values(page, **scaled_to(RATE / period))
+    samples = recording(page, 8.5)
+    first, later = (
+        samples[start : start + period] for start in (RATE // 2, RATE // 2 + 150 * period)
+    )
+    # The loop turns in single precision.
+    assert np.abs(later - first).max() < 0.02 * np.abs(first).max()
+
+
 NOTES = {
     27.5: "A,, (A0)",
     32.7032: "C, (C1)",

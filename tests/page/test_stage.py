@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from stickslip_ref import Parameters
 from tests.page import drawing
 from tests.page.browser import opened
-from tests.page.drawing import PIXEL
+from tests.page.drawing import PIXEL, SIZES
 from tests.page.settings import CORNERS, corner, presets
-from tests.page.using import drawn, look, pause, set_values
+from tests.page.using import drawn, look, pause, set_values, setting
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -89,6 +90,68 @@ def test_the_teeth_give_where_the_bar_meets_its_mark(page: Page) -> None:
     moment = stage(page)[0]
     assert moment["state"]["t"] == t
     assert sum(moment["bar"]) == pytest.approx(moment["limit"], abs=2 * PIXEL)
+
+
+def test_the_bar_ends_at_the_pulled_end_in_every_preset(page: Page) -> None:
+    """Bar and spring have one scale, also where the picture begins at a spring that is not relaxed.
+
+    Its mark lies ahead of its end by the extension that is missing to break-away.
+    """
+    pause(page)
+    cut = set()
+    for name in presets():
+        page.click(f"[data-preset={name}]")
+        drawn(page)
+        moments = stage(page)
+        per_metre = scale(moments)
+        longest = page.evaluate("window.stickslip.cycle.F_s / window.stickslip.setting.k")
+        for each in moments:
+            # A pushed spring has its bar on the other side of no force.
+            end = each["bar"][0] + (each["bar"][1] if each["state"]["z"] > 0.0 else 0.0)
+            assert each["gauge"] + end == pytest.approx(each["spring"][1], abs=3 * PIXEL), name
+            missing = per_metre * (longest - each["state"]["z"])
+            assert each["limit"] - end == pytest.approx(missing, abs=4 * PIXEL), name
+        relaxed = moments[0]["spring"][1] - per_metre * moments[0]["state"]["z"]
+        if relaxed < moments[0]["block"] + moments[0]["wide"]:
+            cut.add(name)
+    assert cut
+    assert cut != set(presets())
+
+
+def test_the_ruler_reads_the_position_of_the_mass(page: Page) -> None:
+    """The pointer below the middle of the block stands at x on the ruler, in every window."""
+    pause(page)
+    for name in presets():
+        page.click(f"[data-preset={name}]")
+        drawn(page)
+        unit = SIZES[page.text_content("#schematic .ruler .unit") or ""]
+        per_metre = scale(stage(page))
+        for step in (0, 450, 999):
+            page.fill("#scrub", str(step))
+            (moment,) = page.evaluate(_STAGE, [step / 1000])
+            pointer = moment["block"] + 0.5 * moment["wide"]
+            labels = page.eval_on_selector_all(
+                "#schematic .ruler text:not(.unit)",
+                "all => all.map(each => [each.textContent, +each.getAttribute('x')])",
+            )
+            text, at = next(each for each in labels if each[0])
+            read = unit * float(text.replace("−", "-")) + (pointer - at) / per_metre
+            slack = 3 * PIXEL / per_metre
+            assert read == pytest.approx(moment["state"]["x"], abs=slack), (name, step)
+
+
+def test_the_centre_of_the_portrait_is_steady_sliding(page: Page) -> None:
+    """There the mass moves with the pull, and the spring holds friction and damping."""
+    pause(page)
+    for values in ({}, {"c": 20.0}, {"c": 20.0, "v": 0.3}):
+        set_values(page, **values)
+        p = Parameters(**setting(page))
+        path = page.get_attribute("#phase-chart .centre", "d") or ""
+        left, top = (float(each) for each in re.findall(r"[\d.]+", path)[:2])
+        z, slack = drawing.value_at(page, "phase-chart", "x", left + 5.0)
+        assert z == pytest.approx((float(p.mu_k_used * p.N) + p.c * p.v) / p.k, abs=slack)
+        x_dot, slack = drawing.value_at(page, "phase-chart", "y", top)
+        assert x_dot == pytest.approx(p.v, abs=slack)
 
 
 def test_the_marks_are_the_places_where_the_mass_stood(page: Page) -> None:

@@ -55,6 +55,10 @@ def test_next_and_back_lead_through_the_steps(page: Page) -> None:
         assert page.is_disabled("#story-back") == (n == 1)
         assert page.is_disabled("#story-next") == (n == len(STEPS))
         assert page.locator(".steps [aria-current=step]").count() == 1
+        drawn(page)
+        from_start = ROWS[n - 1].get("from") == "start"
+        if from_start or page.evaluate("window.stickslip.cycle.exists"):
+            assert (page.evaluate("window.stickslip.view.from") == 0.0) == from_start, n
         assert "NaN" not in page.inner_text("body")
         assert all("NaN" not in str(path) for path in shown(page).values())
     address(page, "step=1")

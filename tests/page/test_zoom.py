@@ -132,6 +132,30 @@ def test_two_fingers_zoom_and_what_is_under_them_stays(browser: Browser, page_fi
         assert view(page) == pytest.approx((2.5, 7.5))
 
 
+def test_a_finger_that_the_browser_took_is_no_finger_of_two(
+    browser: Browser, page_file: Path
+) -> None:
+    """Where a touch became a scroll, the next finger reads and zooms nothing."""
+    with opened(browser, page_file, width=400, has_touch=True) as page:
+        pause(page)
+        look(page, 0.0, 10.0)
+        page.evaluate(
+            """() => {
+              const chart = document.querySelector("#x-chart");
+              const { left } = chart.getBoundingClientRect();
+              const touch = (type, pointerId, x) => chart.dispatchEvent(
+                new PointerEvent(type, { pointerId, pointerType: "touch", clientX: left + x }));
+              chart.setPointerCapture = () => {};
+              touch("pointerdown", 1, 100);
+              touch("pointercancel", 1, 100);
+              touch("pointerdown", 2, 200);
+              touch("pointermove", 2, 250);
+            }"""
+        )
+        assert view(page) == (0.0, 10.0)
+        assert drawing.cursor(page, "x-chart") == pytest.approx(250.0, abs=0.5)
+
+
 def test_dragging_over_a_chart_shows_what_was_dragged_over(page: Page) -> None:
     """Either way, on either chart, to the width of a pixel; a double-click shows all again."""
     pause(page)
@@ -196,6 +220,30 @@ def test_a_zoom_outlives_a_slider_and_ends_with_a_preset(page: Page) -> None:
     assert view(page) == zoomed
     page.click("[data-preset=violin-bow]")
     page.wait_for_function("window.stickslip.view.to < 1")
+
+
+def test_a_zoom_that_would_hold_hundreds_of_cycles_gives_way(page: Page) -> None:
+    """A stretch of time outlives a setting until its cycles would be a blur; then six are shown."""
+    pause(page)
+    look(page, 0.0, 10.0)
+    set_values(page, k=1e4)
+    assert 100.0 < 10.0 / page.evaluate("window.stickslip.cycle.T") < 200.0
+    assert view(page) == (0.0, 10.0)
+    set_values(page, k=1e8)
+    assert view(page) == pytest.approx(whole(page))
+
+
+def test_the_marks_of_a_detail_are_times_in_the_unit_of_the_axis(page: Page) -> None:
+    """A detail of milliseconds late in the run is read off its axis as the times that it shows."""
+    pause(page)
+    for start, end in ((0.0, 10.0), (10.0, 10.5), (0.0, 0.02), (60.0, 60.001)):
+        look(page, start, end)
+        for chart in ("x-chart", "F-chart"):
+            axis = drawing.time_axis(page, chart)
+            for t in (start, 0.3 * start + 0.7 * end):
+                found, slack = drawing.value_at(page, chart, "x", axis.place(t))
+                # The labels of a late detail have digits to tell them apart.
+                assert found == pytest.approx(t, abs=slack), (chart, t)
 
 
 def test_zoom_has_its_ends(page: Page) -> None:
