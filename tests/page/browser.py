@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rjsmin import jsmin
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserType, ConsoleMessage, Page
 
@@ -85,3 +87,21 @@ def opened(
             raise
         yield page
     assert not errors, f"errors of the page: {errors}"
+
+
+@contextmanager
+def planted(browser: Browser, file: Path, folder: Path, piece: str, fault: str) -> Iterator[Page]:
+    """Open the page with a fault planted: another piece of script in place of the one there.
+
+    Raises
+    ------
+    AssertionError
+        If the piece does not stand in the page exactly once.
+    """
+    text = file.read_text(encoding="utf-8")
+    piece = jsmin(piece)
+    assert text.count(piece) == 1, piece
+    faulty = folder / "faulty.html"
+    faulty.write_text(text.replace(piece, jsmin(fault)), encoding="utf-8")
+    with opened(browser, faulty) as page:
+        yield page

@@ -12,12 +12,11 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from rjsmin import jsmin
 
 from stickslip_design.cures import Cures, cures
 from stickslip_ref import FrictionClampWarning, Parameters, critical_velocity, steady_cycle
 from tests.page import settings
-from tests.page.browser import opened
+from tests.page.browser import planted
 from tests.page.by_python import exact_critical_velocity
 from tests.page.comparison import DECIDABLE
 from tests.page.exchange import ask
@@ -175,12 +174,7 @@ def test_a_planted_fault_is_found(
 ) -> None:
     """The comparison refutes wrong cures, be it in the eighth digit."""
     piece, fault, gives_away = FAULTS[name]
-    text = page_file.read_text(encoding="utf-8")
-    piece, fault = jsmin(piece), jsmin(fault)
-    assert text.count(piece) == 1
-    faulty = tmp_path / "faulty.html"
-    faulty.write_text(text.replace(piece, fault), encoding="utf-8")
-    with opened(browser, faulty) as page:
+    with planted(browser, page_file, tmp_path, piece, fault) as page:
         worst = errors(page, every=3)
         assert not worst[gives_away] <= NEAR
 

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
-from rjsmin import jsmin
 
 from stickslip_ref import Parameters, critical_velocity, steady_cycle
 from tests.page import drawing, settings
-from tests.page.browser import opened
+from tests.page.browser import opened, planted
 from tests.page.exchange import ask
-from tests.page.test_cures import NEAR, drawn, parameters
+from tests.page.test_cures import NEAR, every_setting, parameters
 from tests.page.using import drawn as on_screen
 from tests.page.using import set_values, setting, text_of
 
@@ -59,7 +58,7 @@ def column(points: list[dict[str, float]], name: str) -> Any:
 
 def errors(page: Page, every: int = 1) -> dict[str, float]:
     """Give the largest relative error of each kind of curve against Python; see test_cures."""
-    chosen = drawn()[::every]
+    chosen = every_setting()[::every]
     worst = dict.fromkeys(("jump", "limit", "critical", "line", "end"), 0.0)
     counted = dict.fromkeys(worst, 0)
 
@@ -141,12 +140,7 @@ def test_a_planted_fault_is_found(
 ) -> None:
     """The comparison refutes a wrong curve, be it in the eighth digit."""
     piece, fault, gives_away = FAULTS[name]
-    text = page_file.read_text(encoding="utf-8")
-    piece, fault = jsmin(piece), jsmin(fault)
-    assert text.count(piece) == 1
-    faulty = tmp_path / "faulty.html"
-    faulty.write_text(text.replace(piece, fault), encoding="utf-8")
-    with opened(browser, faulty) as page:
+    with planted(browser, page_file, tmp_path, piece, fault) as page:
         assert not errors(page, every=6)[gives_away] <= NEAR
 
 

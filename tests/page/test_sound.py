@@ -15,10 +15,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from mpmath import mp, mpc, mpf
-from rjsmin import jsmin
 
 from stickslip_verification import truth
-from tests.page.browser import opened
+from tests.page.browser import opened, planted
 from tests.page.by_python import DIGITS, exact_critical_velocity
 from tests.page.comparison import DECIDABLE
 from tests.page.exchange import ask
@@ -430,10 +429,5 @@ def test_a_planted_fault_is_found(
     browser: Browser, page_file: Path, tmp_path: Path, name: str
 ) -> None:
     """The comparison refutes harmonics that are a little wrong."""
-    piece, other = map(jsmin, FAULTS[name])
-    text = page_file.read_text(encoding="utf-8")
-    assert text.count(piece) == 1
-    faulty = tmp_path / "faulty.html"
-    faulty.write_text(text.replace(piece, other), encoding="utf-8")
-    with opened(browser, faulty) as page:
+    with planted(browser, page_file, tmp_path, *FAULTS[name]) as page:
         assert wrong(page)
