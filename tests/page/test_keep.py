@@ -157,6 +157,18 @@ def test_the_picture_has_the_curves_of_the_setting_before(page: Page, tmp_path: 
     assert on_page[1] != "none"
 
 
+def test_the_picture_says_of_which_setting_it_is(page: Page, tmp_path: Path) -> None:
+    """Its caption has each parameter in use, SI; nothing else tells a reader of the report."""
+    values = {"k": 1234.5, "v": 0.025, "mu_s": 0.55, "mu_k": 0.35}
+    values |= {"m": 2.5, "g": 1.62, "load": -1.5, "c": 3.25}
+    set_values(page, **values)
+    root = ElementTree.parse(saved(page, "svg", tmp_path)).getroot()
+    caption = " ".join(each.text or "" for each in root.findall(f"{SVG}text"))
+    for name, value in values.items():
+        symbol = name.replace("mu_s", "μₛ").replace("mu_k", "μₖ")
+        assert re.search(rf"\b{symbol} = {value}(?![\d.])", caption), name
+
+
 def colour(page: Page, selector: str | None, name: str) -> str:
     """Give a colour of an element, or of the page's paper."""
     script = "([s, n]) => getComputedStyle(document.querySelector(s))[n]"

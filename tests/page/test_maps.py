@@ -344,6 +344,29 @@ def test_the_point_lies_in_the_hatched_region_without_a_cycle(page: Page) -> Non
     assert page.evaluate(inside)
 
 
+def test_the_words_of_the_free_region_stand_in_it(page: Page) -> None:
+    """Wherever the plane says that there is no stick-slip, all of the words are on the hatching."""
+    inside = """
+      () => {
+        const words = [...document.querySelectorAll("#plane .note")]
+          .find(each => each.textContent === "no stick-slip");
+        if (!words) return null;
+        const path = document.querySelector("#plane [fill='url(#plane-hatch)']");
+        const { x, y, width, height } = words.getBBox();
+        const corners = [[x, y], [x + width, y], [x, y + height], [x + width, y + height]];
+        return corners.every(each => path.isPointInFill(new DOMPoint(...each)));
+      }
+    """
+    middle(page)
+    found = []
+    for c in (2.0, 5.0, 10.0, 25.0, 60.0, 1e3, 1e5):
+        set_values(page, c=c)
+        on_screen(page)
+        found.append(page.evaluate(inside))
+    assert False not in found, found
+    assert found.count(True) >= 4, found
+
+
 def test_no_path_breaks_at_the_corners(page: Page) -> None:
     """Where a formula ends, and at the presets, each path and place is made of numbers."""
     middle(page)
