@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import re
 from itertools import pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from stickslip_ref import Parameters
 from tests.page import drawing
-from tests.page.browser import opened
 from tests.page.drawing import PIXEL, SIZES
 from tests.page.settings import CORNERS, corner, presets
 from tests.page.using import drawn, look, pause, set_values, setting
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Page
 
 _STAGE = """
 shares => {
@@ -190,29 +188,27 @@ def test_the_stage_lives_at_the_corners(page: Page) -> None:
             assert -1e4 < each["block"] < 1e4, name
 
 
-def test_the_first_frame_is_not_before_the_start(browser: Browser, page_file: Path) -> None:
-    """Over several loads no frame shows a time before the view begins."""
-    watch = """
-    () => {
-      window.earliest = Infinity;
-      const cursor = document.querySelector("#x-chart .cursor");
-      const left = () => Number(cursor.getAttribute("d").match(/M([\\d.]+)/)[1]);
-      window.earliest = left();
-      new MutationObserver(() => { window.earliest = Math.min(window.earliest, left()); })
-        .observe(cursor, { attributes: true });
-    }
-    """
-    for _ in range(4):
-        with opened(browser, page_file) as page:
-            page.evaluate(watch)
-            page.click("#play")
-            page.evaluate("() => { document.querySelector('#scrub').value = 0; }")
-            page.fill("#scrub", "0")
-            page.click("#play")
-            for _ in range(3):
-                drawn(page)
-            left = float(page.get_attribute("#x-chart clipPath rect", "x") or "")
-            assert page.evaluate("window.earliest") >= left
+def test_the_first_frame_is_not_before_the_start(page: Page) -> None:
+    """A frame whose stamp lies before Play was pressed shows the start, not a time before it."""
+    pause(page)
+    page.fill("#scrub", "0")
+    earliest = page.evaluate(
+        """() => new Promise(done => {
+          const ask = window.requestAnimationFrame;
+          window.requestAnimationFrame = act => ask(stamp => act(stamp - 40));
+          const cursor = document.querySelector("#x-chart .cursor");
+          const left = () => Number(cursor.getAttribute("d").match(/M([-\\d.]+)/)[1]);
+          let least = left();
+          document.querySelector("#play").click();
+          const look = frames => ask(() => {
+            least = Math.min(least, left());
+            if (frames) look(frames - 1); else done(least);
+          });
+          look(5);
+        })"""
+    )
+    assert earliest >= float(page.get_attribute("#x-chart clipPath rect", "x") or "")
+    assert page.text_content("#play") == "Pause"
 
 
 def test_the_setting_before_stays_as_a_ghost_until_it_is_removed(page: Page) -> None:

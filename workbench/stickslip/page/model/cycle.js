@@ -99,7 +99,7 @@ export function simplified(p) {
  * @param {number} zeta damping ratio [1]
  * @returns {PlainSlip | null}
  */
-export function plainSlip(lambda_, zeta) {
+function plainSlip(lambda_, zeta) {
   return zeta === 0 ? undampedSlip(lambda_) : dampedSlip(lambda_, zeta);
 }
 
