@@ -150,6 +150,8 @@ class Variable(NamedTuple):
     @property
     def range(self) -> str:
         """The range in words."""
+        if self.type.items:
+            return "one of " + ", ".join(f"{each.value} ({each.name})" for each in self.type.items)
         words = []
         if self.minimum is not None:
             above_zero = self.minimum == ABOVE_ZERO
@@ -323,7 +325,8 @@ class Values(metaclass=_RecordType):
     Parameters
     ----------
     values
-        The value of every name of `names`, in the unit of its row.
+        The value of every name of `names`, in the unit of its row. A whole number of an Integer may
+        be given as a float.
 
     Attributes
     ----------
@@ -348,7 +351,10 @@ class Values(metaclass=_RecordType):
 
     def __init__(self, values: Mapping[str, float]) -> None:
         for name in self.names:
-            setattr(self, name, values[name])
+            value = values[name]
+            if isinstance(value, float) and self.table.by_name[name].kind == "Integer":
+                value = int(value) if value.is_integer() else value
+            setattr(self, name, value)
 
     @classmethod
     def at_start(cls: Type[_Record]) -> _Record:

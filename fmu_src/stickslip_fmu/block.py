@@ -146,7 +146,8 @@ class Block:
         self._adopt_settings(None)
         x_dot = settings.x_dot_start
         mode = 0 if x_dot == 0.0 else 1 if x_dot > 0.0 else -1
-        self._place(state.friction.begin(mode, settings.z_start, x_dot))
+        friction = state.friction
+        self._place(friction.begin(mode, settings.z_start, x_dot, friction.age_start))
         state.changed = False
         self._horizon = -math.inf
         self.refresh()
@@ -220,7 +221,7 @@ class Block:
         self.F_friction = 0.0 - (F + settings.F_ext) if friction is None else friction
         self.mode = arc.mode
         if self._varies:
-            self.F_s = state.friction.hold(self._age())
+            self.F_s = finite(state.friction.hold(self._age()))
             self.own = arc.own(state.elapsed)
         self._displacement = displacement
         self.stale = False
@@ -349,7 +350,9 @@ class Block:
         dk = state.settings.k - k
         state.W_k = add(state.W_k, 0.5 * (dk * z) * z)
         still = 0 if at_rest else mode
-        self._place(state.friction.begin(still, z, x_dot, self._age(), arc.own(tau)))
+        # A mass that breaks away as the run starts has not moved before the first step.
+        age = self._age() if state.started else state.friction.age_start
+        self._place(state.friction.begin(still, z, x_dot, age, arc.own(tau)))
         if state.started and mode == 0 and self.mode != 0:
             self.meter.break_away(time)
 

@@ -17,6 +17,9 @@ CONTRACT = Annotation(
 )
 """The promise that the FMU keeps to this interface and is exact to rounding, whatever the law."""
 
+FIRST_OWN = 34
+"""The first number whose row differs from friction law to friction law."""
+
 _UNITS: Dict[str, Unit] = {
     "kg": Unit({"kg": 1}),
     "m": Unit({"m": 1}, (("mm", 1e3),)),
@@ -72,14 +75,16 @@ class Own(NamedTuple):
         What the model is.
     rows
         The law's parameters and outputs. Their numbers are 4, 5, 33, 34, 35 and so on, each once:
-        `mu_s`, `mu_k` and `mu_k_used` of Coulomb's law have the first three. An output of the law
-        is held at ``state.friction.<name>`` where it stays along an arc.
+        Coulomb's law has the first seven, and a law with its rows goes on with 38. An output of
+        the law is held at ``state.friction.<name>`` where it stays along an arc.
     at_rest
         Names of the parameters that the break-away force depends on at the start.
     in_slip
         Names of the parameters that the friction of a slip depends on too.
     break_away
         Description of the break-away force `F_s`.
+    ages
+        Whether the break-away force depends on how long the mass has been at rest.
     units
         Units that the interface has not.
     """
@@ -90,6 +95,7 @@ class Own(NamedTuple):
     at_rest: Tuple[str, ...]
     in_slip: Tuple[str, ...]
     break_away: str = "Break-away force mu_s N"
+    ages: bool = False
     units: Mapping[str, Unit] = {}
 
 
@@ -226,7 +232,14 @@ def table_of(own: Own) -> Table:
             "Friction on the mass, with its viscous part",
             (*rest_test, "c", *own.in_slip),
         ),
-        calculated(18, "F_s", "Force", own.break_away, (*weight, *own.at_rest), 0.0),
+        calculated(
+            18,
+            "F_s",
+            "Force",
+            own.break_away,
+            rest_test if own.ages else (*weight, *own.at_rest),
+            0.0,
+        ),
         calculated(
             19, "sticking", "Flag", "Whether the mass sticks", rest_test, variability="discrete"
         ),

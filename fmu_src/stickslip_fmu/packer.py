@@ -5,7 +5,7 @@ from typing import Literal, Mapping, Optional
 
 from fmukit import packer
 
-from .laws.named import friction_law
+from .laws.named import COULOMB_NAME, friction_law
 from .spec import SPEC
 
 MAIN = "from stickslip_fmu.spec import SPEC"
@@ -23,7 +23,7 @@ def build(
     destination: Path,
     parts: Optional[Mapping[str, bytes]] = None,
     face: Literal[2, 3] = 2,
-    law: Optional[str] = None,
+    law: str = COULOMB_NAME,
 ) -> Path:
     """Build the FMU.
 
@@ -39,7 +39,7 @@ def build(
     face
         The major version of FMI.
     law
-        Dotted name of a friction law, as `laws.named.friction_law` takes it; None for Coulomb's.
+        Name of a friction law, as `laws.named.friction_law` takes it.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def build(
         rows do not fit the table, its model is called StickSlip, or a module of it cannot travel.
     """
     main, model = MAIN, SPEC.name
-    if law is not None:
+    if law != COULOMB_NAME:
         named = friction_law(law)
         main = _MAIN_OF_LAW.format(module=named.module, name=named.name)
         model = named.law.interface.model

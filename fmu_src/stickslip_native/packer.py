@@ -10,14 +10,14 @@ from fmukit.description import LOG_CATEGORIES, identity
 from fmukit.fmi2 import description as fmi2
 from fmukit.fmi3 import description as fmi3
 from fmukit.packer import write_archive
-from stickslip_fmu.spec import SPEC
+from stickslip_fmu.laws.named import COULOMB_NAME
 
 from .compiler import FLAGS, Compiler, compiler_for
+from .named import HOME, native_law
 from .platforms import Platform, universal
 from .table import table_files
 
-_HERE = Path(__file__).parent
-_FOLDERS = ("core", "laws/coulomb", "face")
+_FOLDERS = ("core", "face")
 _OTHER_FACE = {2: "fmi3", 3: "fmi2"}
 
 _IDENTITY = """\
@@ -33,6 +33,7 @@ def build(
     parts: Optional[Mapping[str, bytes]] = None,
     face: Literal[2, 3] = 2,
     this_machine: bool = False,
+    law: str = COULOMB_NAME,
 ) -> Path:
     """Build the native FMU.
 
@@ -40,8 +41,8 @@ def build(
     ----------
     destination
         The file to write, ending in .fmu, or the folder that gets StickSlip_native.fmu, and for
-        FMI 3.0 StickSlip_native_fmi3.fmu. Folders are made. What was there stays until the new file
-        is whole.
+        FMI 3.0 StickSlip_native_fmi3.fmu; with another friction law the name of its model stands
+        for StickSlip. Folders are made. What was there stays until the new file is whole.
     parts
         Files that travel beside what is built here, such as documentation/index.html, by their
         path in the FMU.
@@ -49,6 +50,8 @@ def build(
         The major version of FMI.
     this_machine
         Whether `cc` compiles for this machine alone, and not Zig for all platforms.
+    law
+        Name of a built-in friction law, as `named.native_law` takes it.
 
     Returns
     -------
@@ -62,32 +65,36 @@ def build(
     OSError
         If the FMU cannot be written.
     ValueError
-        If SOURCE_DATE_EPOCH is set to something else than whole seconds.
+        If SOURCE_DATE_EPOCH is set to something else than whole seconds, or the friction law is
+        unknown or has no native side.
     """
+    model = native_law(law).spec.name
     compiler = compiler_for(this_machine)
-    file_name = f"{SPEC.name}_native.fmu" if face == 2 else f"{SPEC.name}_native_fmi3.fmu"
+    file_name = f"{model}_native.fmu" if face == 2 else f"{model}_native_fmi3.fmu"
     target = destination if destination.suffix == ".fmu" else destination / file_name
-    sources = sources_of(face)
+    sources = sources_of(face, law)
     entries = {
-        "modelDescription.xml": description(face, sources),
+        "modelDescription.xml": description(face, sources, law),
         **{f"sources/{name}": content for name, content in sources.items()},
-        **libraries(face, sources, compiler),
+        **libraries(face, sources, compiler, law),
         **(parts or {}),
     }
     if face == 3:
-        entries["sources/buildDescription.xml"] = _build_description(sources)
+        entries["sources/buildDescription.xml"] = _build_description(sources, model)
     target.parent.mkdir(parents=True, exist_ok=True)
     write_archive(entries, target)
     return target
 
 
-def sources_of(face: Literal[2, 3]) -> Dict[str, bytes]:
-    """Return the C sources of the FMU by name; they lie in one folder.
+def sources_of(face: Literal[2, 3], law: str = COULOMB_NAME) -> Dict[str, bytes]:
+    """Return the C sources of the FMU under a friction law by name; they lie in one folder.
 
     Among them are those made from the table, and identity.h with the FMU's identity.
     """
-    found: Dict[str, bytes] = {name: text.encode() for name, text in table_files(SPEC).items()}
-    for file in sorted(file for folder in _FOLDERS for file in _HERE.glob(f"{folder}/*.[ch]")):
+    spec, own = native_law(law)
+    found: Dict[str, bytes] = {name: text.encode() for name, text in table_files(spec).items()}
+    common = [file for folder in _FOLDERS for file in HOME.glob(f"{folder}/*.[ch]")]
+    for file in sorted((*common, *own)):
         if not file.name.startswith(_OTHER_FACE[face]):
             if file.name in found:
                 raise ValueError(f"two C sources have the name {file.name}")
@@ -97,32 +104,39 @@ def sources_of(face: Literal[2, 3]) -> Dict[str, bytes]:
 
 
 def libraries(
-    face: Literal[2, 3], sources: Mapping[str, bytes], compiler: Compiler
+    face: Literal[2, 3],
+    sources: Mapping[str, bytes],
+    compiler: Compiler,
+    law: str = COULOMB_NAME,
 ) -> Dict[str, bytes]:
     """Return the libraries of the FMU by their path in it; raises CompilerError.
 
     Those of one folder become one universal library.
     """
+    model = native_law(law).spec.name
     files: Dict[str, Dict[Platform, bytes]] = {}
     for each in compiler.platforms:
-        built = compiler.library(sources, SPEC.name, each)
+        built = compiler.library(sources, model, each)
         for folder in each.folders(face):
-            files.setdefault(f"binaries/{folder}/{SPEC.name}{each.suffix}", {})[each] = built
+            files.setdefault(f"binaries/{folder}/{model}{each.suffix}", {})[each] = built
     return {
         file: universal(libraries) if len(libraries) > 1 else next(iter(libraries.values()))
         for file, libraries in files.items()
     }
 
 
-def description(face: Literal[2, 3], sources: Mapping[str, bytes]) -> bytes:
+def description(
+    face: Literal[2, 3], sources: Mapping[str, bytes], law: str = COULOMB_NAME
+) -> bytes:
     """Return modelDescription.xml of the FMU with these sources."""
-    maker = f"stickslip {SPEC.version}"
+    spec = native_law(law).spec
+    maker = f"stickslip {spec.version}"
     own = _identity(face, sources)
     if face == 2:
         compiled = tuple(_compiled(sources))
-        root = fmi2.model_description(SPEC, own, maker, _LOG_CATEGORIES, compiled)
+        root = fmi2.model_description(spec, own, maker, _LOG_CATEGORIES, compiled)
     else:
-        root = fmi3.model_description(SPEC, own, maker, _LOG_CATEGORIES)
+        root = fmi3.model_description(spec, own, maker, _LOG_CATEGORIES)
     return _text_of(root)
 
 
@@ -138,10 +152,10 @@ def _compiled(sources: Mapping[str, bytes]) -> List[str]:
     return sorted(name for name in sources if name.endswith(".c"))
 
 
-def _build_description(sources: Mapping[str, bytes]) -> bytes:
+def _build_description(sources: Mapping[str, bytes], model: str) -> bytes:
     """Return sources/buildDescription.xml of FMI 3.0."""
     root = Element("fmiBuildDescription", {"fmiVersion": "3.0"})
-    configuration = SubElement(root, "BuildConfiguration", {"modelIdentifier": SPEC.name})
+    configuration = SubElement(root, "BuildConfiguration", {"modelIdentifier": model})
     together = SubElement(configuration, "SourceFileSet", {"language": "C99"})
     for each in _compiled(sources):
         SubElement(together, "SourceFile", {"name": each})

@@ -93,12 +93,15 @@ class Friction(Protocol):
     ----------
     F_s
         Break-away force of a stick that has just begun [N].
+    age_start
+        Age of a mass that is at rest when the run starts [s].
     varies
         Whether break-away force or own state change along an arc. Where False, the block takes
         `F_s` for all ages and does not ask for `own` at every output.
     """
 
     F_s: float
+    age_start: float
     varies: bool
 
     def hold(self, age: float) -> float:
@@ -125,8 +128,7 @@ class Friction(Protocol):
     def after(self, arc: Any, z: float) -> Arc:
         """Return the arc that follows the end of `arc`, at spring extension `z` [m].
 
-        `arc` was made by this law, maybe under other settings with the same slip terms. Raises
-        ModelError where the motion leaves the range of the law.
+        `arc` was made by this law, maybe under other settings with the same slip terms.
         """
 
     def arc(self, start: Start) -> Arc:

@@ -1,9 +1,18 @@
-"""A friction law given by one dotted name: the block's side of it."""
+"""A friction law given by its name: the block's side of it."""
 
 from importlib import import_module
 from typing import Any, NamedTuple
 
 from .law import Law
+
+COULOMB_NAME = "coulomb"
+"""The name of Coulomb's law, which is the default."""
+
+BUILT_IN = {
+    COULOMB_NAME: "stickslip_fmu.laws.coulomb.law:COULOMB",
+    "stribeck": "stickslip_fmu.laws.stribeck.law:STRIBECK",
+}
+"""Dotted names of the block's side of the friction laws of this package, by name."""
 
 _EXAMPLE = "'my_laws.stribeck:STRIBECK'"
 
@@ -17,21 +26,21 @@ class NamedLaw(NamedTuple):
 
 
 def friction_law(name: str) -> NamedLaw:
-    """Return the block's side of the friction law that a dotted name gives.
+    """Return the block's side of a friction law.
 
     Parameters
     ----------
     name
-        ``"module:NAME"``, an object whose attribute ``block`` is in turn the dotted name of a
-        `laws.law.Law`.
+        A name in BUILT_IN, or ``"module:NAME"``, an object whose attribute ``block`` is in turn the
+        dotted name of a `laws.law.Law`.
 
     Raises
     ------
     ValueError
-        If the name is not of this form, a module or an attribute is missing, or the object found
-        is no friction law; the message gives the reason and an example.
+        If the name is none of these, a module or an attribute is missing, or the object found is no
+        friction law; the message gives the reason, the built-in names and an example.
     """
-    inner = getattr(_found(name), "block", None)
+    inner = BUILT_IN.get(name) or getattr(_found(name), "block", None)
     if not isinstance(inner, str):
         raise ValueError(
             f"the friction law {name!r} has no attribute 'block' with the dotted name of the "
@@ -50,7 +59,11 @@ def friction_law(name: str) -> NamedLaw:
 def _found(name: str) -> Any:
     module, _, attribute = name.partition(":")
     if not (module and attribute.isidentifier()):
-        raise ValueError(f"{name!r} is no dotted name module:NAME, such as {_EXAMPLE}")
+        built_in = ", ".join(map(repr, BUILT_IN))
+        raise ValueError(
+            f"{name!r} is no friction law: {built_in}, or a dotted name module:NAME such as "
+            f"{_EXAMPLE}"
+        )
     try:
         return getattr(import_module(module), attribute)
     except Exception as error:  # whatever a module of somebody else raises

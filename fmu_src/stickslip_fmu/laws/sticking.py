@@ -119,8 +119,8 @@ class SlipOfSticking(Arc, Protocol):
 class Sticking:
     """A law whose mass sticks up to a break-away force and slips until it comes to rest.
 
-    A law states `F_s`, `kinetic` and `gap` and makes its arcs; a law whose break-away force grows
-    with the age of the stick overrides `hold` too.
+    A law states `F_s`, `kinetic` and `gap` and makes its slips; a law whose break-away force grows
+    with the age of the stick overrides `growth`, `stick` and `varies` too.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class Sticking:
     Attributes
     ----------
     F_s, kinetic
-        Break-away force, and kinetic friction at standstill [N].
+        Break-away force of a stick that has just begun, and kinetic friction at standstill [N].
     gap
         Their difference [N], known better than as a difference.
     """
@@ -140,6 +140,7 @@ class Sticking:
     F_s: float
     kinetic: float
     gap: float
+    age_start = 0.0
     varies = False
 
     def __init__(self, settings: Settings) -> None:
@@ -147,7 +148,11 @@ class Sticking:
 
     def hold(self, age: float) -> float:
         """Return the break-away force of a stick of this age [N]."""
-        return self.F_s
+        return self.F_s + self.growth(age)
+
+    def growth(self, age: float) -> float:
+        """Return what a stick of this age has gained in break-away force [N]."""
+        return 0.0
 
     def begin(
         self, mode: int, z: float, x_dot: float, age: float = 0.0, own: Tuple[float, ...] = ()
@@ -163,7 +168,8 @@ class Sticking:
         """Return what follows a load-up, or a slip that ended at spring extension `z` [m]: (4)."""
         if isinstance(arc, StickArc):
             mode = 1 if arc.v > 0.0 else -1
-            return self.slip(mode, arc.z_end, 0.0, mode * self.gap)
+            gap = self.gap + self.growth(arc.age + arc.duration)
+            return self.slip(mode, arc.z_end, 0.0, mode * gap)
         settings = self.settings
         if direction_from_rest(settings.k * z, settings.F_ext, self.F_s) == -arc.mode:
             return self.slip_from(-arc.mode, z, 0.0)
@@ -182,7 +188,7 @@ class Sticking:
         return self.slip(mode, z, x_dot, settings.k * z + settings.F_ext - mode * self.kinetic)
 
     def stick(self, z: float, way: Optional[float] = None, age: float = 0.0) -> StickArc:
-        """Return the stick that starts so, under a break-away force that stays as it is."""
+        """Return the stick that starts so; `way` and `age` as of `StickArc`."""
         settings = self.settings
         return StickArc(settings.k, settings.v, z, self.F_s, settings.F_ext, way, age)
 

@@ -72,11 +72,13 @@ enum refusal block_start(struct block *block, const struct settings *settings, d
     *block = (struct block){.wanted = *settings, .horizon = NO_HORIZON};
     block->x_start.high = settings->x_start;
     meter_start(&block->meter, start_time);
-    const enum refusal refused = adopt_settings(block, NULL);
+    enum refusal refused = adopt_settings(block, NULL);
     if (refused != ACCEPTED) return refused;
     const double x_dot = settings->x_dot_start;
     const int mode = x_dot == 0.0 ? 0 : x_dot > 0.0 ? 1 : -1;
-    LAW.begin(&block->friction, mode, settings->z_start, x_dot, 0.0, NO_OWN, &block->arc);
+    refused = LAW.begin(&block->friction, mode, settings->z_start, x_dot,
+                        block->friction.age_start, NO_OWN, &block->arc);
+    if (refused != ACCEPTED) return refused;
     stand_at_start(block);
     return block_refresh(block);
 }
@@ -117,7 +119,8 @@ enum refusal block_refresh(struct block *block)
     if (block->friction.varies) block->F_s = LAW.hold(&block->friction, age_of(block));
     block->displacement = motion.displacement;
     block->stale = false;
-    return fabs(block->x_pull + block->F) <= DBL_MAX ? ACCEPTED : NOT_FINITE;
+    const bool finite = fabs(block->x_pull + block->F) <= DBL_MAX && block->F_s <= DBL_MAX;
+    return finite ? ACCEPTED : NOT_FINITE;
 }
 
 /* Start a new arc under the settings last set, at this time [s], where the block stands. */
@@ -127,10 +130,12 @@ static enum refusal change_settings(struct block *block, double time)
     const struct friction before = block->friction;
     const double tau = block->elapsed.high;
     const struct motion motion = functions_of(&arc)->state(&arc, tau);
-    const double age = age_of(block), x_dot = motion.x_dot;
+    /* A mass that breaks away as the run starts has not moved before the first step. */
+    const double age = block->started ? age_of(block) : before.age_start;
+    const double x_dot = motion.x_dot;
     /* A slip of no length has not begun, so the rest test decides anew whether it does. */
     const bool at_rest = arc.mode == 0 || (tau == 0.0 && x_dot == 0.0);
-    const enum refusal refused = adopt_settings(block, &before);
+    enum refusal refused = adopt_settings(block, &before);
     if (refused != ACCEPTED) return refused;
     block->changed = false;
     /* What changed is not in the equation of slip, so the arc stays whole. */
@@ -141,7 +146,8 @@ static enum refusal change_settings(struct block *block, double time)
     block->W_k = sum_with(block->W_k, 0.5 * (dk * z) * z);
     double own[MOST_OWN];
     functions_of(&arc)->own(&arc, tau, own);
-    LAW.begin(&block->friction, at_rest ? 0 : arc.mode, z, x_dot, age, own, &block->arc);
+    refused = LAW.begin(&block->friction, at_rest ? 0 : arc.mode, z, x_dot, age, own, &block->arc);
+    if (refused != ACCEPTED) return refused;
     stand_at_start(block);
     if (block->started && arc.mode == 0 && block->mode != 0)
         meter_break_away(&block->meter, time);
@@ -325,7 +331,8 @@ enum refusal block_restore(struct block *block, const struct block_state *saved)
     enum refusal refused = adopt_settings(&made, NULL);
     if (refused != ACCEPTED) return refused;
     made.wanted = saved->wanted;
-    LAW.arc(&made.friction, &saved->start, &made.arc);
+    refused = LAW.arc(&made.friction, &saved->start, &made.arc);
+    if (refused != ACCEPTED) return refused;
     if (made.started && !made.changed) made.horizon = made.arc.duration;
     refused = block_refresh(&made);
     if (refused == ACCEPTED) *block = made;

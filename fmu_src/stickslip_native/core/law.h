@@ -5,7 +5,8 @@
  * 1. has a header friction_law.h with `enum arc_tag`, of which STICK is the first and ARC_TAGS the
  *    last, and the unions `arc_data` and `friction_data`; struct stick is one member of the former;
  * 2. defines LAW, and ARCS with the functions of each tag;
- * 3. may use sticking.h, where the mass sticks, breaks away at a force and comes to rest.
+ * 3. may use sticking.h, where the mass sticks, breaks away at a force and comes to rest, and what
+ *    laws/shared has: a file there is compiled with the laws that include its header.
  *
  * It may assume that settings are constant along an arc, that arcs are passed in the order of time,
  * that an arc is asked up to its duration and not beyond, and that each value is within its bounds.
@@ -14,8 +15,10 @@
 #ifndef STICKSLIP_LAW_H
 #define STICKSLIP_LAW_H
 
+#include "dwell.h"
 #include "oscillator.h"
 #include "refusal.h"
+#include "remark.h"
 #include "table.h"
 
 #include <stdbool.h>
@@ -43,7 +46,7 @@ struct start {
     double own[MOST_OWN]; /* state of the law itself, 0 beyond the law's count */
 };
 
-/* A load-up to a constant break-away force: sticking.c. */
+/* A load-up to the break-away force: sticking.c. */
 struct stick {
     double k, v;
     double way; /* what the force lacks of F_s in the direction of the pull [N], if way_known */
@@ -80,10 +83,12 @@ extern const struct arc_functions *const ARCS[ARC_TAGS];
 /* A friction law under given settings. */
 struct friction {
     struct settings settings;
-    double F_s;     /* break-away force of a stick that has just begun [N] */
-    double kinetic; /* kinetic friction at standstill [N] */
-    double gap;     /* F_s - kinetic, known better than as a difference [N] */
-    bool varies;    /* whether break-away force or own state change along an arc */
+    double F_s;         /* break-away force of a stick that has just begun [N] */
+    double kinetic;     /* kinetic friction at standstill [N] */
+    double gap;         /* F_s - kinetic, known better than as a difference [N] */
+    struct dwell dwell; /* growth of the break-away force in stick; asked by sticking.c */
+    double age_start;   /* age of a mass that is at rest when the run starts [s] */
+    bool varies;        /* whether break-away force or own state change along an arc */
     union friction_data of;
 };
 
@@ -96,23 +101,26 @@ struct law {
     /* Break-away force of a stick of this age [N]. */
     double (*hold)(const struct friction *it, double age);
     /* The arc that begins where the mass stands; mode 0 for a mass at rest. */
-    void (*begin)(const struct friction *it, int mode, double z, double x_dot, double age,
-                  const double own[MOST_OWN], struct arc *begun);
-    /* The arc that follows the end of `ended`, at spring extension z [m]; LAW_ENDED where the motion
-     * leaves the range of the law. */
+    enum refusal (*begin)(const struct friction *it, int mode, double z, double x_dot, double age,
+                          const double own[MOST_OWN], struct arc *begun);
+    /* The arc that follows the end of `ended`, at spring extension z [m]. */
     enum refusal (*after)(const struct friction *it, const struct arc *ended, double z,
                           struct arc *following);
     /* The arc that starts so: the same bits as the arc that `start` was read from. */
-    void (*arc)(const struct friction *it, const struct start *start, struct arc *made);
+    enum refusal (*arc)(const struct friction *it, const struct start *start, struct arc *made);
     /* The slip that starts so under the net force without damping [N]; asked by sticking.c. */
-    void (*slip)(const struct friction *it, int mode, double z, double x_dot, double net,
-                 struct arc *made);
+    enum refusal (*slip)(const struct friction *it, int mode, double z, double x_dot, double net,
+                         struct arc *made);
     /* What the force lacks of F_s at the end of a slip [N]; asked by sticking.c. */
     double (*way_to_break_away)(const struct friction *it, const struct arc *ended);
     /* Whether both have the same equation of slip. */
     bool (*same_slip)(const struct friction *one, const struct friction *other);
-    /* Whether the settings are taken, but not as they were given. */
-    bool (*warns)(const struct settings *settings);
+    /* Write what is unusual about the settings, which are taken nevertheless, and return the count
+     * of remarks. They are told together. */
+    int (*remarks)(const struct settings *settings, struct remark made[MOST_REMARKS]);
+    /* Write why the law refuses the settings, and return whether it does: `under` returns
+     * LAW_REFUSES then. */
+    bool (*refuses)(const struct settings *settings, struct remark *made);
     /* An output of the law by its value reference. */
     double (*output)(const struct friction *it, enum reference reference);
 };

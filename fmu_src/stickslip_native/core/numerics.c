@@ -103,7 +103,7 @@ double falling_zero(graph *function, const void *context, double low, double hig
     return guess;
 }
 
-double integral_of_square(graph *function, const void *context, double start, double end)
+double integral(graph *function, const void *context, double start, double end)
 {
     const double middle = 0.5 * (start + end);
     const double half = 0.5 * (end - start);
@@ -113,7 +113,7 @@ double integral_of_square(graph *function, const void *context, double start, do
         double before, after, slope;
         function(context, middle - reach, &before, &slope);
         function(context, middle + reach, &after, &slope);
-        total += POINTS[n].weight * (before * before + after * after);
+        total += POINTS[n].weight * (before + after);
     }
     return half * total;
 }

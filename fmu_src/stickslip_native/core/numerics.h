@@ -32,8 +32,8 @@ typedef void graph(const void *context, double at, double *value, double *slope)
  * digits. */
 double falling_zero(graph *function, const void *context, double low, double high);
 
-/* The integral of the square of a function's value from `start` to `end`, by the Gauss-Legendre
- * rule of 16 points. */
-double integral_of_square(graph *function, const void *context, double start, double end);
+/* The integral of a function's value from `start` to `end`, by the Gauss-Legendre rule of 16 points.
+ */
+double integral(graph *function, const void *context, double start, double end);
 
 #endif

@@ -10,7 +10,7 @@ enum refusal {
     STEP_OUT_OF_RANGE,    /* step size not above 0, or not finite */
     TIME_OUT_OF_RANGE,    /* communication point not finite */
     TOO_MANY_TRANSITIONS, /* the step holds more than MOST_TRANSITIONS transitions */
-    LAW_ENDED,            /* the motion leaves the range of the friction law */
+    LAW_REFUSES,          /* the friction law refuses the settings: its member `refuses` */
     NO_SUCH_STATE         /* saved values that no block reaches */
 };
 

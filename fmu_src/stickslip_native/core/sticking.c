@@ -13,6 +13,19 @@ int direction_from_rest(double spring, double external, double break_away)
     return force > 0.0 ? 1 : -1;
 }
 
+/* Whether the break-away force grows with the age of a stick. */
+static bool ages(const struct friction *it)
+{
+    return it->dwell.rise > 0.0 || it->dwell.strength > 0.0;
+}
+
+/* The extension at which a stick of this age breaks away along the pull [m]. */
+static double z_held(const struct friction *it, double age)
+{
+    const struct settings *settings = &it->settings;
+    return (copysign(sticking_hold(it, age), settings->v) - settings->F_ext) / settings->k;
+}
+
 /* The stick from spring extension z [m]; `way` is what the force still lacks of F_s in the direction
  * of the pull [N], NULL where it is not known better than as a difference. */
 static void stick_make(const struct friction *it, double z, const double *way, double age,
@@ -27,11 +40,19 @@ static void stick_make(const struct friction *it, double z, const double *way, d
         stick.way_known = true;
     }
     if (v != 0.0) {
-        stick.z_end = (copysign(it->F_s, v) - settings->F_ext) / k;
-        const double growth = way == NULL ? stick.z_end - z : copysign(1.0, v) * *way / k;
-        /* A rest that rounding put beyond the threshold breaks away at once. */
-        duration = growth / v;
-        if (duration < 0.0) duration = 0.0;
+        stick.z_end = z_held(it, age);
+        if (!ages(it)) {
+            const double growth = way == NULL ? stick.z_end - z : copysign(1.0, v) * *way / k;
+            /* A rest that rounding put beyond the threshold breaks away at once. */
+            duration = growth / v;
+            if (duration < 0.0) duration = 0.0;
+        } else {
+            double reach = way == NULL ? copysign(1.0, v) * (stick.z_end - z) : *way / k;
+            if (reach < 0.0) reach = 0.0;
+            const struct dwell dwell = dwell_extension(&it->dwell, age, k);
+            duration = dwell_load_up(&dwell, reach, fabs(v));
+            stick.z_end = z_held(it, age + duration);
+        }
     }
     *made = (struct arc){
         .tag = STICK, .duration = duration, .z_start = z, .age = age, .of.stick = stick};
@@ -90,32 +111,27 @@ const struct arc_functions STICK_FUNCTIONS = {
 };
 
 /* The slip from any state. */
-static void slip_from(const struct friction *it, int mode, double z, double x_dot,
-                      struct arc *made)
+static enum refusal slip_from(const struct friction *it, int mode, double z, double x_dot,
+                              struct arc *made)
 {
     const double net = it->settings.k * z + it->settings.F_ext - mode * it->kinetic;
-    LAW.slip(it, mode, z, x_dot, net, made);
+    return LAW.slip(it, mode, z, x_dot, net, made);
 }
 
 double sticking_hold(const struct friction *it, double age)
 {
-    (void)age;
-    return it->F_s;
+    return it->F_s + dwell_growth(&it->dwell, age);
 }
 
-void sticking_begin(const struct friction *it, int mode, double z, double x_dot, double age,
-                    const double own[MOST_OWN], struct arc *begun)
+enum refusal sticking_begin(const struct friction *it, int mode, double z, double x_dot, double age,
+                            const double own[MOST_OWN], struct arc *begun)
 {
     (void)own;
-    if (mode != 0) {
-        slip_from(it, mode, z, x_dot, begun);
-        return;
-    }
+    if (mode != 0) return slip_from(it, mode, z, x_dot, begun);
     mode = direction_from_rest(it->settings.k * z, it->settings.F_ext, LAW.hold(it, age));
-    if (mode == 0)
-        stick_make(it, z, NULL, age, begun);
-    else
-        slip_from(it, mode, z, 0.0, begun);
+    if (mode != 0) return slip_from(it, mode, z, 0.0, begun);
+    stick_make(it, z, NULL, age, begun);
+    return ACCEPTED;
 }
 
 enum refusal sticking_after(const struct friction *it, const struct arc *ended, double z,
@@ -123,14 +139,14 @@ enum refusal sticking_after(const struct friction *it, const struct arc *ended, 
 {
     if (ended->tag == STICK) {
         const int mode = ended->of.stick.v > 0.0 ? 1 : -1;
-        LAW.slip(it, mode, ended->of.stick.z_end, 0.0, mode * it->gap, following);
-        return ACCEPTED;
+        const double gap = it->gap + dwell_growth(&it->dwell, ended->age + ended->duration);
+        return LAW.slip(it, mode, ended->of.stick.z_end, 0.0, mode * gap, following);
     }
     const struct settings *settings = &it->settings;
     const int mode = ended->mode;
-    if (direction_from_rest(settings->k * z, settings->F_ext, it->F_s) == -mode) {
-        slip_from(it, -mode, z, 0.0, following);
-    } else if (mode * settings->v > 0.0) {
+    if (direction_from_rest(settings->k * z, settings->F_ext, it->F_s) == -mode)
+        return slip_from(it, -mode, z, 0.0, following);
+    if (mode * settings->v > 0.0) {
         const double way = LAW.way_to_break_away(it, ended);
         stick_make(it, z, &way, 0.0, following);
     } else {
@@ -139,10 +155,10 @@ enum refusal sticking_after(const struct friction *it, const struct arc *ended, 
     return ACCEPTED;
 }
 
-void sticking_arc(const struct friction *it, const struct start *start, struct arc *made)
+enum refusal sticking_arc(const struct friction *it, const struct start *start, struct arc *made)
 {
-    if (start->mode == 0 || !start->known)
-        stick_make(it, start->z, start->known ? &start->force : NULL, start->age, made);
-    else
-        LAW.slip(it, start->mode, start->z, start->x_dot, start->force, made);
+    if (start->mode != 0 && start->known)
+        return LAW.slip(it, start->mode, start->z, start->x_dot, start->force, made);
+    stick_make(it, start->z, start->known ? &start->force : NULL, start->age, made);
+    return ACCEPTED;
 }

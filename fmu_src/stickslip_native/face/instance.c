@@ -105,19 +105,20 @@ bool instance_log(struct instance *it, const char *call, bool on, size_t count,
     return true;
 }
 
-/* Tell the warning of the friction law, unless it was the last one told. */
+/* Tell the remarks of the friction law, unless they were the last ones told. */
 static void warn(struct instance *it)
 {
     char text[MESSAGE_SIZE];
-    const struct settings *values = &it->now.values;
-    if (!LAW.warns(values)) {
-        it->warned = false;
-    } else if (!it->warned || !same_warning(values, &it->warned_of)) {
-        it->warned = true;
-        it->warned_of = *values;
-        warning_text(values, text);
-        instance_tell(it, STATUS_WARNING, text);
-    }
+    struct remark remarks[MOST_REMARKS];
+    const int count = LAW.remarks(&it->now.values, remarks);
+    bool told = count == it->warned;
+    for (int n = 0; n < count && told; n++) told = same_remark(&remarks[n], &it->warned_of[n]);
+    if (told) return;
+    it->warned = count;
+    if (count == 0) return;
+    for (int n = 0; n < count; n++) it->warned_of[n] = remarks[n];
+    remarks_text(remarks, count, text);
+    instance_tell(it, STATUS_WARNING, text);
 }
 
 /* Instances and phases. */
@@ -142,7 +143,8 @@ bool instance_reset(struct instance *it)
         if (ROWS[n].settable) *value_of(&it->now.values, &ROWS[n]) = ROWS[n].start;
     it->now.time = 0.0;
     it->now.phase = INSTANTIATED;
-    it->ready = it->failed = it->warned = false;
+    it->ready = it->failed = false;
+    it->warned = 0;
     return start_block(it);
 }
 

@@ -47,9 +47,9 @@ struct instance {
     struct situation now;
     bool ready;                       /* whether a step may go straight to the block */
     bool failed;                      /* a call failed, for the reason in `fault` */
-    bool warned;                      /* the warning about `warned_of` was told last */
+    int warned;                       /* count of the remarks of the law that were told last */
     bool logs_warnings, logs_errors;  /* which messages the simulator wants */
-    struct settings warned_of;
+    struct remark warned_of[MOST_REMARKS];
     const struct version *version;
     void (*logger)(void); /* of the simulator, in the type of the FMI version; may be NULL */
     void *environment;

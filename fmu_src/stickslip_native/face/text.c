@@ -116,9 +116,16 @@ void number_text(double value, char text[NUMBER_SIZE])
     }
 }
 
+/* The text of a whole number, as that of an Integer. */
+static void whole_text(double value, char text[NUMBER_SIZE])
+{
+    snprintf(text, NUMBER_SIZE, "%.0f", value);
+}
+
 bool in_range(const struct row *row, double value)
 {
-    return isfinite(value) && (!row->has_minimum || value >= row->minimum) &&
+    return isfinite(value) && (row->kind == REAL || value == floor(value)) &&
+           (!row->has_minimum || value >= row->minimum) &&
            (!row->has_maximum || value <= row->maximum);
 }
 
@@ -128,16 +135,60 @@ void range_text(const struct row *row, double value, char text[MESSAGE_SIZE])
     /* "Above 0" means the smallest number with all its digits: subnormal ones have lost some. */
     bool subnormal = row->has_minimum && row->minimum == DBL_MIN && value > 0.0 && value < DBL_MIN;
 
-    number_text(value, number);
+    if (row->kind == REAL || value != floor(value))
+        number_text(value, number);
+    else
+        whole_text(value, number);
     snprintf(text, MESSAGE_SIZE, "%s = %s%s%s is out of range: it must be %s%s", row->name, number,
              row->unit[0] == '\0' ? "" : " ", row->unit, row->range,
              subnormal ? ", at least 2.23e-308" : "");
+}
+
+/* The text that stands in a hole for a value. */
+static void hole_text(char kind, double value, char text[NUMBER_SIZE])
+{
+    if (kind == 'n')
+        snprintf(text, NUMBER_SIZE, "%s", ROWS[(int)value].name);
+    else if (kind == 'd')
+        whole_text(value, text);
+    else
+        number_text(value, text);
+}
+
+/* Write a remark behind what stands in the text; what does not fit is cut. */
+static void append(char text[MESSAGE_SIZE], const struct remark *remark)
+{
+    char hole[NUMBER_SIZE];
+    size_t length = strlen(text);
+    int taken = 0;
+
+    for (const char *next = remark->text; *next != '\0' && length + 1 < MESSAGE_SIZE; next++) {
+        if (*next == '%' && taken < MOST_VALUES) {
+            hole_text(*++next, remark->values[taken++], hole);
+            snprintf(text + length, MESSAGE_SIZE - length, "%s", hole);
+            length = strlen(text);
+        } else {
+            text[length++] = *next;
+            text[length] = '\0';
+        }
+    }
+}
+
+void remarks_text(const struct remark remarks[], int count, char text[MESSAGE_SIZE])
+{
+    static const struct remark BETWEEN = {"; ", {0.0}};
+    text[0] = '\0';
+    for (int n = 0; n < count; n++) {
+        if (n > 0) append(text, &BETWEEN);
+        append(text, &remarks[n]);
+    }
 }
 
 void refusal_text(enum refusal refusal, const struct settings *settings, double time, double step,
                   char text[MESSAGE_SIZE])
 {
     char one[NUMBER_SIZE], two[NUMBER_SIZE], three[NUMBER_SIZE];
+    struct remark why = {"", {0.0}};
 
     switch (refusal) {
     case LIFTED_OFF:
@@ -173,8 +224,9 @@ void refusal_text(enum refusal refusal, const struct settings *settings, double 
                  "stick and slip; make it shorter",
                  one, MOST_TRANSITIONS);
         break;
-    case LAW_ENDED:
-        snprintf(text, MESSAGE_SIZE, "the motion leaves the range of the friction law");
+    case LAW_REFUSES:
+        LAW.refuses(settings, &why);
+        remarks_text(&why, 1, text);
         break;
     case NO_SUCH_STATE:
         snprintf(text, MESSAGE_SIZE, "the saved state has values that no block reaches");
@@ -188,21 +240,9 @@ void refusal_text(enum refusal refusal, const struct settings *settings, double 
     }
 }
 
-void warning_text(const struct settings *settings, char text[MESSAGE_SIZE])
-{
-    char one[NUMBER_SIZE], two[NUMBER_SIZE];
-
-    number_text(settings->mu_k, one);
-    number_text(settings->mu_s, two);
-    snprintf(text, MESSAGE_SIZE,
-             "mu_k = %s is above mu_s = %s: "
-             "mu_k is clamped to max(mu_s - 0.01, 0), see mu_k_used",
-             one, two);
-}
-
-bool same_warning(const struct settings *one, const struct settings *other)
+bool same_remark(const struct remark *one, const struct remark *other)
 {
     /* The texts of 0.0 and -0.0 differ, so the bits are compared. */
-    return memcmp(&one->mu_k, &other->mu_k, sizeof one->mu_k) == 0 &&
-           memcmp(&one->mu_s, &other->mu_s, sizeof one->mu_s) == 0;
+    return strcmp(one->text, other->text) == 0 &&
+           memcmp(one->values, other->values, sizeof one->values) == 0;
 }

@@ -5,13 +5,14 @@
 #define STICKSLIP_TEXT_H
 
 #include "refusal.h"
+#include "remark.h"
 #include "table.h"
 
 #include <stdbool.h>
 
 enum {
     NUMBER_SIZE = 48,  /* texts have up to 24 characters; compilers ask for what they can prove */
-    MESSAGE_SIZE = 320 /* any message about this FMU; longer ones are cut */
+    MESSAGE_SIZE = 512 /* any message about this FMU; longer ones are cut */
 };
 
 /* The shortest decimal text that reads back as the number, in the form of Python's repr. */
@@ -27,10 +28,10 @@ void range_text(const struct row *row, double value, char text[MESSAGE_SIZE]);
 void refusal_text(enum refusal refusal, const struct settings *settings, double time, double step,
                   char text[MESSAGE_SIZE]);
 
-/* That the friction law takes these settings, but not as they were given: LAW.warns. */
-void warning_text(const struct settings *settings, char text[MESSAGE_SIZE]);
+/* All remarks of the friction law on settings, one behind the other. */
+void remarks_text(const struct remark remarks[], int count, char text[MESSAGE_SIZE]);
 
-/* Whether two settings have the same warning_text. */
-bool same_warning(const struct settings *one, const struct settings *other);
+/* Whether two remarks have the same text. */
+bool same_remark(const struct remark *one, const struct remark *other);
 
 #endif

@@ -1,1 +1,1 @@
-"""Coulomb's friction law: static above kinetic friction, both constant. docs/theory.md (1)."""
+"""Coulomb's friction law: static friction, which may grow in stick, above the kinetic one."""

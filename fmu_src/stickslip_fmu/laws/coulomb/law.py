@@ -2,14 +2,19 @@
 
 from typing import Optional, Tuple
 
+from fmukit.table import ABOVE_ZERO, Quantity
+
 from ...interface import Own, calculated, parameter
 from ...numerics.finite import finite
 from ...settings import Settings
 from ..law import Arc, Friction
-from ..sticking import Sticking
+from ..sticking import StickArc, Sticking
 from .arcs import SlipArc
 from .coefficients import clamp_warning, friction_forces, kinetic_coefficient
-from .oscillator import Oscillator
+from .dwell import AgeingStickArc, Dwell
+from .oscillator import oscillator_of
+
+_AGE = Quantity("Age", "Real", "Time", "s", 1.0)
 
 
 class CoulombFriction(Sticking):
@@ -26,6 +31,8 @@ class CoulombFriction(Sticking):
     ----------
     mu_k_used
         Kinetic coefficient after the clamp.
+    dwell
+        Growth of the break-away force with the age of a stick; None where it does not grow.
     oscillator
         Mass, spring and damping.
 
@@ -35,7 +42,7 @@ class CoulombFriction(Sticking):
         If a force or a rate is beyond the range of double-precision numbers.
     """
 
-    __slots__ = ("mu_k_used", "oscillator")
+    __slots__ = ("age_start", "dwell", "mu_k_used", "oscillator", "varies")
 
     def __init__(self, settings: Settings, before: Optional[Friction]) -> None:
         super().__init__(settings)
@@ -44,12 +51,27 @@ class CoulombFriction(Sticking):
         forces = friction_forces(settings.mu_s, self.mu_k_used, normal)
         self.F_s, self.kinetic, self.gap = forces
         finite(self.F_s)
-        k, m, c = settings.k, settings.m, settings.c
-        self.oscillator: Oscillator
-        if isinstance(before, CoulombFriction) and (k, m, c) == before.oscillator.constants:
-            self.oscillator = before.oscillator
-        else:
-            self.oscillator = Oscillator(k, m, c)
+        self.age_start = settings.age_start
+        rise, tau_s = 0.0, settings.tau_s
+        if tau_s > 0.0:
+            rise, self.F_s, self.gap = self.gap, self.kinetic, 0.0
+        strength = finite(settings.B * normal)
+        self.varies = rise > 0.0 or strength > 0.0
+        self.dwell = Dwell(rise, tau_s, strength, settings.t_0) if self.varies else None
+        self.oscillator = oscillator_of(settings, before)
+
+    def growth(self, age: float) -> float:
+        """Return what a stick of this age has gained in break-away force [N]."""
+        return 0.0 if self.dwell is None else self.dwell.growth(age)
+
+    def stick(self, z: float, way: Optional[float] = None, age: float = 0.0) -> StickArc:
+        """Return the stick that starts so."""
+        if self.dwell is None:
+            return super().stick(z, way, age)
+        settings = self.settings
+        return AgeingStickArc(
+            settings.k, settings.v, z, self.F_s, settings.F_ext, self.dwell, way, age
+        )
 
     def slip_terms(self) -> Tuple[float, ...]:
         """Return what the equation of slip is made of, beside mass and direction: (3)."""
@@ -94,9 +116,39 @@ class Coulomb:
                 variability="discrete",
                 held_at="state.friction.mu_k_used",
             ),
+            parameter(
+                34,
+                "tau_s",
+                _AGE,
+                "tunable",
+                0.0,
+                "Time constant of the growth from mu_k to mu_s in stick; 0 for none",
+                0.0,
+            ),
+            parameter(
+                35,
+                "B",
+                "FrictionCoefficient",
+                "tunable",
+                0.0,
+                "Growth of static friction in stick with ln(1 + t/t_0), t the age of the stick",
+                0.0,
+            ),
+            parameter(36, "t_0", _AGE, "tunable", 1.0, "Time scale of that logarithm", ABOVE_ZERO),
+            parameter(
+                37,
+                "age_start",
+                _AGE,
+                "fixed",
+                0.0,
+                "Age of the first stick when the run starts at rest",
+                0.0,
+            ),
         ),
-        at_rest=("mu_s",),
-        in_slip=("mu_k",),
+        at_rest=("mu_s", "mu_k", "tau_s", "B", "t_0", "age_start"),
+        in_slip=(),
+        break_away="Break-away force mu_s N, of a stick of this age where tau_s or B is not 0",
+        ages=True,
     )
 
     def warning(self, settings: Settings) -> Optional[str]:

@@ -1,9 +1,11 @@
 """The mass on its spring, with any damping, also a negative one. docs/theory.md (3)."""
 
 import math
-from typing import Iterator, Tuple
+from typing import Any, Iterator, Tuple
 
 from fmukit.model import ModelError
+
+from ...settings import Settings
 
 # Above this damping ratio the two rates of decay are far enough apart to be taken one by one.
 _FAR_APART = 2.0
@@ -186,6 +188,15 @@ class Oscillator:
         if self._far_apart:
             return (slow * quickly - fast * slowly) / apart, impulse, slope
         return -0.5 * (slowly + quickly) - self.a * impulse, impulse, slope
+
+
+def oscillator_of(settings: Settings, before: Any) -> Oscillator:
+    """Return mass, spring and damping of the settings, those of the friction before where alike."""
+    constants = settings.k, settings.m, settings.c
+    found = getattr(before, "oscillator", None)
+    if isinstance(found, Oscillator) and found.constants == constants:
+        return found
+    return Oscillator(*constants)
 
 
 def _lag(rate: float, tau: float) -> float:

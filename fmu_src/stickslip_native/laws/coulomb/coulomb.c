@@ -6,20 +6,39 @@
 
 #include <math.h>
 
+/* Set the forces of `it`, the growth of its break-away force and its `age_start`, for the settings
+ * that it holds: (1), (19). */
+static enum refusal coulomb_forces(struct friction *it, double *mu_k_used)
+{
+    const struct settings *settings = &it->settings;
+    double normal;
+    const enum refusal refused = normal_force(settings, &normal);
+    if (refused != ACCEPTED) return refused;
+    *mu_k_used = kinetic_coefficient(settings->mu_s, settings->mu_k);
+    it->F_s = settings->mu_s * normal;
+    it->kinetic = *mu_k_used * normal;
+    /* From the coefficients, where the difference is exact when they are close. */
+    it->gap = (settings->mu_s - *mu_k_used) * normal;
+    if (!isfinite(it->F_s)) return NOT_FINITE;
+    it->age_start = settings->age_start;
+    it->dwell = (struct dwell){
+        .tau_s = settings->tau_s, .strength = settings->B * normal, .t_0 = settings->t_0};
+    if (settings->tau_s > 0.0) {
+        it->dwell.rise = it->gap;
+        it->F_s = it->kinetic;
+        it->gap = 0.0;
+    }
+    it->varies = it->dwell.rise > 0.0 || it->dwell.strength > 0.0;
+    return isfinite(it->dwell.strength) ? ACCEPTED : NOT_FINITE;
+}
+
 static enum refusal coulomb_under(struct friction *made, const struct settings *settings,
                                   const struct friction *before)
 {
-    double normal;
-    enum refusal refused = normal_force(settings, &normal);
-    if (refused != ACCEPTED) return refused;
     struct friction it = {.settings = *settings};
     struct coulomb *own = &it.of.coulomb;
-    own->mu_k_used = kinetic_coefficient(settings->mu_s, settings->mu_k);
-    it.F_s = settings->mu_s * normal;
-    it.kinetic = own->mu_k_used * normal;
-    /* From the coefficients, where the difference is exact when they are close. */
-    it.gap = (settings->mu_s - own->mu_k_used) * normal;
-    if (!isfinite(it.F_s)) return NOT_FINITE;
+    enum refusal refused = coulomb_forces(&it, &own->mu_k_used);
+    if (refused != ACCEPTED) return refused;
     const struct oscillator *old = before == NULL ? NULL : &before->of.coulomb.oscillator;
     if (old != NULL && settings->k == old->k && settings->m == old->m && settings->c == old->c)
         own->oscillator = *old;
@@ -29,11 +48,12 @@ static enum refusal coulomb_under(struct friction *made, const struct settings *
     return refused;
 }
 
-static void coulomb_make_slip(const struct friction *it, int mode, double z, double x_dot,
-                              double net, struct arc *made)
+static enum refusal coulomb_make_slip(const struct friction *it, int mode, double z, double x_dot,
+                                      double net, struct arc *made)
 {
     coulomb_slip_make(&it->of.coulomb.oscillator, it->settings.v, z, x_dot, mode, net,
                       it->kinetic, made);
+    return ACCEPTED;
 }
 
 static double coulomb_way(const struct friction *it, const struct arc *ended)
@@ -49,10 +69,9 @@ static bool coulomb_same_slip(const struct friction *one, const struct friction 
            one->kinetic == other->kinetic;
 }
 
-/* The kinetic coefficient is clamped. */
-static bool coulomb_warns(const struct settings *settings)
+static int coulomb_remarks(const struct settings *settings, struct remark made[MOST_REMARKS])
 {
-    return is_clamped(settings->mu_s, settings->mu_k);
+    return clamp_remark(settings->mu_s, settings->mu_k, made);
 }
 
 static double coulomb_output(const struct friction *it, enum reference reference)
@@ -75,6 +94,6 @@ const struct law LAW = {
     .slip = coulomb_make_slip,
     .way_to_break_away = coulomb_way,
     .same_slip = coulomb_same_slip,
-    .warns = coulomb_warns,
+    .remarks = coulomb_remarks,
     .output = coulomb_output,
 };

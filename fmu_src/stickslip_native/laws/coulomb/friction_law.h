@@ -2,17 +2,7 @@
 #ifndef STICKSLIP_FRICTION_LAW_H
 #define STICKSLIP_FRICTION_LAW_H
 
-#include "oscillator.h"
-
-#include <stdbool.h>
-
-/* A slip under constant kinetic friction: coulomb_slip.c. */
-struct coulomb_slip {
-    struct oscillator oscillator;
-    double v, kinetic, net;
-    double z_dot, push, acceleration, reach, swing, fade, peak_time;
-    bool from_rest;
-};
+#include "coulomb_slip_data.h"
 
 /* Coulomb's law under given settings: coulomb.c. */
 struct coulomb {

@@ -40,6 +40,14 @@ void coulomb_slip_speed(const void *context, double tau, double *value, double *
     *slope = arc->mode * acceleration(&arc->of.coulomb, at);
 }
 
+/* The square of the speed [m2/s2]; a `graph`, of an arc, but without slope. */
+static void squared_speed(const void *context, double tau, double *value, double *slope)
+{
+    double speed;
+    coulomb_slip_speed(context, tau, &speed, slope);
+    *value = speed * speed;
+}
+
 static double speed_at(const struct arc *arc, double tau)
 {
     double value, slope;
@@ -102,8 +110,7 @@ static struct interval enclose_decaying(struct arc *arc)
     return (struct interval){low, low + reach};
 }
 
-/* When the mass first comes to rest, or infinity: (5). Sets the time of the peak. */
-static double find_end(struct arc *arc)
+double coulomb_slip_find_end(struct arc *arc)
 {
     const struct coulomb_slip *slip = &arc->of.coulomb;
     if (arc->x_dot_start == 0.0 && arc->mode * slip->acceleration < 0.0) return 0.0;
@@ -144,7 +151,7 @@ void coulomb_slip_make(const struct oscillator *oscillator, double v, double z, 
                        int mode, double net, double kinetic, struct arc *made)
 {
     coulomb_slip_begin(oscillator, v, z, x_dot, mode, net, kinetic, made);
-    made->duration = find_end(made);
+    made->duration = coulomb_slip_find_end(made);
 }
 
 void coulomb_slip_start(const struct arc *arc, struct start *start)
@@ -220,18 +227,19 @@ double coulomb_slip_pull_work(const struct arc *arc, double tau)
     return oscillator->k * slip->v * (arc->z_start * tau + growth);
 }
 
-double coulomb_slip_squared_velocity(const struct arc *arc, double tau, double displacement)
+/* The integral of x_dot^2 up to tau [m2/s], for the displacement there [m]: (15). */
+static double squared_velocity(const struct arc *arc, double tau, double displacement)
 {
     const struct coulomb_slip *slip = &arc->of.coulomb;
     const struct oscillator *oscillator = &slip->oscillator;
     double end = SHORT / oscillator->quickest;
-    if (tau <= end) return integral_of_square(coulomb_slip_speed, arc, 0.0, tau);
+    if (tau <= end) return integral(squared_speed, arc, 0.0, tau);
     if (oscillator->overdamped && oscillator->slow * tau < EARLY) {
-        double total = integral_of_square(coulomb_slip_speed, arc, 0.0, end);
+        double total = integral(squared_speed, arc, 0.0, end);
         while (end < tau) {
             const double start = end;
             end = 2.0 * end < tau ? 2.0 * end : tau;
-            total += integral_of_square(coulomb_slip_speed, arc, start, end);
+            total += integral(squared_speed, arc, start, end);
         }
         return total;
     }
@@ -250,7 +258,7 @@ double coulomb_slip_heat(const struct arc *arc, double tau, double displacement)
     const struct coulomb_slip *slip = &arc->of.coulomb;
     double heat = slip->kinetic * fabs(displacement);
     if (slip->oscillator.c > 0.0)
-        heat += slip->oscillator.c * coulomb_slip_squared_velocity(arc, tau, displacement);
+        heat += slip->oscillator.c * squared_velocity(arc, tau, displacement);
     return heat;
 }
 

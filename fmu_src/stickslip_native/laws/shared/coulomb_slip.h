@@ -13,6 +13,9 @@ extern const struct arc_functions COULOMB_SLIP_FUNCTIONS;
 void coulomb_slip_begin(const struct oscillator *oscillator, double v, double z, double x_dot,
                         int mode, double net, double kinetic, struct arc *made);
 
+/* When the slip first comes to rest, or infinity: (5). Sets the time of the peak. */
+double coulomb_slip_find_end(struct arc *slip);
+
 /* The speed along the slip [m/s] and its slope [m/s2] at tau [s]; a `graph`, of an arc. */
 void coulomb_slip_speed(const void *arc, double tau, double *value, double *slope);
 
@@ -31,9 +34,6 @@ double coulomb_slip_pull_work(const struct arc *arc, double tau);
 double coulomb_slip_heat(const struct arc *arc, double tau, double displacement);
 double coulomb_slip_extreme_velocity(const struct arc *arc, double tau);
 void coulomb_slip_own(const struct arc *arc, double tau, double own[MOST_OWN]);
-
-/* The integral of x_dot^2 up to tau [m2/s], for the displacement there [m]: (15). */
-double coulomb_slip_squared_velocity(const struct arc *arc, double tau, double displacement);
 
 /* What the force lacks of F_s at the end, in the direction of the slip [N], known without the
  * difference of two large forces; `gap` is F_s less kinetic friction [N]. */

@@ -1,0 +1,179 @@
+"""The native block in Python, for many runs in one call: compiled once a process, then called."""
+
+import contextlib
+import ctypes
+import math
+import shutil
+import tempfile
+from array import array
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Iterator, Mapping, NamedTuple, Protocol, Sequence, Union
+
+from fmukit.table import Table
+from stickslip_fmu.laws.named import COULOMB_NAME
+
+from .compiler import Compiler, CompilerError, compiler_for
+from .named import HOME, native_law
+from .platforms import current
+from .table import table_files
+
+_FILES = ("core/*.[ch]", "face/text.[ch]", "face/export.h", "batch/*.c")
+_REASON_SIZE = 512
+
+
+class Numbers(Protocol):
+    """A list, tuple or array of numbers."""
+
+    def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[Any]: ...
+
+
+class FirstSlips(NamedTuple):
+    """The first slip of each run.
+
+    Attributes
+    ----------
+    t_stick
+        Length of the stick before it [s]; infinite where the mass never breaks away.
+    t_slip
+        Length of the slip [s]; infinite where the mass slips for ever.
+    delta_x
+        Displacement of the mass in it [m].
+    spring_drop
+        Fall of the spring extension over it [m].
+    x_dot_peak
+        Velocity of largest magnitude in it [m/s].
+
+    What follows an infinite length is not a number.
+    """
+
+    t_stick: "array[float]"
+    t_slip: "array[float]"
+    delta_x: "array[float]"
+    spring_drop: "array[float]"
+    x_dot_peak: "array[float]"
+
+
+def first_slips(values: Mapping[str, Union[float, Numbers]], law: str = COULOMB_NAME) -> FirstSlips:
+    """Compute the first slip of many runs, each exactly, on one core.
+
+    A run starts as the block does: at rest at `z_start`, or in motion where `x_dot_start` is not 0.
+    A slip ends where the mass comes to rest, also where it then slips the other way.
+
+    Parameters
+    ----------
+    values
+        Parameters and inputs of the block by name [SI units]: a number for all runs, or one for
+        each. What is not named has its start value.
+    law
+        Name of a built-in friction law with a native side.
+
+    Returns
+    -------
+    FirstSlips
+        Arrays of one number a run. Where all values are numbers there is one run.
+
+    Raises
+    ------
+    CompilerError
+        If no C compiler is installed, or it fails.
+    ValueError
+        If a name is unknown, lists differ in length, or a value is out of range, alone or together
+        with the others; the message names the run, from 0 on.
+    """
+    spec = native_law(law).spec
+    names = [row.name for row in spec.table.rows if row.settable]
+    numbers, lists = {}, {}
+    for name, each in values.items():
+        if isinstance(each, (int, float)):
+            numbers[name] = each
+        else:
+            lists[name] = array("d", list(each))
+    lengths = {len(each) for each in lists.values()}
+    if len(lengths) > 1:
+        raise ValueError(
+            "the lists differ in length: "
+            + ", ".join(f"{name} has {len(each)}" for name, each in lists.items())
+        )
+    count = lengths.pop() if lengths else 1
+    for name in values:
+        _check(spec.table, name, lists[name] if name in lists else [numbers[name]])
+    start = {**spec.table.start_values(), **numbers}
+    table = array("d", bytes(8 * count * len(names)))
+    for place, name in enumerate(names):
+        constant = array("d", [start.get(name, 0.0)])
+        table[place :: len(names)] = lists.get(name, constant * count)
+    found = array("d", bytes(8 * count * len(FirstSlips._fields)))
+    reason = ctypes.create_string_buffer(_REASON_SIZE)
+    computed = _function(law)(_address(table), count, _address(found), reason)
+    if computed < count:
+        raise ValueError(f"run {computed}: {reason.value.decode()}")
+    width = len(FirstSlips._fields)
+    return FirstSlips(*(found[place::width] for place in range(width)))
+
+
+def _check(table: Table, name: str, values: Sequence[float]) -> None:
+    """Raise ValueError for the first value that the variable cannot take."""
+    row = table.by_name.get(name)
+    if row is None or not row.settable:
+        raise ValueError(f"{name!r} is no parameter or input of the block")
+    if not values:
+        return
+    # Of many values the extremes tell: only a wrong list is looked through.
+    in_range = not any(map(row.objection, (min(values), max(values))))
+    if in_range and all(map(math.isfinite, values)) and (row.kind == "Real" or _whole(values)):
+        return
+    for number, value in enumerate(values):
+        objection = row.objection(value)
+        if objection is None and row.kind != "Real" and not _whole([value]):
+            objection = f"{name} = {value!r} is no whole number"
+        if objection is not None:
+            raise ValueError(f"run {number}: {objection}")
+
+
+def _whole(values: Sequence[float]) -> bool:
+    return all(each == int(each) for each in values)
+
+
+def _address(numbers: "array[float]") -> int:
+    return numbers.buffer_info()[0]
+
+
+@lru_cache(maxsize=None)
+def _function(law: str) -> Any:
+    """Return the function `first_slips` of the core under a friction law, compiled."""
+    spec, own = native_law(law)
+    sources = {name: text.encode() for name, text in table_files(spec).items()}
+    files = [file for pattern in _FILES for file in HOME.glob(pattern)]
+    sources.update((file.name, file.read_bytes()) for file in (*files, *own))
+    target = current()
+    compiler = _compiler()
+    assert target is not None
+    library = compiler.library(sources, "batch", target)
+    folder = tempfile.mkdtemp(prefix="stickslip-")
+    try:
+        file = Path(folder, f"batch{target.suffix}")
+        file.write_bytes(library)
+        function = ctypes.CDLL(str(file)).first_slips
+    finally:
+        # Windows keeps the file of a library that is in use.
+        with contextlib.suppress(OSError):
+            shutil.rmtree(folder)
+    function.restype = ctypes.c_size_t
+    function.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_char_p]
+    return function
+
+
+def _compiler() -> Compiler:
+    """Return a compiler for this machine; raises CompilerError with the remedy if there is none."""
+    if current() is None:
+        return compiler_for(this_machine=True)
+    for this_machine in (True, False):
+        with contextlib.suppress(CompilerError):
+            return compiler_for(this_machine)
+    raise CompilerError(
+        "the native core needs a C compiler: install gcc or clang as the program cc, or "
+        "pip install 'stickslip[native]'"
+    )

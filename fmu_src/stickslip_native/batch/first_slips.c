@@ -1,0 +1,82 @@
+/* The first slip of many runs, for callers in another language: batch.py. */
+#include "block.h"
+#include "export.h"
+#include "text.h"
+
+#include <math.h>
+
+/* What a caller gets of each run. */
+struct first_slip {
+    double t_stick;     /* length of the stick before the slip [s] */
+    double t_slip;      /* length of the slip [s] */
+    double delta_x;     /* displacement of the mass in it [m] */
+    double spring_drop; /* fall of z over it [m] */
+    double x_dot_peak;  /* velocity of largest magnitude in it [m/s] */
+};
+
+/* A slip of more arcs than this has no end for the caller: far more than any that comes to rest. */
+enum { MOST_ARCS = 100000 };
+
+size_t first_slips(const struct settings runs[], size_t count, struct first_slip found[],
+                   char reason[MESSAGE_SIZE]);
+
+/* Go through the end of an arc into the next one. */
+static enum refusal pass_end(const struct friction *law, struct arc *arc, struct meter *meter)
+{
+    const struct arc ended = *arc;
+    const struct arc_functions *functions = ARCS[ended.tag];
+    const struct motion end = functions->end(&ended);
+    if (ended.mode == 0)
+        meter_pass_stick(meter, ended.duration);
+    else
+        meter_pass_slip(meter, ended.duration, end.displacement, -end.growth,
+                        functions->extreme_velocity(&ended, ended.duration));
+    return LAW.after(law, &ended, ended.z_start + end.growth, arc);
+}
+
+static enum refusal first_slip(const struct settings *settings, struct first_slip *found)
+{
+    static const double NO_OWN[MOST_OWN] = {0.0};
+    const double x_dot = settings->x_dot_start;
+    struct friction law;
+    struct meter meter;
+    struct arc arc;
+    enum refusal refused = LAW.under(&law, settings, NULL);
+    if (refused != ACCEPTED) return refused;
+    meter_start(&meter, 0.0);
+    refused = LAW.begin(&law, x_dot == 0.0 ? 0 : x_dot > 0.0 ? 1 : -1, settings->z_start, x_dot, 0.0,
+                        NO_OWN, &arc);
+    if (refused != ACCEPTED) return refused;
+    *found = (struct first_slip){HUGE_VAL, NAN, NAN, NAN, NAN};
+    if (arc.mode == 0) {
+        if (arc.duration == HUGE_VAL) return ACCEPTED;
+        refused = pass_end(&law, &arc, &meter);
+        if (refused != ACCEPTED) return refused;
+        meter_break_away(&meter, 0.0);
+    }
+    found->t_stick = meter.t_stick;
+    found->t_slip = HUGE_VAL;
+    const int mode = arc.mode;
+    for (int n = 0; arc.mode == mode; n++) {
+        if (arc.duration == HUGE_VAL || n == MOST_ARCS) return ACCEPTED;
+        refused = pass_end(&law, &arc, &meter);
+        if (refused != ACCEPTED) return refused;
+    }
+    meter_end_slip(&meter, 0.0);
+    *found = (struct first_slip){meter.t_stick, meter.t_slip, meter.delta_x, meter.spring_drop,
+                                 meter.x_dot_peak};
+    return isfinite(meter.delta_x + meter.spring_drop) ? ACCEPTED : NOT_FINITE;
+}
+
+/* Compute `count` runs; return the number of those before the first one that is refused, and why. */
+STICKSLIP_EXPORT size_t first_slips(const struct settings runs[], size_t count,
+                                    struct first_slip found[], char reason[MESSAGE_SIZE])
+{
+    for (size_t n = 0; n < count; n++) {
+        const enum refusal refused = first_slip(&runs[n], &found[n]);
+        if (refused == ACCEPTED) continue;
+        refusal_text(refused, &runs[n], 0.0, 0.0, reason);
+        return n;
+    }
+    return count;
+}
