@@ -4,30 +4,48 @@
 `simulate` integrates the motion numerically. SI units throughout.
 """
 
-from .critical import critical_lambda, critical_velocity
+from .critical import coulomb_limit, critical_lambda
 from .cycle import Cycle, SimplifiedCycle, simplified, steady_cycle
-from .laws import COULOMB, Coulomb, FrictionLaw, OwnParameter, State, friction_law
+from .laws import (
+    COULOMB,
+    STRIBECK,
+    Coulomb,
+    FrictionLaw,
+    OwnParameter,
+    Shape,
+    State,
+    Stribeck,
+    friction_law,
+)
+from .limits import critical_velocity
 from .parameters import Bound, FloatOrArray, FrictionClampWarning, Parameters
+from .ranges import CriticalVelocity, Interval
 from .simulation import RTOL, Change, simulate
 from .trajectory import Event, MeasuredCycle, Trajectory
 
 __all__ = [
     "COULOMB",
     "RTOL",
+    "STRIBECK",
     "Bound",
     "Change",
     "Coulomb",
+    "CriticalVelocity",
     "Cycle",
     "Event",
     "FloatOrArray",
     "FrictionClampWarning",
     "FrictionLaw",
+    "Interval",
     "MeasuredCycle",
     "OwnParameter",
     "Parameters",
+    "Shape",
     "SimplifiedCycle",
     "State",
+    "Stribeck",
     "Trajectory",
+    "coulomb_limit",
     "critical_lambda",
     "critical_velocity",
     "friction_law",

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+import warnings
+from dataclasses import astuple, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .parameters import FloatOrArray, Parameters
-
-_BLOCK = 16384
-"""Points evaluated at a time: the dozen arrays in use (8 B each) stay in the second-level cache."""
+from .blocks import evaluate
+from .damped import damped_slip
+from .dwell import dwell_cycle
+from .laws.coulomb import dwells
+from .parameters import FloatOrArray, FrictionClampWarning, Parameters
 
 _ROOT_OF_LARGEST = 1e150
 """Beyond it lambda^2 may overflow, and 1 + lambda, a bound of sqrt(1 + lambda^2), is as good."""
-
-_MAX_ITERATIONS = 100
-"""Bisection to the last bit needs about 55; Newton from the undamped root needs 3 to 8."""
 
 
 @dataclass(frozen=True)
@@ -107,10 +104,30 @@ def steady_cycle(p: Parameters) -> Cycle:
     Cycle
         Floats where all fields of ``p`` are, else arrays of their common shape. There is no cycle
         at ``v = 0``; with damping, none for ``lambda < lambda_c``, ``zeta >= 1`` or
-        ``mu_s = mu_k``.
+        ``mu_s = mu_k``. Where ``p.own`` lets static friction grow with the time at rest, the cycle
+        of `dwell_cycle`.
     """
+    if dwells(p) and 0 not in p.shape:
+        return Cycle(*_each_alone(p))
     operands = (p.m, p.g, p.k, p.c, p.mu_s, p.mu_k_used, p.v, p.load)
-    return Cycle(*_evaluate(_cycle, operands, p.shape, [*[np.float64] * 10, np.bool_]))
+    return Cycle(*evaluate(_cycle, operands, p.shape, [*[np.float64] * 10, np.bool_]))
+
+
+def _each_alone(p: Parameters) -> list[Any]:
+    """Return the fields of the cycle with dwell, found point by point."""
+    names = [each.name for each in fields(p) if each.name != "own"]
+    points = np.broadcast_arrays(*(getattr(p, name) for name in names))
+    rows = []
+    for values in zip(*(each.flat for each in points), strict=True):
+        given: dict[str, Any] = dict(zip(names, map(float, values), strict=True))
+        with warnings.catch_warnings():
+            # The clamp was warned of where the parameters were made.
+            warnings.simplefilter("ignore", FrictionClampWarning)
+            point = replace(p, **given).with_own(p.own)
+        rows.append(dwell_cycle(point) if dwells(point) else astuple(steady_cycle(point)))
+    if not p.shape:
+        return list(rows[0])
+    return [np.array(column).reshape(p.shape) for column in zip(*rows, strict=True)]
 
 
 def simplified(p: Parameters) -> SimplifiedCycle:
@@ -128,7 +145,7 @@ def simplified(p: Parameters) -> SimplifiedCycle:
         Floats where all fields of ``p`` are, else arrays of their common shape.
     """
     operands = (p.m, p.g, p.k, p.mu_s, p.mu_k_used, p.v, p.load)
-    return SimplifiedCycle(*_evaluate(_simplified, operands, p.shape, [np.float64] * 6))
+    return SimplifiedCycle(*evaluate(_simplified, operands, p.shape, [np.float64] * 6))
 
 
 def _cycle(
@@ -151,20 +168,13 @@ def _cycle(
     np.divide(lambda_, speed, out=lambda_)
     np.greater(speed, 0.0, out=exists)
     if np.any(c):
-        _damped(out, c / (2.0 * m * w), w, speed)
+        zeta = np.broadcast_to(c / (2.0 * m * w), F_s.shape)
+        damped = np.flatnonzero(zeta > 0.0)
+        if damped.size < zeta.size:
+            _undamped(out, w)
+        _damped(out, damped, zeta, w, speed)
     else:
-        two_over_w = 2.0 / w
-        np.add(Delta, Delta, out=spring_drop)
-        np.multiply(lambda_, two_over_w, out=t_stick)
-        np.arctan(lambda_, out=t_slip)
-        np.subtract(np.pi, t_slip, out=t_slip)
-        np.multiply(t_slip, two_over_w, out=t_slip)
-        np.multiply(lambda_, lambda_, out=x_dot_peak)
-        np.add(x_dot_peak, 1.0, out=x_dot_peak)
-        np.sqrt(x_dot_peak, out=x_dot_peak)
-        if np.max(lambda_) > _ROOT_OF_LARGEST:
-            np.minimum(x_dot_peak, 1.0 + lambda_, out=x_dot_peak)
-        np.add(x_dot_peak, 1.0, out=x_dot_peak)
+        _undamped(out, w)
     np.add(t_stick, t_slip, out=T)
     np.divide(1.0, T, out=f)
     np.multiply(v, T, out=delta_x)
@@ -172,8 +182,9 @@ def _cycle(
     if not forward:
         np.copysign(spring_drop, v, out=spring_drop)
     if not np.all(exists):
+        absent = ~exists
         for result in (spring_drop, delta_x, t_slip, t_stick, T, f, x_dot_peak):
-            result[~exists] = np.nan
+            np.copyto(result, np.nan, where=absent)
 
 
 def _simplified(
@@ -194,104 +205,34 @@ def _simplified(
             result[rests] = np.nan
 
 
-def _damped(out: list[Any], zeta: Any, w: Any, speed: Any) -> None:
-    """Fill in t_slip, t_stick, relief, peak velocity over v, existence; docs/theory.md (13).
+def _undamped(out: list[Any], w: Any) -> None:
+    """Fill in t_slip, t_stick, relief, peak velocity over v; docs/theory.md (7) to (11)."""
+    _, Delta, lambda_, spring_drop, _, t_slip, t_stick, _, _, x_dot_peak, _ = out
+    two_over_w = 2.0 / w
+    np.add(Delta, Delta, out=spring_drop)
+    np.multiply(lambda_, two_over_w, out=t_stick)
+    np.arctan(lambda_, out=t_slip)
+    np.subtract(np.pi, t_slip, out=t_slip)
+    np.multiply(t_slip, two_over_w, out=t_slip)
+    np.multiply(lambda_, lambda_, out=x_dot_peak)
+    np.add(x_dot_peak, 1.0, out=x_dot_peak)
+    np.sqrt(x_dot_peak, out=x_dot_peak)
+    # A NaN, of v = 0 without a gap, must not hide the largest.
+    if not np.max(lambda_) <= _ROOT_OF_LARGEST:
+        np.minimum(x_dot_peak, 1.0 + lambda_, out=x_dot_peak)
+    np.add(x_dot_peak, 1.0, out=x_dot_peak)
 
-    In units of v and 1 / w the velocity deviation from the pull, ``x_dot / v - 1``, starts at -1
-    and is ``-D G(delta)``, ``delta`` being the time left to its minimum, where
 
-        D = sqrt(1 - 2 zeta lambda + lambda^2) exp(-zeta tau_min)
-        G(delta) = exp(zeta delta) (cos(nu delta) - (zeta / nu) sin(nu delta))
-
-    and G falls from 1 at the minimum to 0 at nu delta = acos zeta. The slip ends at G = 1 / D.
-    """
+def _damped(out: list[Any], at: NDArray[np.intp], zeta: Any, w: Any, speed: Any) -> None:
+    """Fill in, at these points, the same and whether the cycle exists; docs/theory.md (13)."""
     _, _, lambda_, spring_drop, _, t_slip, t_stick, _, _, x_dot_peak, exists = out
-    zeta = np.broadcast_to(zeta, lambda_.shape)
-    light = zeta < 1.0
-    zeta = np.where(light, zeta, 0.5)
-    nu = np.sqrt((1.0 - zeta) * (1.0 + zeta))
-    angle = np.arctan2(lambda_ * nu, 1.0 - zeta * lambda_)
-    # ln of the amplitude, from the small side of lambda = 1 and from the large: 1 + L (L - 2 zeta).
-    ratio = np.where(lambda_ < 1.0, lambda_, 1.0 / lambda_)
-    log_amplitude = 0.5 * np.log1p(ratio * (ratio - 2.0 * zeta)) + np.log(np.maximum(lambda_, 1.0))
-    tau_min = (2.0 * np.pi - angle) / nu
-    log_D = log_amplitude - zeta * tau_min
-    exists &= light & (log_D >= 0.0)
-    delta = _time_before_minimum(np.where(exists, log_D, 0.0), zeta, nu)
-    t_slip[:] = (tau_min - delta) / w
+    lambda_, zeta, w, speed = (
+        np.broadcast_to(each, exists.shape)[at] for each in (lambda_, zeta, w, speed)
+    )
+    slip = damped_slip(lambda_, zeta)
+    exists[at] &= slip.ends
+    t_slip[at] = slip.length / w
     # By how much the spring force falls: from the start's acceleration to the end's deceleration.
-    deceleration = np.exp(log_D + zeta * delta) * np.sin(nu * delta) / nu
-    t_stick[:] = (lambda_ + deceleration) / w
-    spring_drop[:] = t_stick * speed
-    x_dot_peak[:] = 1.0 + np.exp(log_amplitude - zeta * (np.pi - angle) / nu)
-
-
-def _time_before_minimum(
-    log_D: NDArray[np.float64], zeta: NDArray[np.float64], nu: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Solve G(delta) = 1 / D by Newton on sqrt(1 - G), safeguarded by bisection; theory (13).
-
-    1 - G starts as delta^2 / 2, so its root is the unknown in which the equation is nearly linear.
-    """
-    target = np.sqrt(-np.expm1(-log_D))
-    low = np.zeros_like(log_D)
-    high = np.arccos(zeta) / nu
-    # The undamped root is arccos(1 / D) = arcsin sqrt(1 - D^-2); the first step puts it right.
-    delta = np.minimum(np.arcsin(np.sqrt(-np.expm1(-2.0 * log_D))), high)
-    for _ in range(_MAX_ITERATIONS):
-        sine, growth = np.sin(nu * delta), np.exp(zeta * delta)
-        half = np.sin(0.5 * nu * delta)
-        # 1 - G with its leading ones cancelled by hand; what is left is rounded to zeta ulp.
-        depth = (
-            2.0 * half * half
-            + growth * (zeta / nu) * sine
-            - np.expm1(zeta * delta) * (1.0 - 2.0 * half * half)
-        )
-        root = np.sqrt(np.maximum(depth, 0.0))
-        excess = root - target
-        slope = growth * sine / (2.0 * nu * np.maximum(root, 1e-300))
-        high = np.where(excess > 0.0, delta, high)
-        low = np.where(excess < 0.0, delta, low)
-        newton = delta - excess / np.maximum(slope, 1e-300)
-        inside = (newton >= low) & (newton <= high)
-        update = np.where(target == 0.0, 0.0, np.where(inside, newton, 0.5 * (low + high)))
-        converged = np.abs(update - delta) <= 2e-15 * update
-        delta = update
-        if np.all(converged):
-            break
-    return delta
-
-
-def _evaluate(
-    kernel: Callable[..., None],
-    operands: tuple[FloatOrArray, ...],
-    shape: tuple[int, ...],
-    dtypes: list[type[np.generic]],
-) -> list[Any]:
-    """Evaluate the kernel in cache-sized blocks of the broadcast operands; numbers stay numbers."""
-    size = math.prod(shape)
-    outputs = [np.empty(size, dtype) for dtype in dtypes]
-    with np.errstate(all="ignore"):
-        for block, values in _blocks(operands, shape, size):
-            kernel([output[block] for output in outputs], *values)
-    if not shape:
-        return [output.item() for output in outputs]
-    return [output.reshape(shape) for output in outputs]
-
-
-def _blocks(
-    operands: tuple[FloatOrArray, ...], shape: tuple[int, ...], size: int
-) -> Iterator[tuple[slice, list[Any]]]:
-    flat: list[Any] = []
-    for operand in operands:
-        array = np.asarray(operand)
-        if array.size == 1:
-            flat.append(float(array.flat[0]))
-        elif array.shape == shape and array.flags.c_contiguous:
-            flat.append(array.reshape(-1))
-        else:
-            # The flat iterator of the broadcast view copies a block at a time, never the whole.
-            flat.append(np.broadcast_to(array, shape).flat)
-    for start in range(0, size, _BLOCK):
-        block = slice(start, min(start + _BLOCK, size))
-        yield block, [each if isinstance(each, float) else each[block] for each in flat]
+    t_stick[at] = (lambda_ + slip.deceleration) / w
+    spring_drop[at] = t_stick[at] * speed
+    x_dot_peak[at] = slip.peak

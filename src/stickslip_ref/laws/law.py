@@ -5,12 +5,14 @@ docs/theory.md (1), (4).
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..parameters import Bound, Parameters, checked
 
@@ -52,18 +54,17 @@ class FrictionLaw(ABC):
        them against their bounds. A condition on several values at once is checked in an override
        of `complete`, which raises a `ValueError` with name, value and range.
     2. The break-away force, `break_away_force`, given the age of the stick. If it depends on the
-       age, set ``ages = True``; it must then be a non-decreasing, concave function of the age. At
-       age 0 it is at least the friction at speed 0, ``slip_friction(p, 0.0)``.
+       age under the parameters in force, `ages` says so; it must then be a non-decreasing, concave
+       function of the age. At age 0 it is at least the friction at speed 0,
+       ``slip_friction(p, 0.0)``. Where their difference is known better than that, `excess` gives
+       it. A stick that the run begins with may have an age already: `age_start`.
     3. The friction in slip, `slip_friction`: a magnitude, smooth in the speed. If it is the same
        at every speed, set ``constant_in_slip = True``, which saves evaluations; such a law has no
        own state.
-    4. Where the law ends at some speed, that speed: `speed_limit`. The simulation evaluates
-       `slip_friction` a little beyond the limit, so it must return a smooth continuation there. A
-       run that passes the limit is refused with speed and limit.
-    5. If it has state variables of its own (say the age of the contacts): their values at the
+    4. If it has state variables of its own (say the age of the contacts): their values at the
        start of a run, `state_start`; their sizes for the integration's tolerance, `state_scale`;
        their rates in slip, `rates`; and their values after a time at rest, `rested`.
-    6. Where the mass never sticks (LuGre, regularised laws): ``sticks = False``. Then
+    5. Where the mass never sticks (LuGre, regularised laws): ``sticks = False``. Then
        `break_away_force` shows as the output F_s only, and `slip_friction` and `rates` take the
        signed velocity; `slip_friction` returns the signed friction, which opposes a motion along
        +x where it is positive. The motion is integrated whole: there are no events, the meter
@@ -71,22 +72,19 @@ class FrictionLaw(ABC):
 
     A law may assume:
 
-    7. Inputs and parameters are constant along an arc. After a change `rested` starts anew from
+    6. Inputs and parameters are constant along an arc. After a change `rested` starts anew from
        the state at the change, and the age of a stick goes on.
-    8. The speed is >= 0 in `slip_friction` and `rates` of a law with a stick.
+    7. The speed is >= 0 in `slip_friction` and `rates` of a law with a stick.
 
     A law must leave alone:
 
-    9. The viscous damping ``c``, the spring and F_ext: the simulation adds them.
-    10. Events, meter, energies and samples. The law's methods have no side effect, since the
-        integrator evaluates trial states.
+    8. The viscous damping ``c``, the spring and F_ext: the simulation adds them.
+    9. Events, meter, energies and samples. The law's methods have no side effect, since the
+       integrator evaluates trial states.
     """
 
     parameters: Mapping[str, OwnParameter] = MappingProxyType({})
     """The law's own parameters by name."""
-
-    ages: bool = False
-    """Whether the break-away force depends on the age of the stick."""
 
     constant_in_slip: bool = False
     """Whether `slip_friction` is the same at every speed."""
@@ -103,18 +101,52 @@ class FrictionLaw(ABC):
         p : Parameters
             Numbers only.
         age : float
-            Time [s] since the stick began; 0 in slip and at the start of a run.
+            Time [s] since the stick began; 0 in slip, `age_start` at the start of a run.
         state : tuple of float
             The law's own state at that age.
         """
+
+    def mu_k_used(self, p: Parameters) -> float:
+        """Return what the output mu_k_used shows [-]; mu_k after the clamp by default."""
+        return float(p.mu_k_used)
 
     @abstractmethod
     def slip_friction(self, p: Parameters, speed: float, state: State = NO_STATE) -> float:
         """Return the dry friction [N] on a mass that slips at ``speed`` [m/s]."""
 
-    def speed_limit(self, p: Parameters) -> float:
-        """Return the speed [m/s] up to which the law holds; infinite by default."""
-        return math.inf
+    def ages(self, p: Parameters) -> bool:
+        """Return whether the break-away force depends on the age of the stick; not by default."""
+        return False
+
+    def age_start(self, p: Parameters) -> float:
+        """Return the age [s] of a stick that the run begins with; 0 by default."""
+        return 0.0
+
+    def excess(self, p: Parameters, age: float = 0.0, state: State = NO_STATE) -> float:
+        """Return by how much [N] break-away exceeds the friction at speed 0; their difference."""
+        return self.break_away_force(p, age, state) - self.slip_friction(p, 0.0, state)
+
+    def knots(self, p: Parameters) -> tuple[float, ...]:
+        """Return the speeds [m/s] > 0, rising, at which `slip_friction` has a corner; none."""
+        return ()
+
+    def speeds(self, p: Parameters) -> tuple[float, ...]:
+        """Return speeds [m/s] > 0 over which the friction changes, beside `knots`; none."""
+        return ()
+
+    def slope(self, p: Parameters, speed: float) -> float:
+        """Return the rate of `slip_friction` with the speed [N.s/m], by default by a difference.
+
+        Its error is some 1e-10 of the friction over the speed.
+        """
+        reach = 1e-5 * speed
+        above = self.slip_friction(p, speed + reach)
+        return (above - self.slip_friction(p, speed - reach)) / (2.0 * reach)
+
+    def friction_at(self, p: Parameters, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return `slip_friction` [N] at many speeds [m/s]."""
+        forces = [self.slip_friction(p, speed) for speed in speeds.ravel().tolist()]
+        return np.array(forces, dtype=np.float64).reshape(speeds.shape)
 
     def state_start(self, p: Parameters) -> State:
         """Return the own state at the start of a run; none by default."""

@@ -98,6 +98,7 @@ class Motion:
         self.now = 0.0
         self.x, self.z, self.x_dot = float(p.x_start), float(p.z_start), float(p.x_dot_start)
         self.state = law.state_start(p)
+        self._age_before = law.age_start(p)
         self.mode = int(np.sign(self.x_dot))
         self.account = Account()
         self.phases: list[Phase] = []
@@ -167,8 +168,8 @@ class Motion:
         if rate != 0.0:
             reach = math.copysign(self._hold, v) - float(self.p.F_ext) - float(self.p.k) * z
             wait = max(reach / rate, 0.0)
-            if self.law.ages:
-                wait = self._aged_wait(abs(reach), abs(rate), left) if wait < left else wait
+            if self.law.ages(self.p) and wait < left:
+                wait = self._aged_wait(wait, abs(rate), left)
         p, law, state = self.p, self.law, self.state
 
         def sample(times: Floats) -> Samples:
@@ -224,10 +225,11 @@ class Motion:
     def _break_away(self) -> None:
         """Break away at F_s, in the direction of the pull."""
         s = 1 if float(self.p.v) > 0.0 else -1
+        excess = self.law.excess(self.p, self._age, self.state)
         if self._open.duration > 0.0:
             self.z = (s * self._hold - float(self.p.F_ext)) / float(self.p.k)
         self._transit("break-away", s)
-        self._net_force = s * max(self._hold - self._sliding, 0.0)
+        self._net_force = s * max(excess, 0.0)
 
     def _test_rest(self) -> None:
         """Break away at once if the mass rests beyond F_s."""
@@ -262,6 +264,7 @@ class Motion:
         self.phases.append(Phase(kind, time, **asdict(self._open)))
         self.events.append(Event(time, kind, mode, self.x, self.z))
         self._open = _Open()
+        self._age_before = 0.0
         self.mode = mode
         self._simultaneous += 1
         if self._simultaneous > MAX_SIMULTANEOUS:
@@ -290,7 +293,7 @@ class Motion:
     @property
     def _age(self) -> float:
         """Age of the stick [s]; 0 in slip."""
-        return 0.0 if self.mode else self._open.duration
+        return 0.0 if self.mode else self._age_before + self._open.duration
 
     @property
     def _hold(self) -> float:
@@ -302,24 +305,29 @@ class Motion:
         """Friction at the smallest speed now [N]."""
         return self.law.slip_friction(self.p, 0.0, self.state)
 
-    def _aged_wait(self, reach: float, rate: float, left: float) -> float:
+    def _aged_wait(self, wait: float, rate: float, left: float) -> float:
         """Return how long [s] a stick lasts whose break-away force grows with its age.
 
-        ``reach`` [N] is what the force lacks to break-away now, ``rate`` [N/s] its growth. The
-        break-away force is concave in the age, so what is lacking changes its sign only once.
+        ``wait`` [s] is how long it would last without growth, ``rate`` [N/s] the growth of the
+        load. The break-away force is concave in the age, so what the load lacks of it has one zero
+        after the beginning: where it lacks nothing there, but the force grows faster, a later one.
         """
-        age, hold = self._age, self._hold
+        age, excess = self._age, self.law.excess(self.p, self._age, self.state)
 
         def lacking(time: float) -> float:
             state = self.law.rested(self.p, time, self.state)
-            grown = self.law.break_away_force(self.p, age + time, state) - hold
-            return reach + grown - rate * time
+            growth = self.law.excess(self.p, age + time, state) - excess
+            return growth - rate * (time - wait)
 
         if lacking(left) >= 0.0:
             return math.inf
-        low = min(reach / rate, left)
-        if lacking(low) <= 0.0:
-            return low
+        low = wait
+        if wait == 0.0 or lacking(wait) <= 0.0:
+            low = left
+            while low > wait and lacking(low) <= 0.0:
+                low *= 0.5
+        if low <= wait and lacking(wait) <= 0.0:
+            return wait
         return float(brentq(lacking, low, left, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
 
 

@@ -105,7 +105,7 @@ class Sampler:
             *(elapsed, x, motion.x_dot, x + z, z, k * z, friction),
             self._hold(arc, local, motion),
             np.sign(motion.x_dot) if arc.mode is None else arc.mode,
-            p.mu_k_used,
+            self._law.mu_k_used(p),
             account.W_pull + k * v * motion.integral_z,
             account.W_k,
             account.W_ext + F_ext * step,
@@ -117,7 +117,7 @@ class Sampler:
     def _hold(self, arc: Arc, local: Floats, motion: Samples) -> Floats | float:
         """Return the break-away force [N], in slip that of a stick at age 0."""
         law, sticks = self._law, arc.mode == 0
-        if not (law.ages and sticks) and not motion.state.size:
+        if not (sticks and law.ages(arc.p)) and not motion.state.size:
             return law.break_away_force(arc.p, arc.age)
         ages = arc.age + local if sticks else np.zeros_like(local)
         states = motion.state.T.tolist() if motion.state.size else [()] * local.size

@@ -88,31 +88,15 @@ RESOLVED = 10.0
 1,500 slips: below 2.2). A slip with mu_k = 0 ends exactly where equality sticks, and no integration
 meets that to rounding; docs/theory.md (4)."""
 
-LIMIT_SLACK = 8.0 * 2.0**-52
-"""Rounding slack of a speed against the friction law's limit: scaled and back, a start at the limit
-may lie on either side of it."""
+KNOT_SLACK = 8.0 * 2.0**-52
+"""Rounding slack of a speed against a corner of the friction: scaled and back, a start at the
+corner may lie on either side of it."""
 
 STIFF_ZETA = 30.0
 """From this damping ratio on, steps of the explicit method are bound by stability alone."""
 
 STIFF_RTOL = 1e-11
 """Tolerance of the implicit method, whose order (5, its error estimate's 3) affords no less."""
-
-
-class SpeedLimitError(RuntimeError):
-    """The mass slips faster than its friction law holds.
-
-    Parameters
-    ----------
-    speed, limit : float
-        Speed of the mass, and the speed up to which the law holds [m/s].
-    """
-
-    def __init__(self, speed: float, limit: float) -> None:
-        super().__init__(
-            f"the mass reaches {speed:.6g} m/s, but the friction law holds up to {limit:.6g} m/s; "
-            "change the law's parameters, or what makes the slip so fast"
-        )
 
 
 @dataclass(frozen=True)
@@ -180,15 +164,12 @@ def integrate_slip(
     ------
     RuntimeError
         If the integration fails; the message gives SciPy's reason.
-    SpeedLimitError
-        If the mass slips faster than the friction law holds, at the beginning or later.
     """
     problem = _Problem(p, law, s, z, x_dot, net_force, state)
-    if abs(x_dot) > problem.speed_limit:
-        raise SpeedLimitError(abs(x_dot), problem.speed_limit)
     tau_end = duration * problem.w
     pieces: list[tuple[float, Any]] = []
     tau, y, from_rest, first_step = 0.0, problem.start, x_dot == 0.0, None
+    knot: float | None = None
     stop, grazes, uncertainty = None, False, 0.0
     peak = problem.u(y)
     while tau < tau_end:
@@ -196,8 +177,7 @@ def integrate_slip(
             pieces.append((tau, problem.steady_sliding(y)))
             break
         span = min(tau_end - tau, SPAN)
-        solution = _solve(problem, y, span, from_rest, first_step, rtol)
-        _check_speed(problem, solution)
+        solution = _solve(problem, y, span, from_rest, knot, first_step, rtol)
         pieces.append((tau, solution.sol))
         peak = s * max(s * u for u in (peak, *(problem.u(at) for at in solution.y_events[1])))
         stop, grazes = _stop(problem, solution, rtol)
@@ -205,10 +185,12 @@ def integrate_slip(
             uncertainty = problem.uncertainty(solution.sol(stop), rtol)
             tau += stop
             break
-        # Go on from where the span ended, or where the velocity turned short of zero.
+        # Go on from where the span ended, the velocity turned short of zero, or friction bends.
         first_step = float(np.max(np.diff(solution.t))) or None
-        from_rest = solution.status == 1
-        tau = tau + float(solution.t[-1]) if from_rest or span < tau_end - tau else tau_end
+        early = solution.status == 1
+        knot = _bend(problem, solution)
+        from_rest = early and solution.t_events[1].size > 0 and knot is None
+        tau = tau + float(solution.t[-1]) if early or span < tau_end - tau else tau_end
         y = solution.y[:, -1]
     return Slip(
         duration=duration if stop is None else tau / problem.w,
@@ -247,7 +229,7 @@ class _Problem:
         )
         self.at_zero_speed = law.slip_friction(p, 0.0, state)
         self.state_scale = law.state_scale(p)
-        self.speed_limit = law.speed_limit(p)
+        self.knots = law.knots(p)
 
     @property
     def stiff(self) -> bool:
@@ -339,19 +321,18 @@ def _solve(
     y: Floats,
     tau_end: float,
     from_rest: bool,
+    last_knot: float | None,
     first_step: float | None,
     rtol: float,
 ) -> Any:
     """Integrate until x_dot is zero, until s x_dot turns from falling to growing, or to the end.
 
     ``from_rest`` says that s x_dot is about to grow: what the events see at the very beginning is
-    rounding then, and must count as positive.
+    rounding then, and must count as positive. ``last_knot`` is the speed at the corner of the
+    friction where the last piece ended, beside it by rounding.
     """
     s = problem.s
     never_ends = problem.never_ends(y)
-
-    def within(tau: float, y: Floats) -> float:
-        return problem.speed_limit * (1.0 + LIMIT_SLACK) - problem.speed(problem.u(y))
 
     def velocity(tau: float, y: Floats) -> float:
         return 1.0 if from_rest and tau == 0.0 else s * problem.u(y)
@@ -360,12 +341,21 @@ def _solve(
         return 1.0 if from_rest and tau == 0.0 else s * problem.acceleration(y)
 
     grows_first = from_rest or turn(0.0, y) > 0.0
+
+    def bend(knot: float) -> Callable[[float, Floats], float]:
+        def beyond(tau: float, y: Floats) -> float:
+            difference = problem.speed(problem.u(y)) - knot
+            if tau == 0.0 and (knot == last_knot or abs(difference) <= KNOT_SLACK * knot):
+                return 1.0 if grows_first else -1.0
+            return difference
+
+        beyond.terminal = True  # type: ignore[attr-defined]  # as above
+        return beyond
+
     # SciPy takes an event's options as attributes of the function, which typing has no word for.
     velocity.terminal, velocity.direction = not never_ends, -1  # type: ignore[attr-defined]
     # Where s x_dot grows, its first turn is a maximum, its second the minimum that is looked for.
     turn.terminal = False if never_ends else 1 + grows_first  # type: ignore[attr-defined]  # same
-    within.terminal, within.direction = True, -1  # type: ignore[attr-defined]  # same
-    limited = math.isfinite(problem.speed_limit)
     stiff = problem.stiff
     rtol = problem.tolerance(rtol)
     atol = max(ATOL * min(1.0, abs(problem.beta)), LEAST_ATOL)
@@ -375,7 +365,7 @@ def _solve(
         y,
         method="Radau" if stiff else "DOP853",
         dense_output=True,
-        events=(velocity, turn, *((within,) if limited else ())),
+        events=(velocity, turn, *map(bend, problem.knots)),
         rtol=rtol,
         atol=[atol, atol, rtol, rtol, *(rtol * size for size in problem.state_scale)],
         max_step=np.inf if never_ends or stiff else MAX_STEP,
@@ -386,10 +376,10 @@ def _solve(
     return solution
 
 
-def _check_speed(problem: _Problem, solution: Any) -> None:
-    """Refuse a slip that has met the speed limit of the friction law."""
-    if any(event.size for event in solution.t_events[2:]):
-        raise SpeedLimitError(problem.speed(problem.u(solution.y[:, -1])), problem.speed_limit)
+def _bend(problem: _Problem, solution: Any) -> float | None:
+    """Return the speed at the corner of the friction at which a piece ends; None elsewhere."""
+    events = solution.t_events[2:]
+    return next((k for k, event in zip(problem.knots, events, strict=True) if event.size), None)
 
 
 def _stop(problem: _Problem, solution: Any, rtol: float) -> tuple[float | None, bool]:
