@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 import stickslip_ref
 from stickslip_verification.model.whole_file import write_whole
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.truth.named import COULOMB_NAME
+from stickslip_verification.truth.named import BUILT_IN
 
 FOLDER = "STICKSLIP_KEPT"
 """The environment variable that names the folder. Its files are pickles: it must be one's own."""
@@ -37,9 +37,9 @@ def kept(function: Callable[..., T], case: Case, *arguments: Any) -> T:
     source is not looked at, nothing is kept.
     """
     folder = os.environ.get(FOLDER)
-    if not folder or case.law != COULOMB_NAME:
+    if not folder or case.law not in BUILT_IN:
         return function(case, *arguments)
-    asked = repr((function.__qualname__, case.id, case.parameters, case.steps, arguments))
+    asked = repr((function.__qualname__, case.id, case.law, case.parameters, case.steps, arguments))
     file = Path(folder) / f"{_digest(_made_from(), asked)}.pickle"
     # A file that cannot be read or written costs the time to compute, and nothing else.
     with contextlib.suppress(OSError, EOFError, pickle.UnpicklingError):

@@ -45,7 +45,11 @@ def _off(
     """Return the parameters of a case and the changes before each step, all of them off."""
 
     def about(names: Iterable[str]) -> dict[str, float]:
-        new = {name: values[name] * (1.0 + draw.choice((-OFF, OFF))) for name in names}
+        new = {
+            name: values[name] * (1.0 + draw.choice((-OFF, OFF)))
+            for name in names
+            if name not in chosen
+        }
         if "F_ext" in new:
             new["F_ext"] += draw.choice((-OFF, OFF)) * force
         if "c" in new:
@@ -60,14 +64,17 @@ def _off(
         off["load"] = max(off["load"], -off["m"] * off["g"])
         if values["mu_k"] <= values["mu_s"]:
             off["mu_k"] = min(off["mu_k"], off["mu_s"])
+        if values.get("mu_1", math.inf) <= values["mu_s"]:
+            off["mu_1"] = min(off["mu_1"], off["mu_s"])
         return off
 
+    chosen = {each.name for each in case.own if each.chosen}
     values = dict(case.start)
-    start = now = lawful(about(values))
+    start = now = lawful({**values, **about(values)})
     changes = []
     for step in case.steps:
         values |= step.changes
-        before, now = now, lawful(now | about(step.changes))
+        before, now = now, lawful({**now, **step.changes, **about(step.changes)})
         changes.append({name: value for name, value in now.items() if value != before[name]})
     return start, changes
 

@@ -14,6 +14,7 @@ from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.experiment import CommunicationStep as CommunicationStep
 from stickslip_verification.suite.experiment import points
+from stickslip_verification.truth.named import COULOMB_NAME
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, Parameter, changeable
 
 Read = Callable[[], list[float]]
@@ -66,7 +67,7 @@ def setting_of(fmu: FmuFile, case: Case) -> Setting:
     if fmu.own_starts:
         return Setting(case.parameters, case.steps)
     values = case.start
-    absent = lacking(fmu, values)
+    absent = lacking(fmu, values, case.own)
     changed = {name for step in case.steps for name in step.changes}
     absent += sorted(name for name in changed if not fmu.has(name))
     if absent:
@@ -78,7 +79,14 @@ def setting_of(fmu: FmuFile, case: Case) -> Setting:
 
 
 def require_law(fmu: FmuFile, case: Case) -> None:
-    """Raise `FmuError` if an FMU lacks a parameter of the friction law of a case."""
+    """Raise `FmuError` if an FMU lacks a parameter of the friction law of a case.
+
+    Coulomb's law counts without its own parameters too: a case that gives one of them another value
+    than the start is then not applicable.
+    """
+    if case.law == COULOMB_NAME:
+        fmu.look_for(case.own, optional=True)
+        return
     fmu.look_for(case.own)
     absent = [each.name for each in case.own if not fmu.has(each.name)]
     if absent:
@@ -88,9 +96,13 @@ def require_law(fmu: FmuFile, case: Case) -> None:
         )
 
 
-def lacking(fmu: FmuFile, values: Mapping[str, float]) -> list[str]:
-    """Return the names that an FMU has no variable for and whose value is not our default."""
-    return [n for n in values if not fmu.has(n) and values[n] != START_VALUES[n]]
+def lacking(fmu: FmuFile, values: Mapping[str, float], own: Sequence[Parameter] = ()) -> list[str]:
+    """Return the names that an FMU has no variable for and whose value is not our default.
+
+    `own` are a friction law's parameters among them.
+    """
+    starts = {**START_VALUES, **{each.name: each.start for each in own}}
+    return [n for n in values if not fmu.has(n) and values[n] != starts[n]]
 
 
 def may_change(fmu: FmuFile, name: str, own: Sequence[Parameter] = ()) -> bool:

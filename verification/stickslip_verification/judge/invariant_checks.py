@@ -17,6 +17,7 @@ from stickslip_verification.judge.checks import (
     errors,
     extract,
     last_worst,
+    resolution_of,
     without_value,
 )
 from stickslip_verification.judge.metrics import METRICS, Course, MissingOutputError, Residual
@@ -144,7 +145,7 @@ def judge_agreement(
         error=float(found[worst]),
         passed=bool(found[worst] <= empty.tolerance),
         measured=Measured(
-            float(np.mean(found)), 1.0, min(RESOLUTION["reference"], empty.tolerance)
+            float(np.mean(found)), 1.0, resolution_of(case, "reference", empty.tolerance)
         ),
     )
 

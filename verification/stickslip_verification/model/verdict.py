@@ -157,6 +157,7 @@ class CaseGroup(StrEnum):
     DAMPING = "Damping"
     CHANGES = "Changes in the run"
     STARTS = "Start values"
+    DWELL = "Static friction that grows at rest"
     LAWS = "Other friction laws"
     CONVENTIONS = "Conventions of the interface"
 

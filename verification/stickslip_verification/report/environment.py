@@ -9,10 +9,13 @@ from markupsafe import Markup
 _TEMPLATES: Final = Path(__file__).parent / "templates"
 
 
-def environment() -> Environment:
-    """Return what renders the templates: a name that is missing is an error, text is escaped."""
+def environment(folder: Path = _TEMPLATES) -> Environment:
+    """Return what renders the templates of a folder.
+
+    A name that is missing is an error, text is escaped.
+    """
     made = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
+        loader=FileSystemLoader(folder),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -23,6 +26,6 @@ def environment() -> Environment:
     return made
 
 
-def text_of(name: str) -> Markup:
+def text_of(name: str, folder: Path = _TEMPLATES) -> Markup:
     """Return a style or a script that stands in a page as it is."""
-    return Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
+    return Markup((folder / name).read_text(encoding="utf-8"))

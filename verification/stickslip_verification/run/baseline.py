@@ -19,7 +19,7 @@ from stickslip_verification.suite.invariants import (
     Order,
     ResidualInvariant,
 )
-from stickslip_verification.suite.sequences import RandomSequence, tried
+from stickslip_verification.suite.sequences import tried
 
 TIME_LIMIT = 180.0
 """Seconds that the truth or the reference may take for one case; the longest takes a few."""
@@ -97,10 +97,9 @@ def compute(
 
 
 def trials(
-    sequences: Sequence[RandomSequence], manners: Sequence[Manner], jobs: int, *, nearby: bool
+    cases: Sequence[Case], manners: Sequence[Manner], jobs: int, *, nearby: bool
 ) -> list[Trial]:
     """Compute the exact motions of random sequences, and pair them with the manners."""
-    cases = [each.case for each in sequences]
     no_reference: Answer[Run] = Answer(not_applicable="the FMU alone is run on random sequences")
     with workers.Pool(jobs, TIME_LIMIT) as pool:
         exacts = pool.each(workers.exact, [(case,) for case in cases])
@@ -109,7 +108,7 @@ def trials(
             case.id: Baseline(case, exact, no_reference, (), (), next(about, None))
             for case, exact in zip(cases, exacts, strict=True)
         }
-    return [Trial(known[case.id], manner) for case, manner in tried(sequences, manners)]
+    return [Trial(known[case.id], manner) for case, manner in tried(cases, manners)]
 
 
 def _about(case: Case, exact: Answer[Exact], invariants: Invariants) -> list[ResidualInvariant]:

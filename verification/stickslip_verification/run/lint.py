@@ -219,14 +219,18 @@ def _yielded(
         exact = motions[case.file]
         on_both = [check.id for check in case.checks]
         on_both += [
-            invariant.id for invariant in invariants.residuals if applies(invariant, case, exact)
+            invariant.id
+            for invariant in invariants.residuals
+            if invariant.holds_for(case.law) and applies(invariant, case, exact)
         ]
         yield from ((case.id, check, side) for check in on_both for side in sides)
-        yield from ((case.id, invariant.id, "fmu") for invariant in invariants.runs)
+        yield from (
+            (case.id, each.id, "fmu") for each in invariants.runs if each.holds_for(case.law)
+        )
         yield from (
             (case.id, invariant.id, "both")
             for invariant in invariants.agreements
-            if agreeing(invariant, case)
+            if invariant.holds_for(case.law) and agreeing(invariant, case)
         )
         for invariant in invariants.orders:
             if case.id in invariant.cases:

@@ -7,6 +7,7 @@ from pathlib import Path
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.law import fitting, law_of
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import carries_source
 from stickslip_verification.drive.probes import IN_A_FRESH_PROCESS
@@ -21,9 +22,11 @@ from stickslip_verification.run.fitness import fitness
 from stickslip_verification.run.judged import ask, judge, motions, undecided_table
 from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.faults import Mutant
+from stickslip_verification.suite.faults import Mutant, MutantError
 from stickslip_verification.suite.invariants import Invariants, load_invariants
+from stickslip_verification.suite.other_laws import under_law, with_dwell
 from stickslip_verification.suite.sequences import SEED, Scope, draw_sequences
+from stickslip_verification.truth import COULOMB, COULOMB_NAME
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
 
 LONGEST_OF_ANY = 60.0
@@ -60,7 +63,8 @@ def verify(
     fmu
         The ``.fmu`` file, FMI 2.0 or 3.0 for co-simulation.
     cases
-        What is tried, from `load_cases`.
+        What is tried, from `load_cases`; those of another friction law than the FMU's are left
+        out.
     progress
         Called with what is being done, how much of it is done, and out of how much.
     names
@@ -84,8 +88,8 @@ def verify(
     limits
         What else the FMU may take; each planted fault has a budget of its own.
     mutants
-        Faults to plant, to try the suite itself. Those that change the FMU need the source of
-        the block in it.
+        Faults to plant, to try the suite itself; those of another friction law than the FMU's
+        are left out. Those that change the FMU need the source of the block in it.
     whole_matrix
         Whether each fault is tried on every check, or on what it foretells alone.
     within
@@ -101,14 +105,23 @@ def verify(
         or has no source for the faults that are to be planted; whatever else the FMU does wrong is
         a failed check.
     MutantError
-        Faults are to be planted, and no case is short enough.
+        Faults are to be planted, and none is of the FMU's friction law, or no case is short
+        enough.
     """
     _try_to_open(fmu, names, time_limit, limits)
     file = FmuFile(fmu, names)
     try:
         require(file)
+        cases = fitting(file, cases)
         for case in cases:
             require_law(file, case)
+        law = law_of(file)
+        if mutants and not (of_law := [each for each in mutants if each.law == law]):
+            named = ", ".join(dict.fromkeys(each.law for each in mutants))
+            raise MutantError(
+                mutants[0].file, "law", f"the fault is one of {named}; this FMU's law is {law}"
+            )
+        mutants = of_law if mutants else ()
         chosen = chosen_contract(file, contract, strict=strict)
         inside = next((mutant for mutant in mutants if mutant.changes_the_fmu), None)
         if inside is not None and not carries_source(fmu):
@@ -116,6 +129,8 @@ def verify(
                 f"{fmu}: the fault {inside.id} changes the Python source of the block, which this "
                 "FMU does not carry; faults in the calls can be planted in any FMU"
             )
+        file.look_for(COULOMB.parameters, optional=True)
+        grows = all(file.has(each.name) for each in COULOMB.parameters)
         origin = provenance.collect(file, command)
         scope = Scope(
             frozenset(name for name in START_VALUES if file.has(name)),
@@ -135,7 +150,12 @@ def verify(
     jobs = workers.jobs_here() if jobs is None else jobs
     baseline = compute(cases, invariants, jobs, progress, nearby=held_to.banded)
     drawn = draw_sequences(seed, sequences if invariants.sequences else 0, scope)
-    tried = trials(drawn, invariants.sequences, jobs, nearby=held_to.banded)
+    of_sequences = [each.case for each in drawn]
+    if law != COULOMB_NAME:
+        of_sequences, drawn = under_law(of_sequences, law, seed), []
+    elif grows:
+        of_sequences += with_dwell(of_sequences, seed)
+    tried = trials(of_sequences, invariants.sequences, jobs, nearby=held_to.banded)
     fresh = file.once_per_process
     with workers.Pool(
         jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface, limits=limits

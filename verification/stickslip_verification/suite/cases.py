@@ -84,7 +84,8 @@ class Case:
     each side, so that the defaults are verified too. ``klass`` is contract where what happens is
     our convention and not physics, such as the clamp. ``facts`` is what the file states of the
     exact motion, None where it leaves that to the loading. ``law`` is the name of the friction law,
-    ``own`` its own parameters.
+    ``own`` its own parameters; those of Coulomb's law only in a case that names one of them, since
+    an FMU need not have them.
     """
 
     id: str
@@ -111,6 +112,8 @@ class Case:
             return CaseGroup.CONVENTIONS
         if self.law != COULOMB_NAME:
             return CaseGroup.LAWS
+        if self.own:
+            return CaseGroup.DWELL
         if any(step.changes for step in self.steps):
             return CaseGroup.CHANGES
         if any(name.endswith("_start") for name in self.parameters):
@@ -171,10 +174,14 @@ def load_case(file: Path) -> Case:
     _validate(file, data, own)
     parameters = {name: float(value) for name, value in data.get("parameters", {}).items()}
     steps = communication_steps(file, data["experiment"])
+    if law == COULOMB_NAME and not _names(own, parameters, steps):
+        own = ()
     values = _values(file, parameters, steps, own)
     stated = _stated(file, data)
     facts = facts_of(follow(parameters, steps, law)) if stated is None else stated
-    rules = _own(file, Rules(values, facts), data.get("tolerances", {}))
+    rules = _own(
+        file, Rules(values, facts, law=truth.friction_law(law)), data.get("tolerances", {})
+    )
     return Case(
         id=data["id"],
         title=data["title"],
@@ -190,12 +197,29 @@ def load_case(file: Path) -> Case:
     )
 
 
+def _names(
+    own: Iterable[Parameter], parameters: Mapping[str, float], steps: Iterable[CommunicationStep]
+) -> bool:
+    """Return whether a case gives one of these parameters a value."""
+    named = {*parameters, *(name for step in steps for name in step.changes)}
+    return any(each.name in named for each in own)
+
+
 def follow(
-    parameters: Mapping[str, float], steps: Iterable[CommunicationStep], law: str = COULOMB_NAME
+    parameters: Mapping[str, float],
+    steps: Iterable[CommunicationStep],
+    law: str = COULOMB_NAME,
+    *,
+    in_doubles: bool = False,
 ) -> truth.Run:
-    """Follow the exact motion under a friction law through communication steps."""
+    """Follow the exact motion under a friction law through communication steps.
+
+    Quick and `in_doubles` where it is for planning alone.
+    """
     taken = [truth.Step(step.h, dict(step.changes)) for step in steps]
-    return truth.run(parameters, taken, law=law)
+    friction = truth.friction_law(law)
+    digits = None if in_doubles else friction.digits
+    return truth.run(parameters, taken, law=friction, digits=digits)
 
 
 def _own_parameters(file: Path, law: Any) -> tuple[Parameter, ...]:
@@ -295,7 +319,7 @@ def _courses(file: Path, data: Mapping[str, Any]) -> list[str]:
 def _checks(file: Path, data: Mapping[str, Any], rules: Rules) -> tuple[Check, ...]:
     """Return the checks of a case: formulas of the cycle, courses, and those written out."""
     checks = []
-    _check_formulas(file, data)
+    _check_formulas(file, data, rules)
     for quantity, formula, at in _cycle(file, data, rules):
         tolerance = rules.formula(formula)
         assert tolerance is not None, formula
@@ -317,9 +341,9 @@ def _checks(file: Path, data: Mapping[str, Any], rules: Rules) -> tuple[Check, .
     return tuple(checks)
 
 
-def _check_formulas(file: Path, data: Mapping[str, Any]) -> None:
-    """Refuse formulas, which are those of Coulomb's law, in a case of another one."""
-    if data.get("law", COULOMB_NAME) == COULOMB_NAME:
+def _check_formulas(file: Path, data: Mapping[str, Any], rules: Rules) -> None:
+    """Refuse formulas, which are those of Coulomb's law with constant coefficients."""
+    if data.get("law", COULOMB_NAME) == COULOMB_NAME and not rules.grows:
         return
     paths: list[tuple[str | int, ...]] = [("cycle",)] if "cycle" in data else []
     paths += [
@@ -328,7 +352,10 @@ def _check_formulas(file: Path, data: Mapping[str, Any]) -> None:
         if "formula" in entry
     ]
     if paths:
-        reason = "the formulas are those of Coulomb's law; without one the exact motion counts"
+        reason = (
+            "the formulas are those of Coulomb's law with constant coefficients; without one the "
+            "exact motion counts"
+        )
         raise CaseError(file, where_is(file, paths[0]), reason)
 
 

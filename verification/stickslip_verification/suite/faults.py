@@ -23,6 +23,7 @@ from stickslip_verification.model.data_file import (
     where_is,
 )
 from stickslip_verification.suite import schemas
+from stickslip_verification.truth import COULOMB_NAME
 
 HERE = Path(__file__).parent
 FAULTS_FOLDER = HERE / "faults"
@@ -121,7 +122,7 @@ class Mutant:
 
     ``detected_by`` names the checks that fit the fault; at least one of them must fail. The
     ``additions`` are made first, then the ``substitutions``, then the ``overrides``, each in their
-    order. ``file`` is the description.
+    order. ``file`` is the description, ``law`` the name of the friction law whose FMU it is for.
     """
 
     id: str
@@ -131,6 +132,7 @@ class Mutant:
     additions: tuple[Addition, ...]
     file: Path
     overrides: tuple[Override, ...] = ()
+    law: str = COULOMB_NAME
 
     @property
     def hooks(self) -> tuple[Hook, ...]:
@@ -195,6 +197,7 @@ def load_mutant(file: Path) -> Mutant:
             _override(file, f"overrides[{n}]", entry)
             for n, entry in enumerate(data.get("overrides", []))
         ),
+        law=data.get("law", COULOMB_NAME),
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from stickslip_verification.model.verdict import Kind, Klass, Measure
+from stickslip_verification.truth.coulomb import COULOMB
 from stickslip_verification.truth.parameters import CHANGEABLE, PARAMETERS, Parameter, changeable
 
 Schema = Mapping[str, Any]
@@ -270,6 +271,7 @@ FAULT = _file(
         {
             "id": _text("The name of the file, without its ending.", "^[a-z0-9]+(-[a-z0-9]+)*$"),
             "about": _text("The fault in the world's words, and where people make it."),
+            "law?": _text("the friction law whose FMU it is planted in; absent: Coulomb's"),
             "detected_by": _list(
                 _text(pattern="^[A-Za-z0-9_]+(-[A-Za-z0-9_]+)*$"),
                 "Ids of the checks that fit the fault, named in advance; one of them must fail.",
@@ -297,7 +299,7 @@ FAULT = _file(
 )
 
 FILES: Mapping[str, Schema] = {
-    "case.schema.json": case(()),
+    "case.schema.json": case(COULOMB.parameters),
     "fault.schema.json": FAULT,
     "invariants.schema.json": INVARIANTS,
 }

@@ -162,16 +162,14 @@ def draw_sequences(
     return drawn
 
 
-def tried(
-    sequences: Sequence[RandomSequence], manners: Sequence[Manner]
-) -> list[tuple[Case, Manner]]:
+def tried(cases: Sequence[Case], manners: Sequence[Manner]) -> list[tuple[Case, Manner]]:
     """Return which sequence is run in which manner: each plainly, and in one of the others."""
     plain = [manner for manner in manners if manner.manner == PLAIN]
     others = [manner for manner in manners if manner.manner != PLAIN]
-    pairs = [(each.case, manner) for manner in plain for each in sequences]
+    pairs = [(case, manner) for manner in plain for case in cases]
     if others:
         turns = itertools.cycle(others)
-        pairs += [(each.case, manner) for each, manner in zip(sequences, turns, strict=False)]
+        pairs += list(zip(cases, turns, strict=False))
     return pairs
 
 
@@ -192,7 +190,7 @@ def _draw(
         for _ in range(draw.randint(4, 7)):
             plan.add_change()
         course = plan.finish()
-        if course.margin >= _SMALLEST_MARGIN and not _crept_out(course):
+        if well_decided(course):
             break
     case = Case(
         id=f"sequence-{number:03d}",
@@ -466,6 +464,11 @@ def _spans(course: truth.Run) -> Iterator[_Span]:
         start = float(event.time)
         phase = {"re-stick": STICK, "reversal": REVERSED}.get(event.kind, _slip(event.mode))
     yield _Span(start, stop, phase)
+
+
+def well_decided(course: truth.Run) -> bool:
+    """Tell whether a numerical solution decides each event of a course as the exact motion does."""
+    return bool(course.margin >= _SMALLEST_MARGIN) and not _crept_out(course)
 
 
 def _crept_out(course: truth.Run) -> bool:

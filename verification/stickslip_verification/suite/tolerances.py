@@ -12,8 +12,7 @@ from functools import cached_property
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.verdict import Measure
-from stickslip_verification.truth import Run
-from stickslip_verification.truth.parameters import used_mu_k
+from stickslip_verification.truth import COULOMB, FrictionLaw, Run
 
 ROUNDING = 1e-12
 """What the exact block may lose before conditioning, as a part of the value: some thousand
@@ -88,29 +87,32 @@ class Rules:
     Attributes
     ----------
     values
-        All twelve values in force: at the start, and after each change (SI).
+        All values in force: at the start, and after each change (SI).
     facts
         What happens in the exact motion.
     own_conditioning
         The conditioning, where it is not that of the narrowest gap.
     own_fmu
         Tolerance and reason of the exact block's courses, where they are not the rule's.
+    law
+        The friction law: what the relief of a slip comes from.
     """
 
     values: tuple[Mapping[str, float], ...]
     facts: Facts
     own_conditioning: float | None = None
     own_fmu: tuple[float, str] | None = None
+    law: FrictionLaw = COULOMB
 
     @cached_property
     def narrowest(self) -> float:
-        """Conditioning of the narrowest gap, mu_s/(mu_s - mu_k) after the clamp; 1 without a gap.
+        """Conditioning of the narrowest gap, mu_s/(mu_s - least mu in slip); 1 without a gap.
 
-        When mu_s and mu_k are known to a rounding, their difference is known to this times it.
+        When both are known to a rounding, their difference is known to this times it.
         """
         ratios = [1.0]
         for value in self.values:
-            gap = _gap(value)
+            gap = self.law.spread(value)
             if gap > 0.0:
                 ratios.append(value["mu_s"] / gap)
         return max(ratios)
@@ -119,6 +121,11 @@ class Rules:
     def conditioning(self) -> float:
         """The conditioning that enters."""
         return self.narrowest if self.own_conditioning is None else self.own_conditioning
+
+    @property
+    def grows(self) -> bool:
+        """Whether static friction grows with the age of a stick, docs/theory.md (19)."""
+        return any(value.get("tau_s") or value.get("B") for value in self.values)
 
     def course(self, quantity: str) -> Tolerance:
         """Return a quantity's tolerance against the exact motion at any communication point."""
@@ -134,7 +141,7 @@ class Rules:
             return self._no_relief()
         if quantity in self.facts.zero:
             return _alike(Measure.ABSOLUTE, 0.0, ZERO)
-        if quantity in PRODUCTS:
+        if quantity in PRODUCTS and not (quantity == "F_s" and self.grows):
             return _alike(Measure.OF_SCALE, PRODUCT, _PRODUCT)
         if quantity == "x_pull":
             once = "a sum of v h: rounding of one addition a {}"
@@ -199,11 +206,12 @@ class Rules:
                 f"the conditioning {self.own_conditioning:.3g} that the case states "
                 f"(of the narrowest gap: {self.narrowest:.3g})"
             )
-        if all(_gap(value) <= 0.0 for value in self.values):
+        if all(self.law.spread(value) <= 0.0 for value in self.values):
             return "the conditioning 1, as there is no gap"
         several = len({(value["mu_s"], value["mu_k"]) for value in self.values}) > 1
+        least = "mu_k" if self.law is COULOMB else "the least mu in slip"
         return (
-            f"the conditioning mu_s/(mu_s - mu_k) = {self.narrowest:.3g}"
+            f"the conditioning mu_s/(mu_s - {least}) = {self.narrowest:.3g}"
             f"{' of the narrowest gap' if several else ''}"
         )
 
@@ -214,13 +222,13 @@ class Rules:
         if value["v"] == 0.0:
             return 0.0
         w = math.sqrt(value["k"] / value["m"])
-        return w * _gap(value) * _normal_force(value) / (value["k"] * abs(value["v"]))
+        return w * self.law.spread(value) * _normal_force(value) / (value["k"] * abs(value["v"]))
 
     @property
     def _relieves_nothing(self) -> bool:
         (start, *changed) = self.values
-        no_gap = _gap(start) == 0.0 or _normal_force(start) == 0.0
-        return no_gap and start["c"] == 0.0 and not changed
+        no_gap = self.law.spread(start) == 0.0 or _normal_force(start) == 0.0
+        return self.law is COULOMB and no_gap and start["c"] == 0.0 and not changed
 
     def _no_relief(self) -> Tolerance:
         """Hold a relief of 2 Delta = 0 against the extension, (7): break-away and overshoot v/w."""
@@ -248,11 +256,6 @@ def rounded_up(value: float) -> float:
     """Round a tolerance up to two digits; what is beyond the ninth is rounding of its factors."""
     nearest = Decimal(f"{value:.8e}")
     return float(nearest.quantize(Decimal((0, (1,), nearest.adjusted() - 1)), ROUND_CEILING))
-
-
-def _gap(value: Mapping[str, float]) -> float:
-    """Return mu_s - mu_k after the clamp."""
-    return value["mu_s"] - used_mu_k(value["mu_s"], value["mu_k"])
 
 
 def _normal_force(value: Mapping[str, float]) -> float:

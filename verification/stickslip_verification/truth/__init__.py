@@ -22,6 +22,7 @@ from stickslip_verification.truth.parameters import (
     complete,
 )
 from stickslip_verification.truth.series import Series
+from stickslip_verification.truth.stribeck import STRIBECK, Shape, Stribeck
 
 __all__ = [
     "CHANGEABLE",
@@ -29,6 +30,7 @@ __all__ = [
     "COULOMB_NAME",
     "PARAMETERS",
     "START_VALUES",
+    "STRIBECK",
     "Coulomb",
     "Event",
     "FrictionLaw",
@@ -38,8 +40,10 @@ __all__ = [
     "Parameter",
     "Run",
     "Series",
+    "Shape",
     "Slip",
     "Step",
+    "Stribeck",
     "complete",
     "critical_lambda",
     "friction_law",

@@ -1,4 +1,4 @@
-"""Coulomb's friction law: its slip in closed form. docs/theory.md (3), (5), (15).
+"""Coulomb's friction law: its slip in closed form. docs/theory.md (3), (5), (15), (19).
 
 Everything is counted along the slip: a slip backward is the mirror image of one forward, so the
 pulling speed V = s v carries the sign and the speed of the mass is never negative.
@@ -10,7 +10,14 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 from stickslip_verification.truth.law import FrictionLaw
-from stickslip_verification.truth.parameters import Context, Number, Numbers, root_tolerance
+from stickslip_verification.truth.parameters import (
+    Context,
+    Kind,
+    Number,
+    Numbers,
+    Parameter,
+    root_tolerance,
+)
 from stickslip_verification.truth.series import Series
 
 
@@ -419,15 +426,47 @@ class Slip:
 
 
 class Coulomb(FrictionLaw):
-    """Coulomb's law: mu_s N holds at rest, mu_k N drags in slip. docs/theory.md (1)."""
+    """Coulomb's law: mu_s N holds at rest, mu_k N drags in slip. docs/theory.md (1).
+
+    At rest mu_s may grow with the age of the stick, docs/theory.md (19); numbers without the
+    parameters of that growth mean none.
+    """
+
+    parameters = (
+        Parameter("tau_s", "s", 0.0, Kind.TUNABLE, low=0.0),
+        Parameter("B", "1", 0.0, Kind.TUNABLE, low=0.0),
+        Parameter("t_0", "s", 1.0, Kind.TUNABLE, low=0.0, strict=True),
+        Parameter("age_start", "s", 0.0, Kind.FIXED, low=0.0),
+    )
+
+    def ages(self, n: Numbers) -> bool:
+        """Return whether mu_s grows at rest: with tau_s and a gap, or with B; not without N."""
+        growing = (n.own.get("tau_s") and n.gap) or (n.own.get("B") and n.N)
+        return bool(growing)
+
+    def age_start(self, n: Numbers) -> Number:
+        """Return the age [s] of the first stick of a run that begins at rest."""
+        return n.own.get("age_start", 0)
+
+    def hold(self, n: Numbers, age: Series, state: Sequence[Number]) -> Series | Number:
+        """Return mu_s N [N], at an age where it grows: docs/theory.md (19).
+
+        Written from mu_k N upward, so that it is exactly this where nothing has grown.
+        """
+        if not self.ages(n):
+            return n.F_s
+        grown = (age / n.own["t_0"] + 1).log() * (n.own["B"] * n.N)
+        if not n.own["tau_s"]:
+            return grown + n.F_s
+        return grown + (1 - (age / -n.own["tau_s"]).exp()) * n.gap + n.F_k
 
     def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
         """Return mu_k N [N] at any speed."""
         return Series(speed.context, [n.F_k])
 
     def gap(self, n: Numbers, hold: Number, sliding: Number) -> Number:
-        """Return (mu_s - mu_k) N [N], rounded once."""
-        return n.gap
+        """Return (mu_s - mu_k) N [N], rounded once; what has grown where mu_s grows."""
+        return hold - sliding if self.ages(n) else n.gap
 
     def slip(
         self,

@@ -103,6 +103,7 @@ def run(
     context = doubles() if digits is None else high_precision(digits)
     law = friction_law(law) if isinstance(law, str) else law
     values = complete(parameters, law.parameters)
+    law.check(values)
     may_change = CHANGEABLE | changeable(law.parameters)
     if not math.isfinite(start_time):
         raise ValueError(f"start_time = {start_time} is not a finite number")
@@ -120,6 +121,7 @@ def run(
                     f"{', '.join(fixed)} cannot change in a run; {sorted(may_change)} can"
                 )
             values = complete({**values, **step.changes}, law.parameters)
+            law.check(values)
             motion.change({name: values[name] for name in step.changes})
         motion.advance(step.h)
         samples.append(motion.outputs())

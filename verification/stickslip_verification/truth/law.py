@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from stickslip_verification.truth.march import Friction, March
-from stickslip_verification.truth.parameters import Context, Number, Numbers, Parameter
+from stickslip_verification.truth.march import March
+from stickslip_verification.truth.parameters import (
+    Context,
+    Number,
+    Numbers,
+    Parameter,
+    used_mu_k,
+)
+from stickslip_verification.truth.pieces import Friction, NearRest
 from stickslip_verification.truth.series import Series
 
 
@@ -63,40 +70,71 @@ class FrictionLaw:
 
     1. Its own parameters in `parameters`, rows as those of the model's own table.
     2. The break-away force, `hold`, given the age of the stick as a series. If it depends on the
-       age, set ``ages = True``; it must then be a non-decreasing, concave function of the age. At
-       age 0 it is at least the friction at speed 0.
+       age under the numbers in force, `ages` says so; it must then be a non-decreasing, concave
+       function of the age. At age 0 it is at least the friction at speed 0. A stick that the run
+       begins with may have an age already: `age_start`.
     3. The friction in slip, `kinetic`: from the series of the speed the series of the friction, an
        analytic function of the speed. It is written as an expression in ``speed`` with the
        operations of `Series`. Instead, a law with a closed form returns a `Slip` of its own from
-       `slip`, and from `kinetic` the friction at the value of the series.
-    4. Where the law ends at some speed, that speed: `speed_limit`. The expression of `kinetic` is
-       evaluated a little beyond it. A run that passes it is refused with speed and limit.
-    5. If it has state variables of its own: their values at the start of a run, `state_start`;
+       `slip`, and from `kinetic` the friction at the value of the series. Where the friction has
+       corners, `knots` names their speeds and `kinetic_between` is the expression between two.
+       Where it changes from rest as a power of the speed that is not whole, `near_rest` says so.
+    4. If it has state variables of its own: their values at the start of a run, `state_start`;
        the series of their rates in slip, `rates`; and their values after a time at rest, `rested`.
-    6. Where the mass never sticks: ``sticks = False``. Then `hold` shows as the output F_s only,
+    5. Where the mass never sticks: ``sticks = False``. Then `hold` shows as the output F_s only,
        ``speed`` is the signed velocity and `kinetic` the signed friction, analytic through 0. There
        are no events, the meter stays at its starts, and the mode is the sign of the velocity.
 
     A law may assume:
 
-    7. Inputs and parameters are constant along an arc. After a change `rested` starts anew from
+    6. Inputs and parameters are constant along an arc. After a change `rested` starts anew from
        the state at the change, and the age of a stick goes on.
-    8. The speed is >= 0 in `kinetic` and `rates` of a law with a stick.
+    7. The speed is >= 0 in `kinetic` and `rates` of a law with a stick.
 
     A law must leave alone:
 
-    9. The viscous damping c, the spring and F_ext: the march adds them.
-    10. Events, meter, energies and outputs. The law's methods have no side effect.
+    8. The viscous damping c, the spring and F_ext: the march adds them.
+    9. Events, meter, energies and outputs. The law's methods have no side effect.
     """
 
     parameters: Sequence[Parameter] = ()
     """The law's own parameters."""
 
-    ages: bool = False
-    """Whether the break-away force depends on the age of the stick."""
-
     sticks: bool = True
     """Whether the mass can stick."""
+
+    digits: int = 50
+    """Decimal digits of the runs of the suite; fewer where a slip is marched in hundreds of pieces.
+    """
+
+    def check(self, values: Mapping[str, float]) -> None:
+        """Raise a ValueError with name, value and range if the values do not go together.
+
+        All parameters of a run, each within its own bounds; any are taken by default.
+        """
+
+    def mu_k_used(self, n: Numbers) -> Number:
+        """Return what the output mu_k_used shows [1]; mu_k after the clamp by default."""
+        return n.mu_k
+
+    def coefficient(self, values: Mapping[str, float]) -> float:
+        """Return what `mu_k_used` returns [1], in doubles, from all parameters of a run."""
+        return used_mu_k(values["mu_s"], values["mu_k"])
+
+    def spread(self, values: Mapping[str, float]) -> float:
+        """Return mu_s less the least coefficient in slip [1]: what the relief of a slip comes from.
+
+        From all parameters of a run; mu_s - mu_k after the clamp by default.
+        """
+        return values["mu_s"] - self.coefficient(values)
+
+    def ages(self, n: Numbers) -> bool:
+        """Return whether the break-away force depends on the age of the stick; not by default."""
+        return False
+
+    def age_start(self, n: Numbers) -> Number:
+        """Return the age [s] of a stick that the run begins with; 0 by default."""
+        return 0
 
     def hold(self, n: Numbers, age: Series, state: Sequence[Number]) -> Series | Number:
         """Return the break-away force [N] at an age of the stick [s]; mu_s N by default."""
@@ -106,13 +144,23 @@ class FrictionLaw:
         """Return the dry friction [N] on a mass that slips at ``speed`` [m/s]."""
         raise NotImplementedError(f"{type(self).__name__} does not say its friction in slip")
 
+    def knots(self, context: Context, n: Numbers) -> Sequence[Number]:
+        """Return the rising speeds > 0 [m/s] of the corners of the friction; none by default."""
+        return ()
+
+    def kinetic_between(
+        self, n: Numbers, band: int, speed: Series, state: Sequence[Series]
+    ) -> Series:
+        """Return the dry friction [N] in band 0, 1, ... between two knots, and a little beyond."""
+        return self.kinetic(n, speed, state)
+
+    def near_rest(self, n: Numbers) -> NearRest | None:
+        """Return how the friction changes from rest where it has no Taylor series at speed 0."""
+        return None
+
     def gap(self, n: Numbers, hold: Number, sliding: Number) -> Number:
         """Return ``hold - sliding`` [N], exactly 0 where a law makes the two forces equal."""
         return hold - sliding
-
-    def speed_limit(self, n: Numbers) -> Number | None:
-        """Return the speed [m/s] up to which the law holds; None, the default, without a limit."""
-        return None
 
     def state_start(self, n: Numbers) -> tuple[Number, ...]:
         """Return the own state at the start of a run; none by default."""
@@ -140,9 +188,10 @@ class FrictionLaw:
         By default it is marched by Taylor series.
         """
         friction = Friction(
-            force=lambda u, own: self.kinetic(n, u, own),
+            force=lambda u, own, band: self.kinetic_between(n, band, u, own),
             rates=lambda u, own: self.rates(n, u, own),
-            limit=self.speed_limit(n),
             signed=not self.sticks,
+            knots=self.knots(context, n),
+            near_rest=self.near_rest(n),
         )
         return March(context, n, friction, direction, speed, acceleration, state)

@@ -1,94 +1,32 @@
-"""A slip under any friction that is an analytic function of speed, by Taylor series.
+"""A slip under any friction that is analytic in the speed between corners, by Taylor series.
 
-Counted along the slip, with the speed u = s x_dot >= 0, the force P = s (k z + F_ext) of spring and
-surroundings, the pull V = s v and the friction R(u), docs/theory.md (1), (15):
-
-    m u' = P - R(u) - c u          P' = k (V - u)
-    distance' = u                  heat' = (R + c u) u          work of the pull' = V (P - s F_ext)
-
-The friction law may have state variables of its own, with rates that depend on u and on them. One
-piece of the march holds the Taylor series of all of these about its beginning. Its length comes
-from the coefficients of every series in it, those inside the friction law's expression too; then
-the equation of motion is checked at the piece's end against the law's own values there.
-
-The slip ends at the first zero of u. Between two turns of u, which are isolated by bounds
-(`zeros`), u is monotone, so its sign at turns and ends decides: no zero is missed, however shallow.
+The slip is laid out in pieces (`pieces`), each a Taylor series of the motion. It ends at the first
+zero of u = s x_dot. Between two turns of u, which are isolated by bounds (`zeros`), u is monotone,
+so its sign at turns and ends decides: no zero is missed, however shallow. A corner of the friction
+is met where u passes its speed, a knot; that is isolated by the same bounds.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
+from dataclasses import replace
 
-from stickslip_verification.truth.parameters import Context, Number, Numbers
-from stickslip_verification.truth.series import (
-    Series,
-    derivative,
-    integral,
-    polynomial,
-    value_at,
-)
+from stickslip_verification.truth.parameters import Context, Number, Numbers, sign
+from stickslip_verification.truth.pieces import Friction, NearRest, Piece, Pieces, Start
+from stickslip_verification.truth.series import Series, derivative, polynomial, value_at
 from stickslip_verification.truth.zeros import bracketed_zero, polynomial_zeros
-
-_ROUNDING_BITS = 16
-"""A series is cut where its last quarter is below 2^16 roundings of its largest term."""
-
-_DEFECT_BITS = 30
-"""The equation of motion must hold to 2^30 roundings at the end of a piece: the derivative of a
-series of order 80 is known to some thousand times less than the series, and a half of the piece is
-tried where it does not hold."""
 
 _TOUCH_BITS = 44
 """A turn of u within 2^44 roundings of the largest speed from zero counts as zero: rounding of
 some hundred pieces, amplified; see `docs/theory.md (5)` for a slip that touches zero."""
 
-_LONGEST = 8
-"""Longest piece in units of 1/w, for series that end after a few terms."""
-
-_MOST_HALVINGS = 40
-"""A piece that is still wrong at 1e-12 of the length that its series promise meets a kink."""
-
 _OVERLAP_BITS = 20
 """Turns are looked for up to 2^-20 of a piece beyond its end, so that none falls between two."""
 
 
-@dataclass(frozen=True)
-class Friction:
-    """What a friction law gives a march, under constant parameters.
-
-    Attributes
-    ----------
-    force
-        Takes the series of the speed [m/s] and those of the own state; returns that of the
-        friction [N].
-    rates
-        Takes the same; returns the series of the rates of the own state.
-    limit
-        Speed up to which the law holds [m/s]; None without a limit.
-    signed
-        Whether the law has no stick: then u may change its sign, and does not end the slip.
-    """
-
-    force: Callable[[Series, Sequence[Series]], Series]
-    rates: Callable[[Series, Sequence[Series]], Sequence[Series]]
-    limit: Number | None = None
-    signed: bool = False
-
-
-@dataclass(frozen=True)
-class _Piece:
-    """Polynomials from the time `begin` on, of `length` [s]."""
-
-    begin: Number
-    length: Number
-    speed: Sequence[Number]
-    pull: Sequence[Number]
-    friction: Sequence[Number]
-    distance: Sequence[Number]
-    heat: Sequence[Number]
-    impulse: Sequence[Number]
-    state: Sequence[Sequence[Number]]
+_KNOT_BITS = 16
+"""A piece that ends within 2^16 roundings of the largest speed from a knot ends on it."""
 
 
 class March:
@@ -139,42 +77,21 @@ class March:
         self.duration: Number | None = None
         self.end_acceleration: Number | None = None
         n = numbers
-        dry = friction.force(
-            Series(context, [speed]), [Series(context, [each]) for each in state]
-        ).term(0)
-        self._force = n.m * acceleration + dry + n.c * speed
-        self._order = context.prec * 7 // 20
-        self._pieces: list[_Piece] = []
+        self._make = Pieces(context, numbers, friction, self._V)
+        self._largest = max(abs(speed), abs(self._V))
+        self._band = bisect_left(friction.knots, speed)
+        self._met: Number | None = None
+        if speed in friction.knots:
+            self._meet(speed, acceleration)
+        self._force = n.m * acceleration + self._dry(speed) + n.c * speed
+        self._pieces: list[Piece] = []
         self._begins: list[Number] = []
         self._turns: list[tuple[Number, Number, bool]] = []
-        self._largest = max(abs(speed), abs(self._V))
 
     def reach(self, t: Number) -> None:
-        """Follow the slip up to the time `t` [s], or to its end if that is earlier.
-
-        Raises
-        ------
-        ValueError
-            If the speed passes the limit of the friction law; the message names both.
-        """
-        self._check_limit(t)
+        """Follow the slip up to the time `t` [s], or to its end if that is earlier."""
         while self.duration is None and self._reached() < t:
             self._go_on()
-            self._check_limit(t)
-
-    def _check_limit(self, t: Number) -> None:
-        """Refuse a slip that is known to pass the friction law's limit by the time `t` [s]."""
-        limit = self._friction.limit
-        if limit is None:
-            return
-        known = self._reached() if self.duration is None else self.duration
-        top = self.top_speed(min(t, known))
-        if top > limit:
-            nstr = self._context.nstr
-            raise ValueError(
-                f"the mass reaches {nstr(top, 6)} m/s, but the friction law holds up to "
-                f"{nstr(limit, 6)} m/s; change its parameters, or what makes the slip so fast"
-            )
 
     def stays(self, changed: Numbers, t: Number) -> bool:
         """Return whether the slip goes on as it is with `changed` numbers: it begins anew."""
@@ -226,19 +143,21 @@ class March:
     def top_speed(self, t: Number) -> Number:
         """Return the largest |u| [m/s] between the start and `t` [s]."""
         turns = (abs(speed) for time, speed, _ in self._turns if time <= t)
-        return max(abs(self.speed), abs(self.motion(t)[0]) if t else 0, *turns)
+        # A turn on a knot may be lost between the two pieces that meet there.
+        ends = (abs(each.speed[0]) for each in self._pieces if each.begin <= t)
+        return max(abs(self.speed), abs(self.motion(t)[0]) if t else 0, *turns, *ends)
 
     def _reached(self) -> Number:
         if not self._pieces:
             return self._context.zero
-        return self._pieces[-1].begin + self._pieces[-1].length
+        return self._pieces[-1].begin + self._pieces[-1].duration
 
-    def _at(self, t: Number) -> tuple[_Piece, Number]:
-        """Return the piece that holds the time `t`, and the time from its beginning on."""
+    def _at(self, t: Number) -> tuple[Piece, Number]:
+        """Return the piece that holds the time `t`, and what its polynomials take there."""
         if not self._pieces:
             self._go_on()
         piece = self._pieces[max(bisect_right(self._begins, t) - 1, 0)]
-        return piece, t - piece.begin
+        return piece, piece.argument(self._context, t)
 
     def _go_on(self) -> None:
         """Append the next piece and look for turns and the end of the slip in it."""
@@ -246,8 +165,13 @@ class March:
         self._pieces.append(piece)
         self._begins.append(piece.begin)
         context, u = self._context, piece.speed
+        if piece.clock is not None:
+            # Monotone, and above 0 to its end.
+            self._largest = max(self._largest, abs(piece.end().speed))
+            return
         slope = derivative(u)
-        overlap = piece.length * context.ldexp(1, -_OVERLAP_BITS)
+        # Beyond a knot the polynomial is not the motion any more.
+        overlap = piece.length * context.ldexp(1, -_OVERLAP_BITS) if self._met is None else 0
         turns = polynomial_zeros(context, slope, piece.length + overlap)
         # From rest u has a zero at 0 itself, which is divided out.
         order = next((n for n, term in enumerate(u) if term), 0) if u[0] == 0 else 0
@@ -274,102 +198,99 @@ class March:
             self.duration = piece.begin + t
             return
 
-    def _next_piece(self) -> _Piece:
+    def _next_piece(self) -> Piece:
         """Return the piece that follows the last one."""
-        context, n = self._context, self._numbers
+        zero = self._context.zero
         if self._pieces:
-            last = self._pieces[-1]
-            starts = [
-                value_at(each, last.length)
-                for each in (last.speed, last.pull, last.distance, last.heat, last.impulse)
-            ]
-            begin = last.begin + last.length
-            own = [value_at(each, last.length) for each in last.state]
+            start = self._pieces[-1].end()
         else:
-            starts = [self.speed, self._force, *([context.zero] * 3)]
-            begin, own = context.zero, list(self._start_state)
-        u = Series.unknown(context, starts[0])
-        P = Series.unknown(context, starts[1])
-        state = [Series.unknown(context, each) for each in own]
-        R = self._friction.force(u, state)
-        rates = self._friction.rates(u, state)
-        heating = (R + u * n.c) * u
-        for order in range(self._order):
-            over = order + 1
-            rate = P.term(order) - R.term(order) - n.c * u.term(order)
-            drift = (self._V if order == 0 else context.zero) - u.term(order)
-            following = [each.term(order) / over for each in rates]
-            u.terms.append(rate / (n.m * over))
-            P.terms.append(n.k * drift / over)
-            for each, term in zip(state, following, strict=True):
-                each.terms.append(term)
-        for each in (R, heating, *rates):
-            each.term(self._order)
-        series = {id(part): part for each in (heating, P, *rates) for part in each.all_parts()}
-        length = min(
-            [
-                _LONGEST * context.sqrt(n.m / n.k),
-                *(_length(context, part.terms) for part in series.values()),
-            ]
-        )
-        length = self._checked(length, u.terms, P.terms, [each.terms for each in state])
-        distance, heat, impulse = (integral(each.terms) for each in (u, heating, P))
-        for terms, start in zip((distance, heat, impulse), starts[2:], strict=True):
-            terms[0] = start
-        return _Piece(
-            begin,
-            length,
-            u.terms,
-            P.terms,
-            R.terms,
-            distance,
-            heat,
-            impulse,
-            [each.terms for each in state],
-        )
+            start = Start(zero, self.speed, self._force, zero, zero, zero, self._start_state)
+        if self._met is not None:
+            start = start._replace(speed=self._met)
+        near = self._friction.near_rest
+        piece = None if near is None else self._near_rest(start, near)
+        return piece or self._until_knot(self._make.in_time(start, self._band))
 
-    def _checked(
-        self,
-        length: Number,
-        u: Sequence[Number],
-        P: Sequence[Number],
-        state: Sequence[Sequence[Number]],
-    ) -> Number:
-        """Return `length`, halved until the equation of motion holds at its end."""
+    def _until_knot(self, piece: Piece) -> Piece:
+        """Return the piece up to where u first meets a knot, and change to the band beyond it."""
+        context, knots = self._context, self._friction.knots
+        self._met = None
+        rounding = context.ldexp(self._largest, _KNOT_BITS - context.prec)
+        first, met = piece.length, None
+        for knot in knots[max(self._band - 1, 0) : self._band + 1]:
+            away = [piece.speed[0] - knot, *piece.speed[1:]]
+            if value_at([abs(each) for each in away], piece.length) <= rounding:
+                continue  # the mass slides at the knot's speed
+            zeros = polynomial_zeros(context, away, piece.length)
+            if not zeros and abs(value_at(away, piece.length)) <= rounding:
+                zeros = [piece.length]
+            if zeros and (met is None or zeros[0] < first):
+                first, met = zeros[0], knot
+        if met is None:
+            return piece
+        self._meet(met, value_at(derivative(piece.speed), first))
+        return replace(piece, length=first)
+
+    def _meet(self, knot: Number, slope: Number) -> None:
+        """Change to the band that u enters from a knot with u' = `slope` [m/s2].
+
+        Where u' = 0, the sign of m u'' = k (V - u) decides; where that is 0 too, u stays.
+        """
         context, n = self._context, self._numbers
-        slope = derivative(u)
-        for _ in range(_MOST_HALVINGS):
-            speed, force = value_at(u, length), value_at(P, length)
-            own = [Series(context, [value_at(each, length)]) for each in state]
-            dry = self._friction.force(Series(context, [speed]), own).term(0)
-            terms = (n.m * value_at(slope, length), -force, dry, n.c * speed)
-            largest = max(*(abs(each) for each in terms), abs(P[0]))
-            if abs(context.fsum(terms)) <= context.ldexp(largest, _DEFECT_BITS - context.prec):
-                return length
-            length /= 2
-        raise ValueError(
-            f"the friction law is no analytic function of speed near {context.nstr(u[0], 6)} m/s"
+        none = context.ldexp(self._largest, _TOUCH_BITS - context.prec) * context.sqrt(n.k / n.m)
+        direction = sign(slope) if abs(slope) > none else sign(self._V - knot)
+        if direction:
+            self._band = bisect_left(self._friction.knots, knot) + (direction > 0)
+        self._met = knot
+
+    def _dry(self, speed: Number) -> Number:
+        """Return the friction [N] at a speed, for the own state at the start."""
+        own = [Series(self._context, [each]) for each in self._start_state]
+        return self._friction.force(Series(self._context, [speed]), own, self._band).term(0)
+
+    def _near_rest(self, start: Start, near: NearRest) -> Piece | None:
+        """Return the next piece where the friction has no Taylor series at u = 0, or None.
+
+        Below a speed at which the friction's change from rest, over the time spent there, is less
+        than a rounding of the slip's impulse gap/w, that change is left out. Above it, up to a part
+        of the law's own speed, u is monotone if the spring's force, c u and the friction cannot
+        turn u'; then the piece is one in ln u. None: neither holds, a piece in time it is.
+        """
+        context, n, V, u = self._context, self._numbers, self._V, start.speed
+        w = context.sqrt(n.k / n.m)
+        rate = (start.pull - self._dry(u) - n.c * u) / n.m
+        lost = context.ldexp(near.speed**near.exponent, -context.prec)
+        if rate < 0:
+            room = n.m * -rate / 2 - n.c * u - 2 * n.k * max(abs(V), abs(V - u)) * u / -rate
+            if u > near.speed / 4 or room < 0:
+                return None
+            least = (lost * n.m * rate * rate / (near.gap * w)) ** (1 / (1 + near.exponent))
+            if u > 2 * least:
+                return self._make.in_logarithm(start, least)
+            return self._make.in_time(start, self._band, self._at_rest())
+        half = context.mpf(1) / 2
+        limits = []
+        if V > 0:
+            slow = (lost * context.sqrt(V / 2)) ** (1 / (near.exponent + half))
+            limits.append((slow, context.sqrt(2 * slow / V) / w))
+        if rate > 0:
+            slow = (lost * rate / w) ** (1 / (near.exponent + 1))
+            limits.append((slow, slow / rate))
+        slow = max((each for each, _ in limits), default=context.inf)
+        if u <= slow:
+            piece = self._make.in_time(start, self._band, self._at_rest())
+            return replace(piece, length=min([piece.length, *(time for _, time in limits)]))
+        reach = n.m * rate * rate / (16 * n.k)
+        way = (
+            max(V - u, context.sqrt(reach))
+            if u < V
+            else min(context.sqrt(reach), reach / (u - V) if u > V else context.inf)
         )
+        if n.c:
+            way = min(way, n.m * rate / (4 * n.c))
+        end = min(u + way, near.speed / 4)
+        return self._make.in_logarithm(start, end) if end >= 2 * u else None
 
-
-def _length(context: Context, terms: Sequence[Number]) -> Number:
-    """Return the longest time [s] at which the last quarter of a series is rounding.
-
-    The terms of the last quarter are then below 2^-(prec - 16) of the largest term, and what
-    follows them is less by the ratio of the terms at the quarter's beginning and end.
-    """
-    sizes = [(n, context.mag(term)) for n, term in enumerate(terms) if term]
-    tail = [each for each in sizes if each[0] >= len(terms) * 3 // 4]
-    if not tail:
-        return context.inf
-    lost = context.prec - _ROUNDING_BITS
-    low, high = -4096.0, 4096.0
-    for _ in range(24):
-        middle = (low + high) / 2
-        if max(size + n * middle for n, size in tail) + lost <= max(
-            size + n * middle for n, size in sizes
-        ):
-            low = middle
-        else:
-            high = middle
-    return context.mpf(2) ** low
+    def _at_rest(self) -> Series:
+        """Return the friction at rest as a constant series."""
+        return Series(self._context, [self._dry(self._context.zero)])

@@ -91,6 +91,8 @@ class Motion:
         self._mode = 0
         # A break-away or reversal that the rest test has decided and no time has followed yet.
         self._undone = False
+        # When the stick under way began, as its age counts: a first stick may be older.
+        self._born = self.time - law.age_start(self._n)
         self._state = law.state_start(self._n)
         x_dot = context.mpf(self._values["x_dot_start"])
         if not law.sticks:
@@ -155,7 +157,7 @@ class Motion:
             W_pull = W_pull + n.v * n.k * (z + n.v * elapsed / 2) * elapsed
             z = z + n.v * elapsed
             F_friction = -(n.k * z + n.F_ext)
-            F_s = self._hold(self.time - self._meter.stick_start, self._rested(elapsed))
+            F_s = self._hold(self.time - self._born, self._rested(elapsed))
         else:
             F_s = self._hold(self._context.zero, self._arc.state(elapsed))
             speed, distance = self._arc.motion(elapsed)
@@ -180,7 +182,7 @@ class Motion:
             "W_pull": W_pull,
             "W_k": self._W_k,
             "Q_friction": Q_friction,
-            "mu_k_used": n.mu_k,
+            "mu_k_used": self._law.mu_k_used(n),
         }
 
     def _close_arc(self, time: Number) -> Number:
@@ -214,7 +216,9 @@ class Motion:
         n = self._n
         kz = n.k * self._z
         A = kz + n.F_ext
-        age = self._context.zero if self._mode else self._arc_start - self._meter.stick_start
+        # A break-away that no time has followed has not ended the stick yet.
+        rests = self._mode == 0 or self._undone
+        age = self._arc_start - self._born if rests else self._context.zero
         F_s = self._hold(age, self._state)
         scale = abs(kz) + abs(n.F_ext) + F_s
         self._note(abs(abs(A) - F_s), scale)
@@ -228,7 +232,7 @@ class Motion:
             return
         if self._mode != 0 and not self._undone:
             # A reversal at this very instant that the change takes back: rest begins here.
-            self._meter.begin_stick(self._arc_start)
+            self._begin_stick(self._arc_start)
         self._mode = 0
         self._undone = False
         self._stick(F_s - sign(n.v) * A)
@@ -240,25 +244,35 @@ class Motion:
         wait = max(way, zero) / (n.k * abs(n.v)) if n.v else None
         self._arc = Stick(wait, max(-way, zero), way)
 
+    def _begin_stick(self, time: Number) -> None:
+        """Let a fresh stick begin, of age 0."""
+        self._meter.begin_stick(time)
+        self._born = time
+
     def _aged(self, stick: Stick) -> Stick:
         """Return a stick with the time to break-away of a force that grows with the age.
 
-        That force is concave in the age and the load is linear, so what the load lacks changes its
-        sign once; a break-away after the present time is not looked for.
+        That force is concave in the age and the load is linear, so what the load lacks has one
+        zero after the beginning, and is negative after it; a break-away after the present time is
+        not looked for. Where it lacks nothing at the beginning but the force grows faster than the
+        load, the mass sticks on until that later zero.
         """
-        if not self._law.ages or stick.wait is None or not stick.way > 0:
+        if not self._law.ages(self._n) or stick.wait is None:
             return stick
-        n, began = self._n, self._arc_start - self._meter.stick_start
+        n, began = self._n, self._arc_start - self._born
         rate = n.k * abs(n.v)
         first = self._hold(began, self._state)
+        way = max(stick.way, self._context.zero)
 
         def lacking(t: Number) -> tuple[Number, Number]:
             grown = self._hold_series(began + t, self._rested(t))
-            return stick.way + grown.term(0) - first - rate * t, grown.term(1) - rate
+            return way + grown.term(0) - first - rate * t, grown.term(1) - rate
 
         elapsed = self.time - self._arc_start
         if elapsed <= stick.wait or lacking(elapsed)[0] >= 0:
             return Stick(None, stick.overload, stick.way)
+        if way == 0 and lacking(stick.wait)[1] <= 0:
+            return stick
         wait = bracketed_zero(self._context, lacking, stick.wait, elapsed)
         return Stick(wait, stick.overload, stick.way)
 
@@ -302,7 +316,7 @@ class Motion:
         n = self._n
         self._close_arc(time)
         self._mode = sign(n.v)
-        F_s = self._hold(time - self._meter.stick_start, self._state)
+        F_s = self._hold(time - self._born, self._state)
         self._z = (self._mode * (F_s + overload) - n.F_ext) / n.k
         self._meter.begin_slip(time, self._mode, self._x, self._z)
         self._break_away_done()
@@ -334,7 +348,7 @@ class Motion:
             self._slip_from_rest((backward - F_k) / n.m)
             return
         self._mode = 0
-        self._meter.begin_stick(time)
+        self._begin_stick(time)
         self._record("re-stick")
         along = sign(n.v) == direction
         self._stick(self._law.gap(n, F_s, F_k) - inertia if along else F_s - backward)

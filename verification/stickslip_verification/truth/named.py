@@ -7,9 +7,13 @@ from typing import Any
 
 from stickslip_verification.truth.coulomb import COULOMB
 from stickslip_verification.truth.law import FrictionLaw
+from stickslip_verification.truth.stribeck import STRIBECK
 
 COULOMB_NAME = "coulomb"
-"""The name of the law that comes along; any other is a dotted one."""
+"""The name of Coulomb's law."""
+
+BUILT_IN = {COULOMB_NAME: COULOMB, "stribeck": STRIBECK}
+"""The laws that come along, by name; any other name is a dotted one."""
 
 _EXAMPLE = "'my_laws.stribeck:STRIBECK'"
 
@@ -20,8 +24,8 @@ def friction_law(name: str) -> FrictionLaw:
     Parameters
     ----------
     name
-        ``"coulomb"``, or ``"module:NAME"``: an object whose attribute ``truth`` is in turn the
-        dotted name of a `FrictionLaw`.
+        ``"coulomb"``, ``"stribeck"``, or ``"module:NAME"``: an object whose attribute
+        ``truth`` is in turn the dotted name of a `FrictionLaw`.
 
     Raises
     ------
@@ -29,8 +33,8 @@ def friction_law(name: str) -> FrictionLaw:
         If the name is not of this form, a module or an attribute is missing, or the object found
         is no `FrictionLaw`; the message gives the reason and an example.
     """
-    if name == COULOMB_NAME:
-        return COULOMB
+    if name in BUILT_IN:
+        return BUILT_IN[name]
     inner = getattr(_found(name), "truth", None)
     if not isinstance(inner, str):
         raise ValueError(
@@ -49,9 +53,8 @@ def friction_law(name: str) -> FrictionLaw:
 def _found(name: str) -> Any:
     module, colon, attribute = name.partition(":")
     if not (module and colon and attribute):
-        raise ValueError(
-            f"{name!r} is no friction law: {COULOMB_NAME!r}, or module:NAME such as {_EXAMPLE}"
-        )
+        known = ", ".join(map(repr, BUILT_IN))
+        raise ValueError(f"{name!r} is no friction law: {known}, or module:NAME such as {_EXAMPLE}")
     try:
         return getattr(import_module(module), attribute)
     except Exception as error:  # whatever a module of somebody else raises

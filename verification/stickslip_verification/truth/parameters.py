@@ -50,6 +50,8 @@ class Parameter:
         Whether the bound itself is excluded.
     directed
         Whether it changes its sign in the mirror image of a run.
+    chosen
+        Whether it is a choice, such as a number of points, and no datum that may be a little off.
     """
 
     name: str
@@ -59,6 +61,7 @@ class Parameter:
     low: float | None = None
     strict: bool = False
     directed: bool = False
+    chosen: bool = False
 
     def check(self, value: float) -> None:
         """Raise a ValueError with name, value and range if `value` is no finite number in range."""

@@ -124,11 +124,22 @@ class FmuFile:
         """Tell on one line what the FMU has, those most like the wanted names first."""
         return listing(self._description, wanted)
 
-    def look_for(self, parameters: Iterable[Parameter]) -> None:
-        """Add what the FMU has of the parameters of a friction law to its variables."""
-        units = {each.name: each.unit for each in parameters if not self.has(each.name)}
-        if units:
-            added = collect_own(self.path.name, self._description, self.names, units)
+    def look_for(self, parameters: Iterable[Parameter], *, optional: bool = False) -> None:
+        """Add what the FMU has of the parameters of a friction law to its variables.
+
+        Where they are `optional`, one that is of another kind or unit is another quantity with the
+        same name, and is left alone; what the names file maps must be right.
+        """
+        for each in parameters:
+            if self.has(each.name):
+                continue
+            wanted = {each.name: each.unit}
+            try:
+                added = collect_own(self.path.name, self._description, self.names, wanted)
+            except FmuError:
+                if not optional or each.name in self.names.targets:
+                    raise
+                continue
             self.variables = {**self.variables, **added}
 
     def instantiate(self) -> FmuInstance:

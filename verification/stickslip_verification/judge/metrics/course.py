@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stickslip_verification.model import symmetries
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.truth.parameters import used_mu_k
+from stickslip_verification.truth import friction_law
 
 Mask = NDArray[np.bool_]
 
@@ -75,14 +75,15 @@ class Course:
 
     @cached_property
     def settings(self) -> Mapping[str, Series]:
-        """What acts during each step, by name: the twelve values, mu_k clamped as (1) says."""
+        """What acts during each step, by name: all values; mu_k as the law uses it: (1)."""
         values = dict(self.case.start)
         rows = []
         for step in self.case.steps:
             values = {**values, **step.changes}
             rows.append(values)
         columns = {name: np.array([row[name] for row in rows]) for name in values}
-        columns["mu_k"] = np.array([used_mu_k(row["mu_s"], row["mu_k"]) for row in rows])
+        law = friction_law(self.case.law)
+        columns["mu_k"] = np.array([law.coefficient(row) for row in rows])
         return columns
 
     @cached_property
@@ -99,6 +100,43 @@ class Course:
         """N = m g + load [N] during each step; never below zero by rounding."""
         s = self.settings
         return np.maximum(s["m"] * s["g"] + s["load"], 0.0)
+
+    @property
+    def grows(self) -> bool:
+        """Whether static friction grows with the age of a stick."""
+        return any(np.any(self.settings.get(name, 0.0)) for name in ("tau_s", "B"))
+
+    def static_friction(self, age: Series | None) -> tuple[Series, Series]:
+        """Return mu_s N [N] at these ages [s] of a stick, and its rate [N/s]: (1), (19).
+
+        None, the age where static friction does not grow, stands for any.
+        """
+        s = self.settings
+        if age is None:
+            return s["mu_s"] * self.normal_force, np.zeros(self.h.size)
+        gap, ages = s["mu_s"] - s["mu_k"], s["tau_s"] > 0.0
+        left = np.where(ages, np.exp(-age / np.where(ages, s["tau_s"], 1.0)), 0.0)
+        coefficient = s["mu_s"] - gap * left + s["B"] * np.log1p(age / s["t_0"])
+        rate = np.where(ages, gap * left / np.where(ages, s["tau_s"], 1.0), 0.0)
+        rate = rate + s["B"] / (s["t_0"] + age)
+        return coefficient * self.normal_force, rate * self.normal_force
+
+    @cached_property
+    def age(self) -> Series | None:
+        """Age [s] of the stick at the end of each step, 0 in slip; None where it is the same."""
+        if not self.grows:
+            return None
+        first = np.where(self.after("n_slips") == 0.0, self.settings["age_start"], 0.0)
+        resting = self.record.times - self.after("t_event") + first
+        return np.where(self.mode[1] == 0.0, np.maximum(resting, 0.0), 0.0)
+
+    @cached_property
+    def age_at_break_away(self) -> Series | None:
+        """Age [s] of the stick that ends in each step, where one does."""
+        if not self.grows:
+            return None
+        first = np.where(self.before("n_slips") == 0.0, self.settings["age_start"], 0.0)
+        return self.after("t_stick") + first
 
     @cached_property
     def mode(self) -> tuple[Series, Series]:
@@ -182,7 +220,8 @@ class Course:
         """Largest of the forces in play [N]: what their differences are rounded to."""
         s = self.settings
         spring = np.max(np.abs(s["k"] * self.exact.outputs["z"]))
-        return float(max(spring, np.max(np.abs(s["F_ext"])), np.max(s["mu_s"] * self.normal_force)))
+        held = np.max(self.exact.outputs["F_s"])
+        return float(max(spring, np.max(np.abs(s["F_ext"])), held))
 
     @cached_property
     def speed_scale(self) -> float:

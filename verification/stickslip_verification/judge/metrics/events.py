@@ -73,7 +73,7 @@ def _at_break_away(course: Course) -> tuple[Series, Series, Mask]:
     wait = course.since_begin
     at_once = (wait <= 4.0 * np.spacing(np.abs(course.begins))) & course.reset_at_begin
     force = s["k"] * (course.before("z") + s["v"] * np.where(at_once, 0.0, wait)) + s["F_ext"]
-    return force, s["mu_s"] * course.normal_force, np.asarray(at_once)
+    return force, course.static_friction(course.age_at_break_away)[0], np.asarray(at_once)
 
 
 def _beyond(left: Series, allowed: Series) -> Series:

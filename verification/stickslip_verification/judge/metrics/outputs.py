@@ -69,8 +69,10 @@ def mode_and_sticking(course: Course) -> Residual:
 
 
 def break_away_force(course: Course) -> Residual:
-    """F_s less mu_s N."""
-    left = course.after("F_s") - course.settings["mu_s"] * course.normal_force
+    """F_s less mu_s N, at the age of the stick where mu_s grows."""
+    threshold, rate = course.static_friction(course.age)
+    left = course.after("F_s") - threshold
+    left = np.sign(left) * np.maximum(np.abs(left) - rate * course.dating, 0.0)
     return Residual(left, everywhere(course), course.force_scale, "N")
 
 

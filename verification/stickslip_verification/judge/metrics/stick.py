@@ -21,8 +21,8 @@ def within_break_away(course: Course) -> Residual:
     """By how much the force on a resting mass exceeds F_s, beyond the slack of the rest test."""
     s = course.settings
     spring, push = s["k"] * course.after("z"), s["F_ext"]
-    threshold = s["mu_s"] * course.normal_force
-    slack = SLACK * (np.abs(spring) + np.abs(push) + threshold)
+    threshold, rate = course.static_friction(course.age)
+    slack = SLACK * (np.abs(spring) + np.abs(push) + threshold) + rate * course.dating
     excess = np.maximum(np.abs(spring + push) - threshold - slack, 0.0)
     return Residual(excess, course.mode[1] == 0.0, course.force_scale, "N")
 
