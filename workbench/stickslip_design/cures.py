@@ -13,7 +13,7 @@ from typing import Literal
 
 from scipy.optimize import brentq
 
-from stickslip_ref import Parameters, critical_lambda, critical_velocity, steady_cycle
+from stickslip_ref import Parameters, coulomb_limit, critical_lambda, steady_cycle
 
 Parameter = Literal["k", "c", "v", "mu_k", "load", "m"]
 
@@ -112,7 +112,7 @@ def cures(p: Parameters) -> Cures:
     if p.shape:
         raise ValueError(f"cures needs one block, not parameters of shape {p.shape}")
     now = steady_cycle(p)
-    v_c = float(critical_velocity(p))
+    v_c = float(coulomb_limit(p))
     if not now.exists:
         return Cures(math.nan, v_c, ())
     block = replace(p, mu_k=p.mu_k_used)
@@ -239,7 +239,7 @@ def _lightest_with_cycle(p: Parameters, lightest: float) -> float:
     v, m, zeta = abs(float(p.v)), float(p.m), float(p.zeta)
 
     def excess(log_factor: float) -> float:
-        v_c = float(critical_velocity(_with_mass(p, m * math.exp(log_factor))))
+        v_c = float(coulomb_limit(_with_mass(p, m * math.exp(log_factor))))
         return math.log(v_c / v) if v_c > 0.0 else -math.inf
 
     dip = _factor_of_dip(p)

@@ -1,0 +1,284 @@
+"""The numbers of a feed axis: table, guideway, drive, and what is asked of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Final, NamedTuple
+
+from stickslip_ref import Parameters, Shape
+
+STANDARD_GRAVITY: Final = 9.81
+"""Gravity where an axis file names none [m/s2]."""
+
+
+@dataclass(frozen=True)
+class Filter:
+    """A filter of the motor's force, sampled: y = b0 u + b1 u' + b2 u'' - a1 y' - a2 y''.
+
+    ``low_pass`` and ``notch`` make one from what a drive's manual names. At rest it passes the
+    force as it is.
+
+    Attributes
+    ----------
+    kind
+        "low pass" or "notch".
+    frequency
+        Corner or notch frequency [Hz].
+    damping
+        Damping ratio of the poles [-]; infinite for a low pass of first order.
+    depth
+        What a notch leaves of its frequency [-]; 0 of a low pass.
+    """
+
+    kind: str
+    frequency: float
+    damping: float
+    depth: float = 0.0
+
+    def coefficients(self, T_s: float) -> tuple[float, float, float, float, float]:
+        """Return b0, b1, b2, a1, a2 at a sample time [s].
+
+        By the bilinear transform, with the frequency kept: s = q (z - 1)/(z + 1), where
+        q = w/tan(w T_s/2).
+        """
+        w = 2.0 * math.pi * self.frequency
+        q = w / math.tan(0.5 * w * T_s)
+        if math.isinf(self.damping):
+            # w/(s + w)
+            scale = q + w
+            return w / scale, w / scale, 0.0, (w - q) / scale, 0.0
+        # (s^2 + 2 above w s + w^2)/(s^2 + 2 damping w s + w^2); of a low pass w^2 alone is above.
+        scale = q * q + 2.0 * self.damping * w * q + w * w
+        a1, a2 = 2.0 * (w * w - q * q) / scale, (q * q - 2.0 * self.damping * w * q + w * w) / scale
+        if self.kind == "low pass":
+            b = w * w / scale
+            return b, 2.0 * b, b, a1, a2
+        above = 2.0 * self.depth * self.damping * w * q
+        return (q * q + above + w * w) / scale, a1, (q * q - above + w * w) / scale, a1, a2
+
+
+def low_pass(frequency: float, damping: float = math.inf) -> Filter:
+    """Return a low pass: of first order, or of second order with a damping ratio [-]."""
+    return Filter("low pass", frequency, damping)
+
+
+def notch(frequency: float, damping: float, depth: float = 0.0) -> Filter:
+    """Return a notch: its frequency [Hz], the damping ratio of its poles, and what it leaves."""
+    return Filter("notch", frequency, damping, depth)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Friction:
+    """The friction of the guideway.
+
+    Attributes
+    ----------
+    mu_s, mu_k
+        Static and kinetic coefficient [-]; where forces were given, these over the normal force.
+    law
+        Name of a built-in friction law, "coulomb" or "stribeck".
+    own
+        The other parameters of the law by name, SI.
+    in_newtons
+        Whether it was stated as forces, which do not change with the mass.
+    capped
+        Whether the kinetic coefficient came above the static one, and was taken as that.
+    """
+
+    mu_s: float
+    mu_k: float
+    law: str = "coulomb"
+    own: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    in_newtons: bool = False
+    capped: bool = False
+
+    @property
+    def is_curve(self) -> bool:
+        """Whether it is a measured curve."""
+        return self.own.get("shape") == Shape.CURVE
+
+    @property
+    def tau_s(self) -> float:
+        """Time constant with which static friction grows at rest [s]; 0: it is there at once."""
+        return self.own.get("tau_s", 0.0) if self.law == "coulomb" else 0.0
+
+    @property
+    def constant(self) -> bool:
+        """Whether the coefficients are constant: Coulomb's law without growth in the stick."""
+        return self.law == "coulomb" and not self.own
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """A servo drive with a screw; SI, forces and positions at the slide.
+
+    Attributes
+    ----------
+    inertia
+        Inertia of motor, coupling and screw, seen at the slide [kg]: J (2 pi/pitch)^2.
+    d
+        Viscous friction of motor and nut [N.s/m].
+    dry
+        Dry friction of motor and nut [N].
+    K_v
+        Position gain [1/s].
+    bandwidth
+        Bandwidth of the velocity loop [rad/s]: its gain over the inertia.
+    T_n
+        Integral time of the velocity controller [s]; 0: no integral.
+    T_s
+        Sample time of the controller [s].
+    lag
+        Time constant of the current loop [s]; 0: none.
+    dead_time
+        Time from a sample to its force [s].
+    filters
+        Filters of the motor's force, in their order.
+    on_table
+        Whether the position is measured on the table, by a scale; else on the motor.
+    velocity_feedforward
+        Part of the commanded speed that is added to the velocity command [-].
+    friction_feedforward
+        Force that is added in the commanded direction [N].
+    dead_band
+        Position error that is taken as none [m].
+    F_max
+        Limit of the motor's force [N].
+    resolution_motor, resolution_table
+        Counts of encoder and scale [m]; 0: exact.
+    pitch
+        Way of the slide per turn of the motor [m].
+    """
+
+    inertia: float
+    K_v: float
+    bandwidth: float
+    T_n: float
+    T_s: float
+    d: float = 0.0
+    dry: float = 0.0
+    lag: float = 0.0
+    dead_time: float = 0.0
+    filters: tuple[Filter, ...] = ()
+    on_table: bool = True
+    velocity_feedforward: float = 1.0
+    friction_feedforward: float = 0.0
+    dead_band: float = 0.0
+    F_max: float = math.inf
+    resolution_motor: float = 0.0
+    resolution_table: float = 0.0
+    pitch: float = 0.01
+
+    @property
+    def K_p(self) -> float:  # noqa: N802 - the symbol of control engineers
+        """Gain of the velocity controller [N.s/m]."""
+        return self.inertia * self.bandwidth
+
+
+@dataclass(frozen=True, kw_only=True)
+class Demand:
+    """What is asked of an axis.
+
+    Attributes
+    ----------
+    feeds
+        Feeds at which it is judged [m/s], the slowest first.
+    acceleration
+        With which a feed is reached [m/s2]; None: not stated.
+    largest_jump, largest_error
+        The largest jump that is allowed, and the largest error at rest [m]; None: not stated.
+    """
+
+    feeds: tuple[float, ...] = ()
+    acceleration: float | None = None
+    largest_jump: float | None = None
+    largest_error: float | None = None
+
+
+class Assumed(NamedTuple):
+    """What an axis file does not state, and what was taken in its place.
+
+    Attributes
+    ----------
+    key
+        Name in the axis file, such as "drive.sample_time".
+    value
+        What was taken, as an engineer writes it.
+    reason
+        Why.
+    """
+
+    key: str
+    value: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Axis:
+    """A feed axis; SI.
+
+    Attributes
+    ----------
+    name
+        How it is called.
+    m
+        Table and workpiece [kg].
+    k
+        Stiffness between drive and table [N/m]; of two positions of a screw the softer.
+    c
+        Viscous friction of the guideway [N.s/m].
+    g
+        Gravity that presses the table on its way [m/s2].
+    load
+        Force that presses beside the weight [N].
+    along
+        Constant force along the way [N].
+    friction, drive, demand
+        Its friction, its drive (None: rigid) and what is asked of it.
+    stiffest
+        Stiffness at the stiffest position [N/m].
+    spread
+        The ± of a number, by its name in the axis file such as "axis.mass", in the SI unit of what
+        is stated there. `AxisFile.changed` takes these names.
+    assumed
+        What the axis file does not state.
+    """
+
+    name: str
+    m: float
+    k: float
+    friction: Friction
+    c: float = 0.0
+    g: float = STANDARD_GRAVITY
+    load: float = 0.0
+    along: float = 0.0
+    drive: Drive | None = None
+    demand: Demand = field(default_factory=Demand)
+    stiffest: float | None = None
+    spread: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    assumed: tuple[Assumed, ...] = ()
+
+    @property
+    def normal_force(self) -> float:
+        """Force that presses the table on its way [N]."""
+        return self.m * self.g + self.load
+
+    @property
+    def F_s(self) -> float:  # noqa: N802 - as in the block
+        """Break-away force [N]."""
+        return self.friction.mu_s * self.normal_force
+
+    @property
+    def F_k(self) -> float:  # noqa: N802 - as F_s
+        """Kinetic friction without its viscous part [N]."""
+        return self.friction.mu_k * self.normal_force
+
+    def block(self, feed: float) -> Parameters:
+        """Return the table on a rigid drive at a feed [m/s], for closed forms and the FMU."""
+        return Parameters(
+            m=self.m, g=self.g, k=self.k, c=self.c, mu_s=self.friction.mu_s,
+            mu_k=self.friction.mu_k, v=feed, load=self.load, F_ext=self.along,
+        )  # fmt: skip

@@ -1,0 +1,181 @@
+"""The manifest of a folder: which study it holds, made with which versions."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from functools import cache
+from hashlib import sha256
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Final
+
+from ..datasets import digest_of, provenance, versions
+from .chunk import chunk_of
+from .store import LOCK, PART, Store
+from .study import Study, StudyError
+
+MANIFEST: Final = "manifest.json"
+STUDY: Final = "study.pickle"
+"""The file of the study itself, which the workers read."""
+
+_FORMAT: Final = "stickslip study 1"
+_PACKAGES: Final = (
+    *("fmukit", "stickslip_design", "stickslip_fmu", "stickslip_native"),
+    *("stickslip_ref", "stickslip_score", "stickslip_verification"),
+)
+"""Our packages that results are computed by."""
+_SHOWN: Final = 3
+"""Changes that a refusal names."""
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What a folder says of its study: all that its results depend on, and how it was begun."""
+
+    identity: Mapping[str, Any]
+    versions: Mapping[str, str]
+    count: int
+    quantum: int
+    command: str
+    begun: str
+
+    @property
+    def key(self) -> str:
+        """Digest of all that the results depend on."""
+        return digest_of(self._decisive)
+
+    @property
+    def _decisive(self) -> dict[str, Any]:
+        points = {"count": self.count, "quantum": self.quantum}
+        return {"inputs": self.identity, "versions": self.versions, "points": points}
+
+    def changes(self, new: Manifest) -> str:
+        """Return in what another study or its versions differ, in words; empty if in nothing."""
+        was, now = (dict(_leaves(each._decisive)) for each in (self, new))
+        told = [
+            f"{name} is {now.get(name, 'not given')} and was {was.get(name, 'not given')}"
+            for name in dict.fromkeys((*now, *was))
+            if now.get(name) != was.get(name)
+        ]
+        more = f", and {len(told) - _SHOWN} more" if len(told) > _SHOWN else ""
+        return "; ".join(told[:_SHOWN]) + more
+
+
+def manifest_of(study: Study) -> Manifest:
+    """Return the manifest of a study, with the versions that are installed here."""
+    # As a file gives it back: no tuples, every number as JSON writes it.
+    identity = json.loads(json.dumps(study.identity))
+    command = provenance({})["command"]
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    return Manifest(identity, versions_here(), study.count, study.quantum, command, now)
+
+
+def versions_here() -> dict[str, str]:
+    """Return the versions that a result may depend on, and a digest of our own sources."""
+    return {**versions(), "sources": _sources()}
+
+
+@cache
+def _sources() -> str:
+    """Return a digest of the sources of our packages: the same release may be edited."""
+    digest = sha256()
+    for package in _PACKAGES:
+        spec = find_spec(package)
+        assert spec is not None
+        assert spec.origin is not None
+        folder = Path(spec.origin).parent
+        for file in sorted(folder.rglob("*.[chp]*")):
+            if file.suffix in {".py", ".c", ".h"}:
+                digest.update(f"{package}/{file.relative_to(folder).as_posix()}\0".encode())
+                digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, str]]:
+    """Give the values of nested JSON in their order, each as text with its path."""
+    if isinstance(value, Mapping) and value:
+        for each, inner in value.items():
+            yield from _leaves(inner, f"{name}.{each}" if name else str(each))
+    else:
+        text = json.dumps(value)
+        yield name, text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def read_manifest(store: Store) -> Manifest | None:
+    """Return the manifest of a store; None if there is none.
+
+    Raises
+    ------
+    StudyError
+        If the file of its name is none.
+    """
+    try:
+        content = store.read(MANIFEST)
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    try:
+        read = json.loads(content)
+        if read.pop("format") != _FORMAT:
+            raise ValueError
+        return Manifest(**read)
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise StudyError(
+            f"{store.address}: its {MANIFEST} is not one of a study; name another folder"
+        ) from error
+
+
+def write_manifest(store: Store, manifest: Manifest) -> None:
+    """Write the manifest of a store."""
+    content = {"format": _FORMAT, **asdict(manifest)}
+    store.write(MANIFEST, json.dumps(content, indent=2).encode() + b"\n")
+
+
+def check_ours(store: Store) -> None:
+    """Refuse a folder with files and no study: what is in it is not ours.
+
+    Raises
+    ------
+    StudyError
+        It names one of the files.
+    """
+    if read_manifest(store) is None:
+        foreign = sorted(name for name in store.names() if not _is_ours(name))
+        if foreign:
+            raise StudyError(
+                f"{store.address} holds no study, but other files ({foreign[0]}); name a new folder"
+            )
+
+
+def settle(store: Store, new: Manifest, *, fresh: bool) -> None:
+    """Have a store hold this study: the same one resumes, another one is refused or thrown away.
+
+    Raises
+    ------
+    StudyError
+        If it holds another study, or one of other versions, and `fresh` is not set; it names the
+        difference.
+    """
+    old = read_manifest(store)
+    changed = "" if old is None else old.changes(new)
+    if changed and not fresh:
+        raise StudyError(
+            f"{store.address} holds results of another study: {changed}; --fresh throws them away, "
+            "another folder keeps them"
+        )
+    for name in store.names():
+        # A part is what a killed process left.
+        if _is_part(name) or (fresh and chunk_of(name) is not None):
+            store.remove(name)
+    if old is None or fresh:
+        write_manifest(store, new)
+
+
+def _is_ours(name: str) -> bool:
+    return name in {MANIFEST, STUDY, LOCK} or _is_part(name) or chunk_of(name) is not None
+
+
+def _is_part(name: str) -> bool:
+    return name.startswith(".") and name.endswith(PART)

@@ -1,0 +1,121 @@
+"""Results as files with names, units and provenance: zarr for grids, Parquet for points."""
+
+from __future__ import annotations
+
+import json
+import platform
+import sys
+from collections.abc import Mapping
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    import xarray
+
+_PACKAGES: Final = ("stickslip", "numpy", "scipy", "fmpy")
+"""Packages whose versions may change a result."""
+
+
+class ExtraMissingError(ImportError):
+    """A package of an extra is not installed; the message names the extra."""
+
+
+def need(module: str, extra: str = "studies") -> Any:
+    """Import a module that an extra of the project brings.
+
+    Raises
+    ------
+    ExtraMissingError
+        If it is not installed; the message says how to install it.
+    """
+    from importlib import import_module
+
+    try:
+        return import_module(module)
+    except ImportError as error:
+        package = (error.name or module).partition(".")[0]
+        raise ExtraMissingError(
+            f"the package {package} is not installed; pip install 'stickslip[{extra}]' brings it",
+            name=error.name,
+        ) from error
+
+
+def versions() -> dict[str, str]:
+    """Return the versions that a result may depend on, by package."""
+    found = {"python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "none"
+    return found
+
+
+def digest_of(identity: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of what a study depends on, as hexadecimal digits."""
+    text = json.dumps(identity, sort_keys=True, ensure_ascii=True, allow_nan=True)
+    return sha256(text.encode()).hexdigest()
+
+
+def provenance(identity: Mapping[str, Any]) -> dict[str, str]:
+    """Return where a result comes from, as attributes of its file.
+
+    Returns
+    -------
+    dict
+        ``versions`` and ``inputs`` as JSON, ``inputs_digest``, ``command``.
+    """
+    return {
+        "versions": json.dumps(versions()),
+        "inputs": json.dumps(identity, sort_keys=True),
+        "inputs_digest": digest_of(identity),
+        "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]]),
+    }
+
+
+def write_grid(grid: xarray.Dataset, target: Path | str) -> None:
+    """Write a dataset as zarr: a folder, or an address of fsspec."""
+    need("zarr")
+    grid.to_zarr(target, mode="w", consolidated=False)
+
+
+def read_grid(source: Path | str) -> xarray.Dataset:
+    """Read a dataset that `write_grid` wrote."""
+    need("zarr")
+    dataset: xarray.Dataset = need("xarray").open_zarr(source, consolidated=False)
+    return dataset
+
+
+def write_points(points: xarray.Dataset, target: Path | str) -> None:
+    """Write a dataset of one dimension as Parquet, units and provenance in its metadata.
+
+    Pandas gives them back as `DataFrame.attrs`: ``units`` and ``long_names`` by column, and the
+    attributes of the dataset.
+    """
+    need("pyarrow")
+    need("pandas")
+    frame = points.reset_coords().to_dataframe()
+    frame.attrs = {
+        "units": {name: each.attrs.get("units", "") for name, each in points.variables.items()},
+        "long_names": {
+            name: each.attrs.get("long_name", "") for name, each in points.variables.items()
+        },
+        **points.attrs,
+    }
+    frame.to_parquet(target)
+
+
+def read_points(source: Path | str) -> xarray.Dataset:
+    """Read a dataset that `write_points` wrote."""
+    need("pyarrow")
+    frame = need("pandas").read_parquet(source)
+    points: xarray.Dataset = need("xarray").Dataset.from_dataframe(frame)
+    attributes = dict(frame.attrs)
+    for entry, name in (("units", "units"), ("long_names", "long_name")):
+        for column, text in attributes.pop(entry, {}).items():
+            if column in points.variables and text:
+                points[column].attrs[name] = text
+    points.attrs = attributes
+    return points

@@ -1,0 +1,329 @@
+"""The numbers of an axis that can be moved, one at a time, and how far to end its jumps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+from scipy.optimize import brentq
+
+from .axis import Axis, Drive
+from .critical import (
+    critical_feed,
+    damped,
+    estimated_critical_feed,
+    has_cycle,
+    jumps_of,
+    rigid_critical_feed,
+)
+from .loop.stability import is_stable
+from .verdict import AxisCure
+
+_FARTHEST: Final = 30.0
+"""The largest factor by which a number is moved."""
+_APART: Final = 4.0
+"""What the bandwidth of the velocity loop is above the position gain at least."""
+_FINER: Final = 1.08
+"""From factor to factor of the search by the estimate."""
+_COARSE: Final = 1.5
+_CLOSE_BY_SIDE: Final = 1e-7
+"""The same, and how close the factor is found, where a law has no closed form."""
+_CLOSE: Final = 2e-3
+"""How close the factor with a drive is found, relative."""
+_MOST: Final = 12
+_BEYOND: Final = 1.5
+"""How far above the feed a critical feed is looked for; beyond it is only "too high"."""
+
+END: Final = "no jump at the slowest feed"
+BELOW: Final = "a jump that is allowed"
+
+
+@dataclass(frozen=True)
+class Lever:
+    """A number of an axis that can be moved in one direction, all others held.
+
+    Attributes
+    ----------
+    name, number, unit, held
+        As of `verdict.AxisCure`.
+    up
+        Whether it grows.
+    now
+        Its value, SI, above 0.
+    moved
+        Returns the axis with another value.
+    lowest
+        The end of its range downwards.
+    farthest
+        The largest factor by which it is moved.
+    """
+
+    name: str
+    number: str
+    unit: str
+    up: bool
+    now: float
+    moved: Callable[[float], Axis]
+    held: str = ""
+    lowest: float = 0.0
+    farthest: float = _FARTHEST
+
+    def at(self, factor: float) -> Axis:
+        """Return the axis with the number moved by a factor above 1, up or down."""
+        return self.moved(self.value(factor))
+
+    def value(self, factor: float) -> float:
+        """Return the number moved by a factor above 1, up or down."""
+        if self.up:
+            return self.now * factor
+        return self.lowest + (self.now - self.lowest) / factor
+
+
+def levers(axis: Axis) -> Iterator[Lever]:
+    """Return the numbers of an axis that are worth moving."""
+    zeta = axis.c / (2.0 * math.sqrt(axis.k * axis.m))
+
+    friction, normal = axis.friction, axis.normal_force
+
+    def static(mu_s: float) -> Axis:
+        return replace(axis, friction=replace(friction, mu_s=mu_s))
+
+    def mass(m: float) -> Axis:
+        lighter = replace(axis, m=m)
+        if not friction.in_newtons:
+            return lighter
+        less = normal / lighter.normal_force
+        held = replace(friction, mu_s=friction.mu_s * less, mu_k=friction.mu_k * less)
+        return replace(lighter, friction=held)
+
+    def stiffness(k: float) -> Axis:
+        return replace(axis, k=k)
+
+    def stiffness_and_damping(k: float) -> Axis:
+        return damped(replace(axis, k=k), zeta)
+
+    # The static friction of a measured curve is bound to its first point.
+    if friction.in_newtons and not friction.is_curve:
+        yield Lever(
+            "smaller gap", "F_s", "N", False, axis.F_s, lambda force: static(force / normal),
+            "kinetic friction", axis.F_k,
+        )  # fmt: skip
+    elif not friction.is_curve:
+        yield Lever(
+            "smaller gap", "mu_s", "1", False, friction.mu_s, static, "kinetic friction",
+            friction.mu_k,
+        )  # fmt: skip
+    yield Lever("stiffer", "stiffness", "N/m", True, axis.k, stiffness, "c")
+    if zeta > 0.0:
+        yield Lever("stiffer", "stiffness", "N/m", True, axis.k, stiffness_and_damping, "zeta")
+        yield Lever("more damping", "c", "N.s/m", True, axis.c, lambda c: replace(axis, c=c))
+    held = "c, load and friction" if friction.in_newtons else "c and load"
+    yield Lever("lighter", "mass", "kg", False, axis.m, mass, held)
+    if axis.drive is not None:
+        yield from _levers_of_drive(axis, axis.drive)
+
+
+def _levers_of_drive(axis: Axis, drive: Drive) -> Iterator[Lever]:
+    shape = drive.T_n * drive.bandwidth
+    # Position and velocity loop stay apart, where they are.
+    apart = drive.bandwidth / (_APART * drive.K_v) if drive.K_v > 0.0 else math.inf
+    near = min(apart, _FARTHEST) if apart > 1.0 else _FARTHEST
+
+    def gain(K_v: float) -> Axis:
+        return replace(axis, drive=replace(drive, K_v=K_v))
+
+    def bandwidth(w: float) -> Axis:
+        return replace(axis, drive=replace(drive, bandwidth=w, T_n=shape / w))
+
+    def integral(T_n: float) -> Axis:
+        return replace(axis, drive=replace(drive, T_n=T_n))
+
+    for up in (False, True):
+        word = "higher" if up else "lower"
+        farthest = near if up else _FARTHEST
+        if drive.K_v > 0.0:
+            yield Lever(
+                f"{word} position gain", "K_v", "1/s", up, drive.K_v, gain, farthest=farthest
+            )
+        farthest = _FARTHEST if up else near
+        held = "T_n times the bandwidth" if shape > 0.0 else ""
+        yield Lever(
+            f"{word} bandwidth", "bandwidth", "1/s", up, drive.bandwidth, bandwidth, held,
+            farthest=farthest,
+        )  # fmt: skip
+    if drive.T_n > 0.0:
+        yield Lever("shorter integral time", "T_n", "s", False, drive.T_n, integral)
+        yield Lever("longer integral time", "T_n", "s", True, drive.T_n, integral)
+
+
+def cures(axis: Axis, feed: float) -> tuple[AxisCure, ...]:
+    """Return how far each number must move till an axis no longer jumps at a feed.
+
+    Where a largest jump is asked for, also how far to bring the jump down to it.
+
+    Parameters
+    ----------
+    axis
+        An axis whose critical feed is above the feed.
+    feed
+        The slowest feed [m/s], above 0.
+
+    Returns
+    -------
+    tuple of AxisCure
+        The smallest change first; those that do not help last. Of a number that could move both
+        ways or be held in two ways, each is there.
+    """
+    now = critical_feed(axis)
+    found = [_cure(lever, _end(lever, feed, now), END) for lever in levers(axis)]
+    faster = now / feed
+    found.append(
+        AxisCure(
+            "faster", "feeds", "m/s", feed, now if faster < math.inf else None, faster, END,
+            note="" if faster < math.inf else "without damping the jumps have no end",
+        )
+    )  # fmt: skip
+    largest = axis.demand.largest_jump
+    jumps = jumps_of(axis, feed) if largest is not None else None
+    if largest is not None and jumps is not None and jumps.way > largest:
+        for lever, end in zip(levers(axis), list(found), strict=False):
+            factor = _factor_below(lever, feed, largest, end.effort)
+            if factor is not None:
+                found.append(_cure(lever, factor, BELOW))
+    # A faster feed is no cure of the axis.
+    return tuple(sorted(found, key=lambda cure: (cure.number == "feeds", cure.effort)))
+
+
+def cured(axis: Axis, cure: AxisCure, more: float = 1.0) -> Axis:
+    """Return an axis with a cure, its factor times another one."""
+    (lever,) = (
+        each
+        for each in levers(axis)
+        if (each.name, each.number, each.held) == (cure.name, cure.number, cure.held)
+    )
+    return lever.at(cure.effort * more)
+
+
+def _cure(lever: Lever, factor: float | None, aim: str) -> AxisCure:
+    if factor is None:
+        note = f"not by a factor of {lever.farthest:.3g}"
+        return AxisCure(
+            lever.name, lever.number, lever.unit, lever.now, None, math.inf, aim, lever.held, note
+        )
+    then = lever.value(factor)
+    return AxisCure(lever.name, lever.number, lever.unit, lever.now, then, factor, aim, lever.held)
+
+
+def _end(lever: Lever, feed: float, now: float) -> float | None:
+    """Return the factor at which jumping ends at the feed; None where it does not, or unstable."""
+    if lever.at(1.0).drive is None:
+        return _factor_of_rigid(lever, feed)
+    found = _factor_of_servo(lever, feed, now)
+    return found if found is not None and is_stable(lever.at(found)) else None
+
+
+def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> float | None:
+    """Return the factor that brings the jump down to the largest allowed.
+
+    None where no factor does, or where jumping ends at once from a larger jump.
+    """
+
+    def excess(log_factor: float) -> float:
+        axis = lever.at(math.exp(log_factor))
+        if axis.drive is not None and not is_stable(axis):
+            return math.inf
+        jumps = jumps_of(axis, feed)
+        return -1.0 if jumps is None else math.log(jumps.way / largest)
+
+    high = math.log(min(end / (1.0 + _CLOSE), lever.farthest))
+    if high <= 0.0 or not excess(high) <= 0.0:
+        return None
+    return math.exp(float(brentq(excess, 0.0, high, xtol=_CLOSE)))
+
+
+def _factor_of_rigid(lever: Lever, feed: float) -> float | None:
+    """Return the factor at which the closed form is at the feed, or the search finds no cycle."""
+
+    def side(factor: float) -> float:
+        # Not the limit, which takes a search, but on which side of it the feed is.
+        return feed * (2.0 if has_cycle(lever.at(factor), feed) else 0.5)
+
+    if lever.at(1.0).friction.constant:
+        return _first(lambda factor: rigid_critical_feed(lever.at(factor)), feed, 1.0)
+    return _first(side, feed, 1.0, finer=_COARSE, close=_CLOSE_BY_SIDE)
+
+
+def _first(
+    limit: Callable[[float], float],
+    feed: float,
+    least: float,
+    finer: float = _FINER,
+    close: float = 1e-14,
+) -> float | None:
+    """Return the first factor from `least` on at which a limit falls to the feed; None without."""
+
+    def excess(log_factor: float) -> float:
+        value = limit(math.exp(log_factor))
+        return max(min(math.log(value / feed), 1e3), -1e3) if value > 0.0 else -1e3
+
+    low = math.log(least)
+    step, most = math.log(finer), math.log(_FARTHEST)
+    if excess(low) <= 0.0:
+        return least
+    while low < most:
+        high = min(low + step, most)
+        if excess(high) <= 0.0:
+            root = float(brentq(excess, low, high, xtol=close, rtol=1e-13))
+            return math.exp(root)
+        low = high
+    return None
+
+
+def _scaled(lever: Lever, scale: float) -> Callable[[float], float]:
+    """Return the estimated critical feed over the factor, times a scale."""
+    return lambda factor: scale * estimated_critical_feed(lever.at(factor))
+
+
+def _factor_of_servo(lever: Lever, feed: float, now: float) -> float | None:
+    """Return the least factor found at which the loop no longer jumps at the feed.
+
+    The estimate, scaled to the last exact value, says where to look; the exact limit decides.
+    """
+    exact = {1.0: now}
+
+    def jumps(factor: float) -> bool:
+        axis = lever.at(factor)
+        if factor not in exact:
+            stable = is_stable(axis)
+            exact[factor] = critical_feed(axis, _BEYOND * feed) if stable else math.inf
+        return exact[factor] > feed
+
+    low, high = 1.0, lever.farthest
+    if not jumps(low):
+        return low
+    known = False
+    scale = exact[low] / estimated_critical_feed(lever.at(low))
+    for _ in range(_MOST):
+        guess = _first(_scaled(lever, scale), feed, low)
+        if guess is None:
+            guess = high
+        if not low < guess < high:
+            guess = math.sqrt(low * high) if known else high
+        # A little beyond, so that both sides come close.
+        guess = min(guess * (1.0 + 0.3 * _CLOSE), high)
+        if jumps(guess):
+            if guess >= high:
+                return None
+            low = guess
+        else:
+            high, known = guess, True
+        limit = exact[guess]
+        if 0.0 < limit < _BEYOND * feed:
+            scale = limit / estimated_critical_feed(lever.at(guess))
+        if known and high <= low * (1.0 + _CLOSE):
+            break
+        if known and low < guess <= high and limit > 0.0 and abs(limit / feed - 1.0) < 2e-3:
+            break
+    return high if known else None

@@ -1,0 +1,1 @@
+"""The servo loop around a feed axis."""

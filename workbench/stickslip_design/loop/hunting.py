@@ -1,0 +1,77 @@
+"""Whether a servo axis hunts about a target that it holds: docs/feed-axis.md."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+from ..axis import Axis
+from .motion import Motion, Point, walk
+from .system import TABLE, Mode, System
+
+_SLIPS: Final = 24
+"""Slips that are followed; the last two are the answer."""
+_NOTHING: Final = 1e-3
+"""A jump this short, relative to half the relief of the spring, is a swing that dies away."""
+_LONGEST: Final = 100.0
+"""An axis without a slip for this time [s] rests for good."""
+
+
+class Hunting(NamedTuple):
+    """The cycle of an axis about its target.
+
+    Attributes
+    ----------
+    jump
+        Way of the table in a slip [m].
+    period
+        Of a jump there and a jump back [s].
+    dead_band
+        The smallest dead band that ends it [m]: the largest error at which the table rests.
+    """
+
+    jump: float
+    period: float
+    dead_band: float
+
+
+def hunting(axis: Axis) -> Hunting | None:
+    """Return the cycle of an axis that holds a target, None where it comes to rest.
+
+    Parameters
+    ----------
+    axis
+        An axis with a drive; its dead band is taken as 0.
+
+    Notes
+    -----
+    The table stands half the relief of the spring away from the target, drive and spring at rest.
+    """
+    system = System(axis)
+    motion = Motion(system)
+    state = system.at_rest()
+    target = (axis.F_s - axis.F_k) / axis.k
+    state[system.layout.command] = target
+    broke: list[float] = []
+    rests: list[float] = []
+    mode = Mode(0, 0 if system.drive.dry > 0.0 else 1)
+    point, passed = Point(state, 0.0), 0.0
+    while len(rests) < _SLIPS:
+        moved = False
+        for turn in walk(motion, mode, point, _LONGEST):
+            if turn.event == "time":
+                return None
+            mode, point = turn.mode, turn.point
+            if turn.event in ("forward", "backward"):
+                broke.append(passed + turn.time)
+            elif turn.event == "stop":
+                moved = True
+                rests.append(float(point.state[TABLE]))
+                passed += turn.time
+                break
+        if not moved:
+            return None
+    jump = abs(rests[-1] - rests[-2])
+    left = max(abs(each - target) for each in rests[-2:])
+    if not jump > _NOTHING * target:
+        return None
+    return Hunting(jump, broke[-1] - broke[-3], left)

@@ -1,0 +1,351 @@
+"""The motion of a servo axis from one event of its friction to the next.
+
+Where each event lies is read off a trace: matrices, computed once for a mode, give values and
+slopes of what is watched at the ends of many parts of samples in one product. Between the ends it
+is a cubic, which also finds what dips below 0 and comes back within a part.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from .system import FORCE, MOTOR, MOTOR_SPEED, SPEED, TABLE, Matrix, Mode, System, Vector
+
+MOST_TURNS: Final = 50_000
+"""Events after which a walk ends."""
+
+OF_TABLE: Final = ("stop", "forward", "backward")
+"""Events between rest and slip of the table; others are of the motor, or on the way of a slip."""
+
+_SAMPLES: Final = 64
+"""Samples of a trace."""
+_NONE: Final = 1e-12
+"""What is left of a part of a sample counts as none, relative to the sample."""
+
+
+class Margin(NamedTuple):
+    """What is left before an event: a number linear in the state that is above 0 till then.
+
+    Beside its row it takes `pushed` times the commanded force that acts.
+    """
+
+    event: str
+    row: Vector
+    pushed: float = 0.0
+
+    def under(self, system: System, late: int) -> Vector:
+        """Return its row under the `late`-th last commanded force."""
+        row = self.row.copy()
+        row[system.layout.commands + late] += self.pushed
+        return row
+
+
+class Point(NamedTuple):
+    """Where a motion stands: its state, and the time since the last sample [s].
+
+    At 0 the controller has not yet had its turn.
+    """
+
+    state: Vector
+    offset: float
+
+
+class Event(NamedTuple):
+    """Where a stretch of motion ends, after how long [s], and by which event; None: by the time."""
+
+    point: Point
+    elapsed: float
+    event: str | None
+
+
+class _Trace(NamedTuple):
+    """Of a mode and what is watched in it.
+
+    `powers` are samples with their controller, `inside` the parts of one; `begin` and `end` give
+    value and slope at the ends of each part, as [part, margin, value or slope, state].
+    """
+
+    powers: Matrix
+    inside: list[Matrix]
+    begin: Matrix
+    end: Matrix
+
+
+class Motion:
+    """The motion of a servo axis.
+
+    Parameters
+    ----------
+    system
+        Its linear systems.
+    """
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+        self._traces: dict[tuple[Mode, tuple[str, ...]], _Trace] = {}
+
+    def follow(
+        self, mode: Mode, margins: tuple[Margin, ...], point: Point, until: float = math.inf
+    ) -> Event:
+        """Return the first event, or the point after the time `until` [s].
+
+        Parameters
+        ----------
+        mode
+            How table and motor move.
+        margins
+            What is watched; a margin that is 0 at the beginning is watched from when it is above.
+        point
+            Where the motion stands.
+        until
+            The longest time [s]; finite where no event need come.
+        """
+        passed = 0.0
+        if point.offset > 0.0:
+            rest = self._rest_of_sample(mode, margins, point, until)
+            if rest.event is not None or rest.elapsed >= until:
+                return rest
+            point, passed = rest.point, rest.elapsed
+        trace = self._trace(mode, margins)
+        block = _SAMPLES * self.system.drive.T_s
+        state = point.state
+        while True:
+            found = self._in_trace(mode, margins, trace, state)
+            if found is not None and passed + found.elapsed <= until:
+                return found._replace(elapsed=passed + found.elapsed)
+            if passed + block >= until:
+                return Event(self._after(mode, trace, state, until - passed), until, None)
+            state = trace.powers[_SAMPLES] @ state
+            passed += block
+
+    def _rest_of_sample(
+        self, mode: Mode, margins: tuple[Margin, ...], point: Point, until: float
+    ) -> Event:
+        """Follow up to the next sample, part by part."""
+        system = self.system
+        state, offset = point
+        passed = 0.0
+        for number, part in enumerate(system.parts):
+            left = system.offsets[number + 1] - offset
+            if left <= _NONE * system.drive.T_s:
+                continue
+            rates = system.rates(mode, part.late)
+            length = min(left, until - passed)
+            after = expm(rates * length) @ state
+            rows = [margin.under(system, part.late) for margin in margins]
+            both = np.array([[state, rates @ state], [after, rates @ after]])
+            ends = [both @ row for row in rows]
+            crossing, which = min(
+                (
+                    (_crossing(begin, end, length), number)
+                    for number, (begin, end) in enumerate(ends)
+                ),
+                default=(math.inf, 0),
+            )
+            if crossing < math.inf:
+                there = Point(expm(rates * crossing) @ state, offset + crossing)
+                return Event(there, passed + crossing, margins[which].event)
+            state, offset, passed = after, offset + length, passed + length
+            if passed >= until:
+                return Event(Point(state, offset), passed, None)
+        return Event(Point(state, 0.0), passed, None)
+
+    def _in_trace(
+        self, mode: Mode, margins: tuple[Margin, ...], trace: _Trace, state: Vector
+    ) -> Event | None:
+        """Return the first event within a trace that begins at a sample."""
+        begin, end = trace.begin @ state, trace.end @ state
+        parts = self.system.parts
+        falls = (begin[:, :, 0] < 0.0) | (end[:, :, 0] <= 0.0)
+        dips = (begin[:, :, 1] < 0.0) & (end[:, :, 1] > 0.0)
+        for number in np.flatnonzero((falls | dips).any(axis=1)):
+            sample, inside = divmod(int(number), len(parts))
+            length = parts[inside].length
+            crossing, which = min(
+                (_crossing(begin[number, each], end[number, each], length), each)
+                for each in range(len(margins))
+            )
+            if crossing < math.inf:
+                start = trace.inside[inside] @ (trace.powers[sample] @ state)
+                rates = self.system.rates(mode, parts[inside].late)
+                offset = float(self.system.offsets[inside]) + crossing
+                there = Point(expm(rates * crossing) @ start, offset)
+                elapsed = sample * self.system.drive.T_s + offset
+                return Event(there, elapsed, margins[which].event)
+        return None
+
+    def _after(self, mode: Mode, trace: _Trace, state: Vector, time: float) -> Point:
+        """Return the point a time after a sample, within a trace."""
+        system = self.system
+        sample = min(math.floor(time / system.drive.T_s + _NONE), _SAMPLES)
+        state, left = trace.powers[sample] @ state, time - sample * system.drive.T_s
+        if left <= _NONE * system.drive.T_s:
+            return Point(state, 0.0)
+        inside = int(np.searchsorted(system.offsets, left, side="right")) - 1
+        inside = min(inside, len(system.parts) - 1)
+        start = trace.inside[inside] @ state
+        rates = system.rates(mode, system.parts[inside].late)
+        return Point(expm(rates * (left - system.offsets[inside])) @ start, left)
+
+    def _trace(self, mode: Mode, margins: tuple[Margin, ...]) -> _Trace:
+        key = mode, tuple(margin.event for margin in margins)
+        found = self._traces.get(key)
+        if found is None:
+            found = self._traces[key] = self._traced(mode, margins)
+        return found
+
+    def _traced(self, mode: Mode, margins: tuple[Margin, ...]) -> _Trace:
+        system = self.system
+        inside = [system.control]
+        for step in system.steps(mode):
+            inside.append(step @ inside[-1])
+        size = system.layout.size
+        powers = np.empty((_SAMPLES + 1, size, size))
+        powers[0] = np.eye(size)
+        for number in range(_SAMPLES):
+            powers[number + 1] = inside[-1] @ powers[number]
+        begin = np.empty((len(system.parts), len(margins), 2, size))
+        end = np.empty_like(begin)
+        for number, part in enumerate(system.parts):
+            rows = np.array([margin.under(system, part.late) for margin in margins])
+            both = np.stack([rows, rows @ system.rates(mode, part.late)], axis=1)
+            begin[number] = both @ inside[number]
+            end[number] = both @ inside[number + 1]
+        shape = (_SAMPLES * len(system.parts), len(margins), 2, size)
+        spread = [
+            np.einsum("pmvi,sij->spmvj", each, powers[:-1], optimize=True).reshape(shape)
+            for each in (begin, end)
+        ]
+        return _Trace(powers, inside, *spread)
+
+
+class Turn(NamedTuple):
+    """An event on the way: its time [s], its name, and how and from where it goes on."""
+
+    time: float
+    event: str
+    mode: Mode
+    point: Point
+
+
+def walk(motion: Motion, mode: Mode, point: Point, until: float) -> Iterator[Turn]:
+    """Follow a motion from event to event, up to a time [s] after its start.
+
+    The last turn is named "time". A walk of more than `MOST_TURNS` events ends before.
+    """
+    passed = 0.0
+    for _ in range(MOST_TURNS):
+        margins = margins_of(motion.system, mode)
+        reached = motion.follow(mode, margins, point, until - passed)
+        passed += reached.elapsed
+        if reached.event is None:
+            yield Turn(until, "time", mode, reached.point)
+            return
+        mode, point = after(motion.system, mode, reached)
+        yield Turn(passed, reached.event, mode, point)
+
+
+def margins_of(system: System, mode: Mode) -> tuple[Margin, ...]:
+    """Return what is left before table or motor stop or break away: docs/feed-axis.md."""
+    axis, drive, layout = system.axis, system.drive, system.layout
+    unit = np.eye(layout.size)
+    pull = axis.k * (unit[MOTOR] - unit[TABLE])
+    margins: list[Margin] = []
+    if mode.table:
+        speed, line = mode.table * unit[SPEED], system.lines[mode.line]
+        if mode.line == 0:
+            margins.append(Margin("stop", speed))
+        else:
+            margins.append(Margin("slower", speed - line.low * unit[layout.one]))
+        if line.high < math.inf:
+            margins.append(Margin("faster", line.high * unit[layout.one] - speed))
+    else:
+        pushed = pull + axis.along * unit[layout.one]
+        held = axis.F_s * unit[layout.one] - (axis.F_s - axis.F_k) * unit[layout.ungrown]
+        margins += [Margin("forward", held - pushed), Margin("backward", held + pushed)]
+    if drive.dry > 0.0:
+        if mode.motor:
+            margins.append(Margin("motor stops", mode.motor * unit[MOTOR_SPEED]))
+        else:
+            lags = drive.lag > 0.0
+            push = (unit[FORCE] if lags else 0.0) - pull
+            held = drive.dry * unit[layout.one]
+            margins.append(Margin("motor forward", held - push, 0.0 if lags else -1.0))
+            margins.append(Margin("motor backward", held + push, 0.0 if lags else 1.0))
+    return tuple(margins)
+
+
+def rising_again(system: System, mode: Mode) -> tuple[Margin, ...]:
+    """Return what is left before the table that slows down is at its least speed."""
+    return (Margin("least speed", -mode.table * system.rates(mode, 0)[SPEED]),)
+
+
+def after(system: System, mode: Mode, reached: Event) -> tuple[Mode, Point]:
+    """Return how it goes on after an event: the mode, and the point with what stands at rest."""
+    axis, drive = system.axis, system.drive
+    state, offset = reached.point
+    state = state.copy()
+    pull = axis.k * (state[MOTOR] - state[TABLE])
+    if reached.event == "stop":
+        state[SPEED] = 0.0
+        pushed = pull + axis.along
+        grows = axis.friction.tau_s > 0.0
+        state[system.layout.ungrown] = 1.0 if grows else 0.0
+        holds = axis.F_k if grows else axis.F_s
+        direction = 0 if abs(pushed) <= holds else int(math.copysign(1.0, pushed))
+        mode = mode._replace(table=direction)
+    elif reached.event in ("slower", "faster"):
+        line = system.lines[mode.line]
+        faster = reached.event == "faster"
+        state[SPEED] = mode.table * (line.high if faster else line.low)
+        mode = mode._replace(line=mode.line + (1 if faster else -1))
+    elif reached.event in ("forward", "backward"):
+        mode = mode._replace(table=1 if reached.event == "forward" else -1)
+    elif reached.event == "motor stops":
+        state[MOTOR_SPEED] = 0.0
+        late = _late(system, offset)
+        force = state[FORCE if drive.lag > 0.0 else system.layout.commands + late] - pull
+        direction = 0 if abs(force) <= drive.dry else int(math.copysign(1.0, force))
+        mode = mode._replace(motor=direction)
+    elif reached.event in ("motor forward", "motor backward"):
+        mode = mode._replace(motor=1 if reached.event == "motor forward" else -1)
+    return mode, Point(state, offset)
+
+
+def _late(system: System, offset: float) -> int:
+    """Return which commanded force holds at a time after a sample."""
+    number = int(np.searchsorted(system.offsets, offset, side="right")) - 1
+    return system.parts[min(max(number, 0), len(system.parts) - 1)].late
+
+
+def _crossing(begin: Vector, end: Vector, length: float) -> float:
+    """Return when a cubic falls to 0 within a part, by value and slope at its ends; or infinity."""
+    v0, d0, v1, d1 = (float(each) for each in (*begin, *end))
+    if v0 < 0.0:
+        # Another commanded force has moved it there at once.
+        return 0.0
+    if v1 > 0.0 and not (d0 < 0.0 < d1 and v0 > 0.0):
+        return math.inf
+    if v0 <= 0.0 and d0 <= 0.0:
+        return 0.0
+    a1 = length * d0
+    a2, a3 = 3.0 * (v1 - v0) - length * (2.0 * d0 + d1), 2.0 * (v0 - v1) + length * (d0 + d1)
+
+    def value(s: float) -> float:
+        # One that stood at 0 as the part began is watched from when it has risen.
+        rest = a1 + s * (a2 + s * a3)
+        return v0 + s * rest if v0 > 0.0 else rest
+
+    last = 1.0
+    if v1 > 0.0:
+        # The least value lies where the slope of the cubic comes up through 0.
+        last = -a1 / (a2 + math.sqrt(max(a2 * a2 - 3.0 * a1 * a3, 0.0)))
+        if not 0.0 < last < 1.0 or value(last) > 0.0:
+            return math.inf
+    return length * float(brentq(value, 0.0, last, xtol=1e-15))

@@ -1,0 +1,128 @@
+"""The open loop of a servo axis over frequency, with its margins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from ..axis import Axis
+from .system import MOTOR, TABLE, Mode, System, Vector
+
+Complex = NDArray[np.complex128]
+Cut = Literal["force", "position"]
+
+_POINTS: Final = 600
+_LOWEST: Final = 1e-2
+"""The lowest frequency, relative to the position gain."""
+
+
+@dataclass(frozen=True)
+class Response:
+    """The open loop, cut at one place.
+
+    Attributes
+    ----------
+    cut
+        "force": where the motor's force is commanded; "position": at the position error.
+    sliding
+        Whether the table slides, or is stuck.
+    frequency
+        [Hz], rising, up to half the sampling.
+    gain
+        Of the open loop, complex [-]; the loop closes with its negative.
+    gain_margin, phase_margin
+        The smallest factor on the gain, above 1, at which the closed loop is at its limit, and the
+        smallest lag that brings it there [rad]; infinite without one.
+    gain_margin_at, phase_margin_at
+        Their frequencies [Hz]; NaN without one.
+    delay_margin
+        The shortest dead time that brings it there [s]; infinite without one.
+    """
+
+    cut: Cut
+    sliding: bool
+    frequency: Vector
+    gain: Complex
+    gain_margin: float
+    phase_margin: float
+    gain_margin_at: float
+    phase_margin_at: float
+    delay_margin: float
+
+
+def open_loop(axis: Axis, cut: Cut, *, sliding: bool = True) -> Response:
+    """Return the frequency response of an open loop of a servo axis.
+
+    Parameters
+    ----------
+    axis
+        An axis with a drive.
+    cut
+        Where the loop is open.
+    sliding
+        With the table sliding in one direction, or stuck.
+    """
+    system = System(axis)
+    drive = system.drive
+    step, into, out = _opened(system, cut, system.sliding if sliding else Mode(0, 1))
+    low, high = _LOWEST * max(drive.K_v, 1.0) / (2.0 * math.pi), 0.5 / drive.T_s
+    frequency = np.geomspace(low, 0.999 * high, _POINTS)
+
+    def gain(f: float) -> complex:
+        z = np.exp(2j * math.pi * f * drive.T_s)
+        return complex(-(out @ np.linalg.solve(z * np.eye(len(step)) - step, into)))
+
+    values = np.array([gain(float(f)) for f in frequency])
+    turned = np.flatnonzero((values.imag[:-1] * values.imag[1:] < 0.0) & (values.real[:-1] < 0.0))
+    crossings = [_root(lambda f: gain(f).imag, frequency, int(each)) for each in turned]
+    factors = [(-1.0 / gain(f).real, f) for f in crossings if gain(f).real < 0.0]
+    size = np.abs(values)
+    passed = np.flatnonzero((size[:-1] - 1.0) * (size[1:] - 1.0) < 0.0)
+    unit = [_root(lambda f: abs(gain(f)) - 1.0, frequency, int(each)) for each in passed]
+    lags = [((math.pi + np.angle(gain(f))) % (2.0 * math.pi), f) for f in unit]
+    delays = [lag / (2.0 * math.pi * f) for lag, f in lags]
+    none = (math.inf, math.nan)
+    gain_margin = min((each for each in factors if each[0] > 1.0), default=none)
+    phase_margin = min(lags, default=none)
+    return Response(
+        cut, sliding, frequency, values,
+        gain_margin[0], float(phase_margin[0]), gain_margin[1], phase_margin[1],
+        float(min(delays, default=math.inf)),
+    )  # fmt: skip
+
+
+def _opened(system: System, cut: Cut, mode: Mode) -> tuple[NDArray[np.float64], Vector, Vector]:
+    """Return the motion with the loop open, how what is fed in enters, and what comes out.
+
+    The state is that just before a sample.
+    """
+    moving, layout, drive = system.moving, system.layout, system.drive
+    after = np.eye(layout.size)
+    for part in system.steps(mode):
+        after = part @ after
+    control = system.control.copy()
+    if cut == "force":
+        out = control[layout.commands].copy()
+        control[layout.commands] = 0.0
+        into = after[:, layout.commands]
+    else:
+        out = np.zeros(layout.size)
+        out[TABLE if drive.on_table else MOTOR] = -1.0
+        place = TABLE if drive.on_table else MOTOR
+        # What the error does in the controller is what the command does.
+        by_error = control[:, layout.command].copy()
+        by_error[layout.command] = 0.0
+        control[:, place] += by_error
+        into = after @ by_error
+    step = (after @ control)[moving, moving]
+    return step, into[moving], out[moving]
+
+
+def _root(f: Callable[[float], float], frequency: Vector, place: int) -> float:
+    return float(brentq(f, frequency[place], frequency[place + 1], rtol=1e-12))

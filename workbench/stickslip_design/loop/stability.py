@@ -1,0 +1,137 @@
+"""Whether the loop of a servo axis is stable, how it swings, and what gains it bears."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final, NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..axis import Axis
+from .system import INTEGRAL, SPEED, TABLE, Mode, System
+
+_STUCK: Final = Mode(0, 1)
+
+_FINER: Final = 1.05
+"""Factor from gain to gain in the search for a limit."""
+_MOST: Final = 1e3
+"""How far beyond a gain its limit is searched."""
+_ROUNDING: Final = 1e-9
+"""What the integral of a position that does not follow may differ from standing still."""
+
+
+class Swing(NamedTuple):
+    """A motion of a loop that swings.
+
+    Attributes
+    ----------
+    damping
+        Damping ratio [-]; below 0 it grows.
+    w
+        Undamped frequency [rad/s].
+    """
+
+    damping: float
+    w: float
+
+    @property
+    def frequency(self) -> float:
+        """The frequency of the damped swing [Hz]."""
+        return self.w * math.sqrt(max(1.0 - self.damping * self.damping, 0.0)) / (2.0 * math.pi)
+
+
+class GainLimits(NamedTuple):
+    """Up to which gains the loop is stable, its table sliding or stuck; infinite if none was found.
+
+    Attributes
+    ----------
+    K_v
+        Position gain [1/s], the velocity loop held.
+    bandwidth
+        Bandwidth of the velocity loop [rad/s], its integral time times the bandwidth held, and the
+        position gain.
+    """
+
+    K_v: float
+    bandwidth: float
+
+
+def swing(axis: Axis, *, sliding: bool = True) -> Swing:
+    """Return the least damped swing of a servo axis.
+
+    Parameters
+    ----------
+    axis
+        An axis with a drive.
+    sliding
+        With the table sliding in one direction, or stuck.
+
+    Notes
+    -----
+    An eigenvalue z from sample to sample is a motion exp(s t) with s = ln(z)/T_s. Without a swing:
+    damping infinite, frequency 0.
+    """
+    system = System(axis)
+    z = _eigenvalues(system, system.sliding if sliding else _STUCK)
+    s = np.log(z[z.imag > 0.0]) / system.drive.T_s
+    found = [Swing(float(-each.real / abs(each)), float(abs(each))) for each in s]
+    return min(found, default=Swing(math.inf, 0.0))
+
+
+def is_stable(axis: Axis) -> bool:
+    """Return whether no motion of the loop grows, with the table sliding and with it stuck."""
+    return _excess(System(axis)) < 0.0
+
+
+def gain_limits(axis: Axis) -> GainLimits:
+    """Return up to which gains the loop stays stable, the table sliding or stuck.
+
+    Of a loop that is unstable as it is, below which of them it would be stable; 0 where below none.
+    """
+    drive = axis.drive
+    assert drive is not None
+    shape = drive.T_n * drive.bandwidth
+
+    def with_gain(K_v: float) -> Axis:
+        return replace(axis, drive=replace(drive, K_v=K_v))
+
+    def with_bandwidth(bandwidth: float) -> Axis:
+        return replace(axis, drive=replace(drive, bandwidth=bandwidth, T_n=shape / bandwidth))
+
+    return GainLimits(_limit(with_gain, drive.K_v), _limit(with_bandwidth, drive.bandwidth))
+
+
+def _limit(changed: Callable[[float], Axis], now: float) -> float:
+    """Return the end of the stable values next to the one of now, above it if that is stable."""
+
+    def excess(value: float) -> float:
+        return _excess(System(changed(value)))
+
+    if now <= 0.0:
+        return math.inf
+    stable = excess(now) < 0.0
+    at = now
+    while now / _MOST < at < _MOST * now:
+        following = at * _FINER if stable else at / _FINER
+        if (excess(following) < 0.0) is not stable:
+            return float(brentq(excess, at, following, xtol=1e-12 * at, rtol=1e-12))
+        at = following
+    return math.inf if stable else 0.0
+
+
+def _excess(system: System) -> float:
+    """Return the logarithm of the largest growth from sample to sample, sliding or stuck."""
+    sliding, stuck = (np.abs(_eigenvalues(system, mode)).max() for mode in (system.sliding, _STUCK))
+    # The integral over a table that is stuck stands still or grows evenly: an eigenvalue of 1.
+    return math.log(max(float(sliding), float(stuck) * (1.0 - _ROUNDING)))
+
+
+def _eigenvalues(system: System, mode: Mode) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
+    """Return the eigenvalues from sample to sample, without set point and what stands still."""
+    step = system.from_sample_to_sample(mode)[system.moving, system.moving]
+    still = ([] if mode.table else [TABLE, SPEED]) + ([] if system.drive.T_n > 0.0 else [INTEGRAL])
+    step = np.delete(np.delete(step, still, axis=0), still, axis=1)
+    return np.linalg.eigvals(step).astype(np.complex128)

@@ -1,0 +1,254 @@
+"""A servo axis as a linear system from sample to sample: drive, spring, table and controller.
+
+docs/feed-axis.md (1), (2). Between the samples the motor's force is held, and in a given `Mode` of
+friction everything is linear, so the motion over a part of a sample is a matrix. Encoder counts,
+the limit of the force and the dead band are left out.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from ..axis import Axis, Drive
+from .lines import lines_of
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+MOTOR, MOTOR_SPEED, TABLE, SPEED, FORCE, INTEGRAL, LAST = range(7)
+"""Places in the state: position and speed of motor and table, the force that the motor has behind
+the lag of its current loop, the integral, and the motor's position at the last sample. The
+commanded forces that wait, the memory of the filters, the set point, what static friction lacks
+since the table stopped, relative, and the number 1 follow."""
+
+_FINEST: Final = 0.1
+"""Longest part of a sample, times the quickest rate of the motion: a cubic through values and
+slopes at its ends is then within 3e-7 of a swing's amplitude."""
+_NONE: Final = 1e-9
+"""A part of a sample this short is none, relative to the sample."""
+
+
+class Mode(NamedTuple):
+    """The directions in which table and motor move, 0 at rest, and the line of the friction.
+
+    Without dry friction of the motor its direction stays 1. The line counts in slip alone.
+    """
+
+    table: int
+    motor: int
+    line: int = 0
+
+
+class Part(NamedTuple):
+    """A part of a sample over which one commanded force holds: its length [s], and which one."""
+
+    length: float
+    late: int
+
+
+class Layout(NamedTuple):
+    """Where in the state what follows the fixed places begins."""
+
+    commands: int
+    filters: int
+    command: int
+    feed: int
+    acceleration: int
+    ungrown: int
+    one: int
+
+    @property
+    def size(self) -> int:
+        """The length of the state."""
+        return self.one + 1
+
+
+class System:
+    """The linear systems of a servo axis.
+
+    Parameters
+    ----------
+    axis
+        An axis with a drive. A smooth fall of its friction is taken as straight lines; of what
+        grows while the table rests tau_s counts alone.
+
+    Attributes
+    ----------
+    axis, drive, lines
+        What it is of, and its friction in slip.
+    layout
+        Where things are in the state.
+    parts
+        The parts of a sample.
+    offsets
+        When each part begins and the last one ends, since the sample [s].
+    control
+        What the controller makes of the state at a sample.
+    wanted
+        The motor's force before the filters, over the state, at a sample.
+
+    Raises
+    ------
+    ValueError
+        If the axis has no drive.
+    """
+
+    def __init__(self, axis: Axis) -> None:
+        if axis.drive is None:
+            raise ValueError("an axis on a rigid drive has no loop")
+        self.axis, self.drive, self.lines = axis, axis.drive, lines_of(axis)
+        whole, rest = _whole_samples(self.drive)
+        waiting = whole + (2 if rest > 0.0 else 1)
+        filters = LAST + 1 + waiting
+        command = filters + 2 * len(self.drive.filters)
+        self.layout = Layout(
+            LAST + 1, filters, command, command + 1, command + 2, command + 3, command + 4
+        )
+        self.parts = self._parts(whole, rest)
+        self.offsets = np.concatenate(([0.0], np.cumsum([part.length for part in self.parts])))
+        self.offsets[-1] = self.drive.T_s
+        self.wanted, self.control = self._controller()
+        self._rates: dict[tuple[Mode, int], Matrix] = {}
+        self._steps: dict[Mode, list[Matrix]] = {}
+
+    def at_rest(self) -> Vector:
+        """Return the state at rest: everything 0, but for the number 1."""
+        state = np.zeros(self.layout.size)
+        state[self.layout.one] = 1.0
+        return state
+
+    def holding(self, force: float, feed: float) -> Vector:
+        """Return the state in which the motor moves evenly at a feed [m/s] against a force [N].
+
+        At a sample; the motor is at 0, and the table too.
+        """
+        drive, layout = self.drive, self.layout
+        state = self.at_rest()
+        motor = force + drive.d * feed + math.copysign(drive.dry, feed)
+        state[MOTOR_SPEED] = state[layout.feed] = feed
+        state[FORCE] = motor if drive.lag > 0.0 else 0.0
+        state[INTEGRAL] = motor - drive.friction_feedforward
+        state[layout.commands : layout.filters] = motor
+        for number, each in enumerate(drive.filters):
+            b0, _, b2, _, a2 = each.coefficients(drive.T_s)
+            state[layout.filters + 2 * number] = (1.0 - b0) * motor
+            state[layout.filters + 2 * number + 1] = (b2 - a2) * motor
+        state[LAST] = -feed * drive.T_s
+        state[layout.command] = (1.0 - drive.velocity_feedforward) * feed / drive.K_v
+        return state
+
+    def rates(self, mode: Mode, late: int) -> Matrix:
+        """Return the matrix of d state/dt under the `late`-th last commanded force."""
+        found = self._rates.get((mode, late))
+        if found is None:
+            found = self._rates[mode, late] = self._differentiated(mode, late)
+        return found
+
+    def steps(self, mode: Mode) -> list[Matrix]:
+        """Return what each part of a sample makes of the state."""
+        found = self._steps.get(mode)
+        if found is None:
+            found = [expm(self.rates(mode, part.late) * part.length) for part in self.parts]
+            self._steps[mode] = found
+        return found
+
+    def from_sample_to_sample(self, mode: Mode) -> Matrix:
+        """Return what a sample with its controller makes of the state just before it."""
+        step = self.control
+        for part in self.steps(mode):
+            step = part @ step
+        return step
+
+    @property
+    def sliding(self) -> Mode:
+        """The mode in which the table slides fast: friction no longer falls."""
+        return Mode(1, 1, len(self.lines) - 1)
+
+    @property
+    def moving(self) -> slice:
+        """The places of the state that the motion changes: all but set point and the number 1."""
+        return slice(0, self.layout.command)
+
+    def _parts(self, whole: int, rest: float) -> tuple[Part, ...]:
+        axis, drive = self.axis, self.drive
+        rate = math.sqrt(axis.k / drive.inertia + axis.k / axis.m)
+        rate += drive.d / drive.inertia + axis.c / axis.m
+        stretches = [Part(drive.T_s - rest, whole)]
+        if rest > 0.0:
+            stretches.insert(0, Part(rest, whole + 1))
+        parts: list[Part] = []
+        for length, late in stretches:
+            count = max(1, math.ceil(length * rate / _FINEST))
+            parts += [Part(length / count, late)] * count
+        return tuple(parts)
+
+    def _differentiated(self, mode: Mode, late: int) -> Matrix:
+        axis, drive, layout = self.axis, self.drive, self.layout
+        rates = np.zeros((layout.size, layout.size))
+        rates[layout.command, layout.feed] = 1.0
+        rates[layout.feed, layout.acceleration] = 1.0
+        if axis.friction.tau_s > 0.0:
+            rates[layout.ungrown, layout.ungrown] = -1.0 / axis.friction.tau_s
+        command = layout.commands + late
+        if drive.lag > 0.0:
+            rates[FORCE, [FORCE, command]] = -1.0 / drive.lag, 1.0 / drive.lag
+        if mode.motor:
+            rates[MOTOR, MOTOR_SPEED] = 1.0
+            force = rates[MOTOR_SPEED]
+            force[FORCE if drive.lag > 0.0 else command] = 1.0
+            force[[MOTOR, TABLE]] = -axis.k, axis.k
+            force[MOTOR_SPEED] = -drive.d
+            force[layout.one] = -mode.motor * drive.dry
+            force /= drive.inertia
+        if mode.table:
+            rates[TABLE, SPEED] = 1.0
+            force = rates[SPEED]
+            force[[MOTOR, TABLE]] = axis.k, -axis.k
+            line = self.lines[mode.line]
+            force[SPEED] = -axis.c - line.slope
+            force[layout.one] = axis.along - mode.table * (line.force - line.slope * line.low)
+            force /= axis.m
+        return rates
+
+    def _controller(self) -> tuple[Vector, Matrix]:
+        drive, layout = self.drive, self.layout
+        unit = np.eye(layout.size)
+        error = unit[layout.command] - unit[TABLE if drive.on_table else MOTOR]
+        speed = (unit[MOTOR] - unit[LAST]) / drive.T_s
+        deviation = drive.K_v * error + drive.velocity_feedforward * unit[layout.feed] - speed
+        grown = unit[INTEGRAL].copy()
+        if drive.T_n > 0.0:
+            grown += drive.K_p * drive.T_s / drive.T_n * deviation
+        wanted = drive.K_p * deviation + grown
+        # The feed of the study is forward throughout.
+        wanted[layout.one] += drive.friction_feedforward
+        control = unit.copy()
+        control[INTEGRAL] = grown
+        control[LAST] = unit[MOTOR]
+        if drive.lag == 0.0:
+            # The place is not in use.
+            control[FORCE] = 0.0
+        force = wanted
+        for number, each in enumerate(drive.filters):
+            b0, b1, b2, a1, a2 = each.coefficients(drive.T_s)
+            first = layout.filters + 2 * number
+            out = b0 * force + unit[first]
+            control[first] = b1 * force - a1 * out + unit[first + 1]
+            control[first + 1] = b2 * force - a2 * out
+            force = out
+        for place in range(layout.filters - 1, layout.commands, -1):
+            control[place] = unit[place - 1]
+        control[layout.commands] = force
+        return wanted, control
+
+
+def _whole_samples(drive: Drive) -> tuple[int, float]:
+    """Return the dead time in whole samples, and the rest [s]."""
+    whole = math.floor(drive.dead_time / drive.T_s + _NONE)
+    rest = drive.dead_time - whole * drive.T_s
+    return whole, rest if rest > _NONE * drive.T_s else 0.0

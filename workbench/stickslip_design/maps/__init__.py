@@ -1,0 +1,1 @@
+"""Maps: the answers over ranges of two or more parameters."""

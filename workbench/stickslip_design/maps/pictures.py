@@ -1,0 +1,183 @@
+"""The picture of a map: jump, where stick-slip ends, where the simplified formula is good."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..points.blocks import Regime
+from .views import VALID, Colours, Side, Slice, View, colours, contours
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+COLOUR_MAP: Final = "cividis"
+"""Alike for every colour vision, and rising in grey."""
+
+EVEN: Final = "#f1f3f5"
+SWINGS: Final = "#b9c0c8"
+UNKNOWN: Final = "#ffffff"
+"""Colours of what has no jump: told apart in grey too."""
+
+_LIMIT: Final = "#d55e00"
+_VALID: Final = "#ffffff"
+_POINT: Final = "#d55e00"
+_INK: Final = "#2b2f36"
+_SIZE: Final = (7.2, 5.2)
+_DOTS: Final = 150
+_SIMPLIFIED: Final = "simplified_error"
+
+
+def picture(view: View, part: Slice) -> bytes:
+    """Draw a slice of a map as PNG.
+
+    Parameters
+    ----------
+    view, part
+        The map and the slice. The first parameter is drawn to the right, the second one upward.
+    """
+    import matplotlib as mpl
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    from stickslip_verification.report.house_style import STYLE
+
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=_SIZE, layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.add_subplot()
+        _draw(axes, view, part)
+        stream = io.BytesIO()
+        figure.savefig(stream, format="png", dpi=_DOTS, metadata={"Software": None})
+    return stream.getvalue()
+
+
+def _draw(axes: Axes, view: View, part: Slice) -> None:
+    import matplotlib as mpl
+    from matplotlib.colors import ListedColormap
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    main = view.variables[0]
+    values = part.columns[main.name]
+    scale = colours(view.units(main.name), [values])
+    x, y = view.x.shown, view.y.shown
+    regime = part.columns.get("regime", np.full(values.shape, Regime.STICKS))
+    hidden = (regime != Regime.STICKS) | ~np.isfinite(values)
+    mesh = axes.pcolormesh(
+        x,
+        y,
+        np.ma.masked_where(hidden, np.abs(values) / scale.unit.size),
+        cmap=COLOUR_MAP,
+        norm=_norm(scale),
+        shading="nearest",
+        rasterized=True,
+    )
+    axes.set_facecolor(EVEN)
+    legend: list[Any] = []
+    if np.any(regime == Regime.EVEN):
+        legend.append(Patch(facecolor=EVEN, edgecolor=_INK, linewidth=0.5, label="moves evenly"))
+    swings = regime == Regime.SWINGS
+    if swings.any():
+        only = ListedColormap([SWINGS])
+        axes.pcolormesh(x, y, np.ma.masked_where(~swings, swings), cmap=only, shading="nearest")
+        if min(values.shape) > 1:
+            # Cells have no hatch.
+            inside = swings.astype(float)
+            axes.contourf(x, y, inside, levels=[0.5, 1.5], colors="none", hatches=["////"])
+        legend.append(
+            Patch(facecolor=SWINGS, hatch="////", edgecolor=_INK, linewidth=0.5, label="swings")
+        )
+    border = view.border(part)
+    if border is not None and _lines(axes, view, border, 0.0, color=_LIMIT, linewidth=2.0):
+        legend.append(Line2D([], [], color=_LIMIT, linewidth=2.0, label="stick-slip ends"))
+    if _SIMPLIFIED in part.columns:
+        error = np.abs(part.columns[_SIMPLIFIED])
+        if min(error.shape) > 1:
+            within = np.nan_to_num(error, nan=np.inf).clip(max=1.0)
+            with mpl.rc_context({"hatch.color": _VALID, "hatch.linewidth": 0.6}):
+                axes.contourf(x, y, within, levels=[-1.0, VALID], colors="none", hatches=["."])
+        look: dict[str, Any] = {"color": _VALID, "linewidth": 1.4, "linestyle": (0, (5, 2))}
+        if _lines(axes, view, error, VALID, **look) or np.any(error < VALID):
+            label = f"simplified formula within {VALID:.0%}"
+            grey = "#6b7280"
+            legend.append(
+                Patch(facecolor=grey, hatch="..", edgecolor=_VALID, linewidth=0.0, label=label)
+            )
+    _mark_point(axes, view, legend)
+    for side, axis in ((view.x, axes.xaxis), (view.y, axes.yaxis)):
+        _name(axis, side)
+    bar = axes.figure.colorbar(mesh, ax=axes)
+    bar.set_label(scale.unit.label(main.words))
+    bar.outline.set_visible(False)
+    held = view.told(part.place)
+    axes.set_title(view.title + (f"\n{held}" if held else ""), fontsize=10, loc="left")
+    if legend:
+        axes.legend(
+            handles=legend, loc="upper left", bbox_to_anchor=(0.0, -0.12), ncols=2, fontsize=8.5
+        )
+
+
+def _norm(scale: Colours) -> Any:
+    from matplotlib.colors import LogNorm, Normalize
+
+    return (LogNorm if scale.log else Normalize)(scale.low, scale.high)
+
+
+def _lines(axes: Axes, view: View, field: NDArray[Any], level: float, **look: Any) -> bool:
+    """Draw the lines at a level; tell whether there are any."""
+    found = False
+    for line in contours(field, level):
+        columns, rows = line[:, 0], line[:, 1]
+        axes.plot(_at(view.x, columns), _at(view.y, rows), **look, solid_capstyle="round")
+        found = True
+    return found
+
+
+def _at(side: Side, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the values shown at places between the values of a side."""
+    numbers = np.arange(side.values.size)
+    if side.log:
+        return np.asarray(np.exp(np.interp(places, numbers, np.log(side.shown))))
+    return np.asarray(np.interp(places, numbers, side.shown))
+
+
+def _mark_point(axes: Axes, view: View, legend: list[Any]) -> None:
+    """Mark where the block or the axis itself is, if that is in the picture."""
+    if not {view.x.name, view.y.name} <= view.point.keys():
+        return
+    x, y = view.point[view.x.name], view.point[view.y.name]
+    for value, side in ((x, view.x), (y, view.y)):
+        if not side.values[0] <= value <= side.values[-1]:
+            return
+    (mark,) = axes.plot(
+        x / view.x.unit.size,
+        y / view.y.unit.size,
+        marker="o",
+        markersize=9,
+        color="white",
+        markeredgecolor=_POINT,
+        markeredgewidth=2.5,
+        linestyle="none",
+        label=f"{view.x.name} = {view.x.unit.told(x)}, {view.y.name} = {view.y.unit.told(y)}",
+    )
+    legend.append(mark)
+
+
+def _name(axis: Any, side: Side) -> None:
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
+    from ..shown import number
+
+    if side.log:
+        axis.set_tick_params(which="minor", labelsize=7)
+        getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
+        if side.values[-1] > 20.0 * side.values[0]:
+            axis.set_minor_formatter(NullFormatter())
+        else:
+            axis.set_minor_formatter(FuncFormatter(lambda value, _: number(value, 4)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: number(value, 4)))
+    axis.set_label_text(side.label)

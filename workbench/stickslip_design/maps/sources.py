@@ -1,0 +1,325 @@
+"""What is computed at each point of a map: the motion of a block, or of an axis."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmukit.table import Variable
+
+from ..axis import AxisError, AxisFile, Number
+from ..axis.build import key_of
+from ..axis.keys import UNITS
+from ..points.axes import axis_points, check
+from ..points.axes import has_closed_form as axis_has_closed_form
+from ..points.blocks import (
+    COLUMNS,
+    WITHOUT_INFLUENCE,
+    block_points,
+    has_closed_form,
+    table_of_law,
+)
+from ..quantity import typed
+from ..shown import EXACT, told
+from .grid import Column
+from .over import Dimension, Quantity
+
+Arrays = Mapping[str, NDArray[np.float64]]
+
+MOST_LIMITS: Final = 1000
+"""Searches of a critical velocity, of 10 to 100 ms, that a map makes without being told to."""
+
+_CLOSED: Final = 16384
+"""Points of a block of closed forms: some ms, in the cache."""
+
+_FOLLOWED: Final = 1024
+"""Points of a block that is followed from event to event: some 0.1 s."""
+
+_RUN: Final = re.compile(r"^run \d+: ")
+
+_AXES: Final = 16
+"""Axes of a block that are computed one by one."""
+
+
+@dataclass(frozen=True)
+class BlockSource:
+    """The block under a friction law: `points.blocks.block_points`.
+
+    Attributes
+    ----------
+    law
+        The friction law.
+    values
+        Name and value [SI] of the parameters and inputs that are not at their start values.
+    limit
+        Whether the critical velocity is computed.
+    closed
+        Whether all of the map has closed forms.
+    """
+
+    law: str
+    values: tuple[tuple[str, float], ...]
+    limit: bool
+    closed: bool
+
+    @property
+    def fastest(self) -> str:
+        """The pulling velocity: the critical one does not depend on it."""
+        return "v"
+
+    @property
+    def by_slips(self) -> bool:
+        """Whether slips are followed: where there is no closed form."""
+        return not self.closed
+
+    @property
+    def title(self) -> str:
+        """What is mapped, in words."""
+        rows = table_of_law(self.law).by_name
+        held = [
+            f"{name} = {told(value, rows[name].unit or '1', EXACT)}" for name, value in self.values
+        ]
+        return f"Block, friction law {self.law}" + (f"; {', '.join(held)}" if held else "")
+
+    @property
+    def most(self) -> int:
+        """Points of a block."""
+        return _CLOSED if self.closed else _FOLLOWED
+
+    @property
+    def identity(self) -> Mapping[str, Any]:
+        """Law and values."""
+        return {"law": self.law, "values": dict(self.values), "limit": self.limit}
+
+    @property
+    def columns(self) -> dict[str, Column]:
+        """The columns by name."""
+        found = {name: Column(*each) for name, each in COLUMNS.items()}
+        if not self.limit:
+            del found["v_c"]
+            return found
+        return found | {"v_c": Column(*COLUMNS["v_c"], without=("v",))}
+
+    def at(self, values: Arrays) -> Mapping[str, NDArray[np.generic]]:
+        """Return the columns at some points."""
+        return block_points({**dict(self.values), **values}, self.law, limit=self.limit)
+
+    def check(self, values: Arrays) -> None:
+        """Raise a ValueError if values do not go together at a point."""
+        try:
+            block_points({**dict(self.values), **values}, self.law, limit=False)
+        except ValueError as error:
+            # The number of the run is that of a corner, which nobody typed.
+            raise ValueError(_RUN.sub("", str(error))) from error
+
+    def point(self, names: Sequence[str]) -> dict[str, float]:
+        """Return the values of some parameters of the block itself, which the map is about."""
+        start = {**table_of_law(self.law).start_values(), **dict(self.values)}
+        return {name: start[name] for name in names}
+
+
+def block_source(
+    law: str,
+    values: Mapping[str, float],
+    over: Sequence[Dimension],
+    limit: bool | None,
+) -> BlockSource:
+    """Return the source of a map of the block; `limit` None: where it costs a minute at most."""
+    spanned = {**values, **{each.name: each.values[-1] for each in over}}
+    closed = has_closed_form(spanned, law)
+    if limit is None:
+        searches = math.prod(len(each.values) for each in over if each.name != "v")
+        limit = closed or searches <= MOST_LIMITS
+    start = table_of_law(law).start_values()
+    mapped = {*WITHOUT_INFLUENCE, *(each.name for each in over)}
+    given = {
+        name: each
+        for name, each in values.items()
+        if name not in mapped and each != start.get(name)
+    }
+    return BlockSource(law, tuple(sorted(given.items())), limit, closed)
+
+
+def block_quantities(law: str) -> dict[str, Quantity]:
+    """Return what a map of the block may be over."""
+    return {
+        row.name: Quantity(
+            row.unit or "1",
+            row.description,
+            partial(typed, unit=row.unit or "1", within=f"({row.range})"),
+            partial(_objection, row),
+        )
+        for row in table_of_law(law).rows
+        if row.settable and row.name not in WITHOUT_INFLUENCE
+    }
+
+
+def _objection(row: Variable, value: float) -> str | None:
+    if row.kind != "Real" and not value.is_integer():
+        return f"{row.name} takes whole numbers, not {value:g}"
+    return row.objection(value)
+
+
+FEED: Final = "feed"
+"""The name of the feed in a map of an axis."""
+
+
+@dataclass(frozen=True)
+class AxisSource:
+    """An axis whose file states other numbers: `points.axes.axis_points`.
+
+    Attributes
+    ----------
+    file
+        The axis file.
+    feed
+        The feed [m/s] where the map is not over it; None: the critical feed alone is mapped.
+    feeds
+        How many feeds the map is over.
+    """
+
+    file: AxisFile
+    feed: float | None
+    feeds: int
+
+    @property
+    def fastest(self) -> str:
+        """The feed: one axis answers for all of them."""
+        return FEED
+
+    @property
+    def by_slips(self) -> bool:
+        """Whether slips are followed: never, the axis has a reference of its own."""
+        return False
+
+    @property
+    def title(self) -> str:
+        """What is mapped, in words."""
+        feed = "" if self.feed is None else f" at {told(self.feed, 'm/s')}"
+        return f"Axis {Path(self.file.name).stem}{feed}"
+
+    @property
+    def most(self) -> int:
+        """Points of a block."""
+        return _CLOSED if axis_has_closed_form(self.file.axis()) else max(_AXES, self.feeds)
+
+    @property
+    def identity(self) -> Mapping[str, Any]:
+        """What the file states, and the feed."""
+        return {"axis": self.file.identity, "feed": self.feed}
+
+    @property
+    def columns(self) -> dict[str, Column]:
+        """The columns by name."""
+        if self.feed is None and not self.feeds:
+            return {name: _AXIS_COLUMNS[name] for name in _WITHOUT_FEED}
+        return _AXIS_COLUMNS
+
+    def at(self, values: Arrays) -> Mapping[str, NDArray[np.generic]]:
+        """Return the columns at some points."""
+        changes = {name: each for name, each in values.items() if name != FEED}
+        shape = np.broadcast_shapes(*(each.shape for each in values.values()))
+        feeds = values.get(FEED)
+        # The feed, where there is one, is the last dimension.
+        of_axis = shape if feeds is None else (*shape[:-1], 1)
+        flat = {name: np.broadcast_to(each, of_axis).ravel() for name, each in changes.items()}
+        count = math.prod(of_axis)
+        table = self.feed if feeds is None else np.broadcast_to(feeds.ravel(), (count, feeds.size))
+        found = axis_points(self.file, flat, table)
+        return {
+            name: np.broadcast_to(each.reshape(of_axis if name in _WITHOUT_FEED else shape), shape)
+            for name, each in found.items()
+        }
+
+    def check(self, values: Arrays) -> None:
+        """Raise an AxisError if values do not go together at a point."""
+        points = np.broadcast_arrays(*values.values())
+        for place in np.ndindex(points[0].shape):
+            numbers = {name: float(each[place]) for name, each in zip(values, points, strict=True)}
+            numbers.pop(FEED, None)
+            self.file.changed(numbers).axis()
+
+    def point(self, names: Sequence[str]) -> dict[str, float]:
+        """Return the values of some parameters of the axis itself, which the map is about."""
+        found = {name: _number(self.file, name).value for name in names if name != FEED}
+        feeds = demanded(self.file)
+        return found | {FEED: feeds[0]} if feeds and FEED in names else found
+
+
+_AXIS_COLUMNS: Final = {
+    "jump": Column("m", "Jump of the table; 0 where it never jumps"),
+    "rate": Column("Hz", "Jumps in a second; 0 where it never jumps"),
+    "regime": Column("1", "What the table does: 0 moves evenly, 1 sticks and slips, 2 swings"),
+    "critical_feed": Column(
+        "m/s", "Critical feed: the highest at which the table jumps", without=(FEED,)
+    ),
+    "stable": Column("1", "Whether the servo loop is stable", without=(FEED,)),
+    "clamped": Column("1", "Whether mu_k came above mu_s and was taken as that", without=(FEED,)),
+}
+_WITHOUT_FEED: Final = ("critical_feed", "stable", "clamped")
+
+
+def axis_source(file: AxisFile, over: Sequence[Dimension], feed: float | None) -> AxisSource:
+    """Return the source of a map of an axis; its feed is that of the demand where none is given."""
+    feeds = next((len(each.values) for each in over if each.name == FEED), 0)
+    if feed is None and not feeds:
+        feed = next(iter(demanded(file)), None)
+    return AxisSource(file, None if feeds else feed, feeds)
+
+
+def demanded(file: AxisFile) -> list[float]:
+    """Return the feeds that a file demands [m/s]."""
+    return [
+        each.value
+        for path, each in file.values.items()
+        if path.startswith("demand.feeds") and isinstance(each, Number)
+    ]
+
+
+def axis_quantities(file: AxisFile) -> dict[str, Quantity]:
+    """Return what a map of an axis may be over: the numbers that its file states, and the feed."""
+    found = {
+        path: Quantity(
+            each.unit,
+            key_of(path).meaning,
+            partial(_read, file, path),
+            partial(_refusal, file, path),
+        )
+        for path, each in file.values.items()
+        if isinstance(each, Number) and not path.startswith("demand.")
+    }
+    found[FEED] = Quantity("m/s", "Feed", partial(typed, unit="m/s", within="> 0"), _feed_refusal)
+    return found
+
+
+def _number(file: AxisFile, path: str) -> Number:
+    number = file.values[path]
+    assert isinstance(number, Number)
+    return number
+
+
+def _read(file: AxisFile, path: str, text: str) -> float:
+    """Read a quantity as the file does, in the unit in which the file states it."""
+    key, unit = key_of(path), _number(file, path).unit
+    kinds = [each for each in key.kinds if each.unit == unit]
+    return UNITS.read(text, kinds, next(iter(kinds)) if key.bare else None)[0]
+
+
+def _refusal(file: AxisFile, path: str, value: float) -> str | None:
+    try:
+        check(file, path, value)
+    except AxisError as error:
+        return str(error)
+    return None
+
+
+def _feed_refusal(value: float) -> str | None:
+    return None if value > 0.0 else f"a feed is above 0, not {value:g} m/s"

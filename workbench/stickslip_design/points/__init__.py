@@ -1,0 +1,1 @@
+"""The answers to one question for many settings at once, each point exact."""

@@ -1,0 +1,268 @@
+"""Quantities as people write them: `20mm/s`, `31 mm/year`, `0.5 N/um`, `60 kg cm2`, `1e3`.
+
+A unit is refused if its dimension is not the one expected. Numbers are scaled as fractions and
+rounded once: `20mm/s` is the same double as `0.02`.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from typing import Final
+
+from stickslip_verification import Unit, spelled
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of quantity: its name, SI unit and an example."""
+
+    name: str
+    unit: str
+    example: str
+
+    @property
+    def in_words(self) -> str:
+        """Its name, with the SI unit where it has one."""
+        return self.name if self.unit == "1" else f"{self.name} in {self.unit}"
+
+    def expected(self, within: str = "") -> str:
+        """Return what is expected in words: name, SI unit, range `within`, example."""
+        return f"{self.in_words}{' ' if within else ''}{within}, such as {self.example}"
+
+
+KINDS: Final = {
+    kind.unit: kind
+    for kind in (
+        Kind("a mass", "kg", "2 kg"),
+        Kind("a length", "m", "5mm"),
+        Kind("a time", "s", "3 ms"),
+        Kind("a velocity", "m/s", "20mm/s"),
+        Kind("an acceleration", "m/s2", "9.81 m/s2"),
+        Kind("a force", "N", "5 N"),
+        Kind("a stiffness", "N/m", "1 kN/m"),
+        Kind("a damping coefficient", "N.s/m", "2 N.s/m"),
+        Kind("a plain number", "1", "0.5"),
+    )
+}
+"""The kinds of quantities of the block, by SI unit as its variable table spells it."""
+
+_NUMBER: Final = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+
+
+class QuantityError(ValueError):
+    """A text is not a quantity of the kind expected; the message is the reason alone."""
+
+
+@dataclass(frozen=True)
+class Units:
+    """A way to write quantities.
+
+    Attributes
+    ----------
+    spelled
+        The unit of a spelling; None where it is not understood.
+    kinds
+        The kinds of quantities that a refusal calls by their names, by SI unit.
+    """
+
+    spelled: Callable[[str], Unit | None]
+    kinds: Mapping[str, Kind]
+
+    def read(self, text: str, kinds: Sequence[Kind], bare: Kind | None) -> tuple[float, Kind]:
+        """Read a quantity of one of several kinds.
+
+        Parameters
+        ----------
+        text
+            A number, with or without a unit.
+        kinds
+            What it may be.
+        bare
+            What a number without a unit is; None: it is refused.
+
+        Returns
+        -------
+        float
+            The finite double nearest to the quantity in the unit of its kind.
+        Kind
+            The kind.
+
+        Raises
+        ------
+        QuantityError
+            If the text is not a finite number, or its unit is unknown or of another dimension.
+        """
+        number, symbol = parts_of(text)
+        if not symbol:
+            if bare is None:
+                raise QuantityError("has no unit")
+            return _scaled(number, Fraction(1)), bare
+        typed = self.spelled(symbol)
+        if typed is None:
+            raise QuantityError(f"has the unknown unit {symbol!r}")
+        for kind in kinds:
+            unit = self.spelled(kind.unit)
+            if unit is not None and unit.dimension == typed.dimension:
+                return _scaled(number, typed.factor / unit.factor), kind
+        raise QuantityError(self._other(symbol, typed))
+
+    def _other(self, symbol: str, typed: Unit) -> str:
+        for kind in self.kinds.values():
+            unit = self.spelled(kind.unit)
+            if unit is not None and unit.dimension == typed.dimension:
+                return f"is {kind.name}"
+        return f"has the unit {symbol!r}"
+
+
+def parts_of(text: str) -> tuple[str, str]:
+    """Return number and unit of a quantity as they are written.
+
+    Raises
+    ------
+    QuantityError
+        If the text does not begin with a finite number, or that has a decimal comma.
+    """
+    stripped = text.strip()
+    number = _NUMBER.match(stripped)
+    if number is None:
+        raise QuantityError("is not a finite number")
+    symbol = stripped[number.end() :].strip()
+    if symbol.startswith(","):
+        raise QuantityError("has a comma where the decimal point is expected")
+    return number.group(), symbol
+
+
+def _scaled(number: str, scale: Fraction) -> float:
+    value = float(number)
+    # A number that is 0 or infinity as a double has an exponent that a fraction must not expand.
+    if scale != 1 and value != 0.0 and not math.isinf(value):
+        try:
+            value = float(Fraction(number) * scale)
+        except OverflowError:
+            value = math.inf
+    if math.isinf(value):
+        raise QuantityError("is larger than a double can hold")
+    return value
+
+
+_TYPED: Final = Units(partial(spelled, all_below=True), KINDS)
+"""As in FMI and in print, everything after the stroke stands below it."""
+
+
+def typed(text: str, unit: str, within: str = "") -> float:
+    """Read a quantity in which a plain number is SI.
+
+    Parameters
+    ----------
+    text
+        A number, with or without a unit: ``"1e3"``, ``"20mm/s"``, ``"1 kN/m"``.
+    unit
+        The SI unit of the result, which also says what dimension is expected.
+    within
+        The range in words, such as ``"> 0"``, for the message; the caller checks it.
+
+    Raises
+    ------
+    QuantityError
+        If the text is not a finite number, or its unit is unknown or of another dimension; the
+        message gives the reason and what is expected.
+    """
+    # A friction law may have a parameter of any unit.
+    kind = KINDS.get(unit) or Kind("a quantity", unit, f"0.5 {unit}")
+    try:
+        return _TYPED.read(text, (kind,), kind)[0]
+    except QuantityError as error:
+        raise QuantityError(f"{error}; expected {kind.expected(within)}") from None
+
+
+_TURN: Final = Fraction(2.0 * math.pi)
+_ROTARY: Final[Mapping[str, Unit]] = {
+    "rad": Unit(Fraction(1), Fraction(0), (0, 0, 0, 0, 0, 0, 0, 1)),
+    "turn": Unit(_TURN, Fraction(0), (0, 0, 0, 0, 0, 0, 0, 1)),
+    "rev": Unit(_TURN, Fraction(0), (0, 0, 0, 0, 0, 0, 0, 1)),
+    "rpm": Unit(_TURN / 60, Fraction(0), (0, 0, -1, 0, 0, 0, 0, 1)),
+    "counts": Unit(Fraction(1), Fraction(0), (0, 0, 0, 0, 0, 0, 0, 0)),
+    # Read sign by sign it could be N ms.
+    "Nms": Unit(Fraction(1), Fraction(0), (1, 2, -1, 0, 0, 0, 0, 0)),
+    # Both edges of both tracks of an encoder count.
+    "lines": Unit(Fraction(4), Fraction(0), (0, 0, 0, 0, 0, 0, 0, 0)),
+}
+"""Units of what turns. Beside them Hz is a turn in a second, and 1/s stays apart from it."""
+
+_SIGN: Final = re.compile(r"\s*([()/.·*]|[^()/.·*\s]+)")
+_FACTOR: Final = re.compile(r"(?P<symbol>[^\W\d_²³]+)(?P<power>\^?[+-]?\d{1,2}|[²³])?")
+
+
+def on_data_sheet(text: str) -> Unit | None:
+    """Read a unit as drawings and data sheets write it; None if it is not understood.
+
+    Beyond `stickslip_verification.spelled` a blank multiplies, or nothing at all (``kg cm2``,
+    ``kgcm²``, ``Nm``), round brackets group, everything after the first stroke stands below it
+    (``m/min/mm``), and what turns has units: ``rad``, ``turn``, ``rpm``, ``Hz``, ``lines/turn``.
+    """
+    text = text.replace("**", "^")
+    signs = _SIGN.findall("1" + text if text.startswith("/") else text)
+    try:
+        unit = _quotient(signs)
+    except ValueError:
+        return None
+    return None if signs else unit
+
+
+def _quotient(signs: list[str]) -> Unit:
+    """Take a unit from the beginning of a list of signs, up to a bracket that closes."""
+    unit, side, open_end = Unit(Fraction(1), Fraction(0), (0,) * 8), 1, True
+    while signs and signs[0] != ")":
+        sign = signs.pop(0)
+        if sign in {"/", ".", "·", "*"}:
+            if open_end:
+                raise ValueError
+            side, open_end = (-1 if sign == "/" else side), True
+            continue
+        if sign == "(":
+            part = _quotient(signs)
+            if not signs:
+                raise ValueError
+            del signs[0]
+        else:
+            part = _factor(sign)
+        unit, open_end = _times(unit, part, side), False
+    if open_end:
+        raise ValueError
+    return unit
+
+
+def _factor(sign: str) -> Unit:
+    unit = spelled(sign)
+    if unit is not None and "Hz" not in sign:
+        return unit
+    match = _FACTOR.fullmatch(sign)
+    if match is None:
+        raise ValueError
+    symbol, power = match["symbol"], match["power"] or ""
+    if symbol.endswith("Hz") and (hertz := spelled(symbol)):
+        return _raised(_times(hertz, _ROTARY["turn"], 1), power)
+    if symbol in _ROTARY:
+        return _raised(_ROTARY[symbol], power)
+    pairs = [(spelled(symbol[:n]), spelled(symbol[n:] + power)) for n in range(1, len(symbol))]
+    found = [_times(one, other, 1) for one, other in pairs if one and other]
+    if len(found) != 1:
+        raise ValueError
+    return found[0]
+
+
+def _raised(unit: Unit, power: str) -> Unit:
+    exponent = {"": 1, "²": 2, "³": 3}.get(power) or int(power.lstrip("^"))
+    return _times(Unit(Fraction(1), Fraction(0), (0,) * 8), unit, exponent)
+
+
+def _times(one: Unit, other: Unit, power: int) -> Unit:
+    a, b, c, d, e, f, g, h = (
+        p + power * q for p, q in zip(one.dimension, other.dimension, strict=True)
+    )
+    return Unit(one.factor * other.factor**power, Fraction(0), (a, b, c, d, e, f, g, h))

@@ -1,0 +1,97 @@
+"""Ranges of a quantity as people write them: `0.1..50 mm/s log 400`, `1e3..1e5 N/m 50`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .quantity import QuantityError, parts_of, typed
+
+Read: TypeAlias = Callable[[str, str], float]
+"""Reads a quantity: text and unit of the result; raises `QuantityError`."""
+
+EXAMPLE: Final = "0.1..50 mm/s log 400"
+BETWEEN: Final = ".."
+"""What stands between the ends of a range."""
+
+MOST_VALUES: Final = 1_000_000_000
+"""Values of one range: more fit into no memory."""
+
+_SPACED: Final = {"log": True, "lin": False}
+_COUNT: Final = re.compile(r"[+-]?\d{1,18}", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Range:
+    """Values from `low` to `high`, both among them.
+
+    Attributes
+    ----------
+    low, high
+        The ends, in the unit that was asked for.
+    count
+        How many values, at least 2.
+    log
+        Whether each value has the same ratio to the next, in place of the same distance.
+    """
+
+    low: float
+    high: float
+    count: int
+    log: bool
+
+    def values(self) -> NDArray[np.float64]:
+        """Return the values, shape (count,), rising; the ends are exact."""
+        spaced = np.geomspace if self.log else np.linspace
+        return np.asarray(spaced(self.low, self.high, self.count), dtype=np.float64)
+
+
+def parse_range(text: str, unit: str, *, read: Read = typed) -> Range:
+    """Read a range: ``LOW..HIGH [UNIT] [log] COUNT``.
+
+    The unit stands behind the high end and counts for both; the low end may have one of its own
+    (``900 um/s..2 mm/s 12``). Without ``log``, or with ``lin``, the distances are equal.
+
+    Parameters
+    ----------
+    text
+        What a person wrote.
+    unit
+        The unit of the result, which says what dimension is expected.
+    read
+        Reads one end, given text and unit; default: `stickslip_design.quantity.typed`, in which a
+        plain number is SI.
+
+    Raises
+    ------
+    QuantityError
+        If the text is no range, runs backwards, is empty, or is logarithmic and not above 0; or as
+        `read` raises it. The message gives the reason alone: it follows a name and the text.
+    """
+    low_text, between, rest = (part.strip() for part in text.partition(BETWEEN))
+    if not between or BETWEEN in rest or rest.startswith("."):
+        raise QuantityError(f"is no range; expected such as {EXAMPLE!r}")
+    number, tail = parts_of(rest)
+    *words, last = tail.split() or [""]
+    if not _COUNT.fullmatch(last):
+        raise QuantityError(f"does not end with how many values; expected such as {EXAMPLE!r}")
+    count = int(last)
+    log = _SPACED[words.pop()] if words and words[-1] in _SPACED else False
+    symbol = " ".join(words)
+    low_number, low_symbol = parts_of(low_text)
+    low = read(f"{low_number} {low_symbol or symbol}".strip(), unit)
+    high = read(f"{number} {symbol}".strip(), unit)
+    if not 2 <= count <= MOST_VALUES:
+        raise QuantityError(f"has {count} values; expected 2 to {MOST_VALUES}")
+    if low == high:
+        raise QuantityError("is empty: both ends are the same")
+    if low > high:
+        raise QuantityError("runs backwards: the low end is above the high end")
+    if log and low <= 0.0:
+        raise QuantityError("is logarithmic and begins at 0 or below; expected both ends above 0")
+    return Range(low, high, count, log)

@@ -1,0 +1,139 @@
+"""A verdict as plain data, for JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from stickslip_fmu.release import VERSION
+
+from ..loop.stability import Swing
+from ..verdict import Verdict
+from .tables import standing
+
+FORMAT: Final = 1
+"""Rises where a key changes its meaning or goes."""
+
+ABOUT: Final = (
+    "Numbers are SI, in the units of `units` by key. A number without end is the text 'Infinity'. "
+    "null: there is none, or it was not stated."
+)
+
+UNITS: Final = {
+    "feed": "m/s",
+    "feeds": "m/s",
+    "margin": "1",
+    "jump": "m",
+    "frequency": "Hz",
+    "simplified_jump": "m",
+    "simplified_frequency": "Hz",
+    "critical_feed": "m/s",
+    "critical_range": "m/s",
+    "rigid_critical_feed": "m/s",
+    "estimated_critical_feed": "m/s",
+    "simplified_critical_feed": "m/s",
+    "from_rest": "m/s",
+    "damping": "1",
+    "w": "rad/s",
+    "K_v": "1/s",
+    "bandwidth": "rad/s",
+    "period": "s",
+    "dead_band": "m",
+    "real": "1",
+    "imag": "1",
+    "gain_margin": "1",
+    "gain_margin_at": "Hz",
+    "phase_margin": "rad",
+    "phase_margin_at": "Hz",
+    "delay_margin": "s",
+    "time": "s",
+    "ahead": "m",
+    "effort": "1",
+    "now": "that of `unit` beside it",
+    "then": "that of `unit` beside it",
+    "m": "kg",
+    "k": "N/m",
+    "c": "N.s/m",
+    "g": "m/s2",
+    "load": "N",
+    "along": "N",
+    "F_s": "N",
+    "F_k": "N",
+    "stiffest": "N/m",
+    "spread": "SI, as the number that it belongs to",
+    "own": "SI, as the parameters of the friction law",
+    "mu_s": "1",
+    "mu_k": "1",
+    "inertia": "kg",
+    "d": "N.s/m",
+    "dry": "N",
+    "T_n": "s",
+    "T_s": "s",
+    "lag": "s",
+    "dead_time": "s",
+    "depth": "1",
+    "velocity_feedforward": "1",
+    "friction_feedforward": "N",
+    "F_max": "N",
+    "resolution_motor": "m",
+    "resolution_table": "m",
+    "pitch": "m",
+    "acceleration": "m/s2",
+    "largest_jump": "m",
+    "largest_error": "m",
+}
+"""The unit of every number, by its key."""
+
+
+def data(verdict: Verdict) -> dict[str, Any]:
+    """Return a verdict as what JSON knows: dicts, lists, texts, finite numbers, true and null.
+
+    Keys are the attributes of `Verdict` and of what is in it. Numbers are SI, their units stand in
+    ``units`` by key. Infinity is the text ``"Infinity"``, what is not a number null. A complex
+    gain is two lists, ``real`` and ``imag``.
+    """
+    axis = {"F_s": verdict.axis.F_s, "F_k": verdict.axis.F_k}
+    found: dict[str, Any] = _plain(verdict)
+    found["axis"] |= _plain(axis)
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "about": ABOUT,
+        "units": dict(UNITS),
+        "standing": standing(verdict).word,
+        **found,
+    }
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Swing):
+        return _plain({**value._asdict(), "frequency": value.frequency})
+    if is_dataclass(value) and not isinstance(value, type):
+        return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
+    if hasattr(value, "_asdict"):
+        return _plain(value._asdict())
+    if isinstance(value, Mapping):
+        return {str(key): _plain(each) for key, each in value.items()}
+    if isinstance(value, np.ndarray):
+        if np.iscomplexobj(value):
+            return {"real": _plain(value.real), "imag": _plain(value.imag)}
+        return [_plain(each) for each in value.tolist()]
+    if isinstance(value, tuple | list):
+        return [_plain(each) for each in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float):
+        return _number(value)
+    return value
+
+
+def _number(value: float) -> float | str | None:
+    if math.isnan(value):
+        return None
+    if math.isinf(value):
+        return "Infinity" if value > 0.0 else "-Infinity"
+    return value

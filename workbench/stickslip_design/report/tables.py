@@ -1,0 +1,373 @@
+"""The parts of a verdict in words: what page and terminal show, each as a grid of texts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Literal, NamedTuple
+
+import numpy as np
+
+from ..axis import Axis, Filter
+from ..loop.response import Cut, Response
+from ..shown import EXACT, NONE, decibels, number, per_minute, shown_in, told
+from ..verdict import AxisCure, OperatingPoint, Verdict
+
+Tone = Literal["good", "warn", "bad"]
+Motion = Literal["jumps", "both", "even"]
+
+MOTIONS: Final[dict[Motion, str]] = {
+    "jumps": "moves in jumps",
+    "both": "jumps or even, by its start",
+    "even": "moves evenly",
+}
+CUTS: Final[dict[Cut, str]] = {"force": "at the motor's force", "position": "at the position error"}
+"""Where a loop is open, in words."""
+
+_NOTHING: Final = 1e-9
+"""A gain that is rounding alone."""
+
+
+class Standing(NamedTuple):
+    """The verdict in a few words, and how good it is."""
+
+    word: str
+    tone: Tone
+
+
+class Range(NamedTuple):
+    """Feeds between two limits [m/s] and the motion that exists there."""
+
+    low: float
+    high: float
+    motion: Motion
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table of texts.
+
+    Attributes
+    ----------
+    head
+        Headings of the columns, with the unit where a column is of numbers.
+    rows
+        Cells; the first of a row names it.
+    numbers
+        Columns of numbers, which stand at the right.
+    """
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    numbers: frozenset[int] = frozenset()
+
+
+def standing(verdict: Verdict) -> Standing:
+    """Return the verdict in a few words; an unstable loop comes before anything else."""
+    if not verdict.stable:
+        return Standing("unstable", "bad")
+    jumping = [point for point in verdict.points if point.jumps]
+    if jumping and all(point.from_rest is False for point in jumping):
+        return Standing("depends on the start", "warn")
+    if jumping:
+        allowed = verdict.axis.demand.largest_jump
+        if allowed is not None and all(
+            point.jump is not None and point.jump <= allowed for point in jumping
+        ):
+            return Standing("jumps within the limit", "warn")
+        return Standing("judders", "bad")
+    if not verdict.points and verdict.critical_feed > 0.0:
+        low = math.isfinite(verdict.critical_feed)
+        return Standing("jumps at low feed", "warn") if low else Standing("judders", "bad")
+    if verdict.hunting is not None:
+        return Standing("hunts at a target", "warn")
+    return Standing("clean", "good")
+
+
+def motions(verdict: Verdict) -> tuple[Range, ...]:
+    """Return where over the feed which motion exists; empty where the loop is unstable."""
+    if not verdict.stable or math.isnan(verdict.critical_feed):
+        return ()
+    limit = verdict.critical_feed
+    certain = limit if verdict.from_rest is None else min(verdict.from_rest, limit)
+    found = (
+        Range(0.0, certain, "jumps"),
+        Range(certain, limit, "both"),
+        Range(limit, math.inf, "even"),
+    )
+    return tuple(each for each in found if each.high > each.low)
+
+
+def critical(verdict: Verdict) -> str:
+    """Return the critical feed in words, with its range where it has one."""
+    limit = verdict.critical_feed
+    if not verdict.stable or math.isnan(limit):
+        return "none: the loop is unstable"
+    if limit == 0.0:
+        return "none: the axis never jumps"
+    if math.isinf(limit):
+        return "none: the axis jumps at every feed"
+    text = f"{told(limit, 'm/s')} ({per_minute(limit)} mm/min)"
+    low, high = verdict.critical_range
+    if low < high:
+        text += f"; {shown_in(low, 'm/s')} to {told(high, 'm/s')} within the ± of the file"
+    return text
+
+
+def margin(verdict: Verdict) -> str:
+    """Return the margin of the slowest feed in words; empty where no feed was asked for."""
+    if not verdict.points:
+        return ""
+    slowest = verdict.points[0]
+    at = f"{told(slowest.feed, 'm/s', EXACT)} ({per_minute(slowest.feed, EXACT)} mm/min)"
+    return f"{number(slowest.margin)} at the slowest feed, {at}"
+
+
+def change(cure: AxisCure) -> str:
+    """Return the change of a cure: now → then."""
+    now = told(cure.now, cure.unit, EXACT)
+    if cure.then is None:
+        return f"now {now}; none found"
+    then = told(cure.then, cure.unit, EXACT)
+    value, _, symbol = now.partition(" ")
+    return f"{value if symbol == then.partition(' ')[2] else now} → {then}"
+
+
+def operating_points(verdict: Verdict) -> Grid:
+    """Return what the axis does at each feed, exact beside the familiar formulas."""
+    return Grid(
+        (
+            "feed [mm/s]", "[mm/min]", "margin", "what the axis does",
+            "jump [µm]", "familiar formula [µm]", "jumps a second [1/s]", "familiar formula [1/s]",
+        ),
+        [
+            (
+                shown_in(point.feed, "m/s", EXACT),
+                per_minute(point.feed, EXACT),
+                number(point.margin),
+                _does(point),
+                shown_in(point.jump, "m"),
+                shown_in(point.simplified_jump, "m"),
+                number(point.frequency),
+                number(point.simplified_frequency),
+            )
+            for point in verdict.points
+        ],
+        frozenset({0, 1, 2, 4, 5, 6, 7}),
+    )  # fmt: skip
+
+
+def _does(point: OperatingPoint) -> str:
+    if point.hunts:
+        return "jumps, and turns back between the jumps"
+    if not point.jumps:
+        return "moves evenly"
+    return "jumps, or moves evenly, by its start" if point.from_rest is False else "jumps"
+
+
+def critical_feeds(verdict: Verdict) -> Grid:
+    """Return the critical feed beside the simpler ways to it."""
+    rigid = verdict.axis.drive is None
+    first = "as it jumps, on a rigid drive" if rigid else "as it jumps, in its loop"
+    found: list[tuple[str, float | None]] = [(first, verdict.critical_feed)]
+    if not rigid:
+        start = verdict.axis.demand.acceleration
+        reached = NONE if start is None else told(start, "m/s2", EXACT)
+        found += [
+            (f"from rest, at {reached}" if start is not None else "from rest", verdict.from_rest),
+            ("quick estimate: rigid drive, damping of the loop", verdict.estimated_critical_feed),
+            ("on a rigid drive", verdict.rigid_critical_feed),
+        ]
+    found.append(("familiar formula, rigid drive", verdict.simplified_critical_feed))
+    return Grid(
+        ("critical feed", "[mm/s]", "[mm/min]", "against the first"),
+        [
+            (
+                name,
+                "not stated" if value is None else shown_in(value, "m/s"),
+                per_minute(value),
+                _against(value, verdict.critical_feed) if place else "",
+            )
+            for place, (name, value) in enumerate(found)
+        ],
+        frozenset({1, 2, 3}),
+    )
+
+
+def _against(value: float | None, first: float) -> str:
+    if value is None or not (0.0 < first < math.inf and math.isfinite(value)):
+        return NONE
+    return f"{100.0 * (value / first - 1.0):+.0f} %".replace("-", "\N{MINUS SIGN}")
+
+
+def loop(verdict: Verdict) -> Grid:
+    """Return how the loop swings and what gains it bears; without rows on a rigid drive."""
+    rows: list[tuple[str, str]] = []
+    for name, swing in (("sliding", verdict.sliding), ("stuck", verdict.stuck)):
+        if swing is not None:
+            swings = "does not swing"
+            if math.isfinite(swing.damping) and swing.w > 0.0:
+                damping = f"{number(100.0 * swing.damping)} %"
+                swings = f"{told(swing.frequency, 'Hz')}, damping ratio {damping}"
+            rows.append((f"least damped swing, table {name}", swings))
+    drive, gains = verdict.axis.drive, verdict.gains
+    if drive is not None and gains is not None:
+        rows.append(("stable up to K_v, all else held", _borne(drive.K_v, gains.K_v, "1/s")))
+        name = "stable up to a bandwidth, K_v and T_n times the bandwidth held"
+        rows.append((name, _borne(drive.bandwidth, gains.bandwidth, "rad/s")))
+    return Grid(("loop", ""), rows)
+
+
+def _borne(now: float, limit: float, unit: str) -> str:
+    if limit == 0.0:
+        return f"no stable value found; now {told(now, unit, EXACT)}"
+    if math.isinf(limit):
+        return f"no limit found; now {told(now, unit, EXACT)}"
+    apart = decibels(max(limit / now, now / limit)) if now > 0.0 else NONE
+    side = "below" if now < limit else "above"
+    return f"{told(limit, unit)}; now {told(now, unit, EXACT)}, {apart} dB {side}"
+
+
+def passes(response: Response) -> bool:
+    """Return whether anything passes an open loop: no motion of a table that is stuck."""
+    return float(np.abs(response.gain).max()) > _NOTHING
+
+
+def margins(verdict: Verdict) -> Grid:
+    """Return gain and phase margin of each open loop; an unstable one has none."""
+    return Grid(
+        ("open loop", "table", "gain margin [dB]", "phase margin [°]"),
+        [
+            (
+                CUTS[each.cut],
+                "sliding" if each.sliding else "stuck",
+                decibels(each.gain_margin) if passes(each) else NONE,
+                shown_in(each.phase_margin, "rad") if passes(each) else NONE,
+            )
+            for each in verdict.responses
+            if verdict.stable
+        ],
+        frozenset({2, 3}),
+    )
+
+
+def hunting(verdict: Verdict) -> tuple[str, ...]:
+    """Return in sentences what the axis does at a target that it holds."""
+    if verdict.axis.drive is None:
+        return ("A rigid drive has no loop that could hunt.",)
+    if not verdict.stable:
+        return ("Not asked: the loop is unstable.",)
+    found = verdict.hunting
+    if found is None:
+        return ("It comes to rest: it does not hunt.",)
+    said = [
+        f"It hunts: it jumps {told(found.jump, 'm')} there and back again in "
+        f"{told(found.period, 's')}.",
+        f"The smallest dead band that ends it is {told(found.dead_band, 'm')}; the table may then "
+        "rest that far from the target.",
+    ]
+    allowed = verdict.axis.demand.largest_error
+    if allowed is not None:
+        kept = "no more" if found.dead_band <= allowed else "more"
+        said.append(f"That is {kept} than the {told(allowed, 'm', EXACT)} allowed at rest.")
+    said.append(
+        "Presliding, the elastic give of the contact before it breaks away, is left out; it can "
+        "end the hunting (0.5 µm did in a computation apart)."
+    )
+    return tuple(said)
+
+
+def cures(verdict: Verdict) -> Grid:
+    """Return every cure, the cheapest first."""
+    return Grid(
+        ("cure", "number", "now → then", "factor", "aim", "held, and what else to know"),
+        [
+            (
+                cure.name,
+                cure.number,
+                change(cure),
+                NONE if math.isinf(cure.effort) else f"{number(cure.effort)} ×",
+                cure.aim,
+                "; ".join(filter(None, (cure.held and f"held: {cure.held}", cure.note))),
+            )
+            for cure in verdict.cures
+        ],
+        frozenset({3}),
+    )
+
+
+def assumed(axis: Axis) -> Grid:
+    """Return what the file did not state, what was taken for it, and why."""
+    return Grid(("not in the file", "taken", "why"), [tuple(each) for each in axis.assumed])
+
+
+_ROWS: Final = (
+    ("", "mass", "m", "kg", "table and workpiece"),
+    ("", "stiffness", "k", "N/m", "stiffness between drive and table"),
+    ("", "", "stiffest", "N/m", "stiffness at the stiffest position"),
+    ("", "c", "c", "N.s/m", "viscous friction of the guideway"),
+    ("", "load", "load", "N", "force that presses beside the weight"),
+    ("", "force_along", "along", "N", "constant force along the way"),
+    ("friction", "mu_s", "mu_s", "1", "static coefficient"),
+    ("friction", "mu_k", "mu_k", "1", "kinetic coefficient"),
+    ("drive", "inertia", "inertia", "kg", "inertia of the drive, at the slide"),
+    ("drive", "pitch", "pitch", "m", "way of the slide per turn of the motor"),
+    ("drive", "viscous_friction", "d", "N.s/m", "viscous friction of motor and nut"),
+    ("drive", "dry_friction", "dry", "N", "dry friction of motor and nut"),
+    ("drive", "K_v", "K_v", "1/s", "position gain K_v"),
+    ("drive", "bandwidth", "bandwidth", "rad/s", "bandwidth of the velocity loop"),
+    ("drive", "integral_time", "T_n", "s", "integral time of the velocity loop"),
+    ("drive", "sample_time", "T_s", "s", "sample time"),
+    ("drive", "current_lag", "lag", "s", "lag of the current loop"),
+    ("drive", "dead_time", "dead_time", "s", "dead time"),
+    ("drive", "dead_band", "dead_band", "m", "dead band"),
+    ("drive", "", "velocity_feedforward", "1", "velocity feed-forward"),
+    ("drive", "", "friction_feedforward", "N", "friction feed-forward"),
+    ("drive", "limit", "F_max", "N", "limit of the motor's force"),
+    ("drive", "", "resolution_motor", "m", "count of the motor's encoder"),
+    ("drive", "", "resolution_table", "m", "count of the scale"),
+    ("demand", "", "acceleration", "m/s2", "acceleration"),
+    ("demand", "", "largest_jump", "m", "largest jump that is allowed"),
+    ("demand", "", "largest_error", "m", "largest error at rest that is allowed"),
+)
+"""Part of the axis, name in the axis file where a number may have a ±, attribute, unit, meaning."""
+
+
+def numbers(axis: Axis) -> Grid:
+    """Return the numbers of an axis that matter to it, with their ±."""
+    return Grid(("number", "value", "±"), list(_numbers(axis)))
+
+
+def _numbers(axis: Axis) -> Iterator[tuple[str, str, str]]:
+    spread = dict(axis.spread)
+    for part, key, attribute, unit, meaning in _ROWS:
+        value: Any = getattr(getattr(axis, part) if part else axis, attribute, None)
+        width = spread.pop(f"{part or 'axis'}.{key}", None)
+        if value is None:
+            continue
+        yield meaning, told(value, unit, EXACT), "" if width is None else told(width, unit, EXACT)
+        if attribute == "c":
+            zeta = 0.5 * axis.c / math.sqrt(axis.k * axis.m)
+            yield "damping ratio, drive held fast", f"{number(100.0 * zeta)} %", ""
+        if attribute == "mu_k":
+            forces = f"{told(axis.F_s, 'N', EXACT)}, {told(axis.F_k, 'N', EXACT)}"
+            yield "break-away force, kinetic friction", forces, ""
+    law = axis.friction.law
+    own = ", ".join(f"{name} = {number(value, EXACT)}" for name, value in axis.friction.own.items())
+    yield "friction law", f"{law} ({own}; SI)" if own else law, ""
+    if axis.drive is None:
+        yield "drive", "rigid", ""
+    else:
+        yield "position is measured", "on the table" if axis.drive.on_table else "on the motor", ""
+        for each in axis.drive.filters:
+            yield "filter of the motor's force", _filter(each), ""
+    for name, width in spread.items():
+        yield name, "", f"{number(width, EXACT)} (SI)"
+
+
+def _filter(found: Filter) -> str:
+    text = f"{found.kind}, {told(found.frequency, 'Hz', EXACT)}"
+    if math.isfinite(found.damping):
+        text += f", damping ratio {number(found.damping, EXACT)}"
+    return text + (f", leaves {number(found.depth, EXACT)}" if found.kind == "notch" else "")

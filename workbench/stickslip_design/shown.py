@@ -1,0 +1,89 @@
+"""Numbers as engineers read them: three or four digits, in the units of the workshop."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+NONE: Final = "–"
+"""What stands for a number that there is none of."""
+
+DIGITS: Final = 3
+"""Digits of a result, with zeros at the end; a critical feed in the loop is good to 1 %."""
+
+EXACT: Final = 4
+"""Digits of a number that was given or that a cure has to reach, without zeros at the end."""
+
+_UNITS: Final = {
+    "1": (1.0, ""),
+    "Hz": (1.0, "Hz"),
+    "N": (1.0, "N"),
+    "N.s/m": (1.0, "N·s/m"),
+    "N/m": (1e6, "N/µm"),
+    "m": (1e-6, "µm"),
+    "m/s": (1e-3, "mm/s"),
+    "rad": (math.pi / 180.0, "°"),
+    "rad/s": (1.0, "1/s"),
+}
+"""The unit in which a quantity of an SI unit is shown, with its size; others stay in SI."""
+
+_SHORT: Final = 0.1
+"""Times below this [s] are shown in ms."""
+
+_LONG: Final = 1e-3
+"""Lengths from this on [m] are shown in mm."""
+
+_PER_MINUTE: Final = 60e3
+"""A speed of 1 m/s in mm/min."""
+
+_SMALLEST: Final = 1e-4
+"""Numbers below this are written with a power of ten."""
+
+
+def number(value: float | None, digits: int = DIGITS) -> str:
+    """Return a number with so many digits, and no power of ten where it can be without."""
+    if value is None or math.isnan(value):
+        return NONE
+    if math.isinf(value):
+        return "∞" if value > 0.0 else "\N{MINUS SIGN}∞"
+    if abs(value) >= 10.0**digits:
+        text = f"{value:.0f}"
+    elif 0.0 < abs(value) < _SMALLEST:
+        mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
+        text = f"{mantissa}e{int(power)}"
+    elif digits == DIGITS and value:
+        text = f"{value:#.{digits}g}".rstrip(".")
+    else:
+        text = f"{value:.{digits}g}"
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def told(value: float | None, unit: str, digits: int = DIGITS) -> str:
+    """Return a quantity given in SI with its unit, in the one that engineers use."""
+    if value is None or math.isnan(value):
+        return NONE
+    size, symbol = _UNITS.get(unit, (1.0, unit))
+    if unit == "s" and 0.0 < abs(value) < _SHORT:
+        size, symbol = 1e-3, "ms"
+    if unit == "m" and _LONG <= abs(value) < math.inf:
+        size, symbol = 1e-3, "mm"
+    text = number(value / size, digits)
+    # A degree stands at its number.
+    return text + symbol if symbol in ("", "°") else f"{text} {symbol}"
+
+
+def shown_in(value: float | None, unit: str, digits: int = DIGITS) -> str:
+    """Return the number of a quantity in the unit of `told`, for a column that names the unit."""
+    return number(None if value is None else value / _UNITS[unit][0], digits)
+
+
+def per_minute(speed: float | None, digits: int = DIGITS) -> str:
+    """Return a speed [m/s] as a number of mm/min."""
+    return number(None if speed is None else speed * _PER_MINUTE, digits)
+
+
+def decibels(factor: float) -> str:
+    """Return a factor in dB, to a tenth."""
+    if not 0.0 < factor < math.inf:
+        return number(factor if factor > 0.0 else None)
+    return f"{20.0 * math.log10(factor):.1f}".replace("-", "\N{MINUS SIGN}")

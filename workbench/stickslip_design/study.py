@@ -1,0 +1,189 @@
+"""Will this axis judder? `design` puts the answer together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Final
+
+from stickslip_ref import simplified
+
+from .axis import Axis, AxisFile, Number
+from .critical import (
+    critical_feed,
+    estimated_critical_feed,
+    jumps_of,
+    rigid_critical_feed,
+    simplified_critical_feed,
+)
+from .levers import END, cured, cures
+from .loop.hunting import Hunting, hunting
+from .loop.jumps import Limit, limit_of_jumps
+from .loop.response import Response, open_loop
+from .loop.rest import Start
+from .loop.stability import gain_limits, is_stable, swing
+from .record import Record, record
+from .verdict import AxisCure, OperatingPoint, Verdict, cheapest
+from .words import in_words
+
+_UNANSWERED: Final = (
+    "Reversal and backlash: the axis moves in one direction.",
+    "Presliding: the guideway holds the table without give until it breaks away; a way that yields "
+    "by some micrometres may end small jumps and hunting.",
+    "Other modes: screw, table and frame are one mass and one spring.",
+)
+_OF_LOOP: Final = "Counts of the encoders and the limit of the motor's force are left out."
+_OF_FALL: Final = (
+    "Swinging without rest: above the critical feed, where friction still falls with the speed, "
+    "the table may swing and never stand."
+)
+_OF_GROWTH: Final = "In the loop static friction grows with tau_s alone, and not with B."
+
+_PERIODS: Final = 8.0
+_BEYOND: Final = 1.02
+"""Periods of the motions that are shown, and how far beyond the limit a cure is taken there."""
+
+
+def design(axis: Axis | AxisFile) -> Verdict:
+    """Return whether an axis judders at the feeds that are asked of it, and what cures it.
+
+    Parameters
+    ----------
+    axis
+        The axis, or the file that states it; without feeds only its limits are found. Only a file
+        has the ± that make a range of the critical feed.
+
+    Returns
+    -------
+    Verdict
+        Of an unstable loop the limits and cures are left out: infinite, and empty.
+    """
+    file = axis if isinstance(axis, AxisFile) else None
+    axis = axis.axis() if isinstance(axis, AxisFile) else axis
+    rigid = rigid_critical_feed(axis)
+    limit = Limit(rigid, None)
+    stable = axis.drive is None or is_stable(axis)
+    if axis.drive is not None:
+        limit = limit_of_jumps(axis) if stable else Limit(math.inf, None)
+    start = _from_rest(axis, limit.feed) if stable else None
+    points = tuple(_points(axis, limit.feed, start)) if stable else ()
+    found = cures(axis, points[0].feed) if points and points[0].jumps else ()
+    before, after = _motions(axis, points, found)
+    loop, constant = axis.drive is not None, axis.friction.constant
+    return Verdict(
+        axis=axis,
+        stable=stable,
+        critical_feed=limit.feed,
+        critical_range=_range(file, axis, limit.feed) if stable else (limit.feed, limit.feed),
+        rigid_critical_feed=rigid,
+        estimated_critical_feed=estimated_critical_feed(axis) if loop and constant else None,
+        simplified_critical_feed=simplified_critical_feed(axis),
+        from_rest=start,
+        sliding=swing(axis) if loop else None,
+        stuck=swing(axis, sliding=False) if loop else None,
+        gains=gain_limits(axis) if loop else None,
+        points=points,
+        hunting=_hunting(axis) if stable else None,
+        responses=tuple(_responses(axis)) if loop else (),
+        cures=found,
+        before=before,
+        after=after,
+        sentence=in_words(axis, limit.feed, points, found, stable=stable),
+        unanswered=tuple(_left_out(axis)),
+    )
+
+
+def _hunting(axis: Axis) -> Hunting | None:
+    if axis.drive is None:
+        return None
+    found = hunting(axis)
+    return None if found is None or found.dead_band <= axis.drive.dead_band else found
+
+
+def _from_rest(axis: Axis, highest: float) -> float | None:
+    if axis.drive is None or axis.demand.acceleration is None or highest == 0.0:
+        return None
+    return Start(axis, axis.demand.acceleration).limit(highest)
+
+
+def _points(axis: Axis, critical: float, start: float | None) -> Iterator[OperatingPoint]:
+    for feed in sorted(axis.demand.feeds):
+        simple = simplified(axis.block(feed))
+        familiar = float(simple.delta_x), float(simple.f)
+        margin = feed / critical if critical > 0.0 else math.inf
+        rests = None if start is None else feed <= start
+        if feed > critical:
+            yield OperatingPoint(feed, margin, False, rests, None, None, *familiar)
+            continue
+        jumps = jumps_of(axis, feed)
+        if jumps is None:
+            yield OperatingPoint(feed, margin, True, rests, None, None, *familiar, hunts=True)
+        else:
+            yield OperatingPoint(feed, margin, True, rests, *jumps, *familiar)
+
+
+def _motions(
+    axis: Axis, points: Sequence[OperatingPoint], found: Sequence[AxisCure]
+) -> tuple[Record | None, Record | None]:
+    """Return the motion at the slowest feed, as it is and beyond the cheapest cure."""
+    best = cheapest(found)
+    if not best or points[0].jump is None:
+        return None, None
+    # The end of the jumps shows more than a smaller one.
+    cure = next((each for each in best if each.aim == END), best[0])
+    feed = points[0].feed
+    span = _PERIODS / (points[0].frequency or 1.0)
+    after = cured(axis, cure, _BEYOND)
+    return record(axis, feed, span), record(after, feed, span)
+
+
+def _range(file: AxisFile | None, axis: Axis, critical: float) -> tuple[float, float]:
+    """Return the lowest and the highest critical feed [m/s] within the ± and along the screw."""
+    others = list(_ends_of_spread(file, axis)) if file is not None and axis.spread else []
+    if axis.stiffest is not None:
+        others.append(replace(axis, k=axis.stiffest))
+    found = [critical_feed(each) if _is_stable(each) else math.inf for each in others]
+    return min(*found, critical, critical), max(*found, critical, critical)
+
+
+def _ends_of_spread(file: AxisFile, axis: Axis) -> Iterator[Axis]:
+    """Return the axes within the ± of the file that jump at the lowest and the highest feeds.
+
+    Each number alone says by the estimate which way it moves the critical feed; all then move that
+    way at once.
+    """
+    quick = rigid_critical_feed if axis.drive is None else estimated_critical_feed
+    lowest: dict[str, float] = {}
+    highest: dict[str, float] = {}
+    for name, spread in axis.spread.items():
+        number = file.values[name]
+        assert isinstance(number, Number)
+        less, more = number.value - spread, number.value + spread
+        rising = quick(file.changed({name: more}).axis()) > quick(file.changed({name: less}).axis())
+        lowest[name], highest[name] = (less, more) if rising else (more, less)
+    for each in (lowest, highest):
+        yield file.changed(each).axis()
+
+
+def _is_stable(axis: Axis) -> bool:
+    return axis.drive is None or is_stable(axis)
+
+
+def _responses(axis: Axis) -> Iterator[Response]:
+    for cut in ("position", "force"):
+        for sliding in (True, False):
+            # A stuck table does not answer a scale: that loop is not closed.
+            stuck_scale = cut == "position" and not sliding and axis.drive and axis.drive.on_table
+            if not stuck_scale:
+                yield open_loop(axis, "position" if cut == "position" else "force", sliding=sliding)
+
+
+def _left_out(axis: Axis) -> Iterator[str]:
+    yield from _UNANSWERED
+    if axis.friction.law != "coulomb":
+        yield _OF_FALL
+    if axis.drive is not None:
+        yield _OF_LOOP
+        if axis.friction.own.get("B"):
+            yield _OF_GROWTH

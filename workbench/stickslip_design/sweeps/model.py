@@ -1,0 +1,223 @@
+"""What is swept: a co-simulation FMU, or the FMUs of an SSP file and how they are wired.
+
+An FMU alone is a system of one component without wires. Its variables have their own names, those
+of an SSP file are named component.variable.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, Final
+
+from stickslip_verification import FmuError, Unit
+from stickslip_verification.drive.fmu.archive import description_of
+from stickslip_verification.drive.fmu.unpacking import check_size, new_folder, unpack
+from stickslip_verification.drive.fmu.variables import NUMBERS, unit_of, units_defined
+
+from ..quantity import QuantityError
+from .job import Component, Variable, Wire
+from .refusal import SweepError
+from .ssp import System, read_system
+from .units import between
+
+_SETTABLE: Final = frozenset({"parameter", "input"})
+_AT_START: Final = frozenset({"exact", "approx"})
+
+
+@dataclass(frozen=True)
+class Model:
+    """A model: its components, variables and wires.
+
+    Attributes
+    ----------
+    path, digest, content
+        The file, the SHA-256 of its bytes, and these.
+    is_system
+        Whether it is an SSP file.
+    components
+        Its FMUs.
+    variables
+        By name.
+    wires
+        Its connections.
+    bound
+        Values that the SSP file gives, by name of the variable.
+    units
+        Units that its FMUs define, by name.
+    experiment
+        Start, stop and step of its default experiment [s], where it has them, by the names that a
+        plan gives them.
+    """
+
+    path: Path
+    digest: str
+    content: bytes = field(repr=False)
+    is_system: bool
+    components: tuple[Component, ...]
+    variables: Mapping[str, Variable]
+    wires: tuple[Wire, ...]
+    bound: Mapping[str, float]
+    units: Mapping[str, Unit]
+    experiment: Mapping[str, float]
+
+
+def read_model(path: Path | str) -> Model:
+    """Read an FMU or an SSP file.
+
+    Raises
+    ------
+    SweepError
+        If it is neither, cannot be run here, or uses what a sweep does not support.
+    """
+    path = Path(path)
+    try:
+        content = path.read_bytes() if path.is_file() else b""
+        return _system(path, content) if path.suffix.lower() == ".ssp" else _fmu(path, content)
+    except OSError as error:
+        raise SweepError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except FmuError as error:
+        raise SweepError(str(error)) from None
+
+
+def _fmu(path: Path, content: bytes) -> Model:
+    description = description_of(path)
+    component = _component(path.name, "", description)
+    return Model(
+        path,
+        sha256(content).hexdigest(),
+        content,
+        False,
+        (component,),
+        {each.name: each for each in _variables(0, "", description)},
+        (),
+        {},
+        units_defined(description),
+        _experiment(description),
+    )
+
+
+def _system(path: Path, content: bytes) -> Model:
+    if not path.is_file():
+        raise SweepError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
+    folder = new_folder()
+    try:
+        system = read_system(path)
+        check_size(path)
+        unpack(path, folder)
+        components: list[Component] = []
+        variables: dict[str, Variable] = {}
+        units: dict[str, Unit] = {}
+        for index, (name, source) in enumerate(system.components.items()):
+            fmu = folder / source
+            if not fmu.is_file():
+                raise SweepError(f"{path}: has no file {source}, the FMU of {name}")
+            try:
+                description = description_of(fmu)
+            except FmuError as error:
+                said = str(error).replace(str(fmu), f"{path}: {source}")
+                raise SweepError(said) from None
+            components.append(_component(name, source, description))
+            variables |= {each.name: each for each in _variables(index, f"{name}.", description)}
+            for unit, meaning in units_defined(description).items():
+                if units.setdefault(unit, meaning) != meaning:
+                    raise SweepError(f"{path}: its FMUs define the unit {unit!r} differently")
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return Model(
+        path,
+        sha256(content).hexdigest(),
+        content,
+        True,
+        tuple(components),
+        variables,
+        tuple(_wires(path, system, variables, units)),
+        _bound(path, system, variables),
+        units,
+        system.experiment,
+    )
+
+
+def _component(name: str, source: str, description: Any) -> Component:
+    interface = description.coSimulation
+    return Component(
+        name, source, description.fmiVersion[:3], description.guid, interface.modelIdentifier
+    )
+
+
+def _variables(component: int, before: str, description: Any) -> Iterator[Variable]:
+    for each in description.modelVariables:
+        obstacle = ""
+        if each.type not in NUMBERS:
+            obstacle = f"is of type {each.type}, and no number"
+        elif each.dimensions:
+            obstacle = "is an array"
+        yield Variable(
+            name=f"{before}{each.name}",
+            component=component,
+            own=each.name,
+            reference=each.valueReference,
+            kind=each.type,
+            causality=each.causality or "local",
+            variability=each.variability or "continuous",
+            unit=unit_of(each) or "",
+            description=" ".join((each.description or "").split()),
+            obstacle=obstacle,
+            # A structural parameter is set in a mode of its own.
+            starts=each.variability != "constant"
+            and each.causality != "structuralParameter"
+            and (each.causality in _SETTABLE or each.initial in _AT_START),
+            start=each.start or "",
+        )
+
+
+def _experiment(description: Any) -> dict[str, float]:
+    stated = description.defaultExperiment
+    if stated is None:
+        return {}
+    names = {"start_time": "startTime", "stop_time": "stopTime", "step": "stepSize"}
+    found = {name: getattr(stated, theirs) for name, theirs in names.items()}
+    return {name: float(text) for name, text in found.items() if text is not None}
+
+
+def _wires(
+    path: Path,
+    system: System,
+    variables: Mapping[str, Variable],
+    units: Mapping[str, Unit],
+) -> Iterator[Wire]:
+    for connection in system.connections:
+        for name in (connection.source, connection.target):
+            if name not in variables or variables[name].obstacle:
+                why = variables[name].obstacle if name in variables else "is no variable of its FMU"
+                raise SweepError(f"{path}: the connected {name} {why}")
+        source, target = variables[connection.source], variables[connection.target]
+        if target.causality != "input":
+            raise SweepError(f"{path}: {target.name} is connected and no input of its FMU")
+        change = connection.change
+        factor, offset = 1.0, 0.0
+        if change.converts:
+            try:
+                found = between(units, source.unit, target.unit)
+            except QuantityError as error:
+                raise SweepError(f"{path}: {target.name} {error}") from None
+            if found is None:
+                raise SweepError(
+                    f"{path}: {target.name} is in {target.unit!r} and what drives it in "
+                    f"{source.unit!r}, which its FMUs do not define"
+                )
+            factor, offset = found
+        factor, offset = change.factor * factor, change.factor * offset + change.offset
+        yield Wire(source.name, target.name, factor, offset)
+
+
+def _bound(path: Path, system: System, variables: Mapping[str, Variable]) -> dict[str, float]:
+    for name in system.values:
+        if name not in variables:
+            raise SweepError(f"{path}: gives a value to {name}, which is no variable of its FMU")
+        if variables[name].obstacle:
+            raise SweepError(f"{path}: gives a value to {name}, which {variables[name].obstacle}")
+    return dict(system.values)

@@ -1,0 +1,163 @@
+"""What a sweep keeps of a run: one number of the samples of a variable.
+
+Jump and period are read off the sticks of a position, whose events lie between two samples, and
+taken to means as the score takes those of a curve, `stickslip_score.measure.from_sticks`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from stickslip_score.measure import Measured
+    from stickslip_score.phases import Stick
+
+Floats: TypeAlias = NDArray[np.float64]
+
+LEAST_AT_REST: Final = 3
+"""Samples of one place that are a rest: a smooth turn may have two alike."""
+
+_INTEGRATED: Final = 1e-9
+"""Of the range of a position: no tool that integrates promises more, so less is a rest."""
+
+
+class Reduction(NamedTuple):
+    """A reduction: of times [s] and samples, its meaning, its unit where it has its own.
+
+    Attributes
+    ----------
+    of
+        Computes it.
+    meaning
+        What it is, in words.
+    unit
+        Its unit; None: that of the variable.
+    whole
+        Whether it needs the samples on the way, and not the last one alone.
+    """
+
+    of: Callable[[Floats, Floats], float]
+    meaning: str
+    unit: str | None = None
+    whole: bool = True
+
+
+def _last(times: Floats, samples: Floats) -> float:
+    return float(samples[-1])
+
+
+def _greatest(times: Floats, samples: Floats) -> float:
+    return float(np.max(samples))
+
+
+def _least(times: Floats, samples: Floats) -> float:
+    return float(np.min(samples))
+
+
+def _mean(times: Floats, samples: Floats) -> float:
+    if times.size < 2:
+        return float(samples[-1])
+    return float(np.trapezoid(samples, times) / (times[-1] - times[0]))
+
+
+def _jump(times: Floats, position: Floats) -> float:
+    if not np.all(np.isfinite(position)):
+        return math.nan
+    jumps = _measured(times, position).jumps
+    return float(np.mean(np.abs(jumps))) if jumps else 0.0
+
+
+def _period(times: Floats, position: Floats) -> float:
+    if not np.all(np.isfinite(position)):
+        return math.nan
+    return _measured(times, position).values.get("period", (math.nan, math.nan))[0]
+
+
+def _measured(times: Floats, position: Floats) -> Measured:
+    # It brings SciPy, which takes a second; a process that reads last values goes without.
+    from stickslip_score.measure import from_sticks
+
+    return from_sticks(sticks(times, position), _digits(position))
+
+
+REDUCTIONS: Final[Mapping[str, Reduction]] = {
+    "last": Reduction(_last, "at the end", whole=False),
+    "max": Reduction(_greatest, "greatest sample"),
+    "min": Reduction(_least, "least sample"),
+    "mean": Reduction(_mean, "mean over time, the samples joined by straight lines"),
+    "jump": Reduction(
+        _jump, "mean length of the jumps between two rests, 0 where there is none; of a position"
+    ),
+    "period": Reduction(
+        _period,
+        "mean time from break-away to break-away, NaN where there is no whole cycle; of a position",
+        "s",
+    ),
+}
+"""The reductions by name."""
+
+
+def sticks(times: Floats, position: Floats) -> list[Stick]:
+    """Find the rests of a mass between its slips, in order of time.
+
+    A rest is a longest run of at least `LEAST_AT_REST` samples within the digits of the position.
+    Each of its events lies between the last sample that rests and the next one.
+
+    Parameters
+    ----------
+    times
+        Times of the samples [s], shape (n,).
+    position
+        Position of the mass, shape (n,).
+    """
+    from stickslip_score.phases import VISIBLE, Event, Stick
+
+    band = VISIBLE * _digits(position)
+    edges = [0, *_leaving(position, band), position.size]
+    found = []
+    for first, stop in pairwise(edges):
+        if stop - first < LEAST_AT_REST:
+            continue
+        last = stop - 1
+        begin = Event(float(times[first - 1]), float(times[first])) if first > 0 else None
+        end = Event(float(times[last]), float(times[stop])) if stop < position.size else None
+        found.append(
+            Stick(
+                begin=begin,
+                end=end,
+                level=float(np.median(position[first:stop])),
+                rests=True,
+                creep=0.0,
+                late_over_early=math.nan,
+                z_low=math.nan,
+                z_high=math.nan,
+                samples=stop - first,
+            )
+        )
+    return found
+
+
+def _leaving(position: Floats, band: float) -> list[int]:
+    """Return the samples at which a new run begins: off the first one of the run by more."""
+    found = []
+    begin = position[0]
+    # A run may drift within the band; of samples that move at once most begin a run of their own.
+    for index, place in enumerate(position.tolist()):
+        if abs(place - begin) > band:
+            found.append(index)
+            begin = place
+    return found
+
+
+def _digits(position: Floats) -> float:
+    """Return how far samples of one place may be apart: digits, integration, rounding."""
+    from stickslip_score.curve import half_unit
+
+    rounding = 4.0 * float(np.finfo(np.float64).eps) * float(np.max(np.abs(position)))
+    return half_unit(position) + _INTEGRATED * float(np.ptp(position)) + rounding

@@ -1,0 +1,296 @@
+"""One run after another: the FMUs of a model driven in this process.
+
+The components of a system step side by side: each over the same interval, with what the others
+gave at its start. Before the first step, in initialization mode, outputs are handed on as often as
+there are components, so that the start values follow the wires.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from ctypes import c_double, c_float, c_uint
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from fmpy.fmi1 import FMICallException
+from numpy.typing import NDArray
+
+from stickslip_verification import FmuError
+from stickslip_verification.drive.fmu.fmi2 import Fmi2Instance
+from stickslip_verification.drive.fmu.fmi3 import Fmi3Instance
+from stickslip_verification.drive.fmu.instance import FmuInstance
+from stickslip_verification.drive.fmu.variables import Variable
+from stickslip_verification.model.units import Conversion
+
+from .job import Job
+from .reductions import REDUCTIONS
+
+_AS_IT_IS: Final = Conversion()
+
+
+class _File:
+    """An unpacked FMU as an instance of `stickslip_verification.drive` takes it."""
+
+    can_get_and_set_state = False
+    can_serialize_state = False
+
+    def __init__(self, job: Job, index: int, folder: Path) -> None:
+        component = job.components[index]
+        self.path = Path(component.name)
+        self.folder = folder
+        self.token = component.token
+        self.model_identifier = component.identifier
+        self.variables: Mapping[str, Variable] = {
+            each.name: Variable(
+                name=each.name,
+                their_name=each.own,
+                reference=each.reference,
+                kind=each.kind,
+                unit=None,
+                causality=each.causality,
+                variability=each.variability,
+                start=None,
+                conversion=_AS_IT_IS,
+            )
+            for each in job.variables.values()
+            if each.component == index
+        }
+
+
+class _Held(FmuInstance):
+    """An instance whose initialization mode can be held open for the wires."""
+
+    @abstractmethod
+    def enter(self, start_time: float) -> None:
+        """Enter initialization mode, time beginning at `start_time` [s]."""
+
+    def leave(self) -> None:
+        """Leave initialization mode."""
+        self._do(f"{self.PREFIX}ExitInitializationMode", self._slave.exitInitializationMode)
+
+    def writer(self, names: Sequence[str]) -> Callable[[Sequence[float]], None]:
+        """Return a function that sets these variables at once, given their values in this order."""
+        kinds = [self.C_TYPES[self.file.variables[name].kind] for name in names]
+        groups = []
+        for kind, c_type in dict.fromkeys(kinds):
+            places = [place for place, found in enumerate(kinds) if found[0] == kind]
+            count = len(places)
+            references = (self.file.variables[names[place]].reference for place in places)
+            buffer = (c_type * count)()
+            arguments = (
+                *(self._slave.component, (c_uint * count)(*references), count, buffer),
+                *self._sizes(count),
+            )
+            exact = float if c_type in (c_double, c_float) else int
+            call = f"{self.PREFIX}Set{kind}"
+            groups.append((call, getattr(self._slave, call), arguments, buffer, places, exact))
+
+        def write(values: Sequence[float]) -> None:
+            for call, function, arguments, buffer, places, exact in groups:
+                for index, place in enumerate(places):
+                    buffer[index] = exact(values[place])
+                try:
+                    function(*arguments)
+                except FMICallException as error:
+                    said = ", ".join(f"{names[place]} = {values[place]!r}" for place in places)
+                    raise self._failure(f"{call}({said})", error) from None
+
+        return write
+
+
+class _Fmi2(_Held, Fmi2Instance):
+    """An instance of an FMU 2.0."""
+
+    def enter(self, start_time: float) -> None:
+        self._do("fmi2SetupExperiment", self._slave.setupExperiment, None, start_time)
+        self._do("fmi2EnterInitializationMode", self._slave.enterInitializationMode)
+
+
+class _Fmi3(_Held, Fmi3Instance):
+    """An instance of an FMU 3.0."""
+
+    def enter(self, start_time: float) -> None:
+        function = self._slave.enterInitializationMode
+        self._do("fmi3EnterInitializationMode", function, None, start_time)
+
+
+_FACES: Final[Mapping[str, type[_Held]]] = {"2.0": _Fmi2, "3.0": _Fmi3}
+
+
+class Runner:
+    """Does the runs of a job.
+
+    Parameters
+    ----------
+    job
+        What to do.
+    folders
+        Where the FMUs of its components are unpacked.
+
+    Raises
+    ------
+    FmuError
+        If an FMU cannot be loaded or instantiated.
+    """
+
+    def __init__(self, job: Job, folders: Sequence[Path]) -> None:
+        self._job = job
+        self._folders = folders
+        self._files = [_File(job, index, folder) for index, folder in enumerate(folders)]
+        self._instances: list[_Held] = []
+        self._used = False
+        self._whole = any(
+            REDUCTIONS[each].whole for all_of in job.outputs.values() for each in all_of
+        )
+        self._instantiate()
+
+    def run(self, values: NDArray[np.float64]) -> list[float]:
+        """Do one run and return its results, in the order of the job's columns.
+
+        A run that fails in an instance that has been used before is done again in a new one, so
+        that its result depends on its values alone.
+
+        Parameters
+        ----------
+        values
+            Of the swept variables.
+
+        Raises
+        ------
+        FmuError
+            If the FMU refuses or fails; the text is the same for the same values.
+        """
+        if self._used:
+            if self._job.reset:
+                with contextlib.suppress(FmuError):
+                    for each in self._instances:
+                        each.reset()
+                    return self._run(values)
+            self._instantiate()
+        self._used = True
+        try:
+            return self._run(values)
+        except FmuError as error:
+            said = self._without_names(str(error))
+            self._instantiate()
+            raise FmuError(said) from None
+
+    @property
+    def instances(self) -> tuple[FmuInstance, ...]:
+        """The instances that do the next run, if they can be reset."""
+        return tuple(self._instances)
+
+    def close(self) -> None:
+        """Free the instances."""
+        for each in self._instances:
+            with contextlib.suppress(FmuError):
+                each.free()
+        self._instances = []
+
+    def _instantiate(self) -> None:
+        self.close()
+        for file, component in zip(self._files, self._job.components, strict=True):
+            self._instances.append(_FACES[component.fmi_version](file))
+        self._used = False
+        job = self._job
+        self._set_start = self._writer([*job.fixed, *job.swept])
+        self._set_tables = self._writer([each.name for each in job.tables])
+        self._set_wired = self._writer([each.input for each in job.wires])
+        self._read_wired = self._reader([each.output for each in job.wires])
+        self._read_outputs = self._reader(list(job.outputs))
+
+    def _parts(self, names: Sequence[str]) -> Iterator[tuple[_Held, list[int]]]:
+        """Yield the instances that have some of these variables, with the places of their names."""
+        for index, instance in enumerate(self._instances):
+            places = [
+                place
+                for place, name in enumerate(names)
+                if self._job.variables[name].component == index
+            ]
+            if places:
+                yield instance, places
+
+    def _writer(self, names: Sequence[str]) -> Callable[[Sequence[float]], None]:
+        """Return a function that sets these variables, of any components, given their values."""
+        writers = [
+            (instance.writer([names[place] for place in places]), places)
+            for instance, places in self._parts(names)
+        ]
+
+        def write(values: Sequence[float]) -> None:
+            for writer, places in writers:
+                writer([values[place] for place in places])
+
+        return write
+
+    def _reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
+        """Return a function that reads these variables, of any components, in this order."""
+        readers = [
+            (instance.reader([names[place] for place in places]), places)
+            for instance, places in self._parts(names)
+        ]
+        if len(readers) == 1:
+            return readers[0][0]
+
+        def read() -> list[float]:
+            values = [0.0] * len(names)
+            for reader, places in readers:
+                for place, value in zip(places, reader(), strict=True):
+                    values[place] = value
+            return values
+
+        return read
+
+    def _run(self, values: NDArray[np.float64]) -> list[float]:
+        job = self._job
+        self._set_start([*job.fixed.values(), *values.tolist()])
+        start = float(job.times[0])
+        for each in self._instances:
+            each.enter(start)
+        if job.wires:
+            for _ in self._instances:
+                self._hand_on()
+        for each in self._instances:
+            each.leave()
+        samples = []
+        for index, (time, step) in enumerate(
+            zip(job.times.tolist(), job.steps.tolist(), strict=False)
+        ):
+            if self._whole and index >= job.settled:
+                samples.append(self._read_outputs())
+            if job.wires:
+                self._hand_on()
+            if job.tables:
+                self._set_tables([float(each.values[index]) for each in job.tables])
+            for instance in self._instances:
+                instance.step(time, step)
+        last = self._read_outputs()
+        if not self._whole:
+            return last
+        return self._reduced(np.array([*samples, last]))
+
+    def _hand_on(self) -> None:
+        given = self._read_wired()
+        wires = self._job.wires
+        self._set_wired(
+            [w.factor * value + w.offset for w, value in zip(wires, given, strict=True)]
+        )
+
+    def _reduced(self, samples: NDArray[np.float64]) -> list[float]:
+        times = self._job.times[-len(samples) :]
+        return [
+            REDUCTIONS[reduction].of(times, samples[:, place])
+            for place, all_of in enumerate(self._job.outputs.values())
+            for reduction in all_of
+        ]
+
+    def _without_names(self, said: str) -> str:
+        """Return a message without what differs from process to process."""
+        for instance, component in zip(self._instances, self._job.components, strict=True):
+            said = said.replace(instance._name, component.name)
+        for folder in self._folders:
+            said = said.replace(str(folder), "")
+        return said

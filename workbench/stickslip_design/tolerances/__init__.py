@@ -1,0 +1,1 @@
+"""Scatter: how likely an axis jumps where its numbers vary."""

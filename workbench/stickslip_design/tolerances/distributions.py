@@ -1,0 +1,266 @@
+"""How a number of an axis file varies: distributions as people write them.
+
+``normal 0.20 0.02``, ``normal 0.20 10 %``
+    Mean and standard deviation.
+``lognormal 40 N/um 10 %``
+    Median and, in parts of it, the standard deviation of the logarithm.
+``uniform 450..550 kg``
+    Lowest and highest.
+``triangular 1 1.4 3 %``
+    Lowest, likeliest, highest.
+``± 10 %``
+    Around the number that the file states; or with a number before it, around that.
+``fixed``
+    The ± of the file does not count.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
+
+from ..axis import AxisError, AxisFile, Number
+from ..axis.build import key_of
+from ..axis.keys import UNITS
+from ..points.axes import check
+from ..quantity import QuantityError, parts_of
+
+Floats = NDArray[np.float64]
+SpreadIs = Literal["uniform", "normal"]
+"""What a ± means: every value within it is as likely as another, or it is two sigma of a normal."""
+
+_SIGMAS: Final = 2.0
+"""Standard deviations of a ± that is taken as normal: 95 % are within it."""
+_MOST_CUT: Final = 0.1
+"""A distribution of which more than this part is out of the range of its number is refused."""
+
+_COUNT: Final = {"normal": 2, "lognormal": 2, "uniform": 2, "triangular": 3}
+"""Kinds of distributions, and how many numbers each has."""
+_WRITTEN: Final = (
+    '"normal MEAN SIGMA", "lognormal MEDIAN SIGMA", "uniform LOW..HIGH", '
+    '"triangular LOW LIKELIEST HIGH", "± SPREAD" or "fixed"'
+)
+_NEXT: Final = re.compile(r"\s+(?=[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![\d./eE]))")
+"""A blank before a number; in `25 1/s` there is none before the unit."""
+_PLUS_MINUS: Final = re.compile(r"±|\+/-|\+-")
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """The distribution of a number, in the SI unit in which the file states it.
+
+    Attributes
+    ----------
+    kind
+        "normal" (mean, standard deviation), "lognormal" (median, standard deviation of the
+        logarithm), "uniform" (lowest, highest) or "triangular" (lowest, likeliest, highest).
+    numbers
+        These.
+    low, high
+        The range of the number; the part of a normal that is beyond it is left out.
+    """
+
+    kind: str
+    numbers: tuple[float, ...]
+    low: float = -math.inf
+    high: float = math.inf
+
+    @property
+    def nominal(self) -> float:
+        """Its mean, median or likeliest value; of a uniform distribution the middle."""
+        if self.kind == "uniform":
+            return 0.5 * (self.numbers[0] + self.numbers[1])
+        return self.numbers[1] if self.kind == "triangular" else self.numbers[0]
+
+    @property
+    def cut(self) -> float:
+        """The part that is beyond its range and left out [-]."""
+        below, above = self._inside
+        return below + (1.0 - above)
+
+    @property
+    def _inside(self) -> tuple[float, float]:
+        """The probabilities up to the ends of the range."""
+        if self.kind != "normal":
+            return 0.0, 1.0
+        mean, sigma = self.numbers
+        return float(ndtr((self.low - mean) / sigma)), float(ndtr((self.high - mean) / sigma))
+
+    def values(self, share: Floats) -> Floats:
+        """Return the values below which shares of all lie.
+
+        Parameters
+        ----------
+        share
+            Shares, above 0 and below 1 [-].
+        """
+        if self.kind == "uniform":
+            low, high = self.numbers
+            return low + share * (high - low)
+        if self.kind == "triangular":
+            low, mode, high = self.numbers
+            turn = (mode - low) / (high - low)
+            rising = low + np.sqrt(share * (high - low) * (mode - low))
+            falling = high - np.sqrt((1.0 - share) * (high - low) * (high - mode))
+            return np.where(share < turn, rising, falling)
+        if self.kind == "lognormal":
+            median, sigma = self.numbers
+            return np.asarray(median * np.exp(sigma * ndtri(share)))
+        mean, sigma = self.numbers
+        below, above = self._inside
+        # With nothing cut off the share stays as it is, to the bit.
+        inner = below + share * (above - below) if (below, above) != (0.0, 1.0) else share
+        return np.asarray(np.clip(mean + sigma * ndtri(inner), self.low, self.high))
+
+
+def varying(
+    file: AxisFile, vary: dict[str, str], spread_is: SpreadIs = "uniform"
+) -> dict[str, Distribution]:
+    """Return how the numbers of an axis file vary, by name in the order of the file.
+
+    Parameters
+    ----------
+    file
+        The axis file; its ± count where nothing else is said.
+    vary
+        Distributions as people write them, by the name of a number in the file.
+    spread_is
+        What a ± means.
+
+    Raises
+    ------
+    AxisError
+        If the file states no such number, a text is no distribution, or nothing varies.
+    """
+    for path, text in vary.items():
+        if path.startswith("demand."):
+            raise AxisError("is asked of the axis and does not vary", key=path, name=file.name)
+        number = file.values.get(path)
+        check(file, path, number.value if isinstance(number, Number) else 0.0)
+        if not isinstance(text, str) or not text.strip():
+            raise AxisError("has no distribution", key=path, name=file.name, within=_WRITTEN)
+    found: dict[str, Distribution] = {}
+    for path, number in file.values.items():
+        if not isinstance(number, Number) or path.startswith("demand."):
+            continue
+        if path in vary:
+            if vary[path].strip() != "fixed":
+                found[path] = _read(file, path, number, vary[path].strip(), spread_is)
+        elif number.spread:
+            found[path] = _around(number.value, number.spread, spread_is)
+    if not found:
+        raise AxisError(
+            "nothing varies: no number of the file has a ±", name=file.name,
+            remedy='write a ± there, or --vary "friction.mu_s=normal 0.2 0.02"',
+        )  # fmt: skip
+    for path, each in found.items():
+        found[path] = _within(file, path, each)
+    return found
+
+
+def range_of(file: AxisFile, path: str, text: str) -> tuple[float, float]:
+    """Return lowest and highest of a text such as ``36..44 N/um``, in the unit of the file.
+
+    Raises
+    ------
+    AxisError
+        If the file states no such number, or the text is no range of it.
+    """
+    number = file.values.get(path)
+    check(file, path, number.value if isinstance(number, Number) else 0.0)
+    assert isinstance(number, Number)
+    low, high = _read(file, path, number, f"uniform {text}", "uniform").numbers
+    check(file, path, [low, high])
+    return low, high
+
+
+def _around(value: float, spread: float, spread_is: SpreadIs) -> Distribution:
+    if spread_is == "normal":
+        return Distribution("normal", (value, spread / _SIGMAS))
+    return Distribution("uniform", (value - spread, value + spread))
+
+
+def _read(
+    file: AxisFile, path: str, number: Number, text: str, spread_is: SpreadIs
+) -> Distribution:
+    def refused(reason: str) -> AxisError:
+        return AxisError(reason, key=path, value=text, name=file.name, within=_WRITTEN)
+
+    try:
+        if _PLUS_MINUS.search(text):
+            centre, _, around = _PLUS_MINUS.sub("±", text).partition("±")
+            value = _value(number, centre) if centre.strip() else number.value
+            spread = _scatter(number, value, around.strip(), _unit(centre))
+            if not spread > 0.0:
+                raise QuantityError("has a ± that is not above 0")
+            return _around(value, spread, spread_is)
+        kind, _, rest = text.partition(" ")
+        if kind not in _COUNT:
+            raise QuantityError("is no distribution")
+        parts = _NEXT.split(rest.replace("..", " ").strip())
+        if len(parts) != _COUNT[kind]:
+            raise QuantityError(f"has {len(parts)} numbers in place of {_COUNT[kind]}")
+        return _of_kind(kind, number, parts)
+    except QuantityError as error:
+        raise refused(str(error)) from None
+
+
+def _of_kind(kind: str, number: Number, parts: list[str]) -> Distribution:
+    last = _unit(parts[-1])
+    if kind in {"normal", "lognormal"}:
+        centre = parts[0] if _unit(parts[0]) or last == "%" else f"{parts[0]} {last}"
+        value = _value(number, centre)
+        sigma = _scatter(number, value, parts[1], _unit(centre))
+        if not sigma > 0.0:
+            raise QuantityError("has a standard deviation that is not above 0")
+        if kind == "lognormal":
+            if not value > 0.0:
+                raise QuantityError("has a median that is not above 0")
+            return Distribution(kind, (value, sigma / value))
+        return Distribution(kind, (value, sigma))
+    values = tuple(_value(number, part if _unit(part) else f"{part} {last}") for part in parts)
+    if not values[0] < values[-1] or list(values) != sorted(values):
+        raise QuantityError("is empty or reversed")
+    return Distribution(kind, values)
+
+
+def _unit(text: str) -> str:
+    return parts_of(text)[1] if text.strip() else ""
+
+
+def _value(number: Number, text: str) -> float:
+    kind = UNITS.kinds[number.unit]
+    return UNITS.read(text, (kind,), kind if number.unit == "1" else None)[0]
+
+
+def _scatter(number: Number, value: float, text: str, unit_of_value: str) -> float:
+    """Return a scatter in the unit of its number; percent are of the value, if that has none."""
+    if _unit(text) == "%" != unit_of_value:
+        return abs(value) * UNITS.read(text, (UNITS.kinds["1"],), None)[0]
+    return _value(number, text if _unit(text) else f"{text} {unit_of_value}")
+
+
+def _within(file: AxisFile, path: str, found: Distribution) -> Distribution:
+    """Return a distribution within the range of its number; raises AxisError if much is outside."""
+    within = key_of(path).within
+    if found.kind == "lognormal":
+        check(file, path, found.nominal)
+        return found
+    if found.kind != "normal":
+        check(file, path, [found.numbers[0], found.numbers[-1]])
+        return found
+    check(file, path, found.nominal)
+    low = math.nextafter(within.low, math.inf) if within.strict else within.low
+    found = replace(found, low=low, high=within.high)
+    if found.cut > _MOST_CUT:
+        raise AxisError(
+            f"has {100.0 * found.cut:.0f} % of its distribution out of range", key=path,
+            name=file.name, within=str(within), remedy="a lognormal one stays above 0",
+        )  # fmt: skip
+    return found

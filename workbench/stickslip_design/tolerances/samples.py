@@ -1,0 +1,182 @@
+"""Axes drawn at random, and what each does: the study that the other rooms of scatter read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..axis import AxisFile, Number
+from ..chunks import Columns
+from ..points.axes import axis_points, has_closed_form
+from .distributions import Distribution
+from .sampling import Factor, correlated, factor_of, shares
+
+Floats = NDArray[np.float64]
+
+_BLOCK: Final = 16384
+"""Points of a closed form that are computed together, whatever the chunk: some vector loops round
+by the place of a number in its array."""
+
+
+@dataclass(frozen=True)
+class Population:
+    """The machines of a series: an axis file whose numbers vary.
+
+    Attributes
+    ----------
+    file
+        The axis file.
+    varied
+        The distributions by name.
+    correlation
+        Correlations of pairs of them, -1 to 1; others are 0.
+    seed
+        The seed of the random numbers.
+
+    Raises
+    ------
+    ValueError
+        If the correlations cannot be.
+    """
+
+    file: AxisFile
+    varied: Mapping[str, Distribution]
+    correlation: Mapping[tuple[str, str], float]
+    seed: int
+
+    def __post_init__(self) -> None:
+        # Told where it is stated, and not by a worker.
+        self._factor  # noqa: B018
+
+    @cached_property
+    def _factor(self) -> Factor:
+        return factor_of(list(self.varied), self.correlation)
+
+    @cached_property
+    def block(self) -> int:
+        """How many points are computed together."""
+        return _BLOCK if has_closed_form(self.file.axis()) else 1
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """All that the machines depend on, as JSON knows it."""
+        return {
+            "axis": self.file.identity,
+            "varied": {path: [each.kind, *each.numbers] for path, each in self.varied.items()},
+            "factor": self._factor,
+            "seed": self.seed,
+        }
+
+    def drawn(self, start: int, stop: int) -> dict[str, Floats]:
+        """Return the numbers that vary, of the machines from `start` up to `stop`."""
+        drawn = correlated(shares(self.seed, start, stop, len(self.varied)), self._factor)
+        return self.at(drawn)
+
+    def at(self, drawn: Floats) -> dict[str, Floats]:
+        """Return the numbers at shares of their distributions, (machines, numbers)."""
+        return {
+            path: each.values(np.ascontiguousarray(drawn[:, place]))
+            for place, (path, each) in enumerate(self.varied.items())
+        }
+
+
+def in_blocks(start: int, stop: int, block: int, compute: Callable[[int, int], Columns]) -> Columns:
+    """Return the columns of points that are computed so many at a time."""
+    parts = [compute(each, min(each + block, stop)) for each in range(start, stop, block)]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+@dataclass(frozen=True)
+class Samples:
+    """The study of machines drawn at random.
+
+    Attributes
+    ----------
+    population
+        The machines.
+    feeds
+        Feeds at which each is judged [m/s].
+    count
+        How many are drawn.
+    scaled
+        A number of the file that is multiplied by a factor in all of them; empty: none.
+    by
+        The factor.
+    regimes_only
+        Whether the regimes alone are asked for.
+
+    Notes
+    -----
+    Columns: the numbers that vary by their names; ``critical_feed``, ``stable``, ``clamped``;
+    ``jump 1``, ``rate 1``, ``regime 1`` of the first feed, and so on; `points.axes.axis_points`
+    describes them.
+    """
+
+    population: Population
+    feeds: tuple[float, ...]
+    count: int
+    scaled: str = ""
+    by: float = 1.0
+    regimes_only: bool = False
+
+    @property
+    def quantum(self) -> int:
+        """A chunk is a multiple of so many points."""
+        return self.population.block
+
+    @property
+    def identity(self) -> Mapping[str, Any]:
+        """All that the results depend on, but for versions."""
+        return {
+            "study": "scatter: samples",
+            **self.population.identity,
+            "feeds": self.feeds,
+            "count": self.count,
+            "scaled": [self.scaled, self.by],
+            "regimes_only": self.regimes_only,
+        }
+
+    def compute(self, start: int, stop: int) -> Columns:
+        """Return the columns of the machines from `start` up to `stop`."""
+        return in_blocks(start, stop, self.quantum, self._block)
+
+    def _block(self, start: int, stop: int) -> Columns:
+        drawn = self.population.drawn(start, stop)
+        changes = scaled(self.population.file, drawn, self.scaled, self.by, stop - start)
+        return answered(self.population.file, changes, self.feeds, regimes_only=self.regimes_only)
+
+
+def scaled(
+    file: AxisFile, changes: Mapping[str, Floats], path: str, by: float | Floats, count: int
+) -> dict[str, Floats]:
+    """Return changes with one number multiplied, one that does not vary too; "" for none."""
+    if not path:
+        return dict(changes)
+    number = file.values[path]
+    assert isinstance(number, Number)
+    return {**changes, path: changes.get(path, np.full(count, number.value)) * by}
+
+
+def answered(
+    file: AxisFile,
+    changes: Mapping[str, Floats],
+    feeds: tuple[float, ...],
+    *,
+    regimes_only: bool = False,
+) -> Columns:
+    """Return the numbers that vary and what each machine does, as the columns of `Samples`."""
+    count = len(next(iter(changes.values())))
+    found = axis_points(
+        file, changes, np.broadcast_to(feeds, (count, len(feeds))), regimes_only=regimes_only
+    )
+    columns: Columns = dict(changes)
+    columns |= {name: found[name] for name in ("critical_feed", "stable", "clamped")}
+    for name in ("jump", "rate", "regime"):
+        for place in range(len(feeds)):
+            columns[f"{name} {place + 1}"] = np.ascontiguousarray(found[name][:, place])
+    return columns
