@@ -13,14 +13,19 @@ import typer
 from typer.exceptions import TyperException
 
 from stickslip.commands.build import build
+from stickslip.commands.critical import critical
+from stickslip.commands.design import design
 from stickslip.commands.host import host
 from stickslip.commands.lint import lint
+from stickslip.commands.map import map as map_
 from stickslip.commands.names import names
 from stickslip.commands.page import explore, page
 from stickslip.commands.prove import prove
+from stickslip.commands.scatter import scatter
 from stickslip.commands.score import score
 from stickslip.commands.shared import say
 from stickslip.commands.simulate import simulate
+from stickslip.commands.sweep import sweep
 from stickslip.commands.verify import verify
 from stickslip.errors import CommandError
 from stickslip_fmu.release import VERSION
@@ -41,7 +46,11 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-for command in (build, simulate, explore, page, verify, names, score, prove, lint, host):
+COMMANDS = (
+    *(build, simulate, critical, design, map_, scatter, sweep, explore, page),
+    *(verify, names, score, prove, lint, host),
+)
+for command in COMMANDS:
     # Told whole: what is made of the text by itself is cut after 45 letters.
     app.command(short_help=(command.__doc__ or "").partition("\n")[0])(command)
 

@@ -8,7 +8,8 @@ import typer
 
 from stickslip.commands.options import FrictionLaw
 from stickslip.commands.shared import (
-    DEFAULT_FMU,
+    BUILD_FOLDER,
+    COULOMB,
     build_fmu,
     build_native_fmu,
     long_work,
@@ -47,14 +48,14 @@ def build(
             metavar="DIR|FILE.fmu",
             help="File to write, or folder for StickSlip.fmu or StickSlip_fmi3.fmu.",
         ),
-    ] = DEFAULT_FMU.parent,
+    ] = BUILD_FOLDER,
     fmi: Annotated[
         FmiVersion, typer.Option(help="The standard: 2.0, or 3.0 as StickSlip_fmi3.fmu.")
     ] = FmiVersion.TWO,
     bare: Annotated[
         bool, typer.Option("--bare", help="Leave out the evidence (extra/); saves a second.")
     ] = False,
-    law: FrictionLaw = None,
+    law: FrictionLaw = COULOMB,
     native: Annotated[
         bool,
         typer.Option(
@@ -69,20 +70,19 @@ def build(
 
     The FMU contains its documentation and its evidence: the default experiment, its result and a
     report on it. `stickslip verify --pack` replaces that report by the one on all cases. The FMU of
-    a --law is named by the law's model and contains neither: both are about Coulomb's law.
+    another --law is named by the law's model, such as StickSlipStribeck.fmu, and is built without
+    evidence.
 
-    The --native FMU needs no Python in the simulator. It knows Coulomb's law only.
+    The --native FMU needs no Python in the simulator. It knows the built-in friction laws.
     """
     if this_machine and not native:
         raise CommandError("--this-machine is for --native; the Python FMU is not compiled")
-    if native and law is not None:
-        raise CommandError(f"--law {law}: the FMU of --native knows Coulomb's friction law only")
     if native:
-        fmu = build_native_fmu(output, "-o", fmi.major, this_machine)
+        fmu = build_native_fmu(output, "-o", fmi.major, this_machine, law)
     else:
         fmu = build_fmu(output, "-o", fmi.major, law)
     failed = False
-    if not bare and law is None:
+    if not bare and law == COULOMB:
         verdict = _verdict(fmu)
         failed = not verdict.passed
         pack_evidence(fmu, verdict, "-o")

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from fmukit.table import Table
+from fmukit.table import Table, Variable
 from stickslip import units
 from stickslip.errors import CommandError
 from stickslip_fmu.spec import TABLE
@@ -57,12 +57,43 @@ def read_values(typed: Mapping[str, str | None], table: Table = TABLE) -> dict[s
         if name not in values:
             raise CommandError(f"{option_name(name)} {text!r}: the friction law has no {name}")
         variable = table.by_name[name]
-        value = units.parse(text, variable.unit, option_name(name), f"({variable.range})")
+        value = _number(text, variable)
         objection = variable.objection(value)
         if objection is not None:
             raise CommandError(f"{option_name(name)} {text!r}: {objection}")
         values[name] = value
     return values
+
+
+def read_above_zero(typed: str | None, unit: str, option: str) -> float | None:
+    """Read what was typed for an option that must be above 0, in SI; None where nothing was.
+
+    Raises
+    ------
+    CommandError
+        If it is no quantity of the dimension of `unit`, or not above 0.
+    """
+    if typed is None:
+        return None
+    value = units.parse(typed, unit, option, "above 0")
+    if not value > 0.0:
+        raise CommandError(f"{option} {typed!r} is out of range: it must be above 0 {unit}")
+    return value
+
+
+def _number(text: str, variable: Variable) -> float:
+    """Read a value; of an enumeration by the name of an item too."""
+    items = {item.name.lower(): item.value for item in variable.type.items}
+    items |= {str(value): value for value in items.values()}
+    option = option_name(variable.name)
+    if items:
+        if text.strip().lower() not in items:
+            raise CommandError(f"{option} {text!r} is out of range: it must be {variable.range}")
+        return items[text.strip().lower()]
+    value = units.parse(text, variable.unit or "1", option, f"({variable.range})")
+    if variable.kind == "Integer" and not value.is_integer():
+        raise CommandError(f"{option} {text!r} is no whole number")
+    return value
 
 
 def read_experiment(
@@ -82,15 +113,9 @@ def read_experiment(
         raise CommandError(
             f"--stop-time {stop_time!r} is out of range: it must be after the start, > {start:g} s"
         )
-    if output_interval is None:
-        return start, stop, None
-    interval = units.parse(output_interval, "s", "--output-interval", "above 0")
+    interval = read_above_zero(output_interval, "s", "--output-interval")
     smallest = max((stop - start) / LARGEST_SAMPLE_COUNT, math.ulp(max(abs(start), abs(stop))))
-    if not interval > 0.0:
-        raise CommandError(
-            f"--output-interval {output_interval!r} is out of range: it must be above 0 s"
-        )
-    if interval < smallest:
+    if interval is not None and interval < smallest:
         raise CommandError(
             f"--output-interval {output_interval!r} is out of range: it must be at least "
             f"{smallest:.3g} s for a run of {stop - start:g} s"

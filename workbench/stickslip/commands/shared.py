@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
     from stickslip_verification import Verdict
 
-DEFAULT_FMU = Path("build/StickSlip.fmu")
+BUILD_FOLDER = Path("build")
+
+COULOMB = "coulomb"
+"""The name of the friction law of the default FMU."""
 
 Progress = Callable[[str, int, int], None]
 
@@ -35,23 +38,18 @@ def console() -> "Console":
 
 
 def build_fmu(
-    target: Path, option: str, fmi_version: Literal[2, 3] = 2, law: str | None = None
+    target: Path, option: str, fmi_version: Literal[2, 3] = 2, law: str = COULOMB
 ) -> Path:
-    """Build the FMU into a file or a folder, which `option` named; `CommandError` if it cannot.
-
-    `law` is the dotted name of a friction law. Its FMU has no documentation: the texts are about
-    Coulomb's law.
-    """
-    from stickslip.handbook import parts, parts_of_law
+    """Build the FMU into a file or a folder, which `option` named; `CommandError` if it cannot."""
+    from stickslip.handbook import parts
     from stickslip_fmu.packer import build
 
     with _building(target, option), here_on_path():
-        files = parts(fmi_version) if law is None else parts_of_law(fmi_version)
-        return build(target, files, fmi_version, law)
+        return build(target, parts(fmi_version, law=law), fmi_version, law)
 
 
 def build_native_fmu(
-    target: Path, option: str, fmi_version: Literal[2, 3], this_machine: bool
+    target: Path, option: str, fmi_version: Literal[2, 3], this_machine: bool, law: str = COULOMB
 ) -> Path:
     """Build the native FMU into a file or a folder, which `option` named; `CommandError` if not.
 
@@ -64,7 +62,8 @@ def build_native_fmu(
     with _building(target, option):
         try:
             runtime = compiler_for(this_machine).runtime()
-            return build(target, parts(fmi_version, runtime), fmi_version, this_machine)
+            files = parts(fmi_version, runtime, law)
+            return build(target, files, fmi_version, this_machine, law)
         except CompilerError as error:
             raise CommandError(str(error)) from error
 
@@ -100,7 +99,7 @@ def here_on_path() -> Iterator[None]:
         sys.path.remove(str(Path.cwd()))
 
 
-def current_fmu() -> Path:
+def current_fmu(law: str = COULOMB) -> Path:
     """Build the FMU anew where `stickslip build` puts it, unless it is there as it would be built.
 
     What is there may carry evidence, which a bare one would take away.
@@ -110,11 +109,12 @@ def current_fmu() -> Path:
     from stickslip_verification.drive.fmu.digest import content_digest
 
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-        built = build_fmu(Path(folder), "--fmu")
+        built = build_fmu(Path(folder), "--fmu", law=law)
+        there = BUILD_FOLDER / built.name
         with contextlib.suppress(OSError, zipfile.BadZipFile):
-            if content_digest(DEFAULT_FMU) == content_digest(built):
-                return DEFAULT_FMU
-    return build_fmu(DEFAULT_FMU, "--fmu")
+            if content_digest(there) == content_digest(built):
+                return there
+    return build_fmu(there, "--fmu", law=law)
 
 
 def tell_of(fmu: Path) -> None:
@@ -129,12 +129,17 @@ def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
     """Put the evidence into the FMU that was judged, which `option` named."""
     from fmukit.packer import add
     from stickslip.handbook.evidence import evidence
+    from stickslip_verification.drive.fmu.archive import FmuFile
     from stickslip_verification.drive.fmu.digest import content_digest
+    from stickslip_verification.drive.fmu.law import law_of
 
     if content_digest(fmu) != verdict.provenance["fmu"]["content"]:
         raise CommandError(f"{option} {fmu}: it changed while it was judged: nothing is packed")
+    file = FmuFile(fmu)
+    law = law_of(file)
+    file.close()
     try:
-        add(fmu, evidence(fmu, verdict))
+        add(fmu, evidence(fmu, verdict, law))
     except OSError as error:
         reason = error.strerror or str(error)
         raise CommandError(f"{option} {fmu}: cannot write the FMU: {reason}") from error

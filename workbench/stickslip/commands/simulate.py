@@ -6,25 +6,32 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from stickslip.commands.laws import read_law
 from stickslip.commands.options import (
     Damping,
     ExternalForce,
-    FrictionLaw,
+    FrictionLawOrThatOfCurve,
     Gravity,
+    GrowthTime,
     KineticFriction,
+    LawParameter,
     Load,
+    LogarithmicGrowth,
+    LogarithmTime,
     Mass,
+    MeasuredCurve,
+    NormalForce,
     PullingVelocity,
+    StartAge,
     StartExtension,
     StartPosition,
     StartVelocity,
     StaticFriction,
     Stiffness,
 )
-from stickslip.commands.quantities import read_experiment, read_values
-from stickslip.commands.shared import build_fmu, console, here_on_path, say
+from stickslip.commands.quantities import read_experiment
+from stickslip.commands.shared import COULOMB, build_fmu, console, here_on_path, say
 from stickslip.errors import CommandError
-from stickslip_fmu.spec import TABLE
 
 if TYPE_CHECKING:
     from fmukit.table import Table
@@ -51,17 +58,20 @@ def simulate(
     c: Damping = None,
     mu_s: StaticFriction = None,
     mu_k: KineticFriction = None,
+    tau_s: GrowthTime = None,
+    B: LogarithmicGrowth = None,
+    t_0: LogarithmTime = None,
+    age_start: StartAge = None,
     x_start: StartPosition = None,
     x_dot_start: StartVelocity = None,
     z_start: StartExtension = None,
     v: PullingVelocity = None,
     load: Load = None,
     F_ext: ExternalForce = None,
-    law: FrictionLaw = None,
-    law_parameter: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="A parameter of the --law; may be repeated."),
-    ] = None,
+    law: FrictionLawOrThatOfCurve = None,
+    law_parameter: LawParameter = None,
+    curve: MeasuredCurve = None,
+    normal_force: NormalForce = None,
     start_time: Annotated[str, typer.Option(metavar="TIME", help="First time [s].")] = "0",
     stop_time: Annotated[str, typer.Option(metavar="TIME", help="Last time [s].")] = "10",
     output_interval: Annotated[
@@ -82,25 +92,11 @@ def simulate(
     ] = None,
 ) -> None:
     """Simulate one run and print its cycle beside the exact and the simplified one."""
-    table = TABLE if law is None else _table_of(law)
-    values = read_values(
-        {
-            **_own_values(law_parameter or [], table),
-            "m": m,
-            "g": g,
-            "k": k,
-            "c": c,
-            "mu_s": mu_s,
-            "mu_k": mu_k,
-            "x_start": x_start,
-            "x_dot_start": x_dot_start,
-            "z_start": z_start,
-            "v": v,
-            "load": load,
-            "F_ext": F_ext,
-        },
-        table,
-    )
+    typed = {"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k}
+    typed |= {"tau_s": tau_s, "B": B, "t_0": t_0, "age_start": age_start}
+    typed |= {"x_start": x_start, "x_dot_start": x_dot_start, "z_start": z_start}
+    typed |= {"v": v, "load": load, "F_ext": F_ext}
+    law, table, values = read_law(law, typed, law_parameter, curve, normal_force)
     times = read_experiment(start_time, stop_time, output_interval)
     if fmu is not None and engine is not Engine.FMU:
         raise CommandError("--fmu goes with --engine fmu only")
@@ -109,7 +105,7 @@ def simulate(
     from stickslip.show.cycle_table import cycle_table
 
     # The closed forms of the cycle are those of Coulomb's law.
-    parameters = _checked_parameters(values) if law is None else None
+    parameters = _checked_parameters(values) if law == COULOMB else None
     run = _run(engine, fmu, law, table, values, times, drawn=plot is not None)
     if output_file is not None:
         from stickslip.simulate.csv_file import write_csv
@@ -144,47 +140,21 @@ def _checked_parameters(values: dict[str, float]) -> "Parameters":
     """Refuse values that are each in range and do not go together."""
     import warnings
 
-    from stickslip_ref import Parameters
+    from stickslip.simulate.engines import reference_parameters
 
     with warnings.catch_warnings():
         # The engine gives its own warnings.
         warnings.simplefilter("ignore")
         try:
-            return Parameters(**values)
+            return reference_parameters(values)
         except ValueError as error:
             raise CommandError(str(error)) from error
-
-
-def _table_of(law: str) -> "Table":
-    """Return the variable table of the block under a friction law."""
-    from stickslip_fmu.interface import table_of
-    from stickslip_fmu.laws.named import friction_law
-
-    try:
-        with here_on_path():
-            return table_of(friction_law(law).law.interface)
-    except ValueError as error:
-        raise CommandError(f"--law: {error}") from error
-
-
-def _own_values(typed: list[str], table: "Table") -> dict[str, str]:
-    """Return what was typed for parameters of the law, by name."""
-    own = [row.name for row in table.rows if row.settable and row.name not in TABLE.by_name]
-    values = dict(text.partition("=")[::2] for text in typed)
-    unknown = [name for name in values if name not in own]
-    if unknown:
-        known = f"it has {', '.join(own)}" if own else "it has none"
-        raise CommandError(
-            f"--law-parameter {unknown[0]!r}: the friction law has no such parameter; {known}; "
-            "expected NAME=VALUE"
-        )
-    return values
 
 
 def _run(
     engine: Engine,
     fmu: Path | None,
-    law: str | None,
+    law: str,
     table: "Table",
     values: dict[str, float],
     times: tuple[float, float, float | None],

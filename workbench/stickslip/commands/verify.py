@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from stickslip.commands.options import FrictionLaw
 from stickslip.commands.shared import (
-    DEFAULT_FMU,
+    COULOMB,
     console,
     current_fmu,
     here_on_path,
@@ -53,6 +54,7 @@ def verify(
             metavar="FILE", help="The FMU to verify; default: build/StickSlip.fmu, built anew."
         ),
     ] = None,
+    law: FrictionLaw = COULOMB,
     names: Annotated[
         Path | None,
         typer.Option(metavar="FILE.toml", help="Names file: the FMU's names of the variables."),
@@ -152,7 +154,7 @@ def verify(
     if list_:
         console().print(tables.case_table(chosen))
         return
-    _check(fmu, names)
+    _check(fmu, law, names)
     _check_contract(contract, strict, accept, pack)
     share = _share(within)
     limits = _limits(time_limit, budget, memory)
@@ -162,6 +164,7 @@ def verify(
     earlier = _baseline(baseline)
     _check_targets(output, pdf)
     faults = _mutants(mutants, fault)
+    fmu = fmu or current_fmu(law)
     verdict = _verdict(
         fmu,
         chosen,
@@ -198,8 +201,8 @@ def verify(
     for file in written:
         print(file)
     if pack:
-        pack_evidence(fmu or DEFAULT_FMU, verdict, "--fmu")
-        tell_of(fmu or DEFAULT_FMU)
+        pack_evidence(fmu, verdict, "--fmu")
+        tell_of(fmu)
     if accept:
         _accept(verdict)
     elif not verdict.passed:
@@ -281,7 +284,7 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
         raise CommandError("--pack does not go with --cases: the report in the FMU is on all cases")
     if fmu is None:
         return
-    from stickslip_fmu.spec import SPEC
+    from stickslip_fmu.laws.named import BUILT_IN, friction_law
     from stickslip_verification.drive.fmu.archive import FmuFile
     from stickslip_verification.drive.fmu.errors import FmuError
 
@@ -290,16 +293,19 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
     except FmuError as error:
         raise CommandError(str(error)) from error
     file.close()
-    if not file.stated.exact or file.model_identifier != SPEC.name:
+    models = [friction_law(name).law.interface.model for name in BUILT_IN]
+    if not file.stated.exact or file.model_identifier not in models:
         raise CommandError(f"--pack: {fmu} is not the exact block as stickslip build makes it")
     check_writable(fmu, "--pack")
     if not os.access(fmu, os.W_OK):
         raise CommandError(f"--pack {fmu}: it is write-protected")
 
 
-def _check(fmu: Path | None, names: Path | None) -> None:
+def _check(fmu: Path | None, law: str, names: Path | None) -> None:
     if fmu is not None and not fmu.is_file():
         raise CommandError(f"--fmu {fmu}: {'not a file' if fmu.exists() else 'no such file'}")
+    if fmu is not None and law != COULOMB:
+        raise CommandError("--law goes without --fmu: an FMU's variables say its friction law")
     if names is not None and fmu is None:
         raise CommandError("--names goes with --fmu: the default FMU has the standard names")
 
@@ -339,7 +345,10 @@ def _baseline(file: Path | None) -> "EarlierReport | None":
 
 
 def _mutants(every: bool, wanted: str | None) -> "Sequence[Mutant]":
-    """Load the faults that a pattern or a file names, or every fault of the suite."""
+    """Load the faults that a pattern or a file names, or every fault of the suite.
+
+    Those of another friction law than the FMU's are left out later.
+    """
     from stickslip_verification import MutantError, load_mutant, load_mutants
 
     if every and wanted is not None:
@@ -377,12 +386,10 @@ def _check_targets(output: Path, pdf: Path | None) -> None:
             raise CommandError(f"--pdf: {error}") from error
 
 
-def _verdict(fmu: Path | None, cases: "Sequence[Case]", **options: Any) -> "Verdict":
+def _verdict(fmu: Path, cases: "Sequence[Case]", **options: Any) -> "Verdict":
     """Judge the FMU; the options are those of `stickslip_verification.verify`."""
     from stickslip_verification import FmuError, MutantError, verify
 
-    if fmu is None:
-        fmu = current_fmu()
     command = shlex.join(["stickslip", *sys.argv[1:]])
     # The friction law of a case may stand in a module here.
     with here_on_path(), long_work("Verifying", here=False) as progress:

@@ -1,5 +1,5 @@
 """What travels in the FMU for people: its documentation, the page, its icon, the licences."""
 
-from stickslip.handbook.parts import parts, parts_of_law
+from stickslip.handbook.parts import parts
 
-__all__ = ["parts", "parts_of_law"]
+__all__ = ["parts"]

@@ -3,9 +3,10 @@
 from importlib.resources import files
 from typing import Any, Final
 
-from fmukit.table import Variable
+from fmukit.table import Table, Variable
+from stickslip_fmu.interface import table_of
+from stickslip_fmu.laws.named import COULOMB_NAME, friction_law
 from stickslip_fmu.release import DATE, VERSION
-from stickslip_fmu.spec import TABLE
 
 _SOURCES: Final = files("stickslip.handbook")
 _TITLES: Final = {
@@ -17,17 +18,21 @@ _TITLES: Final = {
 """The tables of the interface, by causality and whether the cycle meter holds the value."""
 
 
-def document(fmi_version: int, *, native: bool = False) -> str:
+def document(fmi_version: int, *, native: bool = False, law: str = COULOMB_NAME) -> str:
     """Return documentation/index.html of the FMU for FMI 2.0 or 3.0 (2 or 3).
 
-    The `native` one is the FMU in C, the other one that in Python.
+    The `native` one is the FMU in C, the other one that in Python. `law` is the name of its
+    friction law, a built-in one.
     """
+    own = friction_law(law).law.interface
     return _rendered(
         "index.html.j2",
         fmi_version=fmi_version,
         native=native,
         licences="../licenses" if fmi_version == 2 else "licenses",
-        groups=_groups(),
+        groups=_groups(table_of(own)),
+        model=own.model,
+        law=law,
     )
 
 
@@ -54,10 +59,10 @@ def _text(name: str) -> str:
     return (_SOURCES / name).read_text(encoding="utf-8")
 
 
-def _groups() -> list[tuple[str, list[dict[str, str]]]]:
+def _groups(table: Table) -> list[tuple[str, list[dict[str, str]]]]:
     """Return the rows of the interface tables, by what they are to a user."""
     groups: dict[str, list[dict[str, str]]] = {}
-    for row in TABLE.rows:
+    for row in table.rows:
         metered = row.attribute.startswith("meter.")
         name = _TITLES[row.causality, metered]
         groups.setdefault(name, []).append(_row(row))
@@ -70,15 +75,7 @@ def _row(row: Variable) -> dict[str, str]:
         "type": row.kind,
         "unit": "" if row.unit == "1" else row.unit,
         "start": "" if row.start is None else f"{row.start:g}",
-        "range": _range(row),
+        "range": row.range if row.type.items else row.range.partition("finite and ")[2],
         "when": row.variability if row.causality == "parameter" else "",
         "what": row.description,
     }
-
-
-def _range(row: Variable) -> str:
-    if row.minimum is None:
-        return ""
-    if row.maximum is not None:
-        return f"{row.minimum} to {row.maximum}"
-    return "above 0" if row.minimum > 0 else "at least 0"

@@ -16,8 +16,6 @@ from stickslip_fmu.spec import TABLE
 from stickslip_verification import UNIT_PREFIXES, UNITS_ALONE, UNITS_WITH_PREFIX
 
 _ENTRY: Final = "main.js"
-# End tags that HTML lets one leave out wherever the next element or the parent's end follows.
-_OPTIONAL_ENDS: Final = re.compile(r"</(?:t[dhr]|d[dt]|li|tbody|thead|option)>(?=\s*<)")
 _SETTING: Final = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
 # Where a text holds a number of the model: its name, and how it is shown.
 _FIGURE: Final = re.compile(r"\{(\w+:\w+)\}")
@@ -35,9 +33,8 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     """
     from jinja2 import Environment, FunctionLoader, StrictUndefined
     from rcssmin import cssmin
-    from rjsmin import jsmin
 
-    from stickslip.page import rows
+    from stickslip.page import minify, rows
 
     environment = Environment(
         loader=FunctionLoader(_text),
@@ -52,6 +49,7 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     applications = rows.applications(table, start)
     story = rows.story(_table("story/story.toml")["step"], start, table)
     sentences = _table("said/said.toml")["sentence"]
+    curves = _table("friction/friction.toml")["curve"]
     data = {
         # What the markup already says, the script need not.
         "controls": [
@@ -63,7 +61,8 @@ def page(setting: Mapping[str, float] | None = None) -> str:
             {**_only(each, {"id", *start}), "cures": [cure.get("set") for cure in each["cures"]]}
             for each in applications
         ],
-        "steps": [_only(step, {"set", "over", "from"}) for step in story],
+        "steps": [_only(step, {"set", "over", "from", "curve"}) for step in story],
+        "curves": [_only(each, {"set", "points"}) for each in curves],
         "sentences": [
             _without(each, {"said", "sign", "verdict", "truth", "topic"}) for each in sentences
         ],
@@ -76,13 +75,22 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         story=story,
         questions=rows.questions(_table("questions/questions.toml")["question"], start, table),
         sentences=sentences,
+        curves=curves,
         data=_embedded(data),
         # What paper hides, it hides in every part.
         style=cssmin("".join(map(_text, ["style.css", *_paths(".css"), "print.css"]))),
         chart_style=cssmin(_text("chart.css")),
-        script=jsmin(joined(_modules(), _ENTRY)),
+        script=minify.globals_of_script() + minified(joined(_modules(), _ENTRY)),
     )
-    return _OPTIONAL_ENDS.sub("", "\n".join(filter(None, map(str.strip, text.splitlines()))))
+    before, separator, after = text.partition('<script type="application/json"')
+    return minify.markup(minify.bare(before) + separator + after)
+
+
+def minified(script: str) -> str:
+    """Return a script, or a piece of the page's, as it stands in the page."""
+    from stickslip.page import minify
+
+    return minify.script(script, _short_names())
 
 
 def page_range(name: str) -> tuple[float, float, str]:
@@ -147,6 +155,14 @@ def _without(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
 
 def _only(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
     return {key: value for key, value in row.items() if key in keys}
+
+
+@cache
+def _short_names() -> dict[str, str]:
+    """Return the names of the page's script that are called otherwise in it."""
+    from stickslip.page import minify
+
+    return minify.short_names(joined(_modules(), _ENTRY))
 
 
 def _modules() -> dict[str, str]:

@@ -10,6 +10,7 @@ import { makePlayer } from "./stage/player.js";
 import { listen } from "./stage/pointer.js";
 import { makePortrait } from "./stage/portrait.js";
 import { makeApplications } from "./applications/applications.js";
+import { makeFriction } from "./friction/friction.js";
 import { makeReadouts } from "./stage/readouts.js";
 import { makeResults } from "./results/results.js";
 import { makeReader } from "./view/spelled.js";
@@ -17,7 +18,9 @@ import { makeSaid } from "./said/said.js";
 import { makeSound } from "./sound/sound.js";
 import { makeSchematic } from "./stage/schematic.js";
 import { claimed } from "./model/claims.js";
-import { harmonicsOf } from "./model/harmonics.js";
+import { curveFlaw } from "./model/curve.js";
+import { regimesOf } from "./model/regimes.js";
+import { harmonicsOfMotion } from "./model/harmonics.js";
 import { curesOf } from "./model/cures.js";
 import { criticalCurve, equalJump, jumpOverSpeed, slowJump } from "./model/maps.js";
 import { flawOf, solve } from "./view/solution.js";
@@ -26,6 +29,7 @@ import { makeStretch } from "./stage/stretch.js";
 import { makeTimeCharts } from "./stage/timecharts.js";
 
 /**
+ * @import { Curve } from "./model/curve.js"
  * @import { Setting } from "./model/friction.js"
  * @import { Motion } from "./model/motion.js"
  * @import { Solution } from "./view/solution.js"
@@ -38,6 +42,7 @@ import { makeTimeCharts } from "./stage/timecharts.js";
  * @property {(values: Partial<Setting>, look?: Look) => void} set take these values [SI], the
  *   others stay; throws a RangeError with the reason if they are refused
  * @property {() => Setting} setting the values in use
+ * @property {() => Curve | null} curve the friction curve in use, null for constant friction
  * @property {() => Solution} solution the setting solved
  */
 
@@ -47,6 +52,9 @@ import { makeTimeCharts } from "./stage/timecharts.js";
  * @typedef {object} Look
  * @property {boolean} [ghost] the curves of the setting before stay as a ghost
  * @property {"cycles" | "start"} [from] steady cycles, or the first load-up too
+ * @property {Curve | null} [curve] the friction curve, null for constant friction; without it the
+ *   one in use stays
+ * @property {boolean} [still] whether the picture keeps its span
  */
 
 const data = JSON.parse(byId("page-data").textContent);
@@ -62,6 +70,8 @@ const reader = makeReader(data.units);
 
 /** @type {Solution} */
 let solution = null;
+/** @type {Curve | null} */
+let curve = null;
 let waiting = false;
 // Whether a setting comes from a link.
 let linked = false;
@@ -83,8 +93,10 @@ const player = makePlayer(
 );
 
 const controls = makeControls(data.controls, reader, (p) => {
-  const next = solve(p);
-  const flaw = flawOf(next);
+  const wrong = curve && curveFlaw(curve, p.mu_s);
+  if (wrong) return wrong;
+  const next = solve(p, curve);
+  const flaw = flawOf(next) ?? flawOf(next.constant);
   if (flaw) return flaw;
   solution = next;
   setText(byId("address-said"), "");
@@ -92,22 +104,42 @@ const controls = makeControls(data.controls, reader, (p) => {
   return null;
 });
 
+/** Take values [SI] and a friction curve, or nothing at all: throws a RangeError with the reason. */
+function setAll(values, next = curve) {
+  const before = curve;
+  curve = next;
+  try {
+    controls.set(values);
+  } catch (error) {
+    curve = before;
+    throw error;
+  }
+}
+
+/** What brings the setting back, for the address. */
+const asked = () =>
+  curve ? { ...controls.wanted, curve: curve.flat().slice(1) } : controls.wanted;
+
 /** @type {Page} */
 const page = {
-  set(values, { ghost: keep = false, from = /** @type {Look["from"]} */ ("cycles") } = {}) {
+  set(values, { ghost: keep = false, from = /** @type {Look["from"]} */ ("cycles"), curve, still } = {}) {
     // An address may ask for a step of the story before anything is solved.
     const before = solution?.motion ?? null;
-    const left = before && (story.address() ?? controls.wanted);
-    controls.set(values);
+    const left = before && (story.address() ?? asked());
+    setAll(values, curve);
+    if (still) return;
     // A link to a step of the story has its own place in the history.
-    if (left && !linked) address.step(left, controls.wanted);
+    if (left && !linked) address.step(left, asked());
     ghost = keep ? before : null;
     seen.release(from);
     redrawSoon();
   },
   setting: () => controls.setting,
+  curve: () => curve,
   solution: () => solution,
 };
+/** What a section sees that is about constant friction. @type {Page} */
+const constantPage = { ...page, solution: () => solution.constant };
 
 const story = makeStory(page, data.steps);
 
@@ -116,7 +148,10 @@ const sections = [];
 sections.push(makeApplications(page, data.applications));
 const sound = makeSound(page);
 sections.push(sound.show, makeSaid(page, data.sentences, controls.starts));
-sections.push(makeCures(page), makeMaps(page));
+sections.push(makeFriction(page, data.curves, controls.starts, reader));
+for (const show of [makeCures(constantPage), makeMaps(constantPage)]) {
+  sections.push(({ constant }) => show(constant));
+}
 
 const keeping = makeKeeping({
   motion: () => solution.motion,
@@ -139,7 +174,7 @@ function redraw() {
   portrait.show(motion, ghost);
   byId("forget").hidden = !ghost;
   redrawTime();
-  address.write(story.address() ?? controls.wanted);
+  address.write(story.address() ?? asked());
   for (const show of sections) show(solution);
 }
 
@@ -173,8 +208,8 @@ function takeAddress(event) {
   linked = false;
   if (taken) return;
   // A jump to a place in the page asks for nothing, and must not cost the setting.
-  if (byId(location.hash.slice(1))) return address.write(story.address() ?? controls.wanted);
-  const { values, bad } = valuesIn(location.hash);
+  if (byId(location.hash.slice(1))) return address.write(story.address() ?? asked());
+  const { values, bad, points } = valuesIn(location.hash);
   const problems = bad.map((part) => `${part} is no number.`);
   for (const [name, value] of Object.entries(values)) {
     const objection = controls.objectionTo(name, value);
@@ -185,9 +220,9 @@ function takeAddress(event) {
   seen.release();
   ghost = null;
   // What the address leaves out is as at the start, whatever was shown before.
-  for (const asked of [controls.starts, data.setting, values]) {
+  for (const [wanted, bent] of [[controls.starts, null], [data.setting], [values, points]]) {
     try {
-      controls.set(asked);
+      setAll(wanted, bent);
     } catch (error) {
       problems.push(error.message);
     }
@@ -231,10 +266,14 @@ if (!matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 /** For scripts and tests: the page's unrounded values, SI. */
 // @ts-expect-error A property that the page adds to its window.
 window.stickslip = {
-  set(values) {
-    controls.set(values);
+  set(values, next) {
+    setAll(values, next);
     redraw();
   },
+  get curve() {
+    return curve;
+  },
+  regimes: (points, low, high, step) => regimesOf(controls.setting, points, low, high, step),
   compare: (values) => page.set(values, { ghost: true }),
   get setting() {
     return controls.setting;
@@ -250,8 +289,8 @@ window.stickslip = {
   },
   /** A text as a quantity of this SI unit, or what is wrong with it. */
   read: (text, unit) => reader.read(text, unit, unit),
-  said: (id, setting) => claimed(id, { ...controls.starts, ...setting }),
-  harmonics: (count) => harmonicsOf(solution.motion.p, count),
+  said: (id, setting, points = null) => claimed(id, { ...controls.starts, ...setting }, points),
+  harmonics: (count) => harmonicsOfMotion(solution.motion, count),
   record: sound.record,
   cures: (p) => curesOf(p),
   curves: { criticalCurve, equalJump, jumpOverSpeed, slowJump },

@@ -34,7 +34,7 @@ def story(rows: Sequence[Row], start: Setting, applications: Sequence[Row]) -> l
         known = {"now": now, "tried": {**now, **row.get("tried", {})}}
         if "over" in row:
             known["over"] = settings[row["over"] - 1]
-        steps.append({**_filled(row, known), "set": now})
+        steps.append({**_filled(row, known, row.get("curve")), "set": now})
     return steps
 
 
@@ -86,9 +86,9 @@ def _setting(row: Row, names: Setting) -> Setting:
     return {name: row[name] for name in names}
 
 
-def _filled(row: Row, settings: Mapping[str, Setting]) -> dict[str, Any]:
+def _filled(row: Row, settings: Mapping[str, Setting], curve: Any = None) -> dict[str, Any]:
     """Fill the texts of a row, those in its lists and tables of texts too."""
-    numbers = {name: Numbers(setting) for name, setting in settings.items()}
+    numbers = {name: Numbers(setting, curve) for name, setting in settings.items()}
 
     def fill(value: Any) -> Any:
         if isinstance(value, str):

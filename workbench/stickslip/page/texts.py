@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
 from typing import Final
 
 from jinja2 import Environment, StrictUndefined
 
-from stickslip_ref import Parameters, critical_velocity, simplified, steady_cycle
+from stickslip_ref import Parameters, coulomb_limit, simplified, simulate, steady_cycle
 
 _YEAR: Final = 31557600.0
 _SCALES: Final[Mapping[str, tuple[tuple[float, str], ...]]] = {
@@ -122,6 +122,8 @@ class Numbers:
     ----------
     setting
         m, g, load, k, c, mu_s, mu_k, v [SI].
+    curve
+        Speeds [m/s] and coefficients of a friction curve; without it friction is constant.
 
     Attributes
     ----------
@@ -134,10 +136,12 @@ class Numbers:
     F_max : float
         Largest spring force without damping [N], the swing about F_k; (7).
     v_c, v_c_simple : float
-        Critical velocity [m/s], exact and to first order; (14).
+        Critical velocity [m/s], exact and to first order; (14). NaN and none under a curve.
     """
 
-    def __init__(self, setting: Mapping[str, float]) -> None:
+    def __init__(
+        self, setting: Mapping[str, float], curve: Sequence[Sequence[float]] | None = None
+    ) -> None:
         p = Parameters(**setting)
         cycle = steady_cycle(p)
         self.__dict__ |= {**setting, **asdict(cycle)}
@@ -146,10 +150,26 @@ class Numbers:
         self.N, self.w, self.zeta = p.N, p.w, p.zeta
         self.F_k = p.mu_k * p.N
         self.F_max = self.F_k + p.k * math.hypot(float(p.Delta), p.v / float(p.w))
-        self.v_c = critical_velocity(p)
-        if p.c > 0.0:
+        self.v_c = coulomb_limit(p)
+        if curve is not None:
+            self.__dict__ |= _cycle_under(curve, p)
+        elif p.c > 0.0:
             damping = 4.0 * math.pi * p.zeta * p.k * p.m
             self.v_c_simple = p.k * p.Delta / damping**0.5
+
+
+def _cycle_under(curve: Sequence[Sequence[float]], p: Parameters) -> dict[str, float]:
+    """Return the numbers of the second cycle under a friction curve, NaN where there is none."""
+    own = {"shape": 3.0, "n_points": float(len(curve)), "mu_1": curve[0][1]}
+    for number, (u, mu) in enumerate(curve[1:], 2):
+        own |= {f"u_{number}": u, f"mu_{number}": mu}
+    first = float(p.F_s / (p.k * p.v))
+    # A slip takes a swing or so, and a stick is no longer than twice the first load-up.
+    run = simulate(p, 5.0 * first + 12.0 * math.pi / float(p.w), law="stribeck", own=own)
+    names = ("delta_x", "spring_drop", "t_stick", "t_slip", "T", "x_dot_peak")
+    found = {name: getattr(run.cycles[-1], name) if run.cycles else math.nan for name in names}
+    gone = dict.fromkeys(("Delta", "lambda_", "F_k", "F_max", "v_c"), math.nan)
+    return {**found, **gone, "f": 1.0 / found["T"], "share": found["t_stick"] / found["T"]}
 
 
 def filled(text: str, numbers: Mapping[str, object]) -> str:

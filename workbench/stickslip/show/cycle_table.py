@@ -47,6 +47,9 @@ def cycle_rows(run: Run, p: stickslip_ref.Parameters | None) -> Iterator[Row]:
     if p is not None:
         exact, designers = stickslip_ref.steady_cycle(p), stickslip_ref.simplified(p)
     seen = _measured_names(run)
+    if p is not None and stickslip_ref.COULOMB.ages(p):
+        # The output shows the value of the last sample, and both theories that of the break-away.
+        seen -= {"F_s"}
     for name, meaning, scales in _ROWS:
         measured = float(run.last[name]) if name in seen else math.nan
         yield Row(
@@ -150,7 +153,7 @@ def _why_none(p: stickslip_ref.Parameters) -> str:
         return f"the slip is over-damped (zeta = {p.zeta:.4g}) and ends in steady sliding"
     if p.Delta == 0.0:
         return "without a gap between mu_s and mu_k the damped slip ends in steady sliding"
-    v_c = float(stickslip_ref.critical_velocity(p))
+    v_c = float(stickslip_ref.coulomb_limit(p))
     scale = scale_for(v_c, VELOCITIES)
     return (
         f"|v| is above the critical velocity v_c = {v_c / scale.size:.4g} {scale.symbol}, "

@@ -18,8 +18,10 @@ from fmukit.table import Table, Variable
 from stickslip.errors import CommandError
 from stickslip.progress import deferred_interrupt
 from stickslip.simulate.run import Run, drawable_interval, fitting_interval, sample_times
+from stickslip_design.curve_file import CURVE
 from stickslip_fmu.spec import TABLE
 from stickslip_verification import Event, Transition, drive, events_between, truth
+from stickslip_verification.truth import COULOMB_NAME
 
 Progress = Callable[[float, float], None]
 """Called with the time simulated and the time to simulate [s]."""
@@ -33,20 +35,15 @@ _COLUMN_TYPES: Final = {"Real": np.float64, "Integer": np.int32, "Boolean": np.b
 class Experiment(NamedTuple):
     """What is simulated: every parameter and input by name (SI), and the times [s].
 
-    `law` is the dotted name of the friction law, None for Coulomb's; `table` its variable table.
+    `law` is the name of the friction law; `table` its variable table.
     """
 
     parameters: Mapping[str, float]
     start_time: float
     stop_time: float
     output_interval: float
-    law: str | None = None
+    law: str = COULOMB_NAME
     table: Table = TABLE
-
-    @property
-    def own(self) -> list[Variable]:
-        """The parameters of the friction law that Coulomb's law has not."""
-        return [row for row in self.table.rows if row.settable and row.name not in TABLE.by_name]
 
     @property
     def duration(self) -> float:
@@ -61,7 +58,7 @@ def experiment(
     output_interval: float | None = None,
     *,
     drawn: bool = False,
-    law: str | None = None,
+    law: str = COULOMB_NAME,
     table: Table = TABLE,
 ) -> Experiment:
     """Make an experiment; where no interval is given, choose one.
@@ -78,6 +75,29 @@ def experiment(
     return Experiment(parameters, start_time, stop_time, output_interval, law, table)
 
 
+def reference_parameters(
+    values: Mapping[str, float], law: str = COULOMB_NAME
+) -> stickslip_ref.Parameters:
+    """Return values by name (SI) as the reference takes them, the friction law's own among them.
+
+    Raises
+    ------
+    ValueError
+        If they do not go together, or one that is not at its start value is none of the reference.
+    """
+    found = stickslip_ref.friction_law(law)
+    own = {name: values[name] for name in found.parameters}
+    shared = {name: value for name, value in values.items() if name in truth.START_VALUES}
+    for name in values.keys() - own.keys() - shared.keys():
+        if values[name] != TABLE.by_name[name].start:
+            raise ValueError(f"{name}: the reference of the friction law {law} has no {name}")
+    with warnings.catch_warnings():
+        if own.get("shape") == CURVE:
+            # A curve takes the place of mu_k, which is not clamped then.
+            warnings.simplefilter("ignore", stickslip_ref.FrictionClampWarning)
+        return found.complete(stickslip_ref.Parameters(**shared), own)
+
+
 def simulate_reference(what: Experiment) -> tuple[Run, list[str]]:
     """Simulate with `stickslip_ref`.
 
@@ -92,19 +112,17 @@ def simulate_reference(what: Experiment) -> tuple[Run, list[str]]:
         If the reference refuses the values or cannot finish.
     """
     times = sample_times(what.start_time, what.stop_time, what.output_interval)
-    own = {row.name: what.parameters[row.name] for row in what.own}
-    others = {name: value for name, value in what.parameters.items() if name not in own}
-    law = stickslip_ref.COULOMB if what.law is None else what.law
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
+            parameters = reference_parameters(what.parameters, what.law)
             trajectory = stickslip_ref.simulate(
-                stickslip_ref.Parameters(**others),
+                parameters,
                 what.stop_time,
                 start_time=what.start_time,
                 times=times,
-                law=law,
-                own=own,
+                law=what.law,
+                own=parameters.own,
             )
         except (ValueError, RuntimeError) as error:
             raise CommandError(_one_line(error)) from error
@@ -164,11 +182,14 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, 
     """
     times = sample_times(what.start_time, what.stop_time, what.output_interval)
     file = _opened(fmu, what.table)
+    its = [row for row in what.table.rows if row.settable and row.name not in truth.START_VALUES]
     file.look_for(
         truth.Parameter(row.name, row.unit, what.parameters[row.name], truth.Kind.TUNABLE)
-        for row in what.own
+        for row in its
     )
-    lacking = [row.name for row in what.own if not file.has(row.name)]
+    lacking = [
+        row.name for row in its if not file.has(row.name) and what.parameters[row.name] != row.start
+    ]
     if lacking:
         raise CommandError(
             f"--fmu {fmu}: the FMU has no parameter {', '.join(lacking)} of the friction law"

@@ -7,7 +7,8 @@ from xml.etree.ElementTree import Element, SubElement
 from stickslip.handbook.evidence.xml_file import xml_file
 from stickslip.simulate.csv_file import csv_bytes
 from stickslip.simulate.engines import DEFAULT_STEP, experiment, simulate_fmu
-from stickslip_fmu.spec import TABLE
+from stickslip_fmu.interface import table_of
+from stickslip_fmu.laws.named import friction_law
 
 STOP_TIME: Final = 10.0
 TOLERANCE: Final = 1e-9
@@ -17,17 +18,21 @@ _LEFT_OUT: Final = "J"
 """The unit of the energy account: a third of the packed file, and it follows from the rest."""
 
 
-def result_file(fmu: Path) -> bytes:
+def result_file(fmu: Path, law: str) -> bytes:
     """Return the outputs of the FMU at every communication point of the experiment, as CSV.
+
+    `law` is the name of its friction law.
 
     Raises
     ------
     CommandError
         If the FMU cannot be simulated.
     """
-    what = experiment(TABLE.start_values(), 0.0, STOP_TIME, DEFAULT_STEP)
+    table = table_of(friction_law(law).law.interface)
+    values = table.start_values()
+    what = experiment(values, 0.0, STOP_TIME, DEFAULT_STEP, law=law, table=table)
     run, _ = simulate_fmu(what, fmu, lambda done, total: None)
-    names = [row.name for row in TABLE.rows if row.causality == "output" and row.unit != _LEFT_OUT]
+    names = [row.name for row in table.rows if row.causality == "output" and row.unit != _LEFT_OUT]
     return csv_bytes(run.samples[["time", *names]])
 
 
@@ -39,7 +44,7 @@ def experiment_file(result: str) -> bytes:
         "Experiment",
         {
             "name": "default",
-            "description": "The block as it comes: 31 slips of the undamped cycle.",
+            "description": "The block as it comes, with all start values.",
             "startTime": "0.0",
             "stopTime": repr(STOP_TIME),
             "tolerance": repr(TOLERANCE),

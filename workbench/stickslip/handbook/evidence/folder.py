@@ -33,7 +33,7 @@ _RELATED: Final = {
 }
 
 
-def evidence(fmu: Path, verdict: "Verdict") -> dict[str, bytes]:
+def evidence(fmu: Path, verdict: "Verdict", law: str) -> dict[str, bytes]:
     """Return the evidence of an FMU by its paths in it; the same for the same FMU and suite.
 
     Parameters
@@ -42,6 +42,8 @@ def evidence(fmu: Path, verdict: "Verdict") -> dict[str, bytes]:
         The FMU, with evidence in it or without.
     verdict
         What the suite found of that FMU.
+    law
+        The name of its friction law, a built-in one.
 
     Raises
     ------
@@ -50,7 +52,7 @@ def evidence(fmu: Path, verdict: "Verdict") -> dict[str, bytes]:
     """
     contents = {
         _EXPERIMENT: experiment_file(_RESULT),
-        _RESULT: result_file(fmu),
+        _RESULT: result_file(fmu, law),
         _REPORT: packed_report(verdict).encode(),
     }
     contents[MANIFEST] = manifest(_RELATED, contents)

@@ -30,7 +30,7 @@ export function makeApplications(page, applications) {
       entry,
       own: Object.fromEntries(names.map((name) => [name, application[name]])),
     };
-    const choose = () => page.set(part.own);
+    const choose = () => page.set(part.own, { curve: null });
     on(part.button, "click", choose);
     // Closed still: the click is about to open it.
     on(entry.querySelector("summary"), "click", () => entry.open || choose());
@@ -45,8 +45,8 @@ export function makeApplications(page, applications) {
   });
 
   let shown = null;
-  return function show({ motion: { p } }) {
-    const current = parts.find(({ own }) => names.every((name) => own[name] === p[name]));
+  return function show({ motion: { p, curve } }) {
+    const current = parts.find(({ own }) => !curve && names.every((name) => own[name] === p[name]));
     if (shown === current) return;
     shown = current;
     for (const part of parts) {

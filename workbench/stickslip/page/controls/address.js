@@ -9,19 +9,28 @@ const ONE_STEP = 1000;
  * The values that an address asks for.
  *
  * @param {string} hash such as "#k=1000&v=0.02", SI
- * @returns {{values: Record<string, number>, bad: string[]}} numbers by name, and the parts that
- *   are none
+ * @returns {{values: Record<string, number>, bad: string[], points?: [number, number][]}} numbers by
+ *   name, the parts that are none, and the points of a friction curve, from mu_1 on
  */
 export function valuesIn(hash) {
   /** @type {Record<string, number>} */
   const values = {};
   const bad = [];
+  let points;
   for (const [name, text] of new URLSearchParams(hash.slice(1))) {
     const value = text.trim() === "" ? NaN : Number(text);
-    if (Number.isFinite(value)) values[name] = value;
+    const listed = text.split(",").map(Number);
+    if (name === "curve" && listed.length % 2 && listed.every(Number.isFinite)) {
+      points = pairs([0, ...listed]);
+    } else if (Number.isFinite(value)) values[name] = value;
     else bad.push(`${name}=${text}`);
   }
-  return { values, bad };
+  return { values, bad, points };
+}
+
+/** @returns {[number, number][]} */
+function pairs(/** @type {number[]} */ list) {
+  return list.length ? [[list[0], list[1]], ...pairs(list.slice(2))] : [];
 }
 
 /** The part of an address that asks for these values. */
@@ -41,11 +50,11 @@ export function makeAddress() {
   let waiting = 0;
   let last = -Infinity;
   return {
-    write(/** @type {Record<string, number>} */ values) {
+    write(/** @type {Record<string, any>} */ values) {
       clearTimeout(waiting);
       waiting = setTimeout(() => history.replaceState(null, "", hashOf(values)), STILL);
     },
-    step(/** @type {Record<string, number>} */ before, /** @type {Record<string, number>} */ after) {
+    step(/** @type {Record<string, any>} */ before, /** @type {Record<string, any>} */ after) {
       const pause = performance.now() - last;
       last += pause;
       if (pause < ONE_STEP) return;

@@ -27,13 +27,16 @@ const ALWAYS = ["k", "v", "mu_s", "mu_k"];
  * @param {Setting} starts start values of the FMU: the others are named where they differ
  * @param {number} to end of the run [s]; the command ends it up to 1 % later
  * @param {Reader} reader of quantities, as Python reads them
+ * @param {boolean} isCurved whether a friction curve, saved as curve.csv, takes the place of mu_k
  * @returns {string} one line for a shell
  */
-export function commandLine(p, starts, to, reader) {
+export function commandLine(p, starts, to, reader, isCurved) {
   const options = Object.keys(KINDS)
+    .filter((name) => !(isCurved && name === "mu_k"))
     .filter((name) => ALWAYS.includes(name) || p[name] !== starts[name])
     .map((name) => `--${name.replace("_", "-")} ${asTyped(p[name], KINDS[name], reader)}`);
-  return `stickslip simulate ${options.join(" ")} --stop-time ${rounded(to)}`;
+  const law = isCurved ? "--law stribeck --curve curve.csv " : "";
+  return `stickslip simulate ${law}${options.join(" ")} --stop-time ${rounded(to)}`;
 }
 
 /** A value in the unit in which it is read best, or in SI where only that gives the same double. */

@@ -6,6 +6,7 @@ import { byId, on, setText } from "../view/dom.js";
 import { pngOf, resolvedStyle, svgText } from "./picture.js";
 
 /**
+ * @import { Curve } from "../model/curve.js"
  * @import { Setting } from "../model/friction.js"
  * @import { Motion } from "../model/motion.js"
  * @import { Stretch } from "../stage/stretch.js"
@@ -22,10 +23,12 @@ const FINENESS = 2;
  * The setting as the lines of a caption, SI.
  *
  * @param {Setting} p
+ * @param {Curve | null} curve friction curve
  */
-function settingInWords({ k, v, mu_s, mu_k, m, g, load, c }) {
+function settingInWords({ k, v, mu_s, mu_k, m, g, load, c }, curve) {
+  const kinetic = curve ? `μ(u) by ${curve.length} points` : `μₖ = ${mu_k}`;
   return [
-    `k = ${k} N/m, v = ${v} m/s, μₛ = ${mu_s}, μₖ = ${mu_k}`,
+    `k = ${k} N/m, v = ${v} m/s, μₛ = ${mu_s}, ${kinetic}`,
     `m = ${m} kg, g = ${g} m/s², load = ${load} N, c = ${c} N·s/m`,
   ];
 }
@@ -87,18 +90,18 @@ export function makeKeeping({ motion, stretch, starts, reader }) {
       return part;
     });
     const style = resolvedStyle(byId("chart-style").textContent, document.body);
-    return { text: svgText(parts, style, settingInWords(motion().p)), width, height: y - GAP };
+    return { text: svgText(parts, style, settingInWords(motion().p, motion().curve)), width, height: y - GAP };
   }
 
   return {
     refresh() {
-      setText(command, commandLine(motion().p, starts, stretch.to, reader));
+      setText(command, commandLine(motion().p, starts, stretch.to, reader, !!motion().curve));
     },
   };
 }
 
 /** Hand a file to the person as a download. */
-function save(name, blob) {
+export function save(name, blob) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
   link.download = name;

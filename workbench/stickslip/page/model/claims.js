@@ -4,13 +4,18 @@
  */
 
 import { criticalVelocity } from "./critical.js";
+import { slipOnCurve } from "./curveslip.js";
 import { simplified, steadyCycle } from "./cycle.js";
 import { kineticInUse, numbersOf } from "./friction.js";
 import { risingZero } from "./root.js";
+import { regimesOf } from "./regimes.js";
 import { slipFromRest } from "./slip.js";
 import { march } from "./verlet.js";
 
-/** @import { Setting } from "./friction.js" */
+/**
+ * @import { Curve } from "./curve.js"
+ * @import { Setting } from "./friction.js"
+ */
 
 /** The step of the script [s], the limit of hearing [Hz], and a light damping ratio [1]. */
 const STEP = 1e-3;
@@ -20,7 +25,7 @@ const LIGHT = 0.03;
 /**
  * The numbers of each sentence by its name, SI; NaN where a cycle that is compared does not exist.
  *
- * @type {Record<string, (p: Setting, asked: number) => Record<string, number>>}
+ * @type {Record<string, (p: Setting, asked: number, curve: Curve) => Record<string, number>>}
  */
 const CLAIMS = {
   jump: (p) => ({ ...jumpOf(p), spring: steadyCycle(p).spring_drop }),
@@ -106,6 +111,22 @@ const CLAIMS = {
   /** The same contact on a quarter of the stiffness. */
   slope: (p) => ({ v_c: criticalVelocity(p), before: criticalVelocity({ ...p, k: p.k / 4 }) }),
 
+  /** The ends of the two ranges in which it sticks, from a hundredth of this speed to ten times. */
+  above: (p, _, curve) => {
+    const regimes = regimesOf(p, curve, p.v / 100, 10 * p.v, 0.05);
+    const [first, again, last] = regimes
+      .filter(({ sticks }, n) => n && sticks !== regimes[n - 1].sticks)
+      .map(({ low }) => low);
+    return { first, again, last, v: p.v, exact: slipOnCurve(p, curve).cycle.delta_x };
+  },
+
+  /** How steeply the curve falls at first, and what damping would hold. */
+  gapless: (p, _, curve) => {
+    const [[, mu], [u, next]] = curve;
+    const exact = slipOnCurve(p, curve).cycle.delta_x;
+    return { slope: (mu - next) / u, held: p.c / numbersOf(p).N, exact };
+  },
+
   condition: (p) => ({ slope: p.c / numbersOf(p).N }),
 
   /** How far off the script is, relative to the undamped cycle. */
@@ -146,10 +167,12 @@ const CLAIMS = {
  *
  * @param {string} name of the sentence
  * @param {Setting} asked its mu_k as it is asked for, before the clamp
+ * @param {Curve} curve its friction curve, of no influence where it has none
  * @returns {Record<string, number>} SI, ratios plain
  */
-export function claimed(name, asked) {
-  return CLAIMS[name]({ ...asked, mu_k: kineticInUse(asked.mu_s, asked.mu_k) }, asked.mu_k);
+export function claimed(name, asked, curve) {
+  const p = { ...asked, mu_k: kineticInUse(asked.mu_s, asked.mu_k) };
+  return CLAIMS[name](p, asked.mu_k, curve);
 }
 
 /**

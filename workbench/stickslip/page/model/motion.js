@@ -5,12 +5,15 @@
  * Any instant is reached at once and not from the one before, so nothing adds up over the cycles.
  */
 
+import { coefficientAt, isFlat } from "./curve.js";
+import { slipOnCurve } from "./curveslip.js";
 import { steadyCycle } from "./cycle.js";
 import { numbersOf } from "./friction.js";
 import { slipFromRest } from "./slip.js";
 import { twofoldOver, twofoldPlus, twofoldTimes, twoProduct, twoSum } from "./twofold.js";
 
 /**
+ * @import { Curve } from "./curve.js"
  * @import { Cycle } from "./cycle.js"
  * @import { Numbers, Setting } from "./friction.js"
  * @import { Slip } from "./slip.js"
@@ -22,7 +25,7 @@ import { twofoldOver, twofoldPlus, twofoldTimes, twoProduct, twoSum } from "./tw
  *
  * @typedef {object} State
  * @property {number} t time [s]
- * @property {number} mode 0: stick, 1: slip
+ * @property {number} mode 0: stick, 1: slip, -1: slip backward
  * @property {number} x position of the mass [m]
  * @property {number} x_dot its velocity [m/s]
  * @property {number} x_ddot its acceleration [m/s^2]
@@ -55,12 +58,14 @@ import { twofoldOver, twofoldPlus, twofoldTimes, twoProduct, twoSum } from "./tw
  *
  * @typedef {object} Motion
  * @property {Setting} p the setting
- * @property {Numbers} numbers what follows from it alone
+ * @property {Curve | null} curve the friction curve, null for constant friction
+ * @property {Numbers} numbers what follows from the setting alone; under a curve its mu_k is mu_1
  * @property {Cycle} cycle the steady cycle
  * @property {Slip} slip the slip of every cycle, or the one without end
  * @property {number} first when the mass first breaks away [s]
  * @property {number} beat period, or the scale of a slip without end [s]
  * @property {number} z_s extension of the spring at break-away [m]
+ * @property {number} z_even the same in steady sliding [m]
  * @property {(t: number) => State} at the state at a time [s], from 0 on
  * @property {(t: number, n: number, left: number) => State} sticking the state at a time [s] in
  *   the stick after n slips, `left` [s] before it breaks away
@@ -83,13 +88,20 @@ import { twofoldOver, twofoldPlus, twofoldTimes, twoProduct, twoSum } from "./tw
  * Solve a setting.
  *
  * @param {Setting} p
+ * @param {Curve | null} [curve] friction curve, in place of mu_k
  * @returns {Motion}
  */
-export function motionOf(p) {
-  const numbers = numbersOf(p);
-  const cycle = steadyCycle(p);
-  const slip = slipFromRest(p);
-  const dates = datesOf(p, cycle);
+export function motionOf(p, curve = null) {
+  const used = curve ? { ...p, mu_k: curve[0][1] } : p;
+  const isConstant = !curve || isFlat(curve);
+  const numbers = numbersOf(used);
+  const { cycle, slip } = isConstant
+    ? { cycle: steadyCycle(used), slip: slipFromRest(used) }
+    : slipOnCurve(p, curve);
+  const dates = datesOf(used, cycle, isConstant && cycle.zeta === 0);
+  /** @type {(speed: number) => number} kinetic friction [N] */
+  const kinetic = (speed) =>
+    isConstant ? numbers.F_k : coefficientAt(curve, Math.abs(speed)) * numbers.N;
   const first = dates.breakAway(0)[0];
   const z_s = numbers.F_s / p.k;
 
@@ -115,14 +127,14 @@ export function motionOf(p) {
 
   /** @type {Motion["slipping"]} */
   const slipping = (t, n, tau) => {
-    const { displacement, x_dot, x_ddot, growth } = slip.at(tau);
+    const { displacement, x_dot, x_ddot, growth, mode = 1 } = slip.at(tau);
     // A re-stick is at rest to the last bit; rounding must not show a mass that goes back.
-    const speed = Math.max(x_dot, 0);
+    const speed = mode * Math.max(mode * x_dot, 0);
     const x = positionBefore(n) + displacement;
     const z = z_s + growth;
     const F = numbers.F_s + p.k * growth;
-    const F_friction = -(numbers.F_k + p.c * speed);
-    return { t, mode: 1, x, x_dot: speed, x_ddot, x_pull: x + z, z, F, F_friction };
+    const F_friction = -(mode * kinetic(speed) + p.c * speed);
+    return { t, mode, x, x_dot: speed, x_ddot, x_pull: x + z, z, F, F_friction };
   };
 
   /** @type {(t: number) => number} break-aways before t [s], less one; t is after the first */
@@ -185,7 +197,9 @@ export function motionOf(p) {
 
   // What repeats, or where nothing does, how long a swing or the decay of the slip takes.
   const beat = cycle.exists ? cycle.T : slip.scale;
-  return { p, numbers, cycle, slip, first, beat, z_s, at, sticking, slipping, phases, events };
+  const z_even = (kinetic(p.v) + p.c * p.v) / p.k;
+  const found = { p, curve, numbers, cycle, slip, first, beat, z_s, z_even };
+  return { ...found, at, sticking, slipping, phases, events };
 }
 
 /**
@@ -193,9 +207,10 @@ export function motionOf(p) {
  *
  * @param {Setting} p
  * @param {Cycle} cycle of the setting
+ * @param {boolean} undamped whether friction is constant and there is no damping
  * @returns {Dates}
  */
-function datesOf({ m, g, load, k, mu_s, mu_k, v }, cycle) {
+function datesOf({ m, g, load, k, mu_s, mu_k, v }, cycle, undamped) {
   const rate = twoProduct(k, v);
   const normal = twofoldPlus(twoProduct(m, g), [load, 0]);
   const first = twofoldOver(twofoldTimes(normal, mu_s), rate);
@@ -204,7 +219,7 @@ function datesOf({ m, g, load, k, mu_s, mu_k, v }, cycle) {
   const climb = twofoldPlus(twofoldTimes(normal, gap[0]), [normal[0] * gap[1], 0]);
   /** @type {Twofold} */
   const stick =
-    cycle.zeta === 0 ? twofoldTimes(twofoldOver(climb, rate), 2) : [cycle.t_stick, 0];
+    undamped ? twofoldTimes(twofoldOver(climb, rate), 2) : [cycle.t_stick, 0];
   const period = twofoldPlus(stick, [cycle.t_slip, 0]);
   return {
     breakAway: (n) => (n === 0 ? first : twofoldPlus(first, twofoldTimes(period, n))),

@@ -9,7 +9,7 @@ import { numbersOf } from "./friction.js";
  *
  * @typedef {object} Oscillator
  * @property {number} w natural frequency [rad/s]
- * @property {number} a rate of decay zeta w [1/s]
+ * @property {number} a rate of decay zeta w [1/s]; below 0 where it grows
  * @property {number} b sqrt(|w^2 - a^2|) [rad/s]
  * @property {number} fast the faster rate of decay [1/s]; a, if it is not overdamped
  * @property {number} slow the slower rate of decay [1/s]; a, if it is not overdamped
@@ -24,6 +24,7 @@ import { numbersOf } from "./friction.js";
  * @property {number} x_dot velocity of the mass [m/s]
  * @property {number} x_ddot acceleration of the mass [m/s^2]
  * @property {number} growth of the spring's extension [m]
+ * @property {number} [mode] direction of slip, forward if none is given: 1, or -1 backward
  */
 
 /**
@@ -37,6 +38,21 @@ import { numbersOf } from "./friction.js";
  * @property {number} fast the faster rate of decay [1/s]
  * @property {number} slow the slower rate of decay [1/s]
  * @property {number} scale duration of a swing, or three times that of the slower decay [s]
+ * @property {(from: number, to: number) => Iterable<Piece>} [pieces] the arcs of a slip on a friction
+ *   curve that touch a stretch of time since break-away [s]
+ * @property {() => boolean} [settles] whether it ends in steady sliding; under a friction curve only
+ */
+
+/**
+ * A stretch of slip with rates of its own.
+ *
+ * @typedef {object} Piece
+ * @property {number} start time since break-away [s]
+ * @property {number} end the same
+ * @property {number} rate of the fastest change [rad/s]
+ * @property {number} fast the faster rate of decay [1/s]
+ * @property {number} slow the slower rate of decay [1/s]; below 0 where it grows
+ * @property {boolean} turns whether the direction of slip changes at its end
  */
 
 /**
@@ -47,7 +63,7 @@ import { numbersOf } from "./friction.js";
  * @returns {{K: number, slope: number, G: number, H: number}} K: the impulse response [s], with
  *   its slope [1]; G: w^2 times the integral of K [1]; H: the integral of G [s]
  */
-function responses({ w, a, b, fast, slow, overdamped }, tau) {
+export function responses({ w, a, b, fast, slow, overdamped }, tau) {
   if (!overdamped) {
     const half = 0.5 * b * tau;
     const sine = Math.sin(half);
@@ -82,6 +98,22 @@ function integralOfK(fast, slow, tau, K) {
 }
 
 /**
+ * An oscillator by its natural frequency and its rate of decay.
+ *
+ * @param {number} w [rad/s]
+ * @param {number} a [1/s]; below 0 it grows
+ * @returns {Oscillator}
+ */
+export function oscillatorOf(w, a) {
+  const overdamped = !(Math.abs(a) < w);
+  const b = Math.sqrt(Math.abs((w - a) * (w + a)));
+  const steep = a < 0 ? a - b : a + b;
+  const rates = overdamped ? [steep, (w * w) / steep] : [a, a];
+  const [fast, slow] = a < 0 ? rates.reverse() : rates;
+  return { w, a, b, fast, slow, overdamped };
+}
+
+/**
  * Make the slip of a setting.
  *
  * @param {Setting} p
@@ -89,12 +121,8 @@ function integralOfK(fast, slow, tau, K) {
  */
 export function slipFromRest(p) {
   const { Delta, w, zeta, lambda_ } = numbersOf(p);
-  const a = zeta * w;
-  const overdamped = !(a < w);
-  const b = Math.sqrt(Math.abs((w - a) * (w + a)));
-  const fast = overdamped ? a + b : a;
-  const slow = overdamped ? (w * w) / fast : a;
-  const oscillator = { w, a, b, fast, slow, overdamped };
+  const oscillator = oscillatorOf(w, zeta * w);
+  const { fast, slow, overdamped } = oscillator;
   // Distance of the spring from where it would come to rest.
   const swing = Delta - (p.c * p.v) / p.k;
   /** @type {(tau: number) => SlipState} */

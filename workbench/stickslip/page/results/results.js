@@ -1,5 +1,7 @@
 /** The numbers of the cycle: exact and simplified side by side, and how far they are apart. */
 
+import { contactOf } from "../model/chain.js";
+import { regimeAt } from "../model/regimes.js";
 import { byId, put, setText } from "../view/dom.js";
 import { digits, quantity, scaleFor } from "../view/units.js";
 
@@ -36,12 +38,14 @@ export function makeResults() {
 
   return function show({ motion, simple, v_c, v_c_simple }) {
     const exact = { ...motion.cycle, v_c };
-    const designers = { ...simple, v_c: v_c_simple };
+    // Under a friction curve the bar over v takes its place.
+    const designers = { ...simple, v_c: motion.curve ? NaN : v_c_simple };
     for (const row of rows) showRow(row, exact[row.name], designers[row.name]);
     const sentence = inWords(motion, v_c);
     setText(lead, sentence);
     const { zeta, lambda_ } = motion.numbers;
-    setText(ratios, `Damping ratio ζ = ${digits(zeta, 3)}, λ = ${digits(lambda_, 3)}.`);
+    const lambda = motion.curve ? "" : `, λ = ${digits(lambda_, 3)}`;
+    setText(ratios, `Damping ratio ζ = ${digits(zeta, 3)}${lambda}.`);
     clearTimeout(waiting);
     waiting = setTimeout(() => {
       setText(told, sentence);
@@ -98,7 +102,14 @@ function hidden(words) {
  * @param {Motion} motion
  * @param {number} v_c critical velocity [m/s]
  */
-function inWords({ cycle, numbers, p }, v_c) {
+function inWords({ cycle, numbers, p, curve, slip }, v_c) {
+  if (!cycle.exists && slip.settles) {
+    const { even } = regimeAt(contactOf(p, curve), p.v);
+    const settles = even && slip.settles();
+    return settles
+      ? "No cycle, it slides: on this friction curve the slip from break-away calms down."
+      : "It swings and does not stick: on this friction curve no slip comes to rest.";
+  }
   if (!cycle.exists) {
     return `No cycle, it slides: ${whyNone(numbers, p, v_c)}`;
   }

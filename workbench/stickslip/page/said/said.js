@@ -7,6 +7,7 @@ import { digits, quantity } from "../view/units.js";
 
 /**
  * @import { Page } from "../main.js"
+ * @import { Curve } from "../model/curve.js"
  * @import { Setting } from "../model/friction.js"
  * @import { Solution } from "../view/solution.js"
  */
@@ -18,6 +19,7 @@ import { digits, quantity } from "../view/units.js";
  * @property {string} id
  * @property {Partial<Setting>} set the setting, the start values apart, SI
  * @property {Partial<Setting>} [before] what differs in the setting that it is compared with
+ * @property {Curve} [curve] its friction curve
  * @property {"start"} [from] where the first load-up belongs to it
  */
 
@@ -31,20 +33,22 @@ import { digits, quantity } from "../view/units.js";
  */
 export function makeSaid(page, sentences, starts) {
   let chosen = "";
-  const rows = sentences.map(({ id, set, before, from }) => {
+  const rows = sentences.map(({ id, set, curve = null, before, from }) => {
     const values = { ...starts, ...set };
     const button = document.querySelector(`[data-said="${id}"]`);
     on(button, "click", () => {
       chosen = id;
-      if (before) page.set({ ...values, ...before });
-      page.set(values, { ghost: !!before, from: from ?? "cycles" });
+      if (before) page.set({ ...values, ...before }, { curve });
+      page.set(values, { ghost: !!before, from: from ?? "cycles", curve });
     });
-    fillIn(id, claimed(id, values));
-    return { id, button, values: { ...values, mu_k: kineticInUse(values.mu_s, values.mu_k) } };
+    fillIn(id, claimed(id, values, curve));
+    return { id, button, curve, values: { ...values, mu_k: kineticInUse(values.mu_s, values.mu_k) } };
   });
-  return ({ motion: { p } }) => {
-    for (const { id, button, values } of rows) {
-      const current = id === chosen && Object.keys(values).every((name) => values[name] === p[name]);
+  return ({ motion }) => {
+    const { p } = motion;
+    for (const { id, button, values, curve } of rows) {
+      const isSet = id === chosen && `${curve}` === `${motion.curve}`;
+      const current = isSet && Object.keys(values).every((name) => values[name] === p[name]);
       put(button, { "aria-pressed": current });
     }
   };

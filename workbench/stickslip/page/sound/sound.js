@@ -1,6 +1,6 @@
 /** The velocity of the mass as a sound: a tone of its pitch, or a thud at each slip. */
 
-import { harmonicsOf } from "../model/harmonics.js";
+import { harmonicsOfMotion } from "../model/harmonics.js";
 import { byId, on, put, setText } from "../view/dom.js";
 import { quantity, scaleFor } from "../view/units.js";
 
@@ -91,9 +91,10 @@ export function makeSound(page) {
  * @param {Motion} motion
  * @returns {(() => void) | null} lets it fade; null where there is nothing to hear
  */
-function sounding(context, { p, cycle }) {
+function sounding(context, motion) {
+  const { cycle } = motion;
   if (!(cycle.f * PATIENCE >= 1 && cycle.f <= HIGHEST_TONE)) return null;
-  const { source, level } = cycle.f < LOWEST_TONE ? thuds(context, cycle) : tone(context, p, cycle);
+  const { source, level } = cycle.f < LOWEST_TONE ? thuds(context, cycle) : tone(context, motion);
   const gain = context.createGain();
   const start = context.currentTime;
   gain.gain.setValueAtTime(0, start);
@@ -108,15 +109,16 @@ function sounding(context, { p, cycle }) {
 }
 
 /** The velocity as a periodic wave. */
-function tone(context, p, { f, x_dot_peak }) {
-  const { cosines, sines } = harmonicsOf(p, Math.floor(HIGHEST_TONE / f));
+function tone(context, motion) {
+  const { f, x_dot_peak } = motion.cycle;
+  const { cosines, sines } = harmonicsOfMotion(motion, Math.floor(HIGHEST_TONE / f));
   const source = context.createOscillator();
   source.frequency.value = f;
   source.setPeriodicWave(
     context.createPeriodicWave(cosines, sines, { disableNormalization: true }),
   );
   const square = cosines.reduce((sum, each, n) => sum + (n && each ** 2 + sines[n] ** 2), 0);
-  const peak = Math.max(x_dot_peak - p.v, p.v);
+  const peak = Math.max(x_dot_peak - motion.p.v, motion.p.v);
   return { source, level: Math.min(LOUDNESS / Math.sqrt(square / 2), PEAK / peak) };
 }
 

@@ -66,7 +66,7 @@ export function makeBlock(svg) {
       // In stick the teeth stand in those of the ground, wherever the block stopped.
       const phase = mode === 0 ? (Math.ceil(left / TOOTH.wide) * TOOTH.wide - left) : 0;
       put(teethBelow, { d: `${teeth(phase, block, 0)}Z` });
-      const long = STREAK * Math.min(x_dot / fastest, 1);
+      const long = STREAK * Math.min(Math.max(x_dot, 0) / fastest, 1);
       put(streaks, {
         d: mode === 0 ? "" : [0.25, 0.5, 0.75].map((h) => `M-5 ${px(-h * tall)}h${px(-long)}`).join(""),
       });

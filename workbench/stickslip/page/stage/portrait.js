@@ -40,11 +40,10 @@ export function makePortrait(svg) {
    */
   function show(next, ghost) {
     motion = next;
-    const { cycle, numbers, p, z_s } = motion;
+    const { cycle, p, z_s, z_even } = motion;
     const states = loopOf(motion);
     const others = ghost ? loopOf(ghost) : [];
-    const settled = (numbers.F_k + p.c * p.v) / p.k;
-    const lengths = [z_s, settled, ...[...states, ...others].map(({ z }) => z)];
+    const lengths = [z_s, z_even, ...[...states, ...others].map(({ z }) => z)];
     // The way from a relaxed spring is in sight where the loop is not lost beside it.
     const near = Math.max(...lengths) - Math.min(...lengths) < 0.4 * Math.max(...lengths);
     frame.scale(
@@ -56,7 +55,7 @@ export function makePortrait(svg) {
     const line = px(frame.x(z_s));
     put(threshold, { d: `M${line} ${frame.area.top}V${frame.area.bottom}` });
     put(thresholdName, { x: line - 4, y: frame.area.top + 26 });
-    const left = px(frame.x(settled));
+    const left = px(frame.x(z_even));
     const top = px(frame.y(p.v));
     put(centre, { d: `M${left - 5} ${top}h10M${left} ${top - 5}v10` });
     const anchor = left > frame.area.left + 90 ? "end" : "start";

@@ -143,11 +143,14 @@ function layoutOf(motion, seen, width, height) {
  * @param {Stretch} seen
  * @param {number} way length of a window [m]
  */
-function reachOf({ p, numbers, cycle, slip, z_s, first }, seen, way) {
-  const duration = cycle.exists ? cycle.t_slip : (2 * Math.PI) / numbers.w;
+function reachOf({ numbers, cycle, slip, z_s, z_even, first }, seen, way) {
+  // Under a friction curve a slip without end may grow for some swings.
+  const swings = !cycle.exists && slip.pieces ? 6 : 1;
+  const duration = cycle.exists ? cycle.t_slip : (2 * Math.PI * swings) / numbers.w;
+  const count = 60 * swings;
   const lengths = [z_s];
-  for (let i = 1; i <= 60; i++) lengths.push(z_s + slip.at((duration * i) / 60).growth);
-  if (!cycle.exists) lengths.push((numbers.F_k + p.c * p.v) / p.k);
+  for (let i = 1; i <= count; i++) lengths.push(z_s + slip.at((duration * i) / count).growth);
+  if (!cycle.exists) lengths.push(z_even);
   const low = Math.min(...lengths);
   const high = Math.max(...lengths);
   // A spring that is always far from relaxed is drawn from somewhat below its least extension.

@@ -3,6 +3,7 @@
 import { byId, on } from "../view/dom.js";
 
 /**
+ * @import { Curve } from "../model/curve.js"
  * @import { Setting } from "../model/friction.js"
  * @import { Page } from "../main.js"
  */
@@ -12,6 +13,7 @@ import { byId, on } from "../view/dom.js";
  *
  * @typedef {object} Step
  * @property {Setting} set the values that it sets [SI]
+ * @property {Curve} [curve] the friction curve that it sets
  * @property {number} [over] number of the step whose curves stay as a ghost, from 1
  * @property {"start"} [from] shows the first load-up too
  */
@@ -48,9 +50,9 @@ export function makeStory(page, steps) {
       if (each === at) link.setAttribute("aria-current", "step");
       else link.removeAttribute("aria-current");
     });
-    const { set, over, from } = steps[at];
-    if (over) page.set(steps[over - 1].set);
-    page.set(set, { ghost: Boolean(over), from });
+    const { set, over, from, curve = null } = steps[at];
+    if (over) page.set(steps[over - 1].set, { curve: null });
+    page.set(set, { ghost: Boolean(over), from, curve });
     if (moved) articles[at].querySelector("h3").focus();
   }
 
@@ -69,8 +71,9 @@ export function makeStory(page, steps) {
     },
     address() {
       const setting = page.setting();
-      const own = Object.entries(steps[shown].set).every(([name, value]) => setting[name] === value);
-      return started && own ? { step: shown + 1 } : null;
+      const { set, curve = null } = steps[shown];
+      const own = Object.entries(set).every(([name, value]) => setting[name] === value);
+      return started && own && `${curve}` === `${page.curve()}` ? { step: shown + 1 } : null;
     },
   };
 }

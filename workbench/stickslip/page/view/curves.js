@@ -68,11 +68,16 @@ export function slipNodes(slip, a, b, width) {
   // More than a cubic to three pixels is not seen.
   const least = (b - a) / Math.max(width / 3, 8);
   const nodes = [a];
-  for (let tau = a; tau < b && nodes.length < MOST_NODES; nodes.push(tau)) {
-    // What decays fast is still after a while, and the slow rest takes longer steps.
-    const rate = slip.fast * tau > STILL_AFTER ? slip.slow : slip.rate;
-    const step = Math.max(FINE_STEP / rate, Math.min(least, COARSE_STEP / rate));
-    tau = slip.slow * tau > STILL_AFTER ? b : Math.min(tau + step, b);
+  for (const piece of slip.pieces?.(a, b) ?? [{ ...slip, start: 0, end: b, turns: false }]) {
+    const { start, end, rate, fast, slow, turns } = piece;
+    for (let tau = nodes[nodes.length - 1]; tau < end && nodes.length < MOST_NODES; nodes.push(tau)) {
+      // What decays fast is still after a while, and the slow rest takes longer steps.
+      const quickest = fast * (tau - start) > STILL_AFTER ? slow : rate;
+      const step = Math.max(FINE_STEP / quickest, Math.min(least, COARSE_STEP / quickest));
+      tau = slow * (tau - start) > STILL_AFTER ? end : Math.min(tau + step, end);
+    }
+    // Where the mass turns back its acceleration jumps: a node on either side.
+    if (turns) nodes.splice(-1, 0, end * (1 - 2 ** -52));
   }
   if (nodes[nodes.length - 1] < b) nodes.push(b);
   return nodes;

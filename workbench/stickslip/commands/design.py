@@ -1,0 +1,115 @@
+"""`stickslip design`: whether an axis judders, and what cures it."""
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stickslip.commands.shared import console
+from stickslip.errors import CommandError
+
+
+def design(
+    axis: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="AXIS.toml",
+            help="The axis; with --template or --example the new file to write, else they print.",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="FILE", help="The report; default: AXIS.html in this folder.",
+            show_default=False,
+        ),
+    ] = None,
+    json: Annotated[
+        Path | None,
+        typer.Option(
+            "--json", metavar="FILE", help="Also write the answer for machines: JSON, SI.",
+            show_default=False,
+        ),
+    ] = None,
+    template: Annotated[
+        bool, typer.Option("--template", help="Write a commented axis file to fill in.")
+    ] = False,
+    example: Annotated[
+        bool, typer.Option("--example", help="Write the axis file of docs/feed-axis.md.")
+    ] = False,
+) -> None:  # fmt: skip
+    """Say whether a feed axis judders, and what cures it: a summary, and a report to print."""
+    if template or example:
+        if template and example:
+            raise CommandError("--template and --example are two files: give one of them")
+        if output is not None or json is not None:
+            raise CommandError(
+                "--template and --example study no axis: without -o and --json; the file to write "
+                "is named without an option"
+            )
+        _write_axis(axis, example=example)
+        return
+    if axis is None:
+        raise CommandError(
+            "no axis file is named; stickslip design --template axis.toml writes one to fill in"
+        )
+    report = output or Path(axis.with_suffix(".html").name)
+    _study(axis, report, json)
+
+
+def _study(file: Path, report: Path, json: Path | None) -> None:
+    # The matrices are small: threads would wait for each other, on a busy machine for seconds.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    from stickslip.files import check_writable, writing
+    from stickslip.progress import Meter
+    from stickslip.show.design_summary import design_summary
+    from stickslip_design.axis import read_axis_file
+    from stickslip_design.report import data, html
+    from stickslip_design.study import design as verdict_on
+
+    targets = {report: "--output"} | ({} if json is None else {json: "--json"})
+    for target, option in targets.items():
+        if _same(target, file):
+            raise CommandError(f"{option} {target}: that is the axis file; name another file")
+        check_writable(target, option)
+    if json is not None and _same(report, json):
+        raise CommandError(f"--json {json}: the report goes there; name another file")
+    with Meter("Studying the axis"):
+        try:
+            verdict = verdict_on(read_axis_file(file))
+        except ValueError as error:
+            raise CommandError(str(error)) from error
+        texts = {report: html(verdict)}
+        if json is not None:
+            from json import dumps
+
+            texts[json] = dumps(data(verdict), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+    for target, text in texts.items():
+        with writing(target, targets[target]) as stream:
+            stream.write(text.encode("utf-8"))
+    console().print(design_summary(verdict))
+    print("report:", ", ".join(map(str, texts)))
+
+
+def _same(one: Path, other: Path) -> bool:
+    return one.resolve() == other.resolve()
+
+
+def _write_axis(target: Path | None, *, example: bool) -> None:
+    """Print an axis file, or write it where no file is yet."""
+    from stickslip.files import writing
+    from stickslip_design.axis import example as example_text
+    from stickslip_design.axis import template as template_text
+
+    text = example_text() if example else template_text()
+    if target is None:
+        print(text, end="")
+        return
+    option = "--example" if example else "--template"
+    if target.is_file():
+        raise CommandError(f"{option} {target}: there is such a file already; name a new one")
+    with writing(target, option) as stream:
+        stream.write(text.encode("utf-8"))
+    print(f"{target} is written; next: stickslip design {target}")

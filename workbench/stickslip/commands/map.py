@@ -1,0 +1,216 @@
+"""`stickslip map`: the steady motion over ranges of two parameters or more."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stickslip.commands.laws import read_law
+from stickslip.commands.options import (
+    Cluster,
+    Damping,
+    Fresh,
+    FrictionLawOrThatOfCurve,
+    Gravity,
+    GrowthTime,
+    KineticFriction,
+    LawParameter,
+    Load,
+    LogarithmicGrowth,
+    LogarithmTime,
+    Mass,
+    MeasuredCurve,
+    NormalForce,
+    PullingVelocity,
+    StaticFriction,
+    Stiffness,
+    Workers,
+    Yes,
+)
+from stickslip.commands.quantities import option_name, read_above_zero
+from stickslip.commands.shared import say
+from stickslip.errors import CommandError
+
+if TYPE_CHECKING:
+    import xarray
+
+    from stickslip_design.maps.grid import GridStudy
+    from stickslip_design.maps.over import Dimension
+
+
+def map(  # noqa: A001 - the name of the command
+    axis: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="AXIS.toml",
+            help="An axis file; without it the block is mapped.",
+            show_default=False,
+        ),
+    ] = None,
+    over: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="'NAME=LOW..HIGH UNIT log|lin COUNT'",
+            help="A parameter and its range, such as 'v=0.1..50 mm/s log 400'; two or more. Of an "
+            "axis file a number that it states (axis.stiffness), or feed. Default: lin 200.",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        str | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FOLDER",
+            help="Folder, or address of fsspec, of the map; default: NAME-map in this folder.",
+            show_default=False,
+        ),
+    ] = None,
+    m: Mass = None,
+    g: Gravity = None,
+    k: Stiffness = None,
+    c: Damping = None,
+    mu_s: StaticFriction = None,
+    mu_k: KineticFriction = None,
+    tau_s: GrowthTime = None,
+    B: LogarithmicGrowth = None,
+    t_0: LogarithmTime = None,
+    v: PullingVelocity = None,
+    load: Load = None,
+    law: FrictionLawOrThatOfCurve = None,
+    law_parameter: LawParameter = None,
+    curve: MeasuredCurve = None,
+    normal_force: NormalForce = None,
+    feed: Annotated[
+        str | None,
+        typer.Option(
+            metavar="VALUE",
+            help="Feed of the axis, where the map is not over it; default: the first demanded.",
+            show_default=False,
+        ),
+    ] = None,
+    limit: Annotated[
+        bool | None,
+        typer.Option(
+            "--limit/--no-limit",
+            help="Whether the critical velocity of the block is searched, at 10 to 100 ms each "
+            "where friction has no closed form; default: up to 1000 searches.",
+            show_default=False,
+        ),
+    ] = None,
+    workers: Workers = None,
+    cluster: Cluster = None,
+    fresh: Fresh = False,
+    yes: Yes = False,
+) -> None:  # fmt: skip
+    """Map jump, period and regime over two parameters or more: pictures, a page and a dataset."""
+    typed = {"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k, "v": v, "load": load}
+    typed |= {"tau_s": tau_s, "B": B, "t_0": t_0}
+    if axis is None:
+        if feed is not None:
+            raise CommandError("--feed goes with an axis file; the block has --v")
+        law, _, values = read_law(law, typed, law_parameter, curve, normal_force)
+        name = law
+    else:
+        given = [option_name(each) for each, text in typed.items() if text is not None]
+        others = {"--law": law, "--law-parameter": law_parameter, "--curve": curve}
+        given += [each for each, text in others.items() if text is not None]
+        if given:
+            raise CommandError(f"{given[0]} goes with a map of the block; {axis} states the axis")
+        speed = read_above_zero(feed, "m/s", "--feed")
+        values, name = {} if speed is None else {"feed": speed}, axis.stem
+    from stickslip.commands.running import computed as run
+    from stickslip_design.maps.study import computed
+
+    # The matrices of a loop are small: threads would wait for each other.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    study, spans = _study(over or [], axis, law or "", values, typed, feed, limit)
+    folder = output or f"{name}-map"
+    _check_folder(folder)
+    dataset = computed(
+        study,
+        spans,
+        folder=folder,
+        run=lambda place: run(
+            study,
+            place,
+            described="Computing the map",
+            workers=workers,
+            cluster=cluster,
+            fresh=fresh,
+            yes=yes,
+        ),
+    )
+    _show(dataset, folder)
+
+
+def _study(
+    over: list[str],
+    axis: Path | None,
+    law: str,
+    values: dict[str, float],
+    typed: dict[str, str | None],
+    feed: str | None,
+    limit: bool | None,
+) -> "tuple[GridStudy, tuple[Dimension, ...]]":
+    from stickslip_design.datasets import ExtraMissingError, need
+    from stickslip_design.maps.over import OverError, split
+    from stickslip_design.maps.study import study_of
+    from stickslip_design.points.slips import native_problem
+
+    try:
+        for package in ("xarray", "zarr"):
+            need(package)
+        ranges = split(over)
+        options = {name: option_name(name) for name, text in typed.items() if text is not None}
+        options |= {"feed": "--feed"} if feed is not None else {}
+        for name in ranges:
+            if name in options:
+                raise OverError(f"{name} is set by {options[name]} too")
+        study, spans = study_of(ranges, values=values, law=law, axis=axis, limit=limit)
+    except OverError as error:
+        raise CommandError(f"--over: {error}") from error
+    except (ValueError, ExtraMissingError) as error:
+        raise CommandError(" ".join(str(error).split())) from error
+    if study.source.by_slips and (problem := native_problem()) is not None:
+        say(f"warning: {problem}; the Python block computes, some hundred times slower")
+    return study, spans
+
+
+def _check_folder(folder: str) -> None:
+    """Refuse a folder that cannot be one before the study, not after it."""
+    path = Path(folder)
+    if "://" not in folder and path.exists() and not path.is_dir():
+        raise CommandError(f"-o {folder}: it is a file; name a folder")
+
+
+def _show(dataset: "xarray.Dataset", folder: str) -> None:
+    """Write picture and page beside the dataset, and print what the map says."""
+    from stickslip_design.maps.page import MOST_SLICES, page
+    from stickslip_design.maps.pictures import picture
+    from stickslip_design.maps.study import FILE
+    from stickslip_design.maps.views import View
+
+    view = View(dataset)
+    (drawn, *shown), told = view.read([view.nearest(), *view.places(MOST_SLICES)])
+    files = {
+        "map.png": picture(view, drawn),
+        "index.html": page(view, shown, told).encode("utf-8"),
+    }
+    for name, content in files.items():
+        _write(folder, name, content)
+    print("\n".join(told))
+    print("files:", ", ".join(f"{folder}/{name}" for name in (FILE, *files)))
+
+
+def _write(folder: str, name: str, content: bytes) -> None:
+    if "://" in folder:
+        from stickslip_design.chunks.store import store_of
+
+        store_of(folder).write(name, content)
+        return
+    from stickslip.files import writing
+
+    with writing(Path(folder, name), "-o") as stream:
+        stream.write(content)

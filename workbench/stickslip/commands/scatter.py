@@ -1,0 +1,211 @@
+"""`stickslip scatter`: how likely an axis jumps where its numbers vary."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from stickslip.commands.options import Cluster, Fresh, Workers, Yes
+from stickslip.errors import CommandError
+
+if TYPE_CHECKING:
+    from stickslip_design.tolerances.result import Scatter
+
+
+def scatter(
+    axis: Annotated[
+        Path, typer.Argument(metavar="AXIS.toml", help="The axis file; its ± count as scatter.")
+    ],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="'NAME=DISTRIBUTION'",
+            help="How a number varies, such as 'friction.mu_s=normal 0.2 0.02' (mean, sigma), "
+            "lognormal (median, sigma), uniform LOW..HIGH, triangular LOW LIKELIEST HIGH, ± 10 %, "
+            "or fixed; may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
+    spread_is: Annotated[
+        Literal["uniform", "normal"],
+        typer.Option(help="What a ± means: any value within it alike, or two sigma of a normal."),
+    ] = "uniform",
+    correlation: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME,NAME=VALUE",
+            help="Correlation of two numbers that vary, -1 to 1, such as "
+            "friction.mu_s,friction.mu_k=0.8; may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
+    feed: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="VALUE",
+            help="Feed to judge at, such as '2 mm/min'; may be repeated. Default: those of the "
+            "file.",
+            show_default=False,
+        ),
+    ] = None,
+    samples: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1,
+            help="Machines drawn; default: 100000 where closed forms answer, else 1000.",
+            show_default=False,
+        ),
+    ] = None,
+    indices: Annotated[
+        int | None,
+        typer.Option(
+            metavar="ROWS", min=0,
+            help="Rows of the Sobol indices, a power of two, each as many points as numbers vary "
+            "and two; 0: none. Default: 4096 where closed forms answer, else 0.",
+            show_default=False,
+        ),
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(metavar="N", min=0, help="Seed of the random numbers.")
+    ] = 0,
+    hold: Annotated[
+        str | None,
+        typer.Option(
+            metavar="'SHARE at FEED'",
+            help="What must hold, such as '99 % at 2 mm/min': so many machines run evenly there.",
+            show_default=False,
+        ),
+    ] = None,
+    solve: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="The number whose nominal value is solved for, with --hold.",
+            show_default=False,
+        ),
+    ] = None,
+    within: Annotated[
+        str | None,
+        typer.Option(
+            metavar="'LOW..HIGH UNIT'",
+            help="Where it is looked for; default: a tenth to ten times the nominal value.",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="FOLDER",
+            help="Folder of page, pictures, machines and summary; a study that was ended resumes "
+            "there.",
+            show_default=False,
+        ),
+    ] = None,
+    workers: Workers = None,
+    cluster: Cluster = None,
+    fresh: Fresh = False,
+    yes: Yes = False,
+) -> None:  # fmt: skip
+    """Tell how likely an axis jumps at a feed where its numbers vary, and by how much."""
+    # The matrices of a loop are small: threads would wait for each other.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    from stickslip.commands.running import computed
+    from stickslip_design.axis import read_axis_file
+    from stickslip_design.chunks import Results, Study
+    from stickslip_design.datasets import ExtraMissingError, need
+    from stickslip_design.tolerances.question import question
+    from stickslip_design.tolerances.study import answer
+    from stickslip_design.tolerances.words import sentences
+
+    try:
+        asked = question(
+            read_axis_file(axis), vary=_named(vary or [], "--vary"), spread_is=spread_is,
+            correlation=_correlations(correlation or []), feeds=feed or (), samples=samples,
+            indices=indices, seed=seed, hold=hold, solve=solve, within=within,
+        )  # fmt: skip
+        if output is not None:
+            for module in ("xarray", "pandas", "pyarrow"):
+                need(module)
+    except (ValueError, ExtraMissingError) as error:
+        raise CommandError(str(error)) from error
+
+    def compute(study: Study, name: str) -> Results:
+        folder = None if output is None else str(output / "chunks" / name)
+        return computed(
+            study, folder, described=_DESCRIBED[name], workers=workers, cluster=cluster,
+            fresh=fresh, yes=yes,
+        )  # fmt: skip
+
+    try:
+        found = answer(asked, compute)
+    except ValueError as error:
+        raise CommandError(str(error)) from error
+    for sentence in sentences(found):
+        print(sentence)
+    if output is not None:
+        print("written:", ", ".join(_write(found, output)))
+
+
+_DESCRIBED = {
+    "samples": "Machines",
+    "indices": "Sobol indices",
+    "turns": "Where machines turn",
+    "solved": "The answer, counted anew",
+    "now": "The machines as they are",
+}
+"""What is computed in each folder of chunks."""
+
+
+def _named(texts: list[str], option: str) -> dict[str, str]:
+    """Return what stands behind each name; `CommandError` where there is none."""
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise CommandError(f"{option} {text}: write NAME=VALUE")
+        if name in found:
+            raise CommandError(f"{option} {text}: {name} stands twice")
+        found[name] = value
+    return found
+
+
+def _correlations(texts: list[str]) -> dict[tuple[str, str], float]:
+    found: dict[tuple[str, str], float] = {}
+    for names, value in _named(texts, "--correlation").items():
+        one, comma, other = (part.strip() for part in names.partition(","))
+        if not (one and comma and other):
+            raise CommandError(f"--correlation {names}={value}: write NAME,NAME=VALUE")
+        try:
+            found[one, other] = float(value)
+        except ValueError:
+            message = f"--correlation {names}={value}: {value} is no number from -1 to 1"
+            raise CommandError(message) from None
+    return found
+
+
+def _write(found: "Scatter", folder: Path) -> list[str]:
+    """Write page, pictures, machines and summary; return their names."""
+    import io
+    from json import dumps
+
+    from stickslip.files import writing
+    from stickslip_design.datasets import write_points
+    from stickslip_design.tolerances.page import data, html
+    from stickslip_design.tolerances.pictures import overview
+
+    image, table = io.BytesIO(), folder / "machines.parquet"
+    overview(found).savefig(image, format="png", dpi=150)
+    contents = {
+        "scatter.html": html(found).encode(),
+        "scatter.png": image.getvalue(),
+        "scatter.json": (
+            dumps(data(found), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+        ).encode(),
+    }
+    for name, content in contents.items():
+        with writing(folder / name, "--output") as stream:
+            stream.write(content)
+    partial = table.with_suffix(".part")
+    write_points(found.table(), partial)
+    partial.replace(table)
+    return [str(folder / name) for name in (*contents, table.name)]

@@ -1,0 +1,98 @@
+"""`stickslip sweep`: an FMU or a system of FMUs run with many settings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stickslip.commands.options import Cluster, Fresh, Workers, Yes
+from stickslip.commands.running import computed as run
+from stickslip.commands.shared import console, say
+from stickslip.errors import CommandError
+
+
+def sweep(
+    model: Annotated[
+        Path, typer.Argument(metavar="MODEL", help="The FMU or SSP file.", show_default=False)
+    ],
+    plan: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="PLAN.toml",
+            help="What to set, how long to run and what to keep; with --template the new file to "
+            "write, else it prints.",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        str | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FOLDER",
+            help="Where the results go, a folder or an address of fsspec: sweep.zarr of a grid, "
+            "sweep.parquet of points, and chunk files from which a killed sweep resumes.",
+            show_default=False,
+        ),
+    ] = None,
+    template: Annotated[
+        bool, typer.Option("--template", help="Write a plan with the model's own variables.")
+    ] = False,
+    workers: Workers = None,
+    cluster: Cluster = None,
+    fresh: Fresh = False,
+    yes: Yes = False,
+) -> None:
+    """Run an FMU or SSP file with many settings, and keep numbers of each run."""
+    from stickslip.show.sweep_summary import sweep_summary
+    from stickslip_design.chunks import StudyError
+    from stickslip_design.datasets import ExtraMissingError
+
+    try:
+        if template:
+            _write_template(model, plan)
+            return
+        if plan is None:
+            raise CommandError(
+                "no plan is named; stickslip sweep MODEL --template plan.toml writes one to begin "
+                "with"
+            )
+        from stickslip_design.sweeps.study import computed, file_of, prepare
+
+        study = prepare(model, plan)
+        found = computed(
+            study,
+            output,
+            lambda ready, chunks: run(
+                ready,
+                chunks,
+                described="Sweeping",
+                workers=workers,
+                cluster=cluster,
+                fresh=fresh,
+                yes=yes,
+            ),
+        )
+        console().print(sweep_summary(found))
+        if output is not None:
+            say(f"written: {output}/{file_of(study)}")
+    except (StudyError, ExtraMissingError) as error:
+        raise CommandError(str(error)) from error
+
+
+def _write_template(model: Path, target: Path | None) -> None:
+    from stickslip.files import writing
+    from stickslip_design.sweeps import read_model
+    from stickslip_design.sweeps.template import template
+
+    text = template(read_model(model))
+    if target is None:
+        print(text, end="")
+        return
+    if target.exists():
+        raise CommandError(f"--template {target}: is there already; name a new file")
+    with writing(target, "--template") as stream:
+        stream.write(text.encode())
+    say(f"written: {target}")

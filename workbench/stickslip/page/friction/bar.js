@@ -1,0 +1,84 @@
+/** The bar over the speed of the pull: where it sticks, swings or slides evenly. */
+
+import { draw, put, setText } from "../view/dom.js";
+import { px } from "../view/frame.js";
+import { quantity } from "../view/units.js";
+
+/**
+ * @import { Regime } from "../model/regimes.js"
+ * @import { Frame } from "../view/frame.js"
+ */
+
+/** Height of the bar, and a letter of its names [px]. */
+const TALL = 22;
+const NAME_LETTER = 6.4;
+
+/**
+ * What a regime is called.
+ *
+ * @param {Pick<Regime, "sticks" | "even">} regime
+ */
+export function nameOfRegime({ sticks, even }) {
+  if (sticks) return even ? "sticks or even" : "sticks";
+  return even ? "even" : "swings";
+}
+
+/** What fills a regime: the hatches of the charts and of the plane. */
+const FILLS = { swings: "url(#x-chart-hatch)", "sticks or even": "url(#plane-hatch)" };
+
+/**
+ * Draw the regimes under a frame.
+ *
+ * @param {SVGSVGElement} svg
+ * @param {Regime[]} regimes
+ * @param {Frame} frame
+ */
+export function drawBar(svg, regimes, { area, x }) {
+  svg.textContent = "";
+  put(svg, { viewBox: `0 0 ${svg.clientWidth} ${svg.clientHeight}` });
+  for (const regime of regimes) {
+    const [left, right] = [regime.low, regime.high].map((v) => px(Math.max(x(v), area.left)));
+    const name = nameOfRegime(regime);
+    const place = { x: left, y: 2, width: right - left, height: TALL };
+    if (regime.sticks) draw(svg, "rect", { class: "stick-band", ...place });
+    draw(svg, "rect", { class: "edge", fill: FILLS[name] ?? "none", ...place });
+    if (place.width < NAME_LETTER * name.length) continue;
+    const middle = { "text-anchor": "middle", x: 0.5 * (left + right), y: 17 };
+    setText(draw(svg, "text", { class: "band-name", ...middle }), name);
+  }
+}
+
+/**
+ * The regimes in words.
+ *
+ * @param {Regime[]} regimes
+ * @param {number} v present speed of the pull [m/s]
+ * @param {boolean} calms whether a slip without stick calms down, and does not swing for ever
+ */
+export function regimesInWords(regimes, v, calms) {
+  const here = regimes.find(({ low, high }) => v >= low && v <= high) ?? regimes[0];
+  const [least, most] = [regimes[0].low, regimes[regimes.length - 1].high];
+  /** @type {(is: (regime: Regime) => boolean) => string} */
+  const where = (is) => {
+    /** @type {[number, number][]} */
+    const ranges = [];
+    for (const regime of regimes.filter(is)) {
+      const last = ranges[ranges.length - 1];
+      if (last?.[1] === regime.low) last[1] = regime.high;
+      else ranges.push([regime.low, regime.high]);
+    }
+    const words = ranges.map(([low, high]) => {
+      const [from, to] = [low, high].map((end) => quantity(end, "velocity"));
+      if (low === least) return high === most ? "at every speed shown" : `up to ${to}`;
+      return high === most ? `from ${from} on` : `from ${from} to ${to}`;
+    });
+    return words.join(" and ") || "at no speed shown";
+  };
+  const name = nameOfRegime(here);
+  const verb = { sticks: "it sticks", swings: "it swings without sticking", even: calms ? "it slides evenly" : "it swings or slides evenly, by its start" }[name];
+  const now = verb ?? "it sticks or slides evenly, by its start";
+  return (
+    `At ${quantity(v, "velocity")} ${now}. It sticks ${where(({ sticks }) => sticks)}; ` +
+    `steady sliding is unstable ${where(({ even }) => !even)}.`
+  );
+}

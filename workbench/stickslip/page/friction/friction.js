@@ -1,0 +1,285 @@
+/** The friction curve: its points are dragged, and the bar under it says what each speed gives. */
+
+import { regimesOf } from "../model/regimes.js";
+import { CURVE_POINTS, coefficientAt } from "../model/curve.js";
+import { save } from "../keeping/keeping.js";
+import { axisOf, logAxis } from "../view/axis.js";
+import { byId, draw, on, put, setText } from "../view/dom.js";
+import { makeFrame, polyline, px } from "../view/frame.js";
+import { whenSeen } from "../view/seen.js";
+import { quantity } from "../view/units.js";
+import { drawBar, nameOfRegime, regimesInWords } from "./bar.js";
+import { curveIn, tableOf } from "./table.js";
+
+/**
+ * @import { Page } from "../main.js"
+ * @import { Curve } from "../model/curve.js"
+ * @import { Setting } from "../model/friction.js"
+ * @import { Regime } from "../model/regimes.js"
+ * @import { Reader } from "../view/spelled.js"
+ * @import { Solution } from "../view/solution.js"
+ */
+
+/** Parts of the speed between two samples of the bar: while it moves, and once it is still [ms]. */
+const COARSE = 0.06;
+const FINE = 0.01;
+const BAR_STILL = 250;
+/** Points of a line as it is drawn over the logarithm of the speed. */
+const LINE_PARTS = 150;
+/** An arrow key changes a speed by this factor and a coefficient by this much; with Shift by more. */
+const KEY_FACTOR = 1.05;
+const KEY_MU = 0.01;
+const MORE = 5;
+/** What is about constant friction says so while a curve is set. */
+const ABOUT_CONSTANT = ["said", "cures", "maps", "questions", "theory"];
+
+/**
+ * Bring the curve to life.
+ *
+ * @param {Page} page
+ * @param {{set: Setting, points: Curve}[]} curves that are offered
+ * @param {Setting} starts the values of the FMU
+ * @param {Reader} reader
+ * @returns {(solution: Solution) => void} shows a solution
+ */
+export function makeFriction(page, curves, starts, reader) {
+  const svg = byId("friction-chart");
+  const frame = makeFrame(svg);
+  const bar = byId("friction-bar");
+  const limit = draw(frame.curves, "path", { class: "threshold" });
+  const limitName = draw(frame.over, "text", { class: "note limit" });
+  const line = draw(frame.curves, "path", { class: "curve force" });
+  const here = draw(frame.curves, "path", { class: "cursor" });
+  const speed = byId("friction-v");
+  const table = byId("friction-text");
+  const bad = byId("friction-bad");
+  const buttons = [...document.querySelectorAll("[data-curve]")];
+  const notes = ["mu_k-control", ...ABOUT_CONSTANT].map((id) => {
+    const note = document.createElement("p");
+    note.className = "small";
+    byId(id).querySelector("h2, .typed").after(note);
+    return note;
+  });
+  const knobs = Array.from({ length: CURVE_POINTS.most }, (_, n) => {
+    const knob = document.createElement("div");
+    knob.className = "knob";
+    put(knob, { role: "slider", tabindex: 0, "aria-label": `Point ${n + 1}: left and right change the speed, up and down μ` });
+    svg.parentElement.insertBefore(knob, speed);
+    on(knob, "focus", () => (chosen = n));
+    return knob;
+  });
+  /** @type {Curve} the curve in use, or the constant as one */
+  let points = [];
+  /** @type {{low: number, high: number, top: number}} ends of the axes */
+  let span = null;
+  /** @type {{n: number, dx: number, dy: number, box: DOMRect} | null} n -1: the speed of the pull */
+  let grip = null;
+  let chosen = 1;
+  let waiting = 0;
+  let sized = false;
+  let key = "";
+
+  /** @param {Solution} solution */
+  function show({ motion, v_c }) {
+    if (!sized) return;
+    const { p, curve } = motion;
+    points = curve ?? [[0, p.mu_k], [Number((5 * p.v).toPrecision(1)), p.mu_k]];
+    if (!grip) span = spanOf(p, points);
+    frame.scale(logAxis(span.low, span.high, "velocity", "speed"), { ...axisOf([0, span.top], "number", "μ", 0), title: "μ" });
+    const { left, right, top, bottom, width } = frame.area;
+    const step = (span.high / span.low) ** (1 / LINE_PARTS);
+    const speeds = points.map(([u]) => u || span.low);
+    for (let n = 0; n <= LINE_PARTS; n++) speeds.push(span.low * step ** n);
+    speeds.sort((a, b) => a - b);
+    put(line, { d: polyline(speeds.map((u) => [frame.x(u), frame.y(coefficientAt(points, u))])) });
+    const level = px(frame.y(p.mu_s));
+    put(limit, { d: `M${left} ${level}H${right}` });
+    setText(limitName, "μₛ");
+    put(limitName, { x: right - 18, y: level - 4 });
+    const at = px(frame.x(p.v));
+    put(here, { d: `M${at} ${top}V${bottom}` });
+    knobs.forEach((knob, n) => {
+      knob.hidden = n >= points.length;
+      if (knob.hidden) return;
+      const [u, mu] = points[n];
+      putAt(knob, n ? frame.x(u) : left, frame.y(mu));
+      put(knob, { "aria-valuenow": mu, "aria-valuemin": 0, "aria-valuemax": span.top, "aria-valuetext": `${quantity(u, "velocity")}, μ ${mu}` });
+    });
+    byId("point-more").disabled = points.length === CURVE_POINTS.most;
+    byId("point-less").disabled = points.length === CURVE_POINTS.least;
+    buttons.forEach((button, n) => put(button, { "aria-pressed": `${curve}` === `${n ? curves[n - 1].points : null}` }));
+    notes.forEach((note, n) => setText(note, !curve ? "" : n ? "A friction curve is set; this is about constant μs and μk." : "Not used: a friction curve is set."));
+    const now = [p.m, p.g, p.load, p.k, p.c, p.mu_s, curve ?? p.mu_k, span.low, span.high, width].join();
+    if (now !== key) {
+      key = now;
+      // A refusal stands until something else is taken, as the table that it is about.
+      if (table !== document.activeElement) table.value = tableOf(points);
+      setText(bad, "");
+      lay(COARSE);
+    }
+    tell();
+
+    /** @type {(step: number) => void} the bar, and again with all detail once nothing moves */
+    function lay(step) {
+      clearTimeout(waiting);
+      regimes = curve ? regimesOf(p, curve, span.low, span.high, step) : constantRegimes(p, v_c, span);
+      drawBar(bar, regimes, frame);
+      if (!curve || step === FINE) return;
+      waiting = setTimeout(() => {
+        lay(FINE);
+        // The speed may have changed since.
+        show(page.solution());
+      }, BAR_STILL);
+    }
+
+    function tell() {
+      putAt(speed, at, svg.clientHeight + 38);
+      const regime = regimes.find(({ high }) => p.v <= high) ?? regimes[0];
+      put(speed, { "aria-valuenow": p.v, "aria-valuemin": span.low, "aria-valuemax": span.high, "aria-valuetext": `${quantity(p.v, "velocity")}, ${nameOfRegime(regime)}` });
+      setText(byId("friction-said"), regimesInWords(regimes, p.v, motion.slip.settles?.() ?? true));
+    }
+  }
+  /** @type {Regime[]} */
+  let regimes = [];
+
+  /** Take a curve, or a speed of the pull, if the page does. */
+  function take(values, curve) {
+    try {
+      page.set(values, { curve, still: true });
+      setText(bad, "");
+    } catch (error) {
+      setText(bad, error.message);
+    }
+  }
+
+  /** @type {(n: number, u: number, mu: number) => void} put a point, or the speed of the pull */
+  function move(n, u, mu) {
+    const within = (value, low, high) => Math.min(Math.max(value, low), high);
+    if (n < 0) return take({ v: Number(within(u, span.low, span.high).toPrecision(3)) });
+    const least = n > 1 ? points[n - 1][0] * 1.01 : span.low;
+    const most = n + 1 < points.length ? points[n + 1][0] / 1.01 : span.high;
+    const next = [...points];
+    const highest = n ? span.top : page.setting().mu_s;
+    // The ends of what a point may be are no round numbers.
+    const rounded = n ? within(Number(u.toPrecision(3)), least, most) : 0;
+    next[n] = [rounded, within(Number(mu.toFixed(3)), 0, highest)];
+    take({}, next);
+  }
+
+  [...knobs, speed].forEach((knob, at) => {
+    const n = knob === speed ? -1 : at;
+    const now = () => (n < 0 ? [page.setting().v, 0] : (page.curve() ?? points)[n]);
+    on(knob, "pointerdown", ({ clientX, clientY, pointerId }) => {
+      const [u, mu] = now();
+      const box = svg.getBoundingClientRect();
+      grip = { n, dx: clientX - frame.x(u || span.low), dy: clientY - frame.y(mu), box };
+      knob.setPointerCapture(pointerId);
+    });
+    on(knob, "pointermove", ({ clientX, clientY }) => {
+      if (!grip) return;
+      const { left, width, bottom, height } = frame.area;
+      const share = (clientX - grip.dx - left) / width;
+      const mu = ((bottom - clientY + grip.dy) / height) * span.top;
+      move(n, span.low * (span.high / span.low) ** share, mu);
+    });
+    on(knob, "lostpointercapture", () => {
+      grip = null;
+      show(page.solution());
+    });
+    on(knob, "keydown", (event) => {
+      const more = event.shiftKey ? MORE : 1;
+      const [right, up] = {
+        ArrowRight: [1, 0],
+        ArrowLeft: [-1, 0],
+        ArrowUp: [n < 0 ? 1 : 0, 1],
+        ArrowDown: [n < 0 ? -1 : 0, -1],
+        Delete: [0, 0],
+      }[event.key] ?? [];
+      if (right === undefined) return;
+      event.preventDefault();
+      if (event.key === "Delete") return n > 0 && byId("point-less").click();
+      const [u, mu] = now();
+      move(n, u * KEY_FACTOR ** (right * more), mu + up * KEY_MU * more);
+    });
+  });
+
+  buttons.forEach((button, n) => {
+    on(button, "click", () => {
+      if (!n) return page.set({}, { curve: null });
+      const { set, points } = curves[n - 1];
+      page.set({ ...starts, ...set }, { curve: points });
+    });
+  });
+  on(byId("point-more"), "click", () => {
+    // What is drawn may be a press behind. Half-way to the next point, as the axis is; beyond the last at twice its speed.
+    points = page.curve() ?? points;
+    const n = Math.min(chosen, points.length - 1);
+    const [[low], [high]] = [points[n], points[n + 1] ?? [2 * points[n][0]]];
+    const u = Number((points[n + 1] ? Math.sqrt((low || 0.1 * high) * high) : high).toPrecision(3));
+    chosen = n + 1;
+    take({}, [...points.slice(0, n + 1), [u, coefficientAt(points, u)], ...points.slice(n + 1)]);
+  });
+  on(byId("point-less"), "click", () => {
+    points = page.curve() ?? points;
+    const n = Math.min(Math.max(chosen, 1), points.length - 1);
+    chosen = n - 1;
+    if (points.length > CURVE_POINTS.least) take({}, points.filter((_, each) => each !== n));
+  });
+  const read = () => {
+    try {
+      page.set({}, { curve: curveIn(table.value, reader) });
+      setText(bad, "");
+    } catch (error) {
+      setText(bad, error.message);
+    }
+  };
+  on(table, "change", read);
+  on(byId("friction-file"), "change", async ({ target }) => {
+    table.value = await target.files[0].text();
+    read();
+  });
+  on(byId("friction-save"), "click", () => save("curve.csv", new Blob([tableOf(points)], { type: "text/csv" })));
+
+  new ResizeObserver(() => {
+    frame.resize(svg.clientWidth, svg.clientHeight);
+    sized = true;
+    show(page.solution());
+  }).observe(svg);
+  return whenSeen(byId("friction"), show);
+}
+
+/** Put a knob at a place of the plot [px]. */
+function putAt(knob, x, y) {
+  knob.style.transform = `translate(${px(x)}px, ${px(y)}px)`;
+}
+
+/**
+ * The ends of the axes: whole decades about the points and the speed, and room above the friction.
+ *
+ * @param {Setting} p
+ * @param {Curve} points
+ */
+function spanOf({ v, mu_s }, points) {
+  const [least, most] = [Math.min(v, points[1][0]), Math.max(v, points[points.length - 1][0])];
+  return {
+    low: Number(`1e${Math.floor(Math.log10(least / 3))}`),
+    high: Number(`1e${Math.ceil(Math.log10(most * 1.5))}`),
+    top: 1.25 * Math.max(mu_s, ...points.map(([, mu]) => mu)) || 1,
+  };
+}
+
+/**
+ * The regimes of constant friction: up to the critical velocity it sticks or is even.
+ *
+ * @param {Setting} p
+ * @param {number} v_c critical velocity [m/s]
+ * @param {{low: number, high: number}} span [m/s]
+ * @returns {Regime[]}
+ */
+function constantRegimes({ mu_s, mu_k }, v_c, { low, high }) {
+  const end = mu_s > mu_k ? Math.min(Math.max(v_c, low), high) : low;
+  return [
+    { low, high: end, sticks: true, even: true },
+    { low: end, high, sticks: false, even: true },
+  ].filter((each) => each.high > each.low);
+}

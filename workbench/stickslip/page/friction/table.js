@@ -1,0 +1,62 @@
+/** A friction curve as a CSV table: a line of speed and coefficient for each point, in rising order. */
+
+import { scaleFor } from "../view/units.js";
+import { typedText } from "../controls/typed.js";
+
+/**
+ * @import { Curve } from "../model/curve.js"
+ * @import { Reader } from "../view/spelled.js"
+ */
+
+/** The columns that are looked for, each with its SI unit. */
+const COLUMNS = [
+  { names: "speed|velocity|v|u|x_dot", unit: "m/s" },
+  { names: "mu|coefficient|friction[ _]coefficient|cof", unit: "" },
+];
+
+/**
+ * The table of a curve.
+ *
+ * @param {Curve} curve
+ * @returns {string}
+ */
+export function tableOf(curve) {
+  const scale = scaleFor(curve[curve.length - 1][0], "velocity");
+  const lines = curve.map(([u, mu]) => `${typedText(u, scale)}, ${mu}`);
+  return `speed [${scale.unit.replace("µ", "u")}], mu\n${lines.join("\n")}\n`;
+}
+
+/**
+ * The curve of a table.
+ *
+ * @param {string} text
+ * @param {Reader} reader
+ * @returns {Curve}
+ * @throws {RangeError} with the line and what is wrong with it
+ */
+export function curveIn(text, reader) {
+  const lines = text.split(/\r?\n/).map((line, n) => ({ line: line.trim(), at: n + 1 }));
+  const [header, ...rows] = lines.filter(({ line }) => line && line[0] !== "#");
+  const mark = /[;\t]/.exec(header?.line)?.[0] ?? ",";
+  const titles = header?.line.split(mark) ?? [];
+  const columns = COLUMNS.map(({ names, unit }) => {
+    const heading = RegExp(`^\\s*(?:${names})\\s*(?:[[(](.*)[\\])])?\\s*$`, "i");
+    const place = titles.findIndex((title) => heading.test(title));
+    if (place < 0) throw RangeError("The first line must name speed and mu, as: speed [mm/s], mu");
+    return { place, unit, shown: heading.exec(titles[place])[1] || unit };
+  });
+  const points = rows.map(({ line, at }) => {
+    const cells = line.split(mark);
+    const [u, mu] = columns.map(({ place, unit, shown }) => {
+      const cell = cells[place] ?? "";
+      const typed = mark === "," ? cell : cell.replace(",", ".");
+      const { value, wrong } = reader.read(typed, unit, shown);
+      if (wrong) throw RangeError(`Line ${at}: “${cell.trim()}” ${wrong}.`);
+      return value;
+    });
+    return /** @type {[number, number]} */ ([u, mu]);
+  });
+  // Below its lowest speed the friction stays what it is there.
+  if (points[0]?.[0] > 0) points.unshift([0, points[0][1]]);
+  return points;
+}

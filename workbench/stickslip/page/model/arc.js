@@ -1,0 +1,163 @@
+/** An arc of slip on one line of a friction curve, and where its speed leaves that line: docs/theory.md (3), (5). */
+
+import { risingZero } from "./root.js";
+import { responses } from "./slip.js";
+
+/**
+ * @import { Band } from "./curve.js"
+ * @import { SlipState } from "./slip.js"
+ */
+
+/**
+ * An arc.
+ *
+ * @typedef {object} Arc
+ * @property {Band} band
+ * @property {number} index of the band
+ * @property {number} mode direction of slip: 1 forward, -1 backward
+ * @property {number} start time since break-away [s]
+ * @property {number} end the same, infinite where it stays on its line
+ * @property {number} displacement of the mass at its start since break-away [m]
+ * @property {number} growth of the spring's extension at its start since break-away [m]
+ * @property {number} x_dot velocity at its start [m/s]
+ * @property {number} x_ddot acceleration at its start [m/s^2]
+ */
+
+/**
+ * How an arc goes on.
+ *
+ * @typedef {object} Course
+ * @property {number} tau when its speed leaves the line [s], infinite for never
+ * @property {boolean} rising whether it leaves it upwards
+ * @property {number} highest velocity where it first turned, if that was from rising [m/s], else NaN
+ * @property {number} highestAt when [s]
+ * @property {number} lowest velocity where it first turned from falling to rising [m/s], or NaN
+ */
+
+/** A swing that has grown by exp(600) has left every line. */
+const MOST_GROWTH = 600;
+
+/**
+ * The state of an arc.
+ *
+ * @param {Arc} arc
+ * @param {number} v speed of the pull [m/s]
+ * @param {number} tau time since its start [s]
+ * @returns {SlipState}
+ */
+export function arcState({ band, displacement, growth, x_dot, x_ddot }, v, tau) {
+  const { w, a } = band.oscillator;
+  const { K, slope, G, H } = responses(band.oscillator, tau);
+  const ahead = v - x_dot;
+  const w2 = w * w;
+  return {
+    displacement: displacement + x_dot * tau + ahead * H + (x_ddot / w2) * G,
+    x_dot: x_dot + ahead * G + x_ddot * K,
+    x_ddot: x_ddot * slope + ahead * w2 * K,
+    growth: growth + ahead * K - (x_ddot / w2 - (2 * a * ahead) / w2) * G,
+  };
+}
+
+/**
+ * Follow the speed of an arc from extreme to extreme, each in closed form, until it passes an end of
+ * its line. Touching the end from inside does not pass it.
+ *
+ * @param {Arc} arc
+ * @param {number} v speed of the pull [m/s]
+ * @returns {Course}
+ */
+export function courseOf(arc, v) {
+  const { band, mode, x_dot, x_ddot } = arc;
+  const { w, a, b, fast, slow, overdamped } = band.oscillator;
+  const [low, high] = mode > 0 ? [band.low, band.high] : [-band.high, -band.low];
+  /** @type {Course} */
+  const course = { tau: Infinity, rising: true, highest: NaN, highestAt: NaN, lowest: NaN };
+  // Where the acceleration is 0 its rate decides.
+  let rising = (x_ddot || v - x_dot) > 0;
+  if (x_ddot === 0 && v === x_dot) return course;
+  const half = overdamped ? Infinity : Math.PI / b;
+  let extreme = overdamped
+    ? turningTime(x_ddot, w * w * (v - x_dot), fast, slow)
+    : Math.atan2(x_ddot, (a * x_ddot - w * w * (v - x_dot)) / b) / b;
+  if (extreme <= 0) extreme += half;
+  const decays = a >= 0;
+  let begin = 0;
+  for (let n = 0; ; n++) {
+    const turns = extreme < Infinity && (decays || -a * extreme < MOST_GROWTH);
+    const end = turns ? extreme : tailEnd(arc, v, begin, rising ? high : low, rising);
+    if (end === Infinity) return course;
+    const speed = arcState(arc, v, end).x_dot;
+    const beyond = rising ? speed - high : low - speed;
+    if (beyond > 0 || !turns) {
+      course.rising = rising;
+      course.tau = passing(arc, v, rising ? high : low, rising, begin, end);
+      return course;
+    }
+    if (rising && !n) [course.highest, course.highestAt] = [speed, end];
+    if (!rising && n < 2) course.lowest = speed;
+    // A swing that does not grow has been largest; one that grows leaves its line soon.
+    if (decays && n > 0 && !overdamped) return course;
+    begin = end;
+    extreme += half;
+    rising = !rising;
+  }
+}
+
+/**
+ * The only extreme of a speed that does not swing: docs/theory.md (5).
+ *
+ * @param {number} x_ddot acceleration at the start [m/s^2]
+ * @param {number} lead w^2 times the speed that the pull is ahead [m/s^3]
+ * @param {number} fast the larger rate of decay [1/s]
+ * @param {number} slow the smaller rate of decay [1/s]
+ * @returns {number} [s], infinite where there is none
+ */
+function turningTime(x_ddot, lead, fast, slow) {
+  const apart = fast - slow;
+  const ratio = x_ddot / (x_ddot * slow - lead);
+  const time = apart > 0 ? Math.log1p(ratio * apart) / apart : ratio;
+  return time > 0 ? time : Infinity;
+}
+
+/**
+ * A time by which a speed without further extreme has passed a limit.
+ *
+ * @param {Arc} arc
+ * @param {number} v speed of the pull [m/s]
+ * @param {number} begin last extreme [s]
+ * @param {number} limit [m/s]
+ * @param {boolean} rising
+ * @returns {number} [s], infinite where it never does
+ */
+function tailEnd(arc, v, begin, limit, rising) {
+  const { oscillator } = arc.band;
+  const settles = oscillator.a >= 0 && (rising ? v <= limit : v >= limit);
+  if (settles || Math.abs(limit) === Infinity) return Infinity;
+  const rate = Math.max(Math.abs(oscillator.slow), Math.abs(oscillator.fast));
+  for (let step = 1 / rate; step < Infinity; step *= 2) {
+    const speed = arcState(arc, v, begin + step).x_dot;
+    if (rising ? speed > limit : speed < limit) return begin + step;
+  }
+  return Infinity;
+}
+
+/**
+ * When a monotone speed passes a limit.
+ *
+ * @param {Arc} arc
+ * @param {number} v speed of the pull [m/s]
+ * @param {number} limit [m/s]
+ * @param {boolean} rising
+ * @param {number} begin not yet passed [s]
+ * @param {number} end passed [s]
+ * @returns {number} [s]
+ */
+function passing(arc, v, limit, rising, begin, end) {
+  const sign = rising ? 1 : -1;
+  /** @type {(tau: number) => [number, number]} */
+  const excess = (tau) => {
+    const { x_dot, x_ddot } = arcState(arc, v, tau);
+    return [sign * (x_dot - limit), sign * x_ddot];
+  };
+  return risingZero(excess, begin, end, 0.5 * (begin + end));
+}

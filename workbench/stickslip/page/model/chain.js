@@ -1,0 +1,168 @@
+/**
+ * A slip under a friction curve: from break-away over the lines of the curve, and back where the
+ * spring reverses it, until the mass rests; or without end. docs/theory.md (4), (5).
+ *
+ * In the plane of speed and acceleration the slip is a curve that cannot cross itself. It begins at
+ * standstill with the least force that begins one, so if its speed turns before it has fallen to 0
+ * it spirals inwards and never rests; and a slip back that ends beyond F_s spirals outwards and
+ * never rests either. So the first turns decide.
+ */
+
+import { arcState, courseOf } from "./arc.js";
+import { bandsOf } from "./curve.js";
+import { numbersOf } from "./friction.js";
+
+/**
+ * @import { Arc, Course } from "./arc.js"
+ * @import { Band, Curve } from "./curve.js"
+ * @import { Setting } from "./friction.js"
+ * @import { SlipState } from "./slip.js"
+ */
+
+/**
+ * What the slips of a setting have in common, whatever the speed of the pull.
+ *
+ * @typedef {object} Contact
+ * @property {number} m mass [kg]
+ * @property {number} k stiffness of the spring [N/m]
+ * @property {number} w natural frequency [rad/s]
+ * @property {Band[]} bands
+ * @property {number} F_s break-away force [N]
+ * @property {number} F_1 friction at the beginning of slip [N]
+ * @property {number} first acceleration just after a break-away [m/s^2]
+ */
+
+/**
+ * A slip from break-away, up to where its end is decided.
+ *
+ * @typedef {object} Chain
+ * @property {Arc[]} arcs
+ * @property {boolean} rests whether it comes to rest
+ * @property {number} t_slip time until it rests [s], infinite if never
+ * @property {number} spring_drop relief of the spring until then [m]
+ * @property {number} peak velocity at its first maximum [m/s]; NaN if it has none
+ * @property {number} peakAt when [s]
+ * @property {number} margin above 0 where it never rests, below where it does [1]: the least speed
+ *   of the slip over that of the pull, or how far the spring at the end of a slip back is above
+ *   F_s, over F_s
+ */
+
+/** Rounding of a difference of forces, in parts of them. */
+const FORCE_SLACK = 2 ** -49;
+/** A shorter stick is none, in units of 1/w. */
+const LEAST_STICK = 1e-12;
+const MOST_ARCS = 1000;
+
+/**
+ * The contact of a setting.
+ *
+ * @param {Setting} p its v is of no influence
+ * @param {Curve} curve
+ * @returns {Contact}
+ */
+export function contactOf(p, curve) {
+  const { F_s, F_k, Delta, w } = numbersOf({ ...p, mu_k: curve[0][1] });
+  return { m: p.m, k: p.k, w, bands: bandsOf(p, curve), F_s, F_1: F_k, first: w * w * Delta };
+}
+
+/**
+ * The slip from break-away.
+ *
+ * @param {Contact} contact
+ * @param {number} v speed of the pull [m/s], above 0
+ * @returns {Chain}
+ */
+export function chainOf(contact, v) {
+  /** @type {Chain} */
+  const chain = {
+    arcs: [],
+    rests: false,
+    t_slip: Infinity,
+    spring_drop: NaN,
+    peak: NaN,
+    peakAt: NaN,
+    margin: 1,
+  };
+  const rest = { displacement: 0, growth: 0, x_dot: 0, x_ddot: contact.first };
+  let arc = arcAt(contact, 0, 1, 0, rest);
+  while (chain.arcs.length < MOST_ARCS) {
+    const course = courseOf(arc, v);
+    arc.end = arc.start + course.tau;
+    chain.arcs.push(arc);
+    if (course.highestAt >= 0 && Number.isNaN(chain.peak)) {
+      [chain.peak, chain.peakAt] = [course.highest, arc.start + course.highestAt];
+    }
+    const isForward = arc.mode > 0;
+    if (isForward && course.lowest > 0) chain.margin = course.lowest / v;
+    if (course.tau === Infinity || (isForward && course.lowest > 0)) return chain;
+    const next = follow(contact, arc, course, v);
+    if (next.x_dot === 0) {
+      const excess = Math.abs(contact.F_s + contact.k * next.growth) / contact.F_s - 1;
+      chain.margin = isForward ? -depthOf(arc, v) : excess;
+      if (!(excess > FORCE_SLACK)) {
+        chain.rests = -next.growth * contact.w > LEAST_STICK * v;
+        if (chain.rests) [chain.t_slip, chain.spring_drop] = [next.start, -next.growth];
+        else chain.margin = 1;
+        return chain;
+      }
+      if (!isForward) return chain;
+    }
+    arc = next;
+  }
+  return chain;
+}
+
+/**
+ * What follows an arc that has an end.
+ *
+ * @param {Contact} contact
+ * @param {Arc} arc
+ * @param {Course} course of the arc
+ * @param {number} v speed of the pull [m/s]
+ * @returns {Arc} from standstill a slip in the direction in which the spring pulls
+ */
+export function follow(contact, arc, { tau, rising }, v) {
+  const { band, index, mode } = arc;
+  const state = arcState(arc, v, tau);
+  const start = arc.start + tau;
+  const outward = rising === mode > 0;
+  if (!outward && index === 0) {
+    const force = contact.F_s + contact.k * state.growth;
+    const isFree = Math.abs(force) > contact.F_s * (1 + FORCE_SLACK);
+    const s = isFree && force < 0 ? -1 : 1;
+    const x_ddot = isFree ? (force - s * contact.F_1) / contact.m : contact.first;
+    return arcAt(contact, 0, s, start, { ...state, x_dot: 0, x_ddot });
+  }
+  const x_dot = mode * (outward ? band.high : band.low);
+  // Rounding must not turn it; where the acceleration is 0 its rate decides.
+  const x_ddot = (rising ? Math.max(state.x_ddot, 0) : Math.min(state.x_ddot, 0)) + 0;
+  const crosses = x_ddot !== 0 || v > x_dot === rising;
+  const step = crosses ? (outward ? 1 : -1) : 0;
+  return arcAt(contact, index + step, mode, start, { ...state, x_dot, x_ddot });
+}
+
+/**
+ * How far below 0 the speed of an arc would go on its line, over that of the pull [1], at most 1.
+ *
+ * @param {Arc} arc
+ * @param {number} v speed of the pull [m/s]
+ * @returns {number}
+ */
+function depthOf(arc, v) {
+  const { lowest } = courseOf({ ...arc, band: { ...arc.band, low: -Infinity } }, v);
+  return lowest < 0 ? Math.min(-lowest / v, 1) : 1;
+}
+
+/**
+ * The arc that begins with a state.
+ *
+ * @param {Contact} contact
+ * @param {number} index of its band
+ * @param {number} mode
+ * @param {number} start [s]
+ * @param {SlipState} state
+ * @returns {Arc}
+ */
+function arcAt({ bands }, index, mode, start, state) {
+  return { band: bands[index], index, mode, start, end: Infinity, ...state };
+}
