@@ -16,7 +16,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import native
+from benchmarks import axis, chunks, fields, native, stribeck, sweep
 from benchmarks.bare import BareSlave
 from benchmarks.empty_slave import build_empty_slave
 from benchmarks.page import NoBrowserError, measure_moves, measure_openings
@@ -134,6 +134,9 @@ def measure_native() -> list[Measurement]:
         "step_of_1e6_s": ("fmi2DoStep, h = 1e6 s", 2.0),
     }
     found = native.measure_calls()
+    changed, coulomb_changed = native.measure_changed_input()
+    slips, coulomb_slips = native.measure_slips()
+    count, against = native.SLIPS, "Coulomb's law"
     return [
         Measurement(
             f"native: {what}",
@@ -146,6 +149,105 @@ def measure_native() -> list[Measurement]:
         )
         for kind, (what, limit) in kinds.items()
         for ours, empty in [found[kind]]
+    ] + [
+        Measurement(
+            "native, Stribeck: fmi2SetReal, fmi2DoStep",
+            "call",
+            changed,
+            coulomb_changed,
+            against,
+            at_most=5e-6,
+        ),
+        Measurement(
+            "native, Stribeck: slip, delta = 2, from Python",
+            "slip",
+            slips / count,
+            coulomb_slips / count,
+            against,
+            at_most=20e-6,
+        ),
+        Measurement(
+            f"native, Stribeck: {count:,} slips from Python",
+            "batch",
+            slips,
+            coulomb_slips,
+            against,
+            at_most=1.0,
+        ),
+        Measurement(
+            f"map: {count:,} points under Stribeck's law",
+            "map",
+            native.measure_points(),
+            slips,
+            "their slips alone",
+            at_most=1.0,
+        ),
+    ]
+
+
+def measure_axis() -> list[Measurement]:
+    """Time the verdict on a feed axis with its drive."""
+    return [
+        Measurement("critical feed in the loop", "axis", axis.measure_limit(), at_most=0.5),
+        Measurement("design, from call to report", "axis", axis.measure_command(), at_most=5.0),
+    ]
+
+
+def measure_sweep() -> list[Measurement]:
+    """Time a run of our FMUs in a sweep."""
+    runs = sweep.measure_runs()
+    return [
+        Measurement("sweep, FMU in Python, 3 s in one step", "run", runs["python"], at_most=2e-3),
+        Measurement("sweep, native FMU, 3 s in one step", "run", runs["native"], at_most=1e-4),
+    ]
+
+
+def measure_stribeck() -> list[Measurement]:
+    """Time the Python block under Stribeck's law: slips, steps along one, changes of the input."""
+    slip, integrated = stribeck.measure_slips()
+    along, coulomb_along = stribeck.measure_steps(changing=False)
+    changed, coulomb_changed = stribeck.measure_steps(changing=True)
+    against = "Coulomb's law"
+    return [
+        Measurement(
+            "Stribeck: slip, delta = 2, exact",
+            "slip",
+            slip,
+            integrated,
+            "SciPy's DOP853, rtol = 1e-9",
+            0.25,
+        ),
+        Measurement(
+            "Stribeck: step of 1 ms in slip, outputs", "step", along, coulomb_along, against, 3.0
+        ),
+        Measurement(
+            "Stribeck: the same, after a change of v",
+            "step",
+            changed,
+            coulomb_changed,
+            against,
+            at_most=100e-6,
+        ),
+    ]
+
+
+def measure_chunks() -> list[Measurement]:
+    """Time a chunk of a study beyond its points, and a study by one and by two workers."""
+    each = chunks.measure_overhead()
+    alone, shared = chunks.measure_sharing()
+    return [
+        Measurement("chunk: computed here, written", "chunk", each.here),
+        Measurement("chunk: by a worker process", "chunk", each.process, at_most=10e-3),
+        Measurement("chunk: by a dask worker", "chunk", each.dask, at_most=50e-3),
+        # An efficiency of 0.9 at least.
+        Measurement(
+            "study on two cores, chunks of 1 s",
+            "study",
+            2.0 * shared,
+            alone,
+            "one core",
+            1.0 / 0.9,
+        ),
     ]
 
 
@@ -191,23 +293,40 @@ def measure_reference() -> Measurement:
     return Measurement("stickslip_ref.simulate, 10 s", "run", seconds)
 
 
-def measure_steady_cycle() -> Measurement:
-    """Time the steady cycle on a million points against the same formulas in plain NumPy."""
-    random = np.random.default_rng(2)
-    k = 10.0 ** random.uniform(1.0, 8.0, POINTS)
-    m = 10.0 ** random.uniform(-2.0, 4.0, POINTS)
-    v = 10.0 ** random.uniform(-6.0, 1.0, POINTS)
-    mu_s = 10.0 ** random.uniform(-2.0, 0.17, POINTS)
-    mu_k = mu_s * (1.0 - 10.0 ** random.uniform(-3.0, 0.0, POINTS))
-    parameters = Parameters(m=m, k=k, v=v, mu_s=mu_s, mu_k=mu_k)
-    ours, plain = best_of(
+def measure_fields() -> list[Measurement]:
+    """Time the closed forms on whole fields: one and ten million points."""
+    still, moving = fields.undamped(POINTS), fields.damped(POINTS)
+    m, k, mu_s, mu_k, v = map(np.asarray, (still.m, still.k, still.mu_s, still.mu_k, still.v))
+    ours, plain, together = best_of(
         ROUNDS,
-        lambda: steady_cycle(parameters),
+        lambda: steady_cycle(still),
         lambda: plain_steady_cycle(m, 9.81, k, mu_s, mu_k, v),
+        lambda: fields.evaluated(moving),
     )
-    return Measurement(
-        "steady_cycle, 10^6 points", "point", ours / POINTS, plain / POINTS, "plain NumPy", 1.0
-    )
+    large = fields.damped(10 * POINTS)
+    (ten,) = best_of(3, lambda: fields.evaluated(large))
+    beyond = fields.memory_beyond(lambda: fields.evaluated(large))
+    return [
+        Measurement(
+            "steady_cycle, 10^6 points, c = 0", "field", ours, plain, "plain NumPy", 1.0, 0.1
+        ),
+        Measurement(
+            "and coulomb_limit, 10^6 points, c > 0",
+            "field",
+            together,
+            ours,
+            "c = 0",
+            at_most=0.7,
+        ),
+        Measurement(
+            "the same, 10^7 points",
+            "field",
+            ten,
+            together,
+            f"10^6; beyond input, output: {beyond / 1e6:.0f} MB",
+            at_most=8.0,
+        ),
+    ]
 
 
 def measure_score(folder: Path) -> Measurement:
@@ -282,10 +401,14 @@ def measure() -> list[Measurement]:
         return [
             *measure_calls(ours, empty),
             *measure_native(),
+            *measure_stribeck(),
+            *measure_axis(),
+            *measure_chunks(),
+            *measure_sweep(),
             measure_import(ours, empty),
             *measure_block(),
             measure_reference(),
-            measure_steady_cycle(),
+            *measure_fields(),
             measure_score(Path(folder)),
             *measure_page(Path(folder)),
         ]
@@ -298,9 +421,10 @@ def _time(seconds: float) -> str:
 
 
 def _limit(row: Measurement) -> str:
-    if row.limit is None and row.at_most is None:
-        return ""
-    text = f"{row.limit:.2f}" if row.limit is not None else _time(row.at_most or 0.0)
+    limits = [] if row.limit is None else [f"{row.limit:.2f}"]
+    if row.at_most is not None:
+        limits.append(_time(row.at_most))
+    text = ", ".join(limits)
     return text if row.held else f"{text} exceeded"
 
 

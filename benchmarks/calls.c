@@ -1,8 +1,8 @@
 /* Times the calls of an FMU 2.0 for co-simulation as a simulator written in C makes them.
  *
- *     calls LIBRARY GUID
+ *     calls LIBRARY GUID [NAME]
  *
- * Prints one line a measurement: name, seconds of CPU a call (the shortest of several rounds), and
+ * Prints one line a measurement, or that of this name alone: name, seconds of CPU a call (the shortest of several rounds), and
  * growth of the resident memory over a further GROWTH calls in kB.
  */
 #define _XOPEN_SOURCE 700
@@ -34,6 +34,7 @@ static int (*write_out)(void *, void *, char *, size_t);
 static int (*read_in)(void *, const char *, size_t, void **);
 
 static const char *guid;
+static const char *only; /* name of the one measurement, or NULL */
 static const Callbacks callbacks;
 static void *slave;
 static int failures;
@@ -122,6 +123,7 @@ static void start(double c)
 static void measure(const char *name, void (*call)(int), double c, int calls, long growth)
 {
     double best = 1e300;
+    if (only != NULL && strcmp(name, only) != 0) return;
     for (int round = 0; round < ROUNDS; round++) {
         start(c);
         const double begun = now();
@@ -148,12 +150,14 @@ static void *find(void *library, const char *name)
 
 int main(int count, char **arguments)
 {
-    void *library = count == 3 ? dlopen(arguments[1], RTLD_NOW) : NULL;
+    const int enough = count == 3 || count == 4;
+    void *library = enough ? dlopen(arguments[1], RTLD_NOW) : NULL;
     if (library == NULL) {
-        fprintf(stderr, "usage: calls LIBRARY GUID (%s)\n", count == 3 ? dlerror() : "");
+        fprintf(stderr, "usage: calls LIBRARY GUID [NAME] (%s)\n", enough ? dlerror() : "");
         return 2;
     }
     guid = arguments[2];
+    if (count == 4) only = arguments[3];
     *(void **)&instantiate = find(library, "fmi2Instantiate");
     *(void **)&free_instance = find(library, "fmi2FreeInstance");
     *(void **)&setup = find(library, "fmi2SetupExperiment");

@@ -6,14 +6,15 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from stickslip_ref import Parameters
-
-from .servo_drive.drive import inertia_at_slide, objection
+from .servo_drive import filters
+from .servo_drive.motion import inertia_at_slide, objection
 
 _ABOVE_ZERO: Final = ("m", "g", "k", "J", "pitch", "T_s", "F_max", "acceleration")
 _NOT_NEGATIVE: Final = ("c", "mu_s", "mu_k", "d", "K_v", "omega_v", "T_n", "dead_band", "distance",
                         "resolution_motor", "resolution_table", "velocity_feedforward",
-                        "friction_feedforward")  # fmt: skip
+                        "friction_feedforward", "lag", "dead_time", "low_pass",
+                        "low_pass_damping", "notch", "notch_damping", "notch_depth",
+                        "dry")  # fmt: skip
 
 
 _OMEGA_V: Final = 300.0
@@ -55,10 +56,11 @@ class Axis:
         Viscous friction of the drive [N.s/m].
     T_s : float
         Sample time of the controller [s]; how long it may be depends on k, d and m_d
-        (`servo_drive.drive.objection`).
+        (`servo_drive.motion.objection`).
     K_v : float
         Position gain [1/s]. 25 1/s is 1.5 m/min per mm of following error; with the scale a
-        third of 72 1/s, from where on the table that slides is unstable (`sliding_mode`).
+        third of 72 1/s, from where on the table that slides is unstable
+        (`stickslip_design.loop.stability.gain_limits`).
     omega_v : float
         Bandwidth of the velocity loop [rad/s]: K_p = m_d omega_v. With the scale the damping of
         the table that slides is greatest at 250 to 300 1/s; above 716 1/s it is unstable.
@@ -77,6 +79,20 @@ class Axis:
         Limit of the motor force [N]; 12 kN at 10 mm pitch are 19 N m.
     resolution_motor, resolution_table : float
         Counts of motor encoder and scale [m]; 0: exact.
+    lag : float
+        Time constant of the current loop [s]; 0: none.
+    dead_time : float
+        Time from a sample to when its force command acts [s].
+    low_pass : float
+        Low pass of the force command [Hz]; 0: none.
+    low_pass_damping : float
+        Its damping ratio [-]; 0: of first order.
+    notch : float
+        Notch of the force command [Hz]; 0: none.
+    notch_damping, notch_depth : float
+        Damping ratio of its poles, and what it leaves at its frequency [-].
+    dry : float
+        Dry friction of motor and nut [N].
     feed, acceleration, distance : float
         Set point: speed [m/s], acceleration [m/s2], length of the move [m]; 0 goes on for ever.
     follow : bool
@@ -108,6 +124,14 @@ class Axis:
     F_max: float = 12e3
     resolution_motor: float = 1e-8
     resolution_table: float = 1e-7
+    lag: float = 0.0
+    dead_time: float = 0.0
+    low_pass: float = 0.0
+    low_pass_damping: float = 0.0
+    notch: float = 0.0
+    notch_damping: float = 0.0
+    notch_depth: float = 0.0
+    dry: float = 0.0
     feed: float = 5e-4
     acceleration: float = 0.1
     distance: float = 0.0
@@ -121,9 +145,13 @@ class Axis:
                 raise ValueError(f"{name} = {value!r} is out of range: finite and {least} 0")
         if self.mu_k > self.mu_s:
             raise ValueError(f"mu_k = {self.mu_k!r} is out of range: at most mu_s = {self.mu_s!r}")
-        too_long = objection(self.m_d, self.d, self._followed, self.T_s)
-        if too_long is not None:
-            raise ValueError(too_long)
+        if self.notch_depth > 1.0:
+            raise ValueError(f"notch_depth = {self.notch_depth!r} is out of range: at most 1")
+        refused = objection(self.m_d, self.d, self._followed, self.T_s) or filters.objection(
+            self.T_s, self.dead_time, self.low_pass, self.notch, self.notch_damping
+        )
+        if refused is not None:
+            raise ValueError(refused)
 
     @property
     def m_d(self) -> float:
@@ -145,13 +173,6 @@ class Axis:
         """Kinetic friction [N], without its viscous part."""
         return self.mu_k * self.m * self.g
 
-    @property
-    def slideway(self) -> Parameters:
-        """The table pulled at the feed by a motor that does not give way, for closed forms."""
-        return Parameters(
-            m=self.m, g=self.g, k=self.k, c=self.c, mu_s=self.mu_s, mu_k=self.mu_k, v=self.feed
-        )
-
     def of_table(self) -> dict[str, float]:
         """Return the start values of StickSlip.fmu; the drive starts at rest, so v is 0."""
         values = {name: float(getattr(self, name)) for name in ("m", "g", "k", "c", "mu_s", "mu_k")}
@@ -161,7 +182,8 @@ class Axis:
         """Return the start values of ServoDrive.fmu."""
         same = (
             "J pitch d T_s K_v K_p T_n dead_band velocity_feedforward friction_feedforward F_max "
-            "resolution_motor resolution_table feed acceleration distance"
+            "resolution_motor resolution_table feed acceleration distance lag dead_time low_pass "
+            "low_pass_damping notch notch_damping notch_depth dry"
         )
         values: dict[str, float] = {name: float(getattr(self, name)) for name in same.split()}
         return {**values, "on_table": int(self.on_table), "k": self._followed}

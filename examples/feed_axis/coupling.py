@@ -77,6 +77,23 @@ def simulate(
     return dict(zip(names, (time, *rows.T), strict=True))
 
 
+def coupling_damping(w_d: float, w: float, h: float) -> float:
+    """Return the damping ratio that explicit coupling adds; docs/feed-axis.md (3).
+
+    Parameters
+    ----------
+    w_d, w
+        sqrt(k / m_d), and the frequency of table and drive against each other [rad/s].
+    h
+        Communication step [s].
+
+    Notes
+    -----
+    Of a drive that holds the force and gives its speed of now: it lags by one step.
+    """
+    return -0.5 * w_d * w_d * h / w
+
+
 class _Instance:
     """An FMU's instance, its Reals called by name."""
 

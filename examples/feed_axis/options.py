@@ -22,8 +22,11 @@ _QUANTITIES: Final = {
     "c": "N.s/m",
     "dead_band": "m",
     "friction_feedforward": "N",
+    "lag": "s",
+    "dead_time": "s",
+    "dry": "N",
 }
-_NUMBERS: Final = {"K_v": "1/s", "omega_v": "1/s"}
+_NUMBERS: Final = {"K_v": "1/s", "omega_v": "1/s", "low_pass": "Hz", "notch": "Hz"}
 
 _FLAGS: Final = {"K_v": "--kv"}
 

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip_design.loop.jumps import jump_at, limit_of_jumps
+
 from .axis import Axis
 from .coupling import Run
-from .estimates import jumps_over_feed
+from .designed import designed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -178,13 +180,16 @@ def rising(run: Run, axis: Axis) -> Figure:
     panel = page.subplots()
     ends = np.flatnonzero(np.diff(run["delta_x"])) + 1
     feed = np.gradient(run["x_command"], run["time"])[ends] * 1e3
-    cycle = np.array(jumps_over_feed(axis))
-    panel.plot(cycle[:, 0] * 1e3, cycle[:, 1] * 1e6, color=ORANGE, label="estimate (5)")
+    computed = designed(axis)
+    limit = limit_of_jumps(computed)
+    feeds = limit.feed * np.linspace(0.07, 1.0, 40)
+    cycles = [*(jump_at(computed, float(each)) for each in feeds[:-1]), limit.jump]
+    jumps = [each.way * 1e6 if each else np.nan for each in cycles]
+    panel.plot(feeds * 1e3, jumps, color=ORANGE, label="design tool")
     found = run["delta_x"][ends] * 1e6
     panel.plot(feed, found, ls="none", marker="o", ms=4.5, color=BLUE, label="co-simulation")
-    limit = float(cycle[-1, 0]) * 1e3
     panel.legend(loc="lower right")
-    panel.set_xlim(0.0, 1.3 * limit)
+    panel.set_xlim(0.0, 1.3e3 * limit.feed)
     panel.set_ylim(0.0, 1.15 * float(found.max()))
     panel.set_xlabel("feed [mm/s]")
     panel.set_ylabel("jump [µm]")

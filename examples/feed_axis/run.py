@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import importlib.util
 import math
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -14,8 +14,10 @@ from typing import Annotated, Final
 
 import numpy as np
 import typer
+from numpy.typing import NDArray
 
 from stickslip.errors import CommandError
+from stickslip.progress import Meter
 from stickslip.units import parse
 from stickslip_fmu.packer import build as build_block
 from stickslip_native.compiler import CompilerError
@@ -29,6 +31,8 @@ from .coupling import Run
 from .options import axis_with, option
 
 OUTPUT: Final = Path("build/feed_axis")
+MOST_ROWS: Final = 20_001
+"""Rows of run.csv; of a longer run every n-th is written."""
 
 app = typer.Typer(
     help="A feed axis, closed loop: a servo drive moves the stick-slip block.",
@@ -45,6 +49,9 @@ class Master(StrEnum):
     ECOS = "ecos"
     LIBCOSIM = "libcosim"
 
+
+_PACKAGES: Final = {Master.ECOS: "ecospy", Master.LIBCOSIM: "libcosimpy"}
+"""What a master needs beside the project."""
 
 Folder = Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Folder to write to.")]
 Native = Annotated[
@@ -92,6 +99,24 @@ def run(
     friction_feedforward: Annotated[
         str | None, option("friction_feedforward", "Force added.")
     ] = None,
+    lag: Annotated[str | None, option("lag", "Time constant of the current loop.")] = None,
+    dead_time: Annotated[
+        str | None, option("dead_time", "Time from a sample to when its force acts.")
+    ] = None,
+    low_pass: Annotated[
+        float | None, option("low_pass", "Low pass of the force command; 0: none.")
+    ] = None,
+    low_pass_damping: Annotated[
+        float | None, option("low_pass_damping", "Its damping ratio; 0: of first order.")
+    ] = None,
+    notch: Annotated[float | None, option("notch", "Notch of the force command; 0: none.")] = None,
+    notch_damping: Annotated[
+        float | None, option("notch_damping", "Damping ratio of its poles.")
+    ] = None,
+    notch_depth: Annotated[
+        float | None, option("notch_depth", "What it leaves at its frequency.")
+    ] = None,
+    dry: Annotated[str | None, option("dry", "Dry friction of motor and nut.")] = None,
     stop_time: Annotated[str, typer.Option(metavar="TIME", help="End of the run.")] = "2",
     step: Annotated[
         str | None,
@@ -116,6 +141,14 @@ def run(
         "dead_band": dead_band,
         "velocity_feedforward": velocity_feedforward,
         "friction_feedforward": friction_feedforward,
+        "lag": lag,
+        "dead_time": dead_time,
+        "low_pass": low_pass,
+        "low_pass_damping": low_pass_damping,
+        "notch": notch,
+        "notch_damping": notch_damping,
+        "notch_depth": notch_depth,
+        "dry": dry,
     }
     axis = axis_with(given, integral)
     stop = parse(stop_time, "s", "--stop-time")
@@ -128,13 +161,17 @@ def run(
         raise CommandError(
             f"--step = {h:g} s is out of range: above 0, a tenth of --stop-time at most"
         )
+    check_master(master)
     file = write_all(output, axis, native)
-    found = run_in(master.value, file, stop, h)
+    with Meter(f"Running {stop:g} s in {master.value}"):
+        found = run_in(master.value, file, stop, h)
     _tell(axis, found)
     _draw(output / "run.svg", axis, found)
     rows = np.column_stack(list(found.values()))
-    np.savetxt(output / "run.csv", rows, "%.9g", ",", header=",".join(found), comments="")
-    print(f"{file}, {output / 'run.csv'}, {output / 'run.svg'}")
+    kept = thinned(rows)
+    np.savetxt(output / "run.csv", kept, "%.9g", ",", header=",".join(found), comments="")
+    fewer = "" if len(kept) == len(rows) else f" ({len(kept)} of {len(rows)} rows)"
+    print(f"{file}, {output / 'run.csv'}{fewer}, {output / 'run.svg'}")
 
 
 @app.command()
@@ -171,6 +208,23 @@ def write_all(folder: Path, axis: Axis, native: bool = False) -> Path:
         build_block(folder)
     build_drive(folder)
     return ssp.write_ssp(folder / "FeedAxis.ssp", axis, folder)
+
+
+def check_master(master: Master) -> None:
+    """Refuse a master that is not installed; the message says how to install it."""
+    needed = _PACKAGES.get(master)
+    if needed is not None and importlib.util.find_spec(needed) is None:
+        raise CommandError(
+            f"--master {master} needs {needed}: python -m pip install {needed}"
+            + (", and of Debian: apt-get install libtbb12" if master is Master.ECOS else "")
+        )
+
+
+def thinned(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return every n-th row and the last one, `MOST_ROWS` at most."""
+    every = -(-len(rows) // (MOST_ROWS - 1))
+    last = len(rows) - 1
+    return rows[[*range(0, last, every), last]]
 
 
 def run_in(master: str, file: Path, stop_time: float, step: float) -> Run:
@@ -221,58 +275,54 @@ def _tell(axis: Axis, found: Run) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    table = Table("", "co-simulation", "estimate", box=None)
+    table = Table("", "co-simulation", "design tool", box=None)
     for cells in _holding(axis, found) if axis.distance else _creeping(axis, found):
         table.add_row(*cells)
     Console(markup=False, highlight=False).print(table)
 
 
 def _creeping(axis: Axis, found: Run) -> list[tuple[str, str, str]]:
-    from .estimates import critical_feed, steady_slip
+    from stickslip_design.critical import jumps_of, rigid_critical_feed
+    from stickslip_design.loop.jumps import jump_at, limit_of_jumps
+    from stickslip_design.loop.stability import is_stable, swing
+
+    from .designed import designed
     from .measure import creep
-    from .sliding import sliding_mode
 
     seen = creep(found)
     # Backward everything is the same with the other sign.
-    axis = replace(axis, feed=abs(axis.feed))
-    expected, rigid = steady_slip(axis), _rigid(axis)
-    damping = sliding_mode(axis).damping
+    feed, computed = abs(axis.feed), designed(axis)
     # What shakes by itself never slides evenly.
-    ends = f"{critical_feed(axis) * 1e3:.3g} mm/s" if damping > 0.0 else "nowhere"
+    stable = is_stable(computed)
+    expected = jump_at(computed, feed) if stable else None
+    otherwise = "none" if stable else "unstable loop"
+    ends = f"{limit_of_jumps(computed).feed * 1e3:.3g} mm/s" if stable else "nowhere"
+    rigid = replace(computed, drive=None)
+    jumps_of_rigid = jumps_of(rigid, feed)
     return [
         ("jumps in the second half", str(seen.jumps), ""),
-        ("jump", _micro(seen.jump), _micro(expected.jump) if expected else "none"),
-        ("jump on a rigid drive", "", _micro(rigid["jump"])),
-        ("period", _seconds(seen.period), _seconds(expected.period) if expected else "none"),
+        ("jump", _micro(seen.jump), _micro(expected.way) if expected else otherwise),
+        ("jump on a rigid drive", "", _micro(jumps_of_rigid.way) if jumps_of_rigid else "none"),
+        ("period", _seconds(seen.period), _seconds(expected.period) if expected else otherwise),
         ("mean following error", _micro(seen.error), ""),
         ("unevenness, rms", _micro(seen.unevenness), ""),
         ("jumping ends at a feed of", "", ends),
-        ("the same on a rigid drive", "", f"{rigid['v_c'] * 1e3:.3g} mm/s"),
-        ("damping ratio while it slides", "", f"{damping * 100:.2g} %"),
+        ("the same on a rigid drive", "", f"{rigid_critical_feed(rigid) * 1e3:.3g} mm/s"),
+        ("damping ratio while it slides", "", f"{swing(computed).damping * 100:.2g} %"),
     ]
 
 
 def _holding(axis: Axis, found: Run) -> list[tuple[str, str, str]]:
-    from .estimates import hunting_slip
     from .measure import hunting
+    from .study import expected_hunting
 
-    seen, expected = hunting(found), hunting_slip(axis)
+    seen, expected = hunting(found), expected_hunting(axis)
     return [
         ("comes to rest", "yes" if seen.stops else "no", ""),
         ("jump", _micro(seen.jump), _micro(expected.jump) if expected else "none"),
         ("period", _seconds(seen.period), _seconds(expected.period) if expected else "none"),
         ("mean distance from the target", _micro(seen.offset), ""),
     ]
-
-
-def _rigid(axis: Axis) -> Mapping[str, float]:
-    from stickslip_ref import critical_velocity, steady_cycle
-
-    slideway = axis.slideway
-    return {
-        "jump": float(steady_cycle(slideway).delta_x),
-        "v_c": float(critical_velocity(slideway)),
-    }
 
 
 def _draw(target: Path, axis: Axis, found: Run) -> None:

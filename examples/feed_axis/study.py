@@ -12,11 +12,15 @@ from typing import Any, Final
 
 import numpy as np
 
-from stickslip_ref import critical_velocity, steady_cycle
+from stickslip_design.critical import jumps_of, rigid_critical_feed
+from stickslip_design.loop.hunting import Hunting
+from stickslip_design.loop.hunting import hunting as hunting_of
+from stickslip_design.loop.jumps import jump_at, limit_of_jumps
+from stickslip_design.loop.stability import is_stable
 
 from .axis import Axis, critically_damped
 from .coupling import Run, simulate
-from .estimates import critical_feed, hunting_slip, steady_slip
+from .designed import designed
 from .measure import creep, hunting
 
 BASE: Final = Axis()
@@ -29,7 +33,7 @@ HUNTING_TIME: Final = 20.0
 RESTING_TIME: Final = 12.0
 HUNTING_PERIODS: Final = 11
 """Lengths of the runs around a target [s], where hunting should go on and where it should not, and
-how many estimated periods the former hold at least. The half that is measured is the last: by then
+how many computed periods the former hold at least. The half that is measured is the last: by then
 the cycle has evened out, and 5 periods or more are in it."""
 
 MOVE: Final[Mapping[str, Any]] = {"feed": 5e-3, "distance": 0.01}
@@ -71,22 +75,22 @@ HUNTING: Final = tuple(each for each in VARIANTS if "feed" not in each.changes)
 CREEP_HEAD: Final = (
     "variant",
     "jump [µm]",
-    "with the drive (5)",
+    "design tool",
     "rigid drive",
     "period [ms]",
     "mean error [µm]",
     "uneven [µm rms]",
     "jumps up to [mm/s]",
-    "with the drive (5)",
+    "design tool",
     "rigid drive",
 )
 HUNTING_HEAD: Final = (
     "variant",
     "comes to rest",
     "jump [µm]",
-    "estimate (6) [µm]",
+    "design tool [µm]",
     "period [s]",
-    "estimate (6) [s]",
+    "design tool [s]",
     "error left [µm]",
 )
 
@@ -109,38 +113,49 @@ def hunting_run(folder: Path, variant: Variant) -> Run:
 
 def hunting_time(axis: Axis) -> float:
     """Return how long to watch an axis around its target [s]."""
-    expected = hunting_slip(axis)
+    expected = expected_hunting(axis)
     if expected is None:
         return RESTING_TIME
     return max(HUNTING_TIME, float(math.ceil(HUNTING_PERIODS * expected.period)))
+
+
+def expected_hunting(axis: Axis) -> Hunting | None:
+    """Return the cycle about a target by the design tool, None where the axis rests.
+
+    None too for an unstable loop. The cycle is that without a dead band, as long as the dead band
+    does not end it.
+    """
+    computed = designed(axis)
+    found = hunting_of(computed) if is_stable(computed) else None
+    return None if found is None or found.dead_band <= axis.dead_band else found
 
 
 def creep_row(folder: Path, variant: Variant) -> list[str]:
     """Return the row of a variant in the table of creeping."""
     axis = variant.axis
     found = creep(creep_run(folder, variant))
-    expected = steady_slip(axis)
-    slideway = axis.slideway
-    rigid = steady_cycle(slideway)
-    shown = expected if found.jumps else None
+    computed = designed(axis)
+    rigid = replace(computed, drive=None)
     # Where it starts without jumping, the cycle that may exist beside is not shown.
+    expected = jump_at(computed, axis.feed) if found.jumps else None
+    jumps_of_rigid = jumps_of(rigid, axis.feed)
     return [
         variant.name,
         _number(found.jump * 1e6, 1),
-        _number(shown.jump * 1e6 if shown else math.nan, 1),
-        _number(float(rigid.delta_x) * 1e6, 1),
+        _number(expected.way * 1e6 if expected else math.nan, 1),
+        _number(jumps_of_rigid.way * 1e6 if jumps_of_rigid else math.nan, 1),
         _number(found.period * 1e3, 1),
         _number(found.error * 1e6, 1),
         _number(found.unevenness * 1e6, 2),
         _number(highest_jumping_feed(rising_run(folder, axis)) * 1e3, 2),
-        _number(critical_feed(axis) * 1e3, 2),
-        _number(float(critical_velocity(slideway)) * 1e3, 2),
+        _number(limit_of_jumps(computed).feed * 1e3, 2),
+        _number(rigid_critical_feed(rigid) * 1e3, 2),
     ]
 
 
 def rising_run(folder: Path, axis: Axis) -> Run:
     """Run an axis whose feed rises evenly, to twice the feed at which jumping should end."""
-    limit = critical_feed(axis)
+    limit = limit_of_jumps(designed(axis)).feed
     changes = {"feed": 2.0 * limit, "acceleration": 2.0 * limit / RISING_TIME, "distance": 0.0}
     return _simulated(folder, replace(axis, **changes), RISING_TIME)  # type: ignore[arg-type]
 
@@ -157,7 +172,7 @@ def hunting_row(folder: Path, variant: Variant) -> list[str]:
     """Return the row of a variant in the table of hunting."""
     axis = variant.axis
     found = hunting(hunting_run(folder, variant))
-    expected = None if found.stops else hunting_slip(axis)
+    expected = None if found.stops else expected_hunting(axis)
     return [
         variant.name,
         "yes" if found.stops else "no",

@@ -16,56 +16,14 @@ makes good, so that pulled end and motor never drift apart.
 
 from __future__ import annotations
 
-import math
-
 from .controller import Controller
-
-# Terms of the Taylor series of a speed, and how long a sample may be for them, in units of 1 / r
-# (`objection`). Since |v^(n)| <= C r^(n-1), with C the larger of |v'| and |v''| / r, what is left
-# out over a time h is below C h (r h)^12 / 13! / (1 - r h / 14) = 4.1e-14 C h at r h = 0.5.
-_TERMS = 12
-_LONGEST = 0.5
-
-
-def inertia_at_slide(J: float, pitch: float) -> float:
-    """Return the inertia [kg] that J [kg.m2] is at the slide, with `pitch` [m] a turn.
-
-    It is J (2 pi / pitch)^2, docs/feed-axis.md (1); 0 or infinity where no double holds it.
-    """
-    per_metre = 2.0 * math.pi / pitch
-    return J * per_metre * per_metre
-
-
-def objection(m_d: float, d: float, k: float, T_s: float) -> str | None:
-    """Return why the motion cannot be told over a sample, with name, value and range; else None.
-
-    Parameters
-    ----------
-    m_d, d, k, T_s
-        As of `Drive`.
-
-    Notes
-    -----
-    Between samples m_d v'' + d v' + k v is constant, so from one derivative to the next v grows
-    by r = delta + sqrt(delta^2 + k/m_d) at most, with delta = d / (2 m_d): the root of
-    r^2 = 2 delta r + k/m_d.
-    """
-    if not 0.0 < m_d < math.inf:
-        return f"m_d = {m_d!r} kg is out of range: J (2 pi / pitch)^2 must be finite, above 0"
-    delta = 0.5 * d / m_d
-    r = delta + math.hypot(delta, math.sqrt(k / m_d))
-    if r * T_s <= _LONGEST:
-        return None
-    return (
-        f"T_s = {T_s!r} s is out of range: it must be at most {_LONGEST / r:.3g} s "
-        f"with k = {k:g} N/m, d = {d:g} N.s/m and m_d = {m_d:.4g} kg"
-    )
-
+from .motion import Inertia, Place, Pull, objection
 
 # The numbers that the motion goes on from, beside those of the controller.
 _MEMORY = (
     *("x", "v", "F_motor", "output", "_time", "_samples"),
     *("_x_pull", "_seen", "_seen_at", "_speed", "_last_step"),
+    *("_command", "_acted"),
 )
 
 
@@ -84,6 +42,12 @@ class Drive:
         Sample time of the controller [s].
     controller
         The controller, sampled at 0, T_s, 2 T_s, ...
+    lag
+        Time constant of the current loop [s]; 0: the motor's force is the command at once.
+    dead_time
+        Time from a sample to when its command acts [s].
+    dry
+        Dry friction of motor and nut [N].
 
     Raises
     ------
@@ -91,18 +55,32 @@ class Drive:
         If T_s is too long for its motion; the message names values and range.
     """
 
-    def __init__(self, m_d: float, d: float, k: float, T_s: float, controller: Controller) -> None:
+    def __init__(
+        self,
+        m_d: float,
+        d: float,
+        k: float,
+        T_s: float,
+        controller: Controller,
+        lag: float = 0.0,
+        dead_time: float = 0.0,
+        dry: float = 0.0,
+    ) -> None:
         refused = objection(m_d, d, k, T_s)
         if refused is not None:
             raise ValueError(refused)
-        self._m_d, self._d, self._k, self._T_s = m_d, d, k, T_s
+        self._k, self._T_s, self._lag, self._dead_time = k, T_s, lag, dead_time
+        self._inertia = Inertia(m_d, d, k, lag, dry)
         self._controller = controller
         self.x = 0.0
         self.v = 0.0
         self.F_motor = 0.0
         self.output = 0.0
         self._time = 0.0
-        self._samples = 0
+        # Samples taken; commands that have acted, the last of them, and the newest commands.
+        self._samples = self._acted = 0
+        self._command = 0.0
+        self._waiting = (0.0,) * (int(dead_time / T_s) + 2)
         # Where the block has its pulled end; where and when the table was seen last.
         self._x_pull = 0.0
         self._seen = self._seen_at = self._speed = 0.0
@@ -113,14 +91,16 @@ class Drive:
     @property
     def memory(self) -> tuple[float, ...]:
         """Everything that the next step depends on, the controller's memory included."""
-        return (*(getattr(self, name) for name in _MEMORY), *self._controller.memory)
+        motion = (getattr(self, name) for name in _MEMORY)
+        return (*motion, *self._waiting, *self._controller.memory)
 
     @memory.setter
     def memory(self, memory: tuple[float, ...]) -> None:
-        *motion, integral, error, last_motor = memory
         for position, name in enumerate(_MEMORY):
-            setattr(self, name, motion[position])
-        self._controller.memory = integral, error, last_motor
+            setattr(self, name, memory[position])
+        rest = len(_MEMORY) + len(self._waiting)
+        self._waiting = memory[len(_MEMORY) : rest]
+        self._controller.memory = memory[rest:]
 
     def advance(self, h: float, F: float, table: float) -> None:
         """Go one communication step.
@@ -159,43 +139,37 @@ class Drive:
 
     def _run(self, h: float, at_zero: float, table: float, speed: float) -> None:
         """Go on by h [s], with the table at `table` [m] and moving at `speed` [m/s]."""
-        # A sample that falls on the end, to rounding, belongs to the next step.
+        # A sample, or a command, that falls on the end, to rounding, belongs to the next step.
         slack = 1e-6 * self._T_s
         start, end = self._time, self._time + h
         while True:
             due = self._samples * self._T_s
             if due <= self._time + slack:
                 at = table + speed * (self._time - start)
-                self.F_motor = self._controller.sample(due, self.x, at)
+                force = self._controller.sample(due, self.x, at)
+                self._waiting = (*self._waiting[1:], force)
                 self._samples += 1
                 continue
+            acts = self._acted * self._T_s + self._dead_time
+            if acts <= self._time + slack:
+                self._command = self._waiting[self._acted - self._samples]
+                self._acted += 1
+                if self._lag <= 0.0:
+                    self.F_motor = self._command
+                continue
+            due = min(due, acts)
             stop = due if due < end - slack else end
             passed = self._time - start
-            self._move(stop - self._time, at_zero - self._k * speed * passed, speed)
+            pull = Pull(self._command, at_zero - self._k * speed * passed, speed)
+            place = Place(self.x, self.v, self.F_motor)
+            self.x, self.v, self.F_motor = self._inertia.moved(stop - self._time, place, pull)
             self._time = stop
             if stop == end:
                 return
 
-    def _move(self, h: float, at_zero: float, speed: float) -> None:
-        """Solve m_d dv/dt = F_motor - F - d v over h [s], T_s at most, by its Taylor series."""
-        force = self.F_motor - at_zero - self._k * self.x - self._d * self.v
-        derivative = force / self._m_d
-        following = (self._k * (speed - self.v) - self._d * derivative) / self._m_d
-        x, v = self.x + h * self.v, self.v
-        power = h
-        for order in range(2, _TERMS + 2):
-            v += power * derivative
-            power *= h / order
-            x += power * derivative
-            derivative, following = (
-                following,
-                -(self._k * derivative + self._d * following) / self._m_d,
-            )
-        self.x, self.v = x, v
-
     def _state(self) -> tuple[object, ...]:
         motion = (self.x, self.v, self.F_motor, self._time, self._samples)
-        return (*motion, self._controller.memory)
+        return (*motion, self._command, self._acted, self._waiting, self._controller.memory)
 
     def _restore(self, state: tuple[object, ...]) -> None:
         (
@@ -204,5 +178,8 @@ class Drive:
             self.F_motor,
             self._time,
             self._samples,
+            self._command,
+            self._acted,
+            self._waiting,
             self._controller.memory,
         ) = state  # type: ignore[assignment]

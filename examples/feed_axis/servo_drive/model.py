@@ -8,8 +8,9 @@ from typing import Any
 from fmukit.model import Experiment, Model, ModelError, Spec
 from fmukit.plain import check, values
 
+from . import filters, motion
 from .controller import Controller, Gains
-from .drive import Drive, inertia_at_slide, objection
+from .drive import Drive
 from .setpoint import SetPoint
 from .table import TABLE, Settings
 
@@ -27,7 +28,7 @@ class ServoDrive(Model):
     Raises
     ------
     ModelError
-        If the sample time is too long for the motion.
+        If the sample time is too long for the motion or a filter, or there is no such filter.
     """
 
     wanted: Settings
@@ -38,13 +39,28 @@ class ServoDrive(Model):
     def _begin(self, settings: Settings) -> None:
         self.wanted = settings
         self._set_point = SetPoint(settings.feed, settings.acceleration, settings.distance)
-        gains = Gains(**{name: getattr(settings, name) for name in Gains._fields})
-        self.controller = Controller(gains, self._set_point)
-        m_d = inertia_at_slide(settings.J, settings.pitch)
-        refused = objection(m_d, settings.d, settings.k, settings.T_s)
+        m_d = motion.inertia_at_slide(settings.J, settings.pitch)
+        refused = motion.objection(m_d, settings.d, settings.k, settings.T_s) or filters.objection(
+            settings.T_s,
+            settings.dead_time,
+            settings.low_pass,
+            settings.notch,
+            settings.notch_damping,
+        )
         if refused is not None:
             raise ModelError(refused)
-        self.drive = Drive(m_d, settings.d, settings.k, settings.T_s, self.controller)
+        gains = Gains(**{name: getattr(settings, name) for name in Gains._fields})
+        self.controller = Controller(gains, self._set_point)
+        self.drive = Drive(
+            m_d,
+            settings.d,
+            settings.k,
+            settings.T_s,
+            self.controller,
+            settings.lag,
+            settings.dead_time,
+            settings.dry,
+        )
         self._time = 0.0
 
     @property
@@ -80,8 +96,9 @@ class ServoDrive(Model):
 
     def restore(self, saved: Any) -> None:
         """Take up a state that `save` returned; raises ModelError for anything else."""
-        check(saved, self.save())
-        settings = values(type(self.wanted), saved["settings"])
+        settings = values(Settings, saved.get("settings", {}) if isinstance(saved, dict) else {})
+        # How much a state remembers depends on dead time and filters.
+        check(saved, ServoDrive(settings).save())
         self.thaw((settings, saved["time"], tuple(saved["memory"])))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fmukit.table import ABOVE_ZERO, Quantity, Table, Unit, Values, Variable
 
-from .drive import inertia_at_slide
+from .motion import inertia_at_slide
 
 _UNITS: dict[str, Unit] = {
     "kg.m2": Unit({"kg": 1, "m": 2}, (("kg.cm2", 1e4),)),
@@ -13,6 +13,7 @@ _UNITS: dict[str, Unit] = {
     "m/s": Unit({"m": 1, "s": -1}, (("mm/s", 1e3),)),
     "m/s2": Unit({"m": 1, "s": -2}, (("mm/s2", 1e3),)),
     "1/s": Unit({"s": -1}, (("1/min", 60.0),)),
+    "Hz": Unit({"s": -1}, (("kHz", 1e-3),)),
     "N": Unit({"kg": 1, "m": 1, "s": -2}, (("kN", 1e-3),)),
     "N/m": Unit({"kg": 1, "s": -2}, (("N/um", 1e-6),)),
     "N.s/m": Unit({"kg": 1, "s": -1}, (("kN.s/m", 1e-3),)),
@@ -25,6 +26,7 @@ _TIME = Quantity("Time", "Real", "Time", "s")
 _VELOCITY = Quantity("Velocity", "Real", "Velocity", "m/s")
 _ACCELERATION = Quantity("Acceleration", "Real", "Acceleration", "m/s2")
 _GAIN = Quantity("Gain", "Real", "", "1/s")
+_FREQUENCY = Quantity("Frequency", "Real", "Frequency", "Hz")
 _FORCE = Quantity("Force", "Real", "Force", "N")
 _STIFFNESS = Quantity("Stiffness", "Real", "TranslationalSpringConstant", "N/m")
 _DAMPING = Quantity("Damping", "Real", "TranslationalDampingConstant", "N.s/m")
@@ -33,7 +35,7 @@ _CHOICE = Quantity("Choice", "Integer")
 
 _QUANTITIES = (
     *(_INERTIA, _LENGTH, _TIME, _VELOCITY, _ACCELERATION, _GAIN),
-    *(_FORCE, _STIFFNESS, _DAMPING, _PART, _CHOICE),
+    *(_FORCE, _STIFFNESS, _DAMPING, _PART, _CHOICE, _FREQUENCY),
 )
 
 
@@ -129,7 +131,7 @@ _ROWS = (
         "controller.error",
         "discrete",
     ),
-    _output(24, "F_motor", _FORCE, "Force of the motor, at the slide", "drive.F_motor", "discrete"),
+    _output(24, "F_motor", _FORCE, "Force of the motor, at the slide", "drive.F_motor"),
     _output(
         25,
         "F_integral",
@@ -138,6 +140,16 @@ _ROWS = (
         "controller.integral",
         "discrete",
     ),
+    _parameter(26, "lag", _TIME, 0.0, "Time constant of the current loop; 0: none"),
+    _parameter(27, "dead_time", _TIME, 0.0, "Time from a sample to when its force command acts"),
+    _parameter(28, "low_pass", _FREQUENCY, 0.0, "Low pass of the force command; 0: none"),
+    _parameter(
+        29, "low_pass_damping", _PART, 0.0, "Damping ratio of the low pass; 0: of first order"
+    ),
+    _parameter(30, "notch", _FREQUENCY, 0.0, "Notch of the force command; 0: none"),
+    _parameter(31, "notch_damping", _PART, 0.0, "Damping ratio of the notch's poles"),
+    _parameter(32, "notch_depth", _PART, 0.0, "What the notch leaves at its frequency", 0.0, 1.0),
+    _parameter(33, "dry", _FORCE, 0.0, "Dry friction of motor and nut, seen at the slide"),
 )
 
 TABLE = Table(_UNITS, _QUANTITIES, _ROWS)
