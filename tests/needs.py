@@ -290,6 +290,11 @@ NEEDS = {
         partial(_python, _START_A_BROWSER, "page", "chromium fonts-dejavu-core fonts-dejavu-extra"),
     ),
     "firefox": Need("the page in Firefox", _firefox),
+    "studies": Need(
+        "files of maps, scatter and sweeps",
+        partial(_python, "import fsspec, pandas, pyarrow, xarray, zarr", "studies"),
+    ),
+    "cluster": Need("studies on a dask cluster", partial(_python, "import distributed", "cluster")),
     "pdf": Need(
         "the report as PDF",
         partial(

@@ -50,7 +50,8 @@ EXTRA_OUTSIDE = {
     ("stickslip", "simulate.csv_file"): frozenset({"fmpy"}),
     ("stickslip", "show.curve"): frozenset({"scipy"}),
     ("stickslip", "handbook.document"): frozenset({"jinja2", "markupsafe", "rcssmin"}),
-    ("stickslip", "page.assemble"): frozenset({"jinja2", "rcssmin", "rjsmin"}),
+    ("stickslip", "page.assemble"): frozenset({"jinja2", "rcssmin"}),
+    ("stickslip", "page.minify"): frozenset({"rjsmin"}),
     ("stickslip", "page.texts"): frozenset({"jinja2"}),
     ("stickslip_fmu", "laws.named"): frozenset({COMPUTED}),
     ("stickslip_ref", "laws.named"): frozenset({COMPUTED}),
@@ -60,6 +61,23 @@ EXTRA_OUTSIDE = {
     ("fmukit", "packer"): frozenset({"pythonfmu", "pythonfmu3"}),
     ("stickslip_design", "claims.plots"): frozenset({"matplotlib"}),
     ("stickslip_design", "cures"): frozenset({"scipy"}),
+    ("stickslip", "commands.map"): frozenset({"xarray"}),
+    ("stickslip", "show.sweep_summary"): frozenset({"xarray"}),
+    ("stickslip_design", "datasets"): frozenset({"xarray", COMPUTED}),
+    # Pillow and contourpy come with matplotlib.
+    ("stickslip_design", "maps.page"): frozenset({"markupsafe", "matplotlib", "PIL"}),
+    ("stickslip_design", "maps.pictures"): frozenset({"matplotlib"}),
+    ("stickslip_design", "maps.study"): frozenset({"xarray"}),
+    ("stickslip_design", "maps.views"): frozenset({"contourpy", "xarray"}),
+    ("stickslip_design", "sweeps.runner"): frozenset({"fmpy"}),
+    ("stickslip_design", "sweeps.ssp"): frozenset({"fmpy"}),
+    ("stickslip_design", "sweeps.study"): frozenset({"xarray"}),
+    ("stickslip_design", "tolerances.page"): frozenset({"markupsafe", "matplotlib"}),
+    ("stickslip_design", "tolerances.pictures"): frozenset({"matplotlib"}),
+    ("stickslip_design", "tolerances.result"): frozenset({"xarray"}),
+    ("stickslip_design", "tolerances.study"): frozenset({"xarray"}),
+    ("stickslip_design", "report.page"): frozenset({"markupsafe", "matplotlib"}),
+    ("stickslip_design", "report.plots"): frozenset({"matplotlib"}),
     ("stickslip_verification", "report.curve"): frozenset({"scipy"}),
     ("stickslip_verification", "report.house_style"): frozenset({"matplotlib"}),
     ("stickslip_verification", "report.environment"): frozenset({"jinja2", "markupsafe"}),
@@ -400,7 +418,9 @@ def test_the_reader_of_python_3_8_lets_it_pass(source: str) -> None:
 HEAVY = ("numpy", "scipy", "fmpy", "matplotlib", "pythonfmu", "mpmath")
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["simulate", "--help"], ["--version"]])
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["simulate", "--help"], ["design", "--help"], ["--version"]]
+)
 def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
     """Asking the command for help or for its version costs no numerical library."""
     program = (

@@ -13,7 +13,7 @@ import pytest
 from mpmath import mp, mpf
 
 from stickslip_design.cures import Cure, cures
-from stickslip_ref import Parameters, critical_velocity, steady_cycle
+from stickslip_ref import Parameters, coulomb_limit, steady_cycle
 from stickslip_verification import truth
 
 NAMES = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
@@ -169,7 +169,7 @@ def test_the_first_limit_is_given_where_load_brings_the_cycle_back() -> None:
     """With load, v_c over the mass may have a minimum: the cycle ends there, and begins again."""
     p = Parameters(m=100.0, g=10.0, load=300.0, k=1e6, c=60.0, mu_s=0.3, mu_k=0.2)
     masses = np.geomspace(1.0, 100.0, 400)
-    v_c = np.asarray(critical_velocity(replace(p, m=masses)))
+    v_c = np.asarray(coulomb_limit(replace(p, m=masses)))
     lowest = int(np.argmin(v_c))
     assert 0 < lowest < 399
     p = replace(p, v=1.0001 * float(v_c[lowest]))

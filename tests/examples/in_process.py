@@ -18,7 +18,8 @@ def make_drive(axis: Axis) -> tuple[Drive, Controller]:
     values = axis.of_drive()
     gains = Gains(**{name: values[name] for name in Gains._fields})  # type: ignore[arg-type]
     controller = Controller(gains, SetPoint(axis.feed, axis.acceleration, axis.distance))
-    return Drive(axis.m_d, axis.d, values["k"], axis.T_s, controller), controller
+    way = axis.lag, axis.dead_time, axis.dry
+    return Drive(axis.m_d, axis.d, values["k"], axis.T_s, controller, *way), controller
 
 
 @dataclass

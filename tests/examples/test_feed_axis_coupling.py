@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from examples.feed_axis import document, study
 from examples.feed_axis.axis import Axis
+from examples.feed_axis.coupling import coupling_damping
 from examples.feed_axis.document import WAYS, check_coupling, exact_axis
-from examples.feed_axis.estimates import coupling_damping
 from examples.feed_axis.monolithic import solve
 from examples.feed_axis.study import rows_of
 from stickslip_ref import Parameters, steady_cycle

@@ -18,6 +18,7 @@ from examples.feed_axis.document import exact_axis
 from examples.feed_axis.monolithic import solve
 from examples.feed_axis.servo_drive.drive import Drive
 from examples.feed_axis.servo_drive.model import ServoDrive
+from examples.feed_axis.servo_drive.motion import Inertia, Place, Pull
 from examples.feed_axis.servo_drive.setpoint import SetPoint
 from examples.feed_axis.servo_drive.table import Settings
 from fmukit.model import ModelError
@@ -142,21 +143,19 @@ def test_a_sample_as_long_as_may_be_is_solved(w: float, d: float) -> None:
     # Units in which T_s and the inertia are 1.
     k, r = w * w, 0.5 * d + math.hypot(0.5 * d, w)
     assert r == pytest.approx(0.5, abs=1e-15)
-    drive = Drive(1.0, d, k, 1.0, make_drive(Axis())[1])
-    drive.x, drive.v, drive.F_motor = 0.25, -1.0, 1.5
-    at_zero, speed = 0.5, 0.75
+    place, pull = Place(0.25, -1.0, 1.5), Pull(1.5, 0.5, 0.75)
     # State: way, speed, time, 1; the table goes on at `speed`.
     rates = np.zeros((4, 4))
     rates[0, 1] = rates[2, 3] = 1.0
-    rates[1] = -k, -d, k * speed, drive.F_motor - at_zero
-    start = np.array([drive.x, drive.v, 0.0, 1.0])
+    rates[1] = -k, -d, k * pull.speed, pull.command - pull.at_zero
+    start = np.array([place.x, place.v, 0.0, 1.0])
     first, second = (rates @ start)[1], (rates @ rates @ start)[1]
-    drive._move(1.0, at_zero, speed)
+    found = Inertia(1.0, d, k, 0.0, 0.0).moved(1.0, place, pull)
     x, v, *_ = expm(rates) @ start
     # What the series leaves out; beside it the rounding of some numbers around 1.
     left_out = 4.1e-14 * max(abs(first), abs(second) / r)
-    assert drive.v == pytest.approx(v, abs=left_out + 1e-15)
-    assert drive.x == pytest.approx(x, abs=left_out + 1e-15)
+    assert found.v == pytest.approx(v, abs=left_out + 1e-15)
+    assert found.x == pytest.approx(x, abs=left_out + 1e-15)
 
 
 def test_a_sample_too_long_for_the_motion_is_refused() -> None:
@@ -178,7 +177,22 @@ def test_a_sample_too_long_for_the_motion_is_refused() -> None:
             Axis(pitch=pitch)
 
 
-def test_a_state_of_the_drive_goes_on_to_the_bit() -> None:
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"K_v": 60.0, "distance": 1e-4},
+        {
+            "lag": 1e-4,
+            "dead_time": 7e-4,
+            "low_pass": 500.0,
+            "low_pass_damping": 0.7,
+            "notch": 200.0,
+            "notch_damping": 0.4,
+            "dry": 50.0,
+        },
+    ],
+)
+def test_a_state_of_the_drive_goes_on_to_the_bit(changes: dict[str, float]) -> None:
     """Set in another drive, or from plain data, a state gives the same outputs at every step."""
 
     def go_on(model: ServoDrive) -> list[tuple[float, ...]]:
@@ -190,7 +204,9 @@ def test_a_state_of_the_drive_goes_on_to_the_bit() -> None:
             shown.append((model.drive.output, model.drive.x, model.x_command, *model.drive.memory))
         return shown
 
-    settings = Settings.at_start().changed("K_v", 60.0).changed("distance", 1e-4)
+    settings = Settings.at_start()
+    for name, value in changes.items():
+        settings = settings.changed(name, value)
     model = ServoDrive(settings)
     go_on(model)
     frozen, saved = model.freeze(), json.loads(json.dumps(model.save()))

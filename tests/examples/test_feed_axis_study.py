@@ -11,10 +11,12 @@ import pytest
 
 from examples.feed_axis import study
 from examples.feed_axis.axis import Axis
-from examples.feed_axis.estimates import first_slip, hunting_slip
+from examples.feed_axis.designed import designed
 from examples.feed_axis.monolithic import solve
 from examples.feed_axis.options import axis_with
-from examples.feed_axis.run import OUTPUT, run
+from examples.feed_axis.run import MOST_ROWS, OUTPUT, Master, check_master, run, thinned
+from stickslip.errors import CommandError
+from stickslip_design.loop.hunting import hunting
 
 from .running import ROOT, output_of
 
@@ -47,12 +49,11 @@ def test_a_wrong_number_in_a_table_is_found() -> None:
 
 
 @pytest.mark.parametrize("variant", [name for name, row in CREEP.items() if row[1] != "–"])
-def test_the_jump_is_that_of_the_linear_drive(variant: str) -> None:
-    """Jumps are those of (5): what it leaves out is a sample's delay of the drive and counts."""
-    _, jump, estimate, rigid, period, *_ = CREEP[variant]
-    # The velocity loop acts a sample late, on average: omega_v T_s / 2 = 4 % less damping, of a
-    # drive that changes the jump by 15 % or so; half a digit of the table besides.
-    assert float(jump) == pytest.approx(float(estimate), rel=0.02)
+def test_the_jump_is_that_of_the_design_tool(variant: str) -> None:
+    """Jumps of the runs are those of the tool, which leaves out the counts."""
+    _, jump, computed, rigid, period, *_ = CREEP[variant]
+    # A count of the scale, or a digit of the table.
+    assert float(jump) == pytest.approx(float(computed), abs=0.1)
     # Whatever the jump, its mean speed is the feed.
     assert float(jump) == pytest.approx(0.5 * float(period), abs=0.1)
     # A drive in the loop changes the closed form's jump, by less than a third.
@@ -60,12 +61,12 @@ def test_the_jump_is_that_of_the_linear_drive(variant: str) -> None:
 
 
 @pytest.mark.parametrize("variant", [name for name, row in CREEP.items() if row[7] != "–"])
-def test_jumping_ends_where_the_linear_drive_says(variant: str) -> None:
-    """The feed of the last jump is that of (5)."""
-    last, estimate = map(float, CREEP[variant][7:9])
-    # In a period of up to 60 ms the feed rises by 60 ms / 1.5 s = 4 %, the search goes by 2 %, and
-    # (5) leaves out what the jump shows as well, 2 %.
-    assert last == pytest.approx(estimate, rel=0.08)
+def test_jumping_ends_where_the_design_tool_says(variant: str) -> None:
+    """The feed of the last jump is that of the tool, a little lower where the feed rises fast."""
+    last, limit = map(float, CREEP[variant][7:9])
+    # In 3 s to twice the limit, a cycle that settles slowly is not carried to its end: 9 % with
+    # 1.4 % of damping. Above are the lag without feed-forward, 40 ms / 1.5 s, and a digit.
+    assert 0.9 * limit <= last <= 1.03 * limit
 
 
 def test_what_ends_creeping_and_what_does_not() -> None:
@@ -89,25 +90,25 @@ def test_the_lag_is_that_of_the_position_loop() -> None:
 
 
 @pytest.mark.parametrize("variant", [name for name, row in HUNTING.items() if row[1] == "no"])
-def test_hunting_has_the_jump_and_the_period_of_the_wind_up(variant: str) -> None:
-    """The first-order estimate (6) tells both, and the runs measured are even cycles."""
-    jump, jump_estimate, period, estimate = map(float, HUNTING[variant][2:6])
-    # The error after a jump is told by a scale of 0.1 um, and so is the next jump to within that;
-    # (6) leaves out (v_d t_slip / J)^2 = 2.5 % at most, with K_v = 50 1/s.
-    assert abs(jump - jump_estimate) <= 0.1 + 0.025 * jump
-    # The period goes as 1/J, so it has the count of the scale, too; and (6) leaves out
-    # 2 t_slip - 4 (1 - alpha) T_n, 3.4 % at most, with the velocity loop of 600 1/s.
-    assert abs(period - estimate) <= (0.034 + 0.1 / jump) * estimate
+def test_hunting_is_that_of_the_design_tool(variant: str) -> None:
+    """Jump and period of the runs are those of the tool, which leaves out counts and dead band."""
+    jump, computed, period, expected = map(float, HUNTING[variant][2:6])
+    # A dead band takes its part of the error away from the wind-up.
+    share = 0.04 if "dead band" in variant else 0.0
+    # The error after a jump is told by a scale of 0.1 um, and so is the next jump to within that.
+    assert abs(jump - computed) <= 0.1 + share * jump
+    # The period goes as 1/J, so it has the count of the scale, too; and a digit of the table.
+    assert abs(period - expected) <= (share + 0.1 / jump) * expected + 0.01
 
 
 def test_a_dead_band_stops_hunting_from_half_a_jump_on() -> None:
-    """The band that is needed by (6) lies between the one that hunts and the one that rests."""
+    """The band that the design tool asks for lies between one that hunts and one that rests."""
     bands = {variant.axis.dead_band: HUNTING[variant.name][1] for variant in study.HUNTING}
     del bands[0.0]
-    slip = hunting_slip(Axis())
-    assert slip is not None
+    cycle = hunting(designed(Axis()))
+    assert cycle is not None
     assert bands == {6e-6: "no", 7e-6: "yes"}
-    assert 6e-6 < 0.5 * slip.jump < 7e-6
+    assert 6e-6 < cycle.dead_band < 7e-6
 
 
 def test_hunting_is_watched_for_five_periods_after_it_has_evened_out() -> None:
@@ -152,6 +153,29 @@ def test_the_command_runs_the_axis_and_refuses_what_is_no_speed(tmp_path: Path) 
     wrong = feed_axis("run", "--feed", "5N")
     assert wrong.returncode == 2
     assert "expected a velocity in m/s" in wrong.stderr
+
+
+def test_a_long_run_leaves_rows_out() -> None:
+    """Each n-th row and the last stay; a run of a second keeps all."""
+    rows = np.arange(90_000.0).reshape(-1, 1)
+    kept = thinned(rows)
+    assert len(kept) <= MOST_ROWS
+    assert kept[0] == rows[0]
+    assert kept[-1] == rows[-1]
+    assert set(np.diff(kept[:-1, 0])) == {5.0}
+    assert np.array_equal(thinned(rows[:4001]), rows[:4001])
+
+
+def test_a_master_that_is_missing_is_told_with_what_installs_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The line to type; fmpy is always there."""
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    check_master(Master.FMPY)
+    with pytest.raises(CommandError, match="python -m pip install ecospy, and of Deb"):
+        check_master(Master.ECOS)
+    with pytest.raises(CommandError, match="python -m pip install libcosimpy"):
+        check_master(Master.LIBCOSIM)
 
 
 def feed_axis(*words: str) -> subprocess.CompletedProcess[str]:
@@ -214,14 +238,9 @@ def test_every_option_starts_as_the_axis_is() -> None:
 
 
 def test_gravity_is_one_number() -> None:
-    """Another gravity reaches the table's FMU, closed forms and the whole loop alike."""
+    """Another gravity reaches the table's FMU, the design tool and the whole loop alike."""
     axis = Axis(g=4.905)
-    assert axis.of_table()["g"] == axis.slideway.g == 4.905
-    slip, usual = first_slip(axis), first_slip(Axis())
-    assert slip is not None
-    assert usual is not None
-    # The jump out of rest is linear in the forces.
-    assert slip.jump == pytest.approx(0.5 * usual.jump, rel=1e-9)
+    assert axis.of_table()["g"] == designed(axis).g == 4.905
     # Half the weight breaks away at half the force.
     F, x = (solve(axis, 0.15).column(name, axis) for name in ("F", "x"))
     assert float(F[x == 0.0].max()) == pytest.approx(0.5 * 981.0, rel=1e-2)

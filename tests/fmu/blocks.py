@@ -46,6 +46,7 @@ class Segment:
 
 
 Splitter = Callable[[float], Iterable[float]]
+Draw = Callable[[random.Random], tuple[dict[str, float], list[Segment]]]
 
 
 def whole(length: float) -> Iterable[float]:
@@ -66,10 +67,13 @@ def uneven(generator: random.Random, most: int = 40) -> Splitter:
 
 
 def drive(
-    values: dict[str, float], segments: Sequence[Segment], split: Splitter = whole
+    values: Mapping[str, float],
+    segments: Sequence[Segment],
+    split: Splitter = whole,
+    spec: Spec = SPEC,
 ) -> list[dict[str, float]]:
     """Return the outputs at the end of each segment."""
-    block = make_block(**values)
+    block = block_of(spec, values)
     time = 0.0
     record = []
     for segment in segments:
@@ -120,4 +124,23 @@ def draw(generator: random.Random) -> tuple[dict[str, float], list[Segment]]:
         }
         changes = {name: value for name, value in offered.items() if generator.random() < 0.3}
         segments.append(Segment(reach * log_uniform(generator, 1e-3, 3.0), changes))
+    return values, segments
+
+
+def draw_ageing(generator: random.Random) -> tuple[dict[str, float], list[Segment]]:
+    """Draw a block as `draw` does, whose static friction grows in stick in changing ways."""
+    values, segments = draw(generator)
+    load_up = values["mu_s"] * values["m"] * 9.81 / (values["k"] * abs(values["v"]))
+    offered: dict[str, Callable[[], float]] = {
+        "tau_s": lambda: generator.choice([0.0, load_up * log_uniform(generator, 1e-3, 1e2)]),
+        "B": lambda: values["mu_s"] * generator.choice([0.0, log_uniform(generator, 1e-3, 0.3)]),
+        "t_0": lambda: load_up * log_uniform(generator, 1e-4, 10.0),
+        "mu_s": lambda: values["mu_s"] * generator.uniform(0.5, 1.5),
+    }
+    values |= {name: offered[name]() for name in ("tau_s", "B", "t_0")}
+    values["age_start"] = generator.choice([0.0, load_up * log_uniform(generator, 1e-3, 1e3)])
+    for segment in segments:
+        for name, value in offered.items():
+            if generator.random() < 0.15:
+                segment.changes[name] = value()
     return values, segments

@@ -230,6 +230,7 @@ def test_initial_values_depend_on_what_the_description_says(fmu_path: Path) -> N
     generator = random.Random(5)
     seen: dict[str, set[str]] = {name: set() for name in named}
     shifts = {"load": 5.0, "x_start": 0.01, "x_dot_start": 0.1, "z_start": 0.01, "F_ext": 5.0}
+    longer = {"tau_s": 0.1, "B": 0.1, "age_start": 0.1}
     for _ in range(600):
         base = TABLE.start_values()
         base |= {
@@ -237,10 +238,14 @@ def test_initial_values_depend_on_what_the_description_says(fmu_path: Path) -> N
             "x_dot_start": generator.choice([0.0, 0.0, 0.1, -0.1]),
             "F_ext": generator.uniform(-5.0, 5.0),
             "c": 1.0,
+            "tau_s": generator.choice([0.0, 0.1]),
+            "B": generator.choice([0.0, 0.1]),
+            "age_start": generator.choice([0.0, 3.0]),
         }
         before = outputs(make_block(**base))
         for name in base:
             shift = shifts.get(name, 0.0) * generator.uniform(-1.0, 1.0)
+            shift += longer.get(name, 0.0) * generator.random()
             other = {**base, name: base[name] * generator.uniform(0.2, 3.0) + shift}
             after = outputs(make_block(**other))
             for output in named:
@@ -275,9 +280,8 @@ def test_numbers_are_written_with_all_their_digits(fmu_path: Path) -> None:
     """Every number of the description reads back as the table's, to the last bit."""
     starts = dict(
         re.findall(
-            r'ScalarVariable name="(\w+)".*?start="([^"]*)"',
+            r'ScalarVariable name="(\w+)"[^>]*>\s*<\w+[^>]* start="([^"]*)"',
             description_of(fmu_path).decode(),
-            flags=re.DOTALL,
         )
     )
     for name, value in TABLE.start_values().items():

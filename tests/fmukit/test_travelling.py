@@ -27,7 +27,8 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
 def test_all_of_the_block_travels_and_one_face() -> None:
     """The block travels without what builds it; of the kit one face travels and no packer."""
     here = Path(packer.__file__).parent
-    block = {f"stickslip_fmu/{file.relative_to(here).as_posix()}" for file in here.rglob("*.py")}
+    modules = {file.relative_to(here).as_posix() for file in here.rglob("*.py")}
+    block = {f"stickslip_fmu/{each}" for each in modules if "laws/stribeck/" not in each}
     two, three = travelling(packer.MAIN, 2), travelling(packer.MAIN, 3)
     for packed in (two, three):
         assert {each for each in packed if each.startswith("stickslip_fmu/")} == (

@@ -1,4 +1,4 @@
-"""What every importer runs: three cases of one block, as data."""
+"""What every importer runs: cases of the blocks, as data."""
 
 from __future__ import annotations
 
@@ -22,6 +22,8 @@ class Case:
         How many of them.
     changes
         Inputs set at a communication point, by the number of the step that begins there.
+    law
+        The friction law of the FMU.
     """
 
     name: str
@@ -29,6 +31,7 @@ class Case:
     step: float
     steps: int
     changes: Mapping[int, Mapping[str, float]] = field(default_factory=dict)
+    law: str = "coulomb"
 
 
 _PULLED_ABOUT: Mapping[int, Mapping[str, float]] = {
@@ -54,6 +57,9 @@ CASES: Mapping[str, Case] = {
         Case("inputs", _DAMPED, 0.01, 400, _PULLED_ABOUT),
         # Ends in a slip, with every input away from its start: what a restart must undo.
         Case("restart", _DAMPED, 0.01, 270, _PULLED_ABOUT),
+        Case(
+            "stribeck", {**_DAMPED, "v_s": 0.03, "delta": 1.0}, 0.01, 220, _PULLED_ABOUT, "stribeck"
+        ),
     )
 }
 """Cases by name. `restart` is run twice in one process, by the importer's own means."""

@@ -75,7 +75,7 @@ def _exact(name: str, times: tuple[float, ...], pushed: tuple[float, ...] | None
         if pushed is not None:
             changes["F_ext"] = pushed[number]
         steps.append(Step(end - begin, changes))
-    run = exact_run(case.start, steps, digits=_DIGITS)
+    run = exact_run(case.start, steps, digits=_DIGITS, law=case.law)
     _well_posed(run)
     return run
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from stickslip_fmu.packer import build
 from tests.importers.cases import CASES
 from tests.importers.judging import EXACT, deviations, nested_deviations
 from tests.importers.running import (
@@ -46,8 +47,12 @@ def ran(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Ran:
     """Give what runs a case in an importer, each pair once."""
 
     @cache
+    def fmu(law: str) -> Path:
+        return fmu_path if law == "coulomb" else build(tmp_path_factory.mktemp(law), law=law)
+
+    @cache
     def once(importer: str, case: str) -> Rows:
-        return run(importer, fmu_path, case, tmp_path_factory.mktemp(importer))
+        return run(importer, fmu(CASES[case].law), case, tmp_path_factory.mktemp(importer))
 
     return once
 

@@ -9,6 +9,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import fmpy
+import fmpy.validation
+
 TEXT = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
 COMMAND = Path(sys.executable).parent / "stickslip"
 TRUTH = """
@@ -45,7 +48,12 @@ def test_a_friction_law_is_added_as_contributing_says(tmp_path: Path) -> None:
         name, *arguments = shlex.split(line)
         assert name == "stickslip"
         said.append(run([str(COMMAND), *arguments], tmp_path))
-    assert "RisingFriction.fmu" in said[0]
+    (fmu,) = tmp_path.rglob("RisingFriction.fmu")
+    assert str(fmu.relative_to(tmp_path)) in said[0]
+    assert not fmpy.validation.validate_fmu(str(fmu))
+    variables = fmpy.read_model_description(str(fmu)).modelVariables
+    (rise,) = (each for each in variables if each.name == "rise")
+    assert (rise.valueReference, rise.unit, rise.start) == (38, "s/m", "0.01")
     block, reference = (each.split("\n", 1)[1] for each in said[1:])
     assert block == reference
     (shown,) = re.findall(r"t_slip +ms +([\d.]+)", block)

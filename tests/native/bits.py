@@ -13,6 +13,7 @@ from tests.native.core import ACCEPTED, Core, NativeBlock
 STEPS = 12
 _ORDER = ("m", "g", "k", "c", "mu_s", "mu_k", "load", "v", "F_ext")
 _CHANGING = _ORDER[2:]
+_DWELL = ("tau_s", "B", "t_0", "age_start")
 _SIGNED = ("x_start", "x_dot_start", "z_start", "v", "F_ext")
 
 Draw = Callable[[random.Random, str, Mapping[str, float]], float]
@@ -32,6 +33,9 @@ def draw(random_: random.Random, name: str, values: Mapping[str, float]) -> floa
     sign = random_.choice((-1.0, 1.0))
     critical = 2.0 * math.sqrt(values["k"] * values["m"])
     some = spread(random_, 1e-4, 50.0)
+    load_up = weight / values["k"] / (abs(values["v"]) or 1.0)
+    while_loading = load_up * spread(random_, 1e-3, 1e3)
+    tiny, huge = random_.choice((5e-324, 1e-310, 1e-300)), random_.choice((1e200, 1e308))
     choices = {
         "m": (spread(random_, 1e-3, 1e3),),
         "g": (spread(random_, 0.1, 100.0),),
@@ -44,9 +48,49 @@ def draw(random_: random.Random, name: str, values: Mapping[str, float]) -> floa
         "F_ext": (0.0, weight * random_.uniform(-2.0, 2.0)),
         "x_start": (0.0, random_.uniform(-1.0, 1.0)),
         "x_dot_start": (0.0, sign * spread(random_, 1e-5, 10.0)),
+        "tau_s": (*(while_loading,) * 6, 0.0, tiny, huge),
+        "B": (0.0, values["mu_s"] * spread(random_, 1e-4, 1.0)),
+        "t_0": (*(while_loading,) * 6, 1e-307, huge),
+        "age_start": (0.0, *(while_loading,) * 3, huge),
         "z_start": (0.0, sign * weight / values["k"] * spread(random_, 0.01, 3.0)),
     }
     return random_.choice(choices[name])
+
+
+_POINTS = range(2, 13)
+STRIBECK = (
+    *("shape", "v_s", "delta", "n_points", "mu_1"),
+    *(f"{name}_{point}" for point in _POINTS for name in ("u", "mu")),
+)
+"""Own parameters of Stribeck's law."""
+
+
+def draw_stribeck(random_: random.Random, name: str, values: Mapping[str, float]) -> float:
+    """Return a value of a setting under Stribeck's law; its speeds are about those of the motion.
+
+    Now and then neighbouring lines of a curve have one slope, and a line is level.
+    """
+    fast = abs(values["v"]) + math.sqrt(values["m"] / values["k"]) * values["g"]
+    kind, _, number = name.rpartition("_")
+    if name == "shape":
+        return random_.choice((1, 1, 2, 3))
+    if name == "n_points":
+        return random_.choice((2, 3, 4, 5, 12))
+    if name == "v_s":
+        return fast * spread(random_, 1e-4, 10.0)
+    if name == "delta":
+        whole = random_.choice((1.0, 1.0, 2.0, 2.0, 3.0, 5.0, 7.0, 8.0))
+        return random_.choice((whole, whole, random_.uniform(1.0, 3.0), spread(random_, 1.0, 50.0)))
+    if name == "mu_1":
+        low = random_.uniform(0.0, 1.0) * values["mu_s"]
+        return random_.choice((values["mu_s"], low, 0.3, 0.0))
+    if kind == "mu" and number.isdecimal():
+        before = values[f"mu_{int(number) - 1}"]
+        return random_.choice((before, 0.3, random_.uniform(0.0, 1.0)))
+    if kind == "u":
+        before = 0.0 if name == "u_2" else values[f"u_{int(number) - 1}"]
+        return before + fast * random_.choice((0.1, spread(random_, 1e-3, 1.0)))
+    return draw(random_, name, values)
 
 
 def bits(values: list[float]) -> bytes:
@@ -57,7 +101,7 @@ def bits(values: list[float]) -> bytes:
 def sequence(
     core: Core, spec: Spec, seed: int, draw: Draw = draw, own: tuple[str, ...] = ()
 ) -> Iterator[tuple[list[float] | None, list[float] | None]]:
-    """Run one sequence in both blocks.
+    """Run one sequence in both blocks; where the law has ageing sticks, they age in half of them.
 
     Parameters
     ----------
@@ -77,7 +121,12 @@ def sequence(
     """
     random_ = random.Random(seed)
     values = spec.table.start_values()
-    for name in (*_ORDER, "x_start", "x_dot_start", "z_start", *own):
+    ages = random_.random() < 0.5
+    dwell = [name for name in _DWELL if ages and name in values]
+    rows = spec.table.by_name
+    tunable = [each for each in own if rows[each].variability == "tunable"]
+    changing = (*_CHANGING, *dwell[:-1], *tunable)
+    for name in (*_ORDER, "x_start", "x_dot_start", "z_start", *dwell, *own):
         values[name] = draw(random_, name, values)
     time = random_.choice((0.0, 1e3, -5.0))
     native = NativeBlock(core, values, time)
@@ -86,7 +135,7 @@ def sequence(
         assert isinstance(block, Block)
         for _ in range(STEPS):
             if random_.random() < 0.4:
-                for name in random_.sample((*_CHANGING, *own), random_.choice((1, 1, 2, 3))):
+                for name in random_.sample(changing, random_.choice((1, 1, 2, 3))):
                     values[name] = draw(random_, name, values)
                     block.set(name, values[name])
                     native.set(name, values[name])

@@ -2,17 +2,16 @@
 
 import ctypes
 import subprocess
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-import stickslip_native
 from fmukit.model import Spec
 from stickslip_fmu.spec import SPEC
+from stickslip_native.named import HOME, LAWS, files_of
 from stickslip_native.table import table_files
 
-_HOME = Path(stickslip_native.__file__).parent
-CORE = _HOME / "core"
-COULOMB = _HOME / "laws" / "coulomb"
+CORE = HOME / "core"
+COULOMB = LAWS / "coulomb"
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared")
 ACCEPTED = 0
 
@@ -23,7 +22,6 @@ def compile_core(
     compiler: str = "cc",
     spec: Spec = SPEC,
     law: Path = COULOMB,
-    shared: Sequence[str] = (),
 ) -> Path:
     """Compile the core with a friction law into a shared library in `folder`, and return it.
 
@@ -37,17 +35,13 @@ def compile_core(
         The specification of the block under the law, on the Python side.
     law
         Folder of the law.
-    shared
-        Files of Coulomb's law that another law uses.
     """
     for name, text in table_files(spec).items():
         (folder / name).write_text(text)
     library = folder / "core.so"
-    folders: tuple[Path, ...] = (law, CORE, folder)
-    sources = [str(file) for each in folders for file in sorted(each.glob("*.c"))]
-    if shared:
-        folders = (*folders, COULOMB)
-        sources += [str(COULOMB / name) for name in shared]
+    files = [*files_of(law), *CORE.glob("*.c"), folder / "table.c"]
+    folders = [*dict.fromkeys(file.parent for file in files)]
+    sources = sorted(str(file) for file in files if file.suffix == ".c")
     command = [compiler, *FLAGS, *flags, *(f"-I{each}" for each in folders), *sources]
     subprocess.run([*command, "-o", str(library), "-lm"], check=True)
     return library

@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,19 +20,18 @@ from typing import Any
 import fmpy
 
 from fmukit.model import Spec
-from stickslip_fmu.laws.named import friction_law
-from stickslip_fmu.spec import SPEC, spec_of
+from stickslip_fmu.spec import SPEC
+from stickslip_native.named import HOME, native_law
 from stickslip_native.packer import build, sources_of
 from stickslip_native.table import table_files
 from stickslip_verification import load_cases, verify
 from stickslip_verification.suite.sequences import COUNT
-from tests.native.bits import sequence
-from tests.native.core import ACCEPTED, CORE, COULOMB, Core
+from tests.native.bits import STRIBECK, draw_stribeck, sequence
+from tests.native.core import ACCEPTED, CORE, Core
 from tests.native.fuzz.damage import taken
 from tests.native.fuzz.player import findings, opened
 from tests.native.planting import pack
 from tests.native.suite import Suite
-from tests.native.test_native_bits import FALLING, draw_falling
 from tests.native.test_native_limits import (
     MOST_SLIPS,
     beyond_the_numbers,
@@ -45,7 +44,6 @@ LEAST = 95.0
 """Part of the lines and of the branches of block and friction law that must be run [%]."""
 
 _FLAGS = ("-std=c99", "-O0", "--coverage", "-ffp-contract=off", "-fPIC")
-_HOME = Path(__file__).parents[2] / "fmu_src" / "stickslip_native"
 _WRITE = """\
 void __gcov_dump(void);
 void __gcov_reset(void);
@@ -109,10 +107,9 @@ def _instrumented(folder: Path, sources: Mapping[str, bytes]) -> Path:
     return binary
 
 
-def _falling(spec: Spec) -> dict[str, bytes]:
-    """Return the sources of the block with a law that uses what Coulomb's does not."""
-    files = [*CORE.glob("*.[ch]"), *COULOMB.glob("coulomb_slip.[ch]")]
-    files += [*COULOMB.glob("coefficients.[ch]"), *FALLING.glob("*.[ch]")]
+def _core(spec: Spec, law: Iterable[Path]) -> dict[str, bytes]:
+    """Return the sources of the block without faces, with the files of a law."""
+    files = [*CORE.glob("*.[ch]"), *law]
     made = {name: text.encode() for name, text in table_files(spec).items()}
     return made | {file.name: file.read_bytes() for file in files}
 
@@ -174,9 +171,9 @@ def _run_all() -> dict[str, Counts]:
         fmu = pack(build(folder, face=3, this_machine=True), library, folder / "counting.fmu")
         with Suite() as suite:
             assert not suite.failing(fmu, "starts-at-start-time", "")
-        spec = spec_of(friction_law("tests.laws.falling:FALLING").law)
-        library = _instrumented(Path(name, "falling"), _falling(spec))
-        _try_bits(library, spec, 1_000, draw_falling, ("slope",))
+        spec, files = native_law("stribeck")
+        library = _instrumented(Path(name, "stribeck"), _core(spec, files))
+        _try_bits(library, spec, 2_000, draw_stribeck, STRIBECK)
         for folder in Path(name).iterdir():
             for source, counts in _counted(folder).items():
                 together.setdefault(source, Counts()).add(counts)
@@ -186,7 +183,7 @@ def _run_all() -> dict[str, Counts]:
 def main(say: Callable[[str], None] = print) -> int:
     """Run everything and print the table; return 1 where too little is run."""
     together = _run_all()
-    rooms = {file.name: file.parent for file in _HOME.rglob("*.c")}
+    rooms = {file.name: file.parent for file in HOME.rglob("*.c")}
     total, lacking = Counter[str](), []
     say(f"{'source':28}{'lines':>12}{'branches':>14}")
     for source in sorted(together, key=lambda each: (str(rooms.get(each, "")), each)):

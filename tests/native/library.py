@@ -7,12 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from fmukit.table import Variable
 from stickslip_fmu.spec import TABLE
+from stickslip_native.named import native_law, native_laws
 
 OK, WARNING, DISCARD, ERROR = 0, 1, 2, 3
 
-REFERENCE = {row.name: row.number for row in TABLE.rows}
-REALS = [row.number for row in TABLE.rows if row.kind == "Real"]
+REFERENCE = {row.name: row.number for row in TABLE.rows if row.number < 34}
+"""Value references of what all friction laws have."""
 
 _LOGGER = {
     2: ctypes.CFUNCTYPE(
@@ -21,8 +23,17 @@ _LOGGER = {
     3: ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p),
 }
 REAL = {2: "Real", 3: "Float64"}
+INTEGER = {2: "Integer", 3: "Int32"}
+ENUMERATION = {2: "Integer", 3: "Int64"}
 _STATE = {2: "FMUstate", 3: "FMUState"}
 _DESERIALIZE = {2: "fmi2DeSerializeFMUstate", 3: "fmi3DeserializeFMUState"}
+
+
+def type_of(row: Variable, face: int) -> str:
+    """Return the type of a variable in the names of an FMI version's calls."""
+    if row.kind == "Integer":
+        return (ENUMERATION if row.type.items else INTEGER)[face]
+    return REAL[face] if row.kind == "Real" else row.kind
 
 
 class Callbacks(ctypes.Structure):
@@ -50,6 +61,8 @@ class Library:
         The major version of FMI.
     identity
         GUID or instantiation token.
+    table
+        The variables.
     told
         Messages so far: name of the instance ("" in FMI 3.0), status, category, text.
     """
@@ -62,6 +75,11 @@ class Library:
         found = re.search(r'(?:guid|instantiationToken)="([^"]*)"', text)
         assert found is not None
         self.identity = found[1].encode()
+        model = re.search(r'modelIdentifier="([^"]*)"', text)
+        assert model is not None
+        specs = (native_law(each).spec for each in native_laws())
+        self.table = next(each.table for each in specs if each.name == model[1])
+        self.reals = [row.number for row in self.table.rows if row.kind == "Real"]
         self.face = 3 if 'fmiVersion="3.0"' in text else 2
         self.path = file
         self.calls = ctypes.CDLL(str(file))
@@ -121,14 +139,22 @@ class Library:
         return self.call("DoStep", instance, time, step, True, *shown)
 
     def set(self, instance: ctypes.c_void_p, values: dict[str, float]) -> int:
-        """Set Reals by name."""
-        references = [REFERENCE[name] for name in values]
-        return self.lists("Set", REAL[self.face], instance, references, list(values.values()))[0]
+        """Set values by name, and return the worst status."""
+        by_type: dict[str, dict[int, float]] = {} if values else {REAL[self.face]: {}}
+        for name, value in values.items():
+            row = self.table.by_name[name]
+            by_type.setdefault(type_of(row, self.face), {})[row.number] = value
+        statuses = [
+            self.lists("Set", kind, instance, list(given), list(given.values()))[0]
+            for kind, given in by_type.items()
+        ]
+        return max(statuses, default=OK)
 
     def get(
-        self, instance: ctypes.c_void_p, references: Sequence[int] = REALS
+        self, instance: ctypes.c_void_p, references: Sequence[int] | None = None
     ) -> tuple[int, list[float]]:
         """Return the status and the values of Reals, by default all."""
+        references = self.reals if references is None else references
         return self.lists("Get", REAL[self.face], instance, references, [0.0] * len(references))
 
     def lists(

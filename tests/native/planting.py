@@ -32,9 +32,10 @@ LINK = (
 )
 """How a library that counts its blocks of memory is linked."""
 
-# Of a file that begins with a comment: about, names, check, place.
+# Of a file that begins with a comment: about, friction law, names, check, place.
 _HEAD = re.compile(
     r"/\* (?P<about>.+?)\n"
+    r"(?: \* law: (?P<law>\w+)\n)?"
     r" \* replaces: (?P<replaces>[\w., ]+)\n"
     r" \* detected by: (?P<check>[\w-]+)(?: in (?P<place>[\w -]+))?\n"
     r" \*/\n",
@@ -52,6 +53,8 @@ class Fault:
         The C file; its stem is the name of the fault.
     about
         What is wrong, in one sentence.
+    law
+        The friction law under which it is planted; Coulomb's where the head names none.
     replaces
         Names of the functions and constants that it replaces, where needed with their file:
         ``meter.c.ZERO``.
@@ -63,6 +66,7 @@ class Fault:
 
     source: Path
     about: str
+    law: str
     replaces: tuple[str, ...]
     check: str
     place: str
@@ -81,6 +85,7 @@ def load_fault(source: Path) -> Fault:
     return Fault(
         source,
         about=" ".join(found["about"].replace("\n *", "\n").split()),
+        law=found["law"] or "coulomb",
         replaces=tuple(each.strip() for each in found["replaces"].split(",")),
         check=found["check"],
         place=found["place"] or "",

@@ -9,7 +9,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from stickslip_fmu.spec import SPEC
+from stickslip_native.named import native_law
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.fmu.archive import FmuFile
@@ -25,13 +25,16 @@ from stickslip_verification.run.judged import Answers, judge
 from stickslip_verification.suite.cases import CASES_FOLDER, load_case
 from stickslip_verification.suite.invariants import Invariants, load_invariants
 from stickslip_verification.suite.sequences import SEED, draw_sequences
-from tests.native.bits import bits, sequence
+from tests.native.bits import STRIBECK, bits, draw_stribeck, sequence
 from tests.native.core import Core
 from tests.native.fuzz.damage import taken
 from tests.native.fuzz.player import findings, opened, serialized
 
 _NO_REFERENCE: Answer[Run] = Answer(not_applicable="the FMU alone is judged")
 _SECONDS = 60.0
+
+CASES = Path(__file__).parent / "cases"
+"""Cases of these tests, beside those of the suite."""
 
 
 class Suite:
@@ -60,7 +63,8 @@ class Suite:
         check
             The id of a check or an invariant.
         place
-            The id of a case, ``"12 sequences"``, or "" for a probe.
+            The id of a case of the suite or of these tests, ``"12 sequences"`` of Coulomb's law, or
+            "" for a probe.
         """
         wanted = _invariants().only({check})
         some: list[Baseline] = []
@@ -89,9 +93,9 @@ class Suite:
         assert results, f"{check} is not tried in {place or 'a probe'}"
         return [f"{each.case}: {each.failure or each.got}" for each in results if each.failed]
 
-    def differing(self, library: Path, count: int) -> list[str]:
+    def differing(self, library: Path, count: int, law: str) -> list[str]:
         """Return where a library first differs from the Python block in so many sequences."""
-        return self._told(_differing, library, count)
+        return self._told(_differing, library, count, law)
 
     def call_sequences(self, folder: Path, guid: str, count: int) -> list[str]:
         """Return the first objection in so many random sequences of calls to an unpacked FMU."""
@@ -138,7 +142,9 @@ def _invariants() -> Invariants:
 
 @cache
 def _baseline(case_id: str, check: str) -> Baseline:
-    case = load_case(CASES_FOLDER / f"{case_id}.toml")
+    folders = (CASES_FOLDER, CASES)
+    (file,) = (each for folder in folders for each in folder.glob(f"{case_id}.toml"))
+    case = load_case(file)
     exact = workers.exact(case)
     assert exact.value is not None, exact.failure
     holding = [
@@ -149,7 +155,7 @@ def _baseline(case_id: str, check: str) -> Baseline:
 
 @cache
 def _trials(manner: str, count: int) -> Sequence[Trial]:
-    drawn = draw_sequences(SEED, count)
+    drawn = [each.case for each in draw_sequences(SEED, count)]
     return trials(drawn, _invariants().only({manner}).sequences, jobs=1, nearby=False)
 
 
@@ -182,14 +188,16 @@ def _probe(file: FmuFile, probe: str, arguments: Any) -> list[str]:
     return PROBES[probe](file, **arguments)
 
 
-def _differing(library: Path, count: int) -> Answer[list[str]]:
-    return _answer(lambda: list(islice(_differences(library, count), 1)))
+def _differing(library: Path, count: int, law: str) -> Answer[list[str]]:
+    return _answer(lambda: list(islice(_differences(library, count, law), 1)))
 
 
-def _differences(library: Path, count: int) -> Iterator[str]:
-    core = Core(library, SPEC)
+def _differences(library: Path, count: int, law: str) -> Iterator[str]:
+    spec = native_law(law).spec
+    core = Core(library, spec)
+    how: Any = (draw_stribeck, STRIBECK) if law == "stribeck" else ()
     for seed in range(count):
-        for step, (expected, given) in enumerate(sequence(core, SPEC, seed)):
+        for step, (expected, given) in enumerate(sequence(core, spec, seed, *how)):
             both = expected is not None and given is not None
             if (bits(expected or []) != bits(given or [])) if both else expected is not given:
                 yield f"seed {seed}, step {step}: {given}, not {expected}"

@@ -1,20 +1,16 @@
 """The native block and the Python block are the same arithmetic."""
 
-import math
-import random
-from collections.abc import Mapping
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from fmukit.model import Spec
-from stickslip_fmu.laws.named import friction_law
-from stickslip_fmu.spec import SPEC, spec_of
-from tests.native.bits import Draw, bits, draw, sequence, spread
+from stickslip_fmu.spec import SPEC
+from stickslip_native.named import native_law, native_laws
+from tests.native.bits import STRIBECK, Draw, bits, draw, draw_stribeck, sequence
 from tests.native.core import Core, compile_core
 from tests.needs import needs
-
-FALLING = Path(__file__).parents[1] / "laws" / "falling" / "native"
 
 pytestmark = needs("cc")
 
@@ -45,34 +41,22 @@ def test_both_blocks_show_the_same_bits(tmp_path: Path) -> None:
     assert 100 < refused < 1_500
 
 
-def draw_falling(random_: random.Random, name: str, values: Mapping[str, float]) -> float:
-    """Return a value of a setting; the fall may be steeper than the damping."""
-    if name != "slope":
-        return draw(random_, name, values)
-    normal = values["m"] * values["g"] + values["load"]
-    critical = 2.0 * math.sqrt(values["k"] * values["m"])
-    steep = critical / normal * spread(random_, 1e-4, 3.0) if normal > 0.0 else 0.0
-    return random_.choice((0.0, steep, 0.01 * steep))
+def test_friction_over_speed_shows_the_same_bits_too(
+    tmp_path: Path, sized: Callable[[int], int]
+) -> None:
+    """Curves and smooth shapes, whole exponents and others: 6,000 random sequences."""
+    spec = native_law("stribeck").spec
+    library = compile_core(tmp_path, spec=spec, law=native_laws()["stribeck"])
+    compared, refused = equal_values(
+        Core(library, spec), spec, sized(6_000), draw_stribeck, STRIBECK
+    )
+    assert compared > sized(1_000_000)
+    assert refused > sized(200)
 
 
-def test_another_law_shows_the_same_bits_too(tmp_path: Path) -> None:
-    """A law with another end of slip, given as a folder alone, is equal to its twin in Python."""
-    spec = spec_of(friction_law("tests.laws.falling:FALLING").law)
-    shared = ("coulomb_slip.c", "coefficients.c")
-    library = compile_core(tmp_path, spec=spec, law=FALLING, shared=shared)
-    compared, refused = equal_values(Core(library, spec), spec, 1_000, draw_falling, ("slope",))
-    assert compared > 100_000
-    assert refused > 100
-
-
-@pytest.mark.parametrize("law", ["coulomb", "falling"])
+@pytest.mark.parametrize("law", ["coulomb", "stribeck"])
 def test_the_compiler_finds_nothing_to_say(tmp_path: Path, law: str) -> None:
     """Warnings and the static analyser are errors here, and there is none."""
     strict = ("-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wpedantic", "-fanalyzer")
     flags = (*strict, "-Werror", "-fvisibility=hidden")
-    if law == "coulomb":
-        compile_core(tmp_path, flags)
-    else:
-        spec = spec_of(friction_law("tests.laws.falling:FALLING").law)
-        shared = ("coulomb_slip.c", "coefficients.c")
-        compile_core(tmp_path, flags, spec=spec, law=FALLING, shared=shared)
+    compile_core(tmp_path, flags, spec=native_law(law).spec, law=native_laws()[law])

@@ -10,7 +10,10 @@ import pytest
 
 from stickslip_fmu import packer as python_packer
 from stickslip_native import compiler, packer
+from stickslip_native.named import native_law
 from tests.fmu.conformity import CHECKERS, description_of
+from tests.laws import renamed
+from tests.native.conftest import EACH, LAWS, Native
 from tests.needs import needs
 
 Checker = Callable[[Path], list[str]]
@@ -34,22 +37,22 @@ def parts_of(root: ElementTree.Element) -> dict[str, str]:
 
 
 @needs("cc")
-@pytest.mark.parametrize("face", [2, 3])
+@pytest.mark.parametrize(("face", "law"), EACH)
 def test_the_description_is_that_of_the_python_fmu(
-    face: Literal[2, 3], request: pytest.FixtureRequest, tmp_path: Path
+    face: Literal[2, 3], law: str, native: Native, tmp_path: Path
 ) -> None:
     """Variables, units, types, structure, experiment, annotations and capabilities are the same."""
-    native = root_of(request.getfixturevalue("native_path" if face == 2 else "native3_path"))
-    python = root_of(python_packer.build(tmp_path, face=face))
-    different = {name for name in native.attrib if native.get(name) != python.get(name)}
+    made = root_of(native(face, law))
+    python = root_of(python_packer.build(tmp_path, face=face, law=law))
+    different = {name for name in made.attrib if made.get(name) != python.get(name)}
     assert different == OF_ONE_FMU[face]
-    assert native.keys() == python.keys()
-    categories = {each.get("name") for each in native.iter("Category")}
+    assert made.keys() == python.keys()
+    categories = {each.get("name") for each in made.iter("Category")}
     assert categories == {"logStatusWarning", "logStatusError", "logAll"}
-    for slave in native.iter("CoSimulation"):
+    for slave in made.iter("CoSimulation"):
         for sources in slave.findall("SourceFiles"):
             slave.remove(sources)
-    ours, theirs = parts_of(native), parts_of(python)
+    ours, theirs = parts_of(made), parts_of(python)
     assert list(ours) == list(theirs)
     assert {tag for tag in ours if ours[tag] != theirs[tag]} == {"LogCategories"}
 
@@ -68,11 +71,18 @@ def test_every_c_file_is_listed(either_native: Path) -> None:
     (configuration,) = description.buildConfigurations
     (together,) = configuration.sourceFileSets
     face: Literal[2, 3] = 2 if description.fmiVersion == "2.0" else 3
-    travelling = packer.sources_of(face)
+    (law,) = (each for each in LAWS if native_law(each).spec.name == description.modelName)
+    travelling = packer.sources_of(face, law)
     assert set(together.sourceFiles) == {name for name in travelling if name.endswith(".c")}
     assert f"fmi{face}.c" in together.sourceFiles
     assert not any(name.startswith(f"fmi{5 - face}") for name in travelling)
-    assert configuration.modelIdentifier == "StickSlip"
+    assert configuration.modelIdentifier == description.modelName
+    assert either_native.name.startswith(f"{description.modelName}_native")
+    # No law's own file travels with another one.
+    assert ("coulomb.c" in travelling, "stribeck.c" in travelling) == (
+        law == "coulomb",
+        law == "stribeck",
+    )
 
 
 @needs("cc")
@@ -91,3 +101,11 @@ def test_the_identity_is_made_from_the_content(
     assert guid.encode() not in packer.description(2, sources)
     monkeypatch.setattr(packer, "FLAGS", (*compiler.FLAGS, "-ffast-math"))
     assert guid not in packer.sources_of(2)["identity.h"].decode()
+
+
+def test_a_law_without_a_native_side_is_told() -> None:
+    """A law of somebody else has one in Python alone so far; an unknown one is none."""
+    with pytest.raises(ValueError, match="no native side; coulomb and stribeck have one"):
+        packer.sources_of(2, renamed.NAME)
+    with pytest.raises(ValueError, match="'stribek' is no friction law"):
+        packer.sources_of(2, "stribek")

@@ -10,7 +10,9 @@ from typing import Literal
 import fmpy
 import pytest
 
+from stickslip_native.named import native_law
 from stickslip_native.packer import build, sources_of
+from tests.native.conftest import EACH
 from tests.native.planting import Fault, Planter, load_fault, load_faults, pack
 from tests.native.suite import Suite
 from tests.needs import needs
@@ -20,15 +22,18 @@ FAULTS = load_faults()
 
 @dataclass
 class Bench:
-    """FMUs of one FMI version with faults planted, and the suite that tries them.
+    """FMUs of one FMI version and law with faults planted, and the suite that tries them.
 
     Attributes
     ----------
     version
         The major version of FMI.
+    law
+        The friction law.
     """
 
     version: Literal[2, 3]
+    law: str
     folder: Path
     suite: Suite
     _sound: dict[tuple[str, str], list[str]] = field(default_factory=dict)
@@ -47,7 +52,7 @@ class Bench:
             case "equal-bits":
                 # That of the sound one is a test of its own.
                 sound = folder.name == "sound"
-                return [] if sound else self.suite.differing(library, count)
+                return [] if sound else self.suite.differing(library, count, self.law)
             case "call-sequences":
                 return self.suite.call_sequences(folder, self._identity, count)
             case "damaged-states":
@@ -58,7 +63,8 @@ class Bench:
         return self.suite.failing(fmu, fault.check, fault.place)
 
     def _library(self, name: str, fault: Fault | None) -> Path:
-        library: Path = self.folder / name / "binaries" / fmpy.platform / "StickSlip.so"
+        model = native_law(self.law).spec.name
+        library: Path = self.folder / name / "binaries" / fmpy.platform / f"{model}.so"
         if not library.exists():
             planter = self.planter
             library.parent.mkdir(parents=True)
@@ -69,25 +75,31 @@ class Bench:
     def planter(self) -> Planter:
         """The compiled sources."""
         self.folder.mkdir()
-        return Planter(sources_of(self.version), self.folder)
+        return Planter(sources_of(self.version, self.law), self.folder)
 
     @cached_property
     def _fmu(self) -> Path:
-        return build(self.folder, face=self.version, this_machine=True)
+        return build(self.folder, face=self.version, this_machine=True, law=self.law)
 
     @cached_property
     def _identity(self) -> str:
-        found = re.search(r'"(.*)"', sources_of(self.version)["identity.h"].decode())
+        found = re.search(r'"(.*)"', sources_of(self.version, self.law)["identity.h"].decode())
         assert found is not None
         return found[1]
 
 
+Benches = dict[tuple[int, str], Bench]
+
+
 @pytest.fixture(scope="module")
-def benches(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[int, Bench]]:
-    """Return the benches of both FMI versions."""
+def benches(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Benches]:
+    """Return the benches of both FMI versions and all laws."""
     folder = tmp_path_factory.mktemp("faults")
     with Suite() as suite:
-        yield {version: Bench(version, folder / str(version), suite) for version in (2, 3)}
+        yield {
+            (version, law): Bench(version, law, folder / f"{law}-{version}", suite)
+            for version, law in EACH
+        }
 
 
 def _of_fmi3(fault: Fault) -> bool:
@@ -96,23 +108,22 @@ def _of_fmi3(fault: Fault) -> bool:
 
 @needs("cc")
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.id)
-def test_a_planted_fault_is_detected_as_foretold(benches: dict[int, Bench], fault: Fault) -> None:
+def test_a_planted_fault_is_detected_as_foretold(benches: Benches, fault: Fault) -> None:
     """The check that a fault names fails on the faulty FMU, and passes on the sound one."""
-    sound, faulty = benches[3 if _of_fmi3(fault) else 2].failing(fault)
+    sound, faulty = benches[3 if _of_fmi3(fault) else 2, fault.law].failing(fault)
     assert sound == []
     assert faulty, f"{fault.check} passes although {fault.about}"
 
 
 @needs("cc")
-def test_faults_are_planted_in_every_source(benches: dict[int, Bench]) -> None:
-    """Each C file of core and faces has a fault at least."""
-    of_2, of_3 = (benches[version].planter for version in (2, 3))
+def test_faults_are_planted_in_every_source(benches: Benches) -> None:
+    """Each C file of core, faces and laws has a fault at least."""
     hit = {
-        (of_3 if _of_fmi3(fault) else of_2).source_of(name)
+        benches[3 if _of_fmi3(fault) else 2, fault.law].planter.source_of(name)
         for fault in FAULTS
         for name in fault.replaces
     }
-    assert hit == of_2.names().keys() | of_3.names().keys()
+    assert hit == {name for bench in benches.values() for name in bench.planter.names()}
 
 
 HARMLESS = """\
@@ -143,16 +154,14 @@ def _harmless(folder: Path, check: str) -> Fault:
     ["x-course in default", "equal-bits in 20 sequences", "call-sequences in 20 sequences",
      "damaged-states", "texts", "memory-of-states"],
 )  # fmt: skip
-def test_what_is_no_fault_is_not_detected(
-    benches: dict[int, Bench], tmp_path: Path, check: str
-) -> None:
+def test_what_is_no_fault_is_not_detected(benches: Benches, tmp_path: Path, check: str) -> None:
     """A replacement that changes nothing fails no check."""
-    assert benches[2].failing(_harmless(tmp_path, check)) == ([], [])
+    assert benches[2, "coulomb"].failing(_harmless(tmp_path, check)) == ([], [])
 
 
 @needs("cc")
 @pytest.mark.parametrize("name", ["sum_without", "ZERO"])
-def test_a_name_that_is_not_there_once_is_told(benches: dict[int, Bench], name: str) -> None:
+def test_a_name_that_is_not_there_once_is_told(benches: Benches, name: str) -> None:
     """A fault that replaces what is gone, or is in two files, cannot be planted."""
     with pytest.raises(ValueError, match=f"^{name} is in "):
-        benches[2].planter.source_of(name)
+        benches[2, "coulomb"].planter.source_of(name)

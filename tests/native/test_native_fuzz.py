@@ -14,11 +14,13 @@ import fmpy
 import pytest
 
 from stickslip_native.packer import sources_of
+from tests.fmu.fuzz.variables import VARIABLES
 from tests.native.planting import COUNTING, LINK
 from tests.native.suite import Suite
 from tests.needs import ROOT, needs
 
-IN_GATE, IN_SOAK = 20_000, 1_000_000
+LIVES = {"coulomb": (20_000, 1_000_000), "stribeck": (1_000, 50_000)}
+"""How many in the gate and in soak; a slip over the speed costs the block that judges more."""
 SHARES = 2
 
 # Any finding of a sanitizer ends the process.
@@ -37,6 +39,9 @@ MET = {
     *((name, ERROR) for name in ("cancel", "derivatives", "set_freed", "set_null")),
     ("status", DISCARD),
 }  # fmt: skip
+# There is no Boolean and no String to set, only an empty list of them: of these a thousand lives
+# may do without.
+RARE = {("set Boolean", OK), ("set String", OK)}
 
 
 @dataclass
@@ -48,10 +53,14 @@ class Played:
 
 
 def compiled(
-    folder: Path, sources: dict[str, bytes], compiler: str, more: tuple[str, ...] = ()
+    folder: Path,
+    sources: dict[str, bytes],
+    compiler: str,
+    more: tuple[str, ...] = (),
+    law: str = "coulomb",
 ) -> Path:
     """Compile the library of an unpacked FMU in a folder, and return it."""
-    binary: Path = folder / "binaries" / fmpy.platform / "StickSlip.so"
+    binary: Path = folder / "binaries" / fmpy.platform / f"{VARIABLES[law].spec.name}.so"
     binary.parent.mkdir(parents=True)
     for name, content in sources.items():
         (folder / name).write_bytes(content)
@@ -66,10 +75,12 @@ def _identity(sources: dict[str, bytes]) -> str:
     return found[1].decode()
 
 
-def play(folder: Path, sources: dict[str, bytes], first: int, count: int) -> Played:
+def play(
+    folder: Path, sources: dict[str, bytes], first: int, count: int, law: str = "coulomb"
+) -> Played:
     """Play sequences on the sources, compiled with sanitizers in a folder."""
-    compiled(folder, sources, "gcc", _SANITIZERS)
-    words = (folder, _identity(sources), str(first), str(count))
+    compiled(folder, sources, "gcc", _SANITIZERS, law)
+    words = (folder, _identity(sources), law, str(first), str(count))
     done = subprocess.run(
         [sys.executable, "-m", "tests.native.fuzz.player", *words],
         cwd=ROOT,
@@ -104,15 +115,18 @@ def _run(*command: str | Path) -> str:
 
 @needs("sanitizers")
 @pytest.mark.parametrize("share", range(SHARES))
+@pytest.mark.parametrize("law", VARIABLES)
 def test_no_sequence_of_calls_crashes_leaks_or_misleads(
-    tmp_path: Path, pytestconfig: pytest.Config, share: int
+    tmp_path: Path, pytestconfig: pytest.Config, law: str, share: int
 ) -> None:
-    """20,000 random lives give the status, values and words that are promised, in sound memory."""
-    count = (IN_SOAK if pytestconfig.getoption("soak") else IN_GATE) // SHARES
-    played = play(tmp_path, sources_of(2), 1 + share * count, count)
-    again = "python -m tests.native.fuzz.player FOLDER IDENTITY SEED 1"
+    """Random lives give the status, values and words that are promised, in sound memory."""
+    in_gate, in_soak = LIVES[law]
+    count = (in_soak if pytestconfig.getoption("soak") else in_gate) // SHARES
+    played = play(tmp_path, sources_of(2, law), 1 + share * count, count, law)
+    again = f"python -m tests.native.fuzz.player FOLDER IDENTITY {law} SEED 1"
     assert not played.found, f"{played.found}\n{again}"
-    assert played.counts.keys() >= MET, MET - played.counts.keys()
+    missed = MET - played.counts.keys()
+    assert missed <= (RARE if count <= LIVES["stribeck"][0] else set()), missed
 
 
 FAULTS = {

@@ -9,7 +9,7 @@ from typing import Any
 import fmpy
 import pytest
 
-from tests.native.conftest import Native
+from tests.native.conftest import EACH, Native
 from tests.native.library import DISCARD, ERROR, OK, REAL, REFERENCE, WARNING, Library
 from tests.needs import needs
 
@@ -87,12 +87,12 @@ _ABSENT = (
 )
 
 
-@pytest.fixture(scope="module", params=[2, 3])
+@pytest.fixture(scope="module", params=EACH, ids=lambda each: f"{each[1]}-{each[0]}")
 def library(
     request: pytest.FixtureRequest, native: Native, tmp_path_factory: pytest.TempPathFactory
 ) -> Library:
-    """Give the library of each face."""
-    return Library(native(request.param), tmp_path_factory.mktemp("library"))
+    """Give the library of each face and law."""
+    return Library(native(*request.param), tmp_path_factory.mktemp("library"))
 
 
 def _functions(face: int) -> set[str]:
@@ -158,6 +158,11 @@ def _allowed(library: Library) -> dict[str, tuple[Callable[[Any], int], tuple[st
         "take": (lambda i: int(library.take(i)[0]), sound),
         "log": (lambda i: library.call("SetDebugLogging", i, 1, ctypes.c_size_t(0), Null), _WAYS),
     }
+    if "shape" in library.table.by_name:
+        calls["set whole"] = (lambda i: library.set(i, {"n_points": 3}), early)
+        calls["set whole as it is"] = (lambda i: library.set(i, {"n_points": 2}), sound[:3])
+        calls["set choice"] = (lambda i: library.set(i, {"shape": 3}), early)
+        calls["set choice as it is"] = (lambda i: library.set(i, {"shape": 1}), sound[:3])
     if face == 2:
         setup = (0, 0.0, 3.0, 0, 0.0)
         calls["set up"] = (lambda i: library.call("SetupExperiment", i, *setup), early[:1])
@@ -406,7 +411,7 @@ def test_the_time_of_fmi3_is_the_end_of_the_last_step(native: Native, tmp_path: 
     """It begins at the start time, is read among other values, and comes back with a state."""
     library = Library(native(3), tmp_path)
     instance = library.instantiate()
-    time = len(REFERENCE)
+    time = len(library.table.rows)
     assert library.start(instance, 5.0) == OK
     assert library.get(instance, [time]) == (OK, [5.0])
     assert library.step(instance, 5.0, 0.25) == OK

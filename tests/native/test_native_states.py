@@ -9,38 +9,56 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_fmu.spec import TABLE
-from tests.native.conftest import Native
+from tests.native.conftest import EACH, LAWS, Native
 from tests.native.library import ERROR, OK, REFERENCE, Library
 from tests.needs import needs
 
 pytestmark = needs("cc")
 
 DAMAGED = 100_000
-SETTABLE = sum(row.settable for row in TABLE.rows)
-
 _FIELDS = 24
-# Settings that hold stand behind those that are wanted; before the end are the values of the
-# instance, its time, phase and whether it is settled.
-_HOLDING = _FIELDS + 8 * SETTABLE
-_VALUES = -8 - 1 - 4 - 8 - 8 * SETTABLE
-# Behind the settings: start of the arc, five sums, seven quantities of the meter; then n_slips.
-_SLIPS = _HOLDING + 8 * SETTABLE + 5 + 8 * 8 + 8 * 10 + 8 * 7
-_RUNNING = {"c": 3.0, "v": -0.04, "mu_s": 0.4, "mu_k": 0.25, "F_ext": 0.3}
+_COMMON = {"c": 3.0, "v": -0.04, "mu_s": 0.4, "mu_k": 0.25, "F_ext": 0.3}
+# A curve that falls and rises again, so that a slip is a chain of arcs.
+_CURVE = {"shape": 3, "n_points": 4, "mu_1": 0.35, "u_2": 0.02, "mu_2": 0.2, "u_3": 0.05}
+_CURVE |= {"mu_3": 0.15, "u_4": 0.1, "mu_4": 0.2, "mu_k": 0.3}
+_RUNNING: dict[str, dict[str, float]] = {
+    "StickSlip": _COMMON,
+    "StickSlipStribeck": {**_COMMON, **_CURVE},
+}
 
 
-@pytest.fixture(scope="module", params=[2, 3])
+def _settable(library: Library) -> int:
+    """Return how many settings there are: their bytes stand three times in a state."""
+    return sum(row.settable for row in library.table.rows)
+
+
+def _holding(library: Library) -> int:
+    """Return where the settings that hold stand: behind those that are wanted."""
+    return _FIELDS + 8 * _settable(library)
+
+
+def _values(library: Library) -> int:
+    """Return where the values of the instance stand, from the end: before time and phase."""
+    return -8 - 1 - 4 - 8 - 8 * _settable(library)
+
+
+def _slips(library: Library) -> int:
+    """Return where n_slips stands: behind the start of the arc, five sums and seven quantities."""
+    return _holding(library) + 8 * _settable(library) + 5 + 8 * 8 + 8 * 10 + 8 * 7
+
+
+@pytest.fixture(scope="module", params=EACH, ids=lambda each: f"{each[1]}-{each[0]}")
 def library(
     request: pytest.FixtureRequest, native: Native, tmp_path_factory: pytest.TempPathFactory
 ) -> Library:
-    """Give the library of each face."""
-    return Library(native(request.param), tmp_path_factory.mktemp("library"))
+    """Give the library of each face and law."""
+    return Library(native(*request.param), tmp_path_factory.mktemp("library"))
 
 
 def _started(library: Library, steps: int = 40, **values: float) -> ctypes.c_void_p:
     """Return an instance in mid-run."""
     instance = library.instantiate()
-    assert library.start(instance, 1.0, **{**_RUNNING, **values}) == OK
+    assert library.start(instance, 1.0, **{**_RUNNING[library.path.stem], **values}) == OK
     for number in range(steps):
         assert library.step(instance, 1.0 + 0.07 * number, 0.07) == OK
     return instance
@@ -103,7 +121,8 @@ def test_a_state_before_the_start_keeps_what_was_set(library: Library) -> None:
     content = library.packed(instance)
     # They are checked as those of a block are.
     other = library.instantiate()
-    changed = content[:_VALUES] + struct.pack("<d", -1.0) + content[_VALUES + 8 :]
+    at = _values(library)
+    changed = content[:at] + struct.pack("<d", -1.0) + content[at + 8 :]
     assert library.unpacked(other, _checked(changed))[0] == ERROR
     assert library.told[-1][3].startswith("m = -1.0 kg is out of range")
     other = library.instantiate()
@@ -113,9 +132,11 @@ def test_a_state_before_the_start_keeps_what_was_set(library: Library) -> None:
     assert library.start(other) == OK
 
 
-def test_both_faces_read_the_same_bytes(native: Native, tmp_path: Path) -> None:
+@pytest.mark.parametrize("law", LAWS)
+def test_both_faces_read_the_same_bytes(native: Native, tmp_path: Path, law: str) -> None:
     """The bytes of a state mean the same in FMI 2.0 and 3.0."""
-    two, three = (Library(native(face), tmp_path / str(face)) for face in (2, 3))
+    two = Library(native(2, law), tmp_path / "2")
+    three = Library(native(3, law), tmp_path / "3")
     instance = _started(two)
     content = two.packed(instance)
     other = three.instantiate()
@@ -132,10 +153,33 @@ def test_the_bytes_are_the_same_on_every_machine(library: Library) -> None:
     content = library.packed(instance)
     assert content[:8] == b"slipstat"
     assert struct.unpack("<II", content[8:16]) == (1, len(content))
-    names = [row.name for row in TABLE.rows if row.settable]
+    names = [row.name for row in library.table.rows if row.settable]
     settings = struct.unpack_from(f"<{len(names)}d", content, _FIELDS)
-    expected = {**TABLE.start_values(), "m": 2.0, "k": 1234.5}
+    expected = {**library.table.start_values(), "m": 2.0, "k": 1234.5}
     assert settings == tuple(expected[name] for name in names)
+
+
+def test_the_bytes_of_one_law_are_none_of_another(native: Native, tmp_path: Path) -> None:
+    """A state tells the friction law by the names of its settings, or already by its length."""
+    ours = Library(native(2), tmp_path / "ours")
+    theirs = Library(native(2, "stribeck"), tmp_path / "theirs")
+    instance = theirs.instantiate()
+    assert theirs.unpacked(instance, ours.packed(ours.instantiate()))[0] == ERROR
+    assert theirs.told[-1][3].startswith("a state has ")
+
+
+def test_a_whole_number_in_a_state_is_whole(native: Native, tmp_path: Path) -> None:
+    """Bytes whose shape lies between two shapes, or beyond them, hold no state."""
+    library = Library(native(2, "stribeck"), tmp_path)
+    settable = [row.name for row in library.table.rows if row.settable]
+    at = _FIELDS + 8 * settable.index("shape")
+    instance = library.instantiate()
+    content = library.packed(instance)
+    for shape, said in ((1.5, "shape = 1.5 is out of range"), (4.0, "shape = 4 is out of range")):
+        changed = content[:at] + struct.pack("<d", shape) + content[at + 8 :]
+        assert library.unpacked(instance, _checked(changed))[0] == ERROR
+        assert library.told[-1][3].startswith(said)
+        assert library.call("Reset", instance) == OK
 
 
 def test_every_flipped_bit_is_refused(library: Library) -> None:
@@ -172,10 +216,6 @@ def test_every_other_length_is_refused(library: Library) -> None:
         (lambda bytes_: bytes_ + b"a", " bytes, and these are "),
         (lambda bytes_: bytes_[:24] + struct.pack("<d", math.nan) + bytes_[32:], "structure"),
         (lambda bytes_: bytes_[:24] + struct.pack("<d", -1.0) + bytes_[32:], "m = -1.0 kg is out"),
-        (
-            lambda bytes_: bytes_[:_HOLDING] + struct.pack("<d", -1.0) + bytes_[_HOLDING + 8 :],
-            "m = -1.0 kg is out",
-        ),
         (lambda bytes_: bytes_[:-9] + b"\2" + bytes_[-8:], "no block reaches"),
         (lambda bytes_: bytes_[:24] + struct.pack("<d", 5.0) + bytes_[32:], "no block reaches"),
     ],
@@ -193,6 +233,15 @@ def test_a_refused_state_is_explained(
     status, _ = library.unpacked(instance, changed)
     assert status == ERROR
     assert said in library.told[-1][3]
+
+
+def test_settings_that_hold_are_checked_as_those_that_are_wanted(library: Library) -> None:
+    """A mass below zero among them is told with its value."""
+    instance, at = _started(library), _holding(library)
+    content = library.packed(instance)
+    changed = content[:at] + struct.pack("<d", -1.0) + content[at + 8 :]
+    assert library.unpacked(instance, _checked(changed))[0] == ERROR
+    assert library.told[-1][3].startswith("m = -1.0 kg is out")
 
 
 def _damaged(content: bytes, random_: random.Random) -> bytes:
@@ -339,9 +388,10 @@ def test_the_count_of_slips_stays_at_the_largest_integer(library: Library) -> No
     content = library.packed(instance)
     count = {2: "Integer", 3: "Int32"}[library.face]
     read = library.lists("Get", count, instance, [REFERENCE["n_slips"]], [0])
-    assert read == (OK, list(struct.unpack_from("<i", content, _SLIPS)))
+    assert read == (OK, list(struct.unpack_from("<i", content, _slips(library))))
     assert read[1][0] > 2
-    full = content[:_SLIPS] + struct.pack("<i", 2**31 - 1) + content[_SLIPS + 4 :]
+    at = _slips(library)
+    full = content[:at] + struct.pack("<i", 2**31 - 1) + content[at + 4 :]
     status, state = library.unpacked(instance, _checked(full))
     assert (status, library.put(instance, state)) == (OK, OK)
     assert library.step(instance, 4.0, 5.0) == OK

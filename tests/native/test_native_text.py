@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-import stickslip_native
 from stickslip_fmu.spec import SPEC
 from stickslip_native.compiler import FLAGS
+from stickslip_native.named import HOME, LAWS
 from stickslip_native.table import table_files
 from tests.needs import needs
 
@@ -52,16 +52,16 @@ double comma_strtod(const char *text, char **end)
 
 def _compiled(folder: Path, comma: bool = False) -> Text:
     """Return number_text of the native FMU, compiled."""
-    here = Path(stickslip_native.__file__).parent
     for name, content in table_files(SPEC).items():
         (folder / name).write_text(content)
-    folders = (here / "core", here / "laws" / "coulomb", folder)
+    folders = (HOME / "core", LAWS / "coulomb", LAWS / "shared", folder)
     compile_: list[str | Path] = ["cc", *FLAGS, "-fvisibility=default"]
     compile_ += [f"-I{each}" for each in folders]
     renamed = ["-Dsnprintf=comma_snprintf", "-Dstrtod=comma_strtod"] if comma else []
-    words = [*compile_, *renamed, "-c", here / "face" / "text.c", "-o", folder / "text.o"]
+    words = [*compile_, *renamed, "-c", HOME / "face" / "text.c", "-o", folder / "text.o"]
     subprocess.run(words, check=True)
-    sources = [folder / "text.o", folder / "table.c"]
+    (folder / "law.c").write_text('#include "law.h"\nconst struct law LAW = {0};\n')
+    sources = [folder / "text.o", folder / "table.c", folder / "law.c"]
     if comma:
         sources.append(folder / "comma.c")
         sources[-1].write_text(COMMA)

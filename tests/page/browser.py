@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rjsmin import jsmin
+from stickslip.page.assemble import minified
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserType, ConsoleMessage, Page
@@ -99,9 +99,10 @@ def planted(browser: Browser, file: Path, folder: Path, piece: str, fault: str) 
         If the piece does not stand in the page exactly once.
     """
     text = file.read_text(encoding="utf-8")
-    piece = jsmin(piece)
+    # What ends a statement or an entry is gone where it is the last.
+    piece, fault = (minified(each).rstrip(";,") for each in (piece, fault))
     assert text.count(piece) == 1, piece
     faulty = folder / "faulty.html"
-    faulty.write_text(text.replace(piece, jsmin(fault)), encoding="utf-8")
+    faulty.write_text(text.replace(piece, fault), encoding="utf-8")
     with opened(browser, faulty) as page:
         yield page

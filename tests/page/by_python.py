@@ -16,7 +16,7 @@ from stickslip_ref import (
     FrictionClampWarning,
     Parameters,
     SimplifiedCycle,
-    critical_velocity,
+    coulomb_limit,
     simplified,
     steady_cycle,
 )
@@ -39,7 +39,7 @@ class Expected:
         As it is typed.
     p
         The same for the reference, with the clamp.
-    cycle, simplified, critical_velocity
+    cycle, simplified, coulomb_limit
         Closed forms in doubles, by the reference.
     exact, exact_critical_velocity
         The cycle in high precision, None where there is none, and the critical velocity.
@@ -56,7 +56,7 @@ class Expected:
     p: Parameters
     cycle: Cycle
     simplified: SimplifiedCycle
-    critical_velocity: float
+    coulomb_limit: float
     exact: Mapping[str, Any] | None
     exact_critical_velocity: Any
     distance: float
@@ -80,7 +80,7 @@ def expected(setting: Setting) -> Expected:
         p=p,
         cycle=cycle,
         simplified=simplified(p),
-        critical_velocity=float(critical_velocity(p)),
+        coulomb_limit=float(coulomb_limit(p)),
         exact=truth.steady_cycle(setting, digits=DIGITS),
         exact_critical_velocity=v_c,
         distance=float(v_c / setting["v"] - 1),

@@ -109,7 +109,7 @@ def _numbers(answer: Answer, expected: Expected) -> Ratios:
         "setting": 0.0 if answer["setting"] == used else math.inf,
         "w": _relative(answer["cycle"]["w"], float(p.w)) / BOUND,
         "zeta": _relative(answer["cycle"]["zeta"], float(p.zeta)) / BOUND,
-        "v_c": _relative(v_c, expected.critical_velocity) / BOUND,
+        "v_c": _relative(v_c, expected.coulomb_limit) / BOUND,
     }
     zeta = float(p.zeta)
     if 0.0 < zeta < 1.0:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from stickslip_design.cures import Cures, cures
-from stickslip_ref import FrictionClampWarning, Parameters, critical_velocity, steady_cycle
+from stickslip_ref import FrictionClampWarning, Parameters, coulomb_limit, steady_cycle
 from tests.page import settings
 from tests.page.browser import planted
 from tests.page.by_python import exact_critical_velocity
@@ -311,7 +311,7 @@ def test_without_a_cycle_there_is_nothing_to_suppress(page: Page) -> None:
     to_cures(page)
     set_values(page, c=10.0, v=0.5)
     lead = text_of(page, "#cures-lead")
-    factor = 0.5 / float(critical_velocity(Parameters(c=10.0)))
+    factor = 0.5 / float(coulomb_limit(Parameters(c=10.0)))
     assert f"{factor:.3g} times the critical" in lead
     assert page.locator(".cures button:visible").count() == 0
     set_values(page, c=100.0)

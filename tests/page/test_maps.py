@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from stickslip_ref import Parameters, critical_velocity, steady_cycle
+from stickslip_ref import Parameters, coulomb_limit, steady_cycle
 from tests.page import drawing, settings
 from tests.page.browser import opened, planted
 from tests.page.exchange import ask
@@ -73,7 +73,7 @@ def errors(page: Page, every: int = 1) -> dict[str, float]:
     answers = ask(page, _ASK, [dict(each) for each in chosen])
     for values, got in zip(chosen, answers, strict=True):
         p = parameters(values)
-        v_c = float(critical_velocity(p))
+        v_c = float(coulomb_limit(p))
         jumps = got["jumps"]
         assert bool(jumps) == (v_c > p.v / REACH)
         # The last point of a curve that ends lies on the limit, where rounding decides.
@@ -89,7 +89,7 @@ def errors(page: Page, every: int = 1) -> dict[str, float]:
             slow = steady_cycle(blocks(p, v=1e-14 * float(p.w * p.Delta))).delta_x
             note("limit", got["slow"], slow)
         if got["critical"]:
-            exact = critical_velocity(blocks(p, k=column(got["critical"], "k")))
+            exact = coulomb_limit(blocks(p, k=column(got["critical"], "k")))
             note("critical", column(got["critical"], "v"), exact)
         for line in got["lines"]:
             points = line["points"]
@@ -99,7 +99,7 @@ def errors(page: Page, every: int = 1) -> dict[str, float]:
             assert (np.diff(v) > 0.0).all()
             assert (np.diff(k) >= 0.0).all()
             found = np.asarray(steady_cycle(blocks(p, k=k, v=v)).delta_x)
-            edge = np.abs(v / np.asarray(critical_velocity(blocks(p, k=k))) - 1.0) < NEAR
+            edge = np.abs(v / np.asarray(coulomb_limit(blocks(p, k=k))) - 1.0) < NEAR
             note("line", found[~edge], np.full(int((~edge).sum()), line["jump"]))
             if edge.any():
                 near = steady_cycle(blocks(p, k=k[edge], v=v[edge] * (1.0 - 1e-12))).delta_x
@@ -121,8 +121,8 @@ FAULTS = {
     ),
     "limit without damping": ("Delta * (1 + Math.exp(", "Delta * (1 + Math.exp(0 * ", "limit"),
     "critical curve of another k": (
-        "return { k, v: criticalVelocity({ ...p, k }) };\n  });",
-        "return { k, v: criticalVelocity({ ...p, k: 1.0000001 * k }) };\n  });",
+        "return { k, v: criticalVelocity({ ...p, k }) };\n  })",
+        "return { k, v: criticalVelocity({ ...p, k: 1.0000001 * k }) };\n  })",
         "critical",
     ),
     "line of another jump": (
@@ -331,7 +331,7 @@ def test_the_point_lies_in_the_hatched_region_without_a_cycle(page: Page) -> Non
     middle(page)
     for c in (2.0, 10.0, 25.0, 40.0, 60.0):
         for k in (100.0, 1000.0, 20000.0):
-            v_c = float(critical_velocity(Parameters(c=c, k=k)))
+            v_c = float(coulomb_limit(Parameters(c=c, k=k)))
             for v in (1.05 * v_c, 0.95 * v_c) if v_c > 0.0 else (0.002,):
                 set_values(page, c=c, k=k, v=v)
                 on_screen(page)

@@ -118,8 +118,8 @@ FAULTS = {
     ),
     "clamp with another gap": ("const CLAMP_GAP = 0.01;", "const CLAMP_GAP = 0.02;", "setting"),
     "damping left out of friction": (
-        "const F_friction = -(numbers.F_k + p.c * speed);",
-        "const F_friction = -numbers.F_k;",
+        "const F_friction = -(mode * kinetic(speed) + p.c * speed);",
+        "const F_friction = -mode * kinetic(speed);",
         "F_friction",
     ),
     "mass a trifle ahead": (

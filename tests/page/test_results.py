@@ -7,7 +7,7 @@ import re
 from random import Random
 from typing import TYPE_CHECKING, Any
 
-from stickslip_ref import Parameters, critical_velocity
+from stickslip_ref import Parameters, coulomb_limit
 from tests.page.settings import batch
 from tests.page.using import set_values, text_of, type_in
 
@@ -125,7 +125,7 @@ def test_without_damping_there_is_no_critical_velocity(page: Page) -> None:
     assert rows(page)["v_c"]["words"][1] == "none"
     type_in(page, "c", "1")
     words = rows(page)["v_c"]["words"]
-    v_c = float(critical_velocity(Parameters(c=1.0)))
+    v_c = float(coulomb_limit(Parameters(c=1.0)))
     assert math.isclose(float(words[1].split()[0]), 1e3 * v_c, rel_tol=1e-3)
     assert "mm/s" in words[1]
 

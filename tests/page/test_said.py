@@ -18,18 +18,20 @@ import pytest
 from mpmath import mp, mpf
 from scipy.optimize import brentq
 
+from stickslip.page import texts
 from stickslip_design.claims.verlet import march
 from stickslip_ref import (
     Cycle,
     FrictionClampWarning,
     Parameters,
-    critical_velocity,
+    coulomb_limit,
     simplified,
     steady_cycle,
 )
 from tests.page.browser import planted
 from tests.page.exchange import ask
 from tests.page.settings import NAMES, Setting, batch, block, log_uniform, wide
+from tests.page.test_friction import rests
 from tests.page.using import drawn, press, set_values, setting
 
 if TYPE_CHECKING:
@@ -144,7 +146,7 @@ def faster(p: Setting) -> Numbers:
         "exact": float(exact.delta_x),
         "zeta": LIGHT,
         "c": c,
-        "v_c": float(critical_velocity(clamped({**in_use(p), "c": c}))),
+        "v_c": float(coulomb_limit(clamped({**in_use(p), "c": c}))),
     }
 
 
@@ -169,7 +171,7 @@ def audible(p: Setting) -> Numbers:
 
 def slope(p: Setting) -> Numbers:
     """Compare the critical velocities on this stiffness and on a quarter of it."""
-    v_c, before = (float(critical_velocity(clamped({**p, "k": k}))) for k in (p["k"], p["k"] / 4.0))
+    v_c, before = (float(coulomb_limit(clamped({**p, "k": k}))) for k in (p["k"], p["k"] / 4.0))
     return {"v_c": v_c, "before": before}
 
 
@@ -320,9 +322,40 @@ def test_the_numbers_of_a_sentence_are_pythons(page: Page, name: str) -> None:
 
 
 def test_every_sentence_is_compared() -> None:
-    """The table holds the thirteen sentences, and each has its numbers by Python."""
-    assert set(SENTENCES) == {*PYTHON, "step"}
-    assert len(SENTENCES) == 13
+    """The table holds the fifteen sentences, and each has its numbers by Python."""
+    assert set(SENTENCES) == {*PYTHON, "step", "above", "gapless"}
+    assert len(SENTENCES) == 15
+
+
+def under_its_curve(page: Page, name: str) -> tuple[Numbers, Setting, list[list[float]]]:
+    """Give the numbers of a sentence that has a friction curve, its setting and its curve."""
+    curve = SENTENCES[name]["curve"]
+    question = {"id": name, "values": dict(values_of(name)), "curve": curve}
+    asked = "({ id, values, curve }) => window.stickslip.said(id, values, curve)"
+    return ask(page, asked, question), values_of(name), curve
+
+
+def test_the_curve_that_falls_twice_sticks_where_the_reference_does(page: Page) -> None:
+    """At the speeds that the sentence names the reference's slip just begins or ceases to rest."""
+    got, p, curve = under_its_curve(page, "above")
+    assert got.keys() == {"first", "again", "last", "v", "exact"}
+    for name, below in (("first", True), ("again", False), ("last", True)):
+        assert rests(p, curve, got[name] * (1.0 - 1e-6)) is below
+        assert rests(p, curve, got[name] * (1.0 + 1e-6)) is not below
+    assert got["v"] == p["v"]
+    # A cycle of the reference: a part in 1e12 of each slip, where it is not near a graze.
+    assert got["exact"] == pytest.approx(texts.Numbers(p, curve).__dict__["delta_x"], rel=BOUND)
+
+
+def test_a_fall_without_a_gap_is_enough(page: Page) -> None:
+    """The slope of the curve, what damping would hold, and the jump are the reference's."""
+    got, p, curve = under_its_curve(page, "gapless")
+    assert curve[0][1] == p["mu_s"]
+    exact = texts.Numbers(p, curve).__dict__["delta_x"]
+    slope = (curve[0][1] - curve[1][1]) / curve[1][0]
+    wanted = {"slope": slope, "held": p["c"] / (p["m"] * p["g"]), "exact": exact}
+    assert got == pytest.approx(wanted, rel=BOUND)
+    assert wanted["slope"] > wanted["held"]
 
 
 FAULTS = {
@@ -343,8 +376,8 @@ FAULTS = {
         "step",
     ),
     "clamp that forgets what was asked": (
-        "kineticInUse(asked.mu_s, asked.mu_k) }, asked.mu_k)",
-        "kineticInUse(asked.mu_s, asked.mu_k) }, asked.mu_s)",
+        "return CLAIMS[name](p, asked.mu_k, curve);",
+        "return CLAIMS[name](p, asked.mu_s, curve);",
         "clamp",
     ),
     "another stiffness": (
@@ -466,7 +499,10 @@ def test_a_text_holds_its_numbers_rounded(page: Page) -> None:
     """What is read is the number of the model, to three or four digits, and of Python."""
     for name in SENTENCES:
         values = values_of(name)
-        wanted = marched([values])[0] if name == "step" else PYTHON[name](values)
+        if "curve" in SENTENCES[name]:
+            wanted, _, _ = under_its_curve(page, name)
+        else:
+            wanted = marched([values])[0] if name == "step" else PYTHON[name](values)
         found = list(figures(page, name))
         assert found
         for key, kind, value, text in found:

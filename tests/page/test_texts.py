@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.resources import files
 from random import Random
 from types import SimpleNamespace
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 KINDS = ("length", "velocity", "mass", "stiffness", "damping", "force", "time", "frequency")
 
 NUMBERS_OF_THE_PAGE = """
-settings => settings.map(each => {
+settings => settings.map(([each, curve]) => {
   const page = window.stickslip;
-  page.set(each);
+  page.set(each, curve);
   const { cycle, simplified, criticalVelocity, setting } = page;
   // The force is largest in the second slip, well after the load-up.
   const slip = page.events(0, 3 * (simplified.t_stick + cycle.T)).filter(e => e.t > 0)[2]?.t ?? 0;
@@ -39,26 +39,29 @@ settings => settings.map(each => {
 """
 
 
-def texts() -> Iterator[tuple[str, Mapping[str, Mapping[str, float]], str]]:
-    """Give each text with a number, the settings it speaks of, and where it stands in the page."""
+Curve = Sequence[Sequence[float]] | None
+
+
+def texts() -> Iterator[tuple[str, Mapping[str, Mapping[str, float]], str, Curve]]:
+    """Give each text with a number, the settings it speaks of, its place in the page, its curve."""
     steps = [complete(row) for row in table("story")["step"]]
     for n, (row, now) in enumerate(zip(table("story")["step"], steps, strict=True), 1):
         known: dict[str, Mapping[str, float]] = {"now": now, "tried": now | row.get("tried", {})}
         if "over" in row:
             known["over"] = steps[row["over"] - 1]
         for name in ("text", "try", "see"):
-            yield row[name], known, f"[id='step={n}']"
+            yield row[name], known, f"[id='step={n}']", row.get("curve")
     for row in table("applications")["application"]:
         own = dict(presets()[row["id"]])
         entry = f"#application-{row['id']}"
         for text in (row["about"], row["source"], row["noticed"], *row["stands"].values()):
-            yield text, {"now": own}, entry
+            yield text, {"now": own}, entry, None
         for cure in row.get("cures", ()):
             known = {"now": own | cure.get("set", {}), "over": own}
-            yield cure["what"], known, entry
-            yield cure.get("button", ""), known, entry
+            yield cure["what"], known, entry, None
+            yield cure.get("button", ""), known, entry, None
     for row in table("questions")["question"]:
-        yield row["answer"], {"now": complete(row)}, "#questions"
+        yield row["answer"], {"now": complete(row)}, "#questions", None
 
 
 def complete(row: Mapping[str, Any]) -> dict[str, float]:
@@ -74,11 +77,11 @@ def test_every_number_in_a_text_is_the_one_that_the_page_computes(page: Page) ->
     """
     wanted = [each for each in texts() if "{" in each[0]]
     assert len(wanted) > 60
-    known = [setting for _, settings, _ in wanted for setting in settings.values()]
+    known = [(setting, curve) for _, settings, _, curve in wanted for setting in settings.values()]
     found = iter(ask(page, NUMBERS_OF_THE_PAGE, known))
     expected = [
         (where, filled(text, {name: from_page(next(found)) for name in settings}))
-        for text, settings, where in wanted
+        for text, settings, where, _ in wanted
     ]
     missing = ask(
         page,

@@ -31,7 +31,9 @@ class _Ageing(Coulomb):
     parameters: Mapping[str, OwnParameter] = {
         "growth": OwnParameter(0.5, Bound("1/s", 0.0), tunable=False)
     }
-    ages = True
+
+    def ages(self, p: Parameters) -> bool:
+        return True
 
     def break_away_force(self, p: Parameters, age: float = 0.0, state: State = ()) -> float:
         return float(p.F_s) * (1.0 + p.own["growth"] * age)
@@ -168,7 +170,7 @@ def test_only_tunable_own_parameters_change() -> None:
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("falling", r"'falling' is no friction law: 'coulomb', or module:NAME such as"),
+        ("falling", r"'falling' is no friction law: 'coulomb', 'stribeck', or module:NAME such as"),
         ("no_such_module:LAW", r"'no_such_module:LAW' was not found \(No module named"),
         ("math:LAW", r"'math:LAW' was not found \(module 'math' has no attribute 'LAW'\)"),
         ("math:pi", r"'math:pi' has no attribute 'reference'"),

@@ -64,6 +64,7 @@ def invariants_of(name: str) -> tuple[ResidualInvariant, ...]:
     return tuple(
         invariant
         for invariant in INVARIANTS.values()
+        if invariant.holds_for(named(name).law)
         if applies(invariant, named(name), exact_of(name))
     )
 

@@ -24,8 +24,6 @@ from stickslip_verification.truth.parameters import START_VALUES
 
 from .foreign import building
 
-FALLING = Path(__file__).parents[1] / "laws" / "falling"
-
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
@@ -155,10 +153,10 @@ def test_what_an_fmu_has_is_told_with_unit_and_description(slider_mm: Path, tmp_
 
 def test_a_names_file_may_name_the_parameters_of_a_law(file: Path) -> None:
     """Those of the law that is tried, and of no other."""
-    file.write_text('x = "mass.s"\nslope = { name = "friction.slope", sign = -1 }\n', "utf-8")
-    own = friction_law("tests.laws.falling:FALLING").parameters
-    assert load_names(file, own).targets["slope"] == Target("friction.slope", sign=-1)
-    with pytest.raises(NamesError, match="line 2: 'slope' is no variable of the suite"):
+    file.write_text('x = "mass.s"\nv_s = { name = "friction.speed", sign = -1 }\n', "utf-8")
+    own = friction_law("stribeck").parameters
+    assert load_names(file, own).targets["v_s"] == Target("friction.speed", sign=-1)
+    with pytest.raises(NamesError, match="line 2: 'v_s' is no variable of the suite"):
         load_names(file)
 
 
@@ -167,22 +165,20 @@ def test_a_parameter_of_a_law_is_set_under_its_name_in_the_fmu(
 ) -> None:
     """It is found by the names file; one that is mapped to nothing there is told."""
     renamed = building.altered(
-        build(tmp_path, law="tests.laws.falling:FALLING"),
+        build(tmp_path, law="stribeck"),
         tmp_path / "renamed.fmu",
-        lambda text: text.replace('name="slope"', 'name="friction.slope"'),
+        lambda text: text.replace('name="v_s"', 'name="friction.speed"'),
     )
-    own = friction_law("tests.laws.falling:FALLING").parameters
-    (case, *_) = load_cases("falling", FALLING / "cases")
-    with pytest.raises(FmuError, match="has no variable slope, which the friction law"):
+    (case,) = load_cases("stribeck-default")
+    with pytest.raises(FmuError, match="has no variable v_s, which the friction law"):
         require_law(FmuFile(renamed), case)
-    fmu = FmuFile(renamed, NameMap({"slope": Target("friction.slope")}))
+    fmu = FmuFile(renamed, NameMap({"v_s": Target("friction.speed")}))
     require_law(fmu, case)
-    assert fmu.variables["slope"].their_name == "friction.slope"
-    assert own[0].name == "slope"
-    with pytest.raises(FmuError, match=r"has no variable 'slop' for slope; it has friction\.slope"):
-        FmuFile(renamed, NameMap({"slope": Target("slop")}))
-    with pytest.raises(FmuError, match=r"slope \('F'\) must be a parameter or an input, not a"):
-        require_law(FmuFile(renamed, NameMap({"slope": Target("F")})), case)
+    assert fmu.variables["v_s"].their_name == "friction.speed"
+    with pytest.raises(FmuError, match=r"has no variable 'speed' for v_s; it has friction\.speed"):
+        FmuFile(renamed, NameMap({"v_s": Target("speed")}))
+    with pytest.raises(FmuError, match=r"v_s \('F'\) must be a parameter or an input, not a"):
+        require_law(FmuFile(renamed, NameMap({"v_s": Target("F")})), case)
 
 
 def test_without_a_map_our_own_names_count(foreign_fmu: Path) -> None:

@@ -17,6 +17,7 @@ import fmpy
 import pytest
 from fmpy.fmi2 import FMU2Slave
 
+from stickslip_fmu.packer import build
 from stickslip_verification import load_cases
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.suite.faults import (
@@ -28,6 +29,7 @@ from stickslip_verification.suite.faults import (
     load_mutants,
 )
 from stickslip_verification.suite.invariants import load_invariants
+from stickslip_verification.truth import COULOMB_NAME
 
 MUTANTS = load_mutants()
 INSIDE = [mutant for mutant in MUTANTS if mutant.changes_the_fmu]
@@ -105,10 +107,20 @@ def guid(fmu: Path) -> str:
 
 
 @pytest.fixture(scope="module")
-def planted(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def originals(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Return the FMU without faults of each friction law that faults are for."""
+    folder = tmp_path_factory.mktemp("originals")
+    laws = {mutant.law for mutant in INSIDE} - {COULOMB_NAME}
+    return {COULOMB_NAME: fmu_path, **{law: build(folder, law=law) for law in sorted(laws)}}
+
+
+@pytest.fixture(scope="module")
+def planted(
+    originals: dict[str, Path], tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, Path]:
     """Return the FMU of every fault that changes it, by id."""
     folder = tmp_path_factory.mktemp("mutants")
-    return {mutant.id: plant(fmu_path, mutant, folder) for mutant in INSIDE}
+    return {mutant.id: plant(originals[mutant.law], mutant, folder) for mutant in INSIDE}
 
 
 def test_there_are_enough_faults(planted: dict[str, Path]) -> None:
@@ -125,9 +137,11 @@ def test_a_fault_in_the_calls_changes_no_fmu(foreign_fmu: Path, tmp_path: Path) 
     assert all(mutant.hooks for mutant in between)
 
 
-def test_every_mutant_has_its_own_name_and_guid(fmu_path: Path, planted: dict[str, Path]) -> None:
+def test_every_mutant_has_its_own_name_and_guid(
+    originals: dict[str, Path], planted: dict[str, Path]
+) -> None:
     """No two of the original and the mutants share a package name or a GUID; the old are gone."""
-    fmus = [fmu_path, *planted.values()]
+    fmus = [*originals.values(), *planted.values()]
     names = [packages(fmu) for fmu in fmus]
     assert {len(each) for each in names} == {1}
     assert len(set.union(*names)) == len(fmus)
@@ -135,7 +149,7 @@ def test_every_mutant_has_its_own_name_and_guid(fmu_path: Path, planted: dict[st
 
 
 def test_a_mutant_differs_where_its_description_says(
-    fmu_path: Path, planted: dict[str, Path]
+    originals: dict[str, Path], planted: dict[str, Path]
 ) -> None:
     """But for names and GUID a mutant is the original with the described files changed."""
 
@@ -144,8 +158,9 @@ def test_a_mutant_differs_where_its_description_says(
         xml = "modelDescription.xml"
         return unnamed | {xml: re.sub('guid="[^"]*"', "", unnamed[xml])}
 
-    original = anonymous(fmu_path)
+    known = {law: anonymous(fmu) for law, fmu in originals.items()}
     for mutant in INSIDE:
+        original = known[mutant.law]
         changed = set(dict(original.items() ^ anonymous(planted[mutant.id]).items()))
         assert {Path(name).name for name in changed} == touched(mutant), mutant.id
 

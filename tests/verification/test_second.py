@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.judge.checks import EXACT_CONTRACT, judge
+from stickslip_verification.judge.checks import EXACT_CONTRACT, judge, resolution_of
 from stickslip_verification.judge.second_values import Accepted, AcceptError, accept, load_accepted
 from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import (
@@ -17,6 +17,7 @@ from stickslip_verification.model.verdict import (
     Second,
     Verdict,
 )
+from stickslip_verification.suite.cases import load_cases
 
 from .records import Draft, exact_of, named, planted
 from .test_report import result as plain
@@ -42,6 +43,24 @@ def test_what_moves_by_more_than_rounding_has_drifted(moved: float, verdict: str
     assert seen.second is not None
     assert seen.second.drift == pytest.approx(abs(moved), abs=1e-16)
     assert seen.failed == (verdict == "drift")
+
+
+@pytest.mark.parametrize(
+    ("case", "column", "resolution"),
+    [
+        ("default", "reference", 1e-12),
+        ("load-pulses", "reference", 1e-12),
+        ("curve-swings", "reference", 1e-12),
+        ("curve-inputs", "fmu", 1e-14),
+        ("curve-inputs", "reference", 0.5e-8),
+    ],
+)
+def test_a_reference_that_starts_anew_hides_small_drifts(
+    case: str, column: str, resolution: float
+) -> None:
+    """Where friction depends on the speed and inputs change; the FMU is as sharp there."""
+    (found,) = (each for each in load_cases() if each.id == case)
+    assert resolution_of(found, column, 1e-8) == resolution
 
 
 def test_a_drift_fails_the_verdict() -> None:

@@ -10,6 +10,7 @@ from stickslip_verification import load_cases
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES
 from stickslip_verification.suite.tolerances import Facts, Rules, rounded_up
+from stickslip_verification.truth import STRIBECK
 from stickslip_verification.truth.parameters import complete
 
 from .records import exact_of
@@ -50,6 +51,14 @@ def test_the_narrowest_gap_of_the_whole_run_conditions() -> None:
     assert rules({"mu_k": 0.1}).conditioning == 2.5
     assert rules({"mu_k": 0.4}, {"mu_k": 0.3}).conditioning == pytest.approx(5.0)
     assert rules(mu_k=0.6).conditioning == pytest.approx(50.0), "the clamp leaves a gap of 0.01"
+
+
+def test_the_gap_of_a_curve_is_that_to_its_least_point() -> None:
+    """A curve has no mu_k: whatever that says, the relief comes from mu_s less the least point."""
+    points = {"shape": 3.0, "n_points": 3.0, "mu_1": 0.5, "mu_2": 0.25, "mu_3": 0.4, "mu_4": 0.1}
+    for mu_k in (0.0, 0.3, 0.499):
+        values = complete({"mu_k": mu_k, **points}, STRIBECK.parameters)
+        assert Rules((values,), SLIPS, law=STRIBECK).conditioning == 2.0
 
 
 @pytest.mark.parametrize("mu", [0.5, 0.0])

@@ -65,7 +65,8 @@ class _Quadratic(FrictionLaw):
 class _Ageing(Coulomb):
     """Static friction mu_s N plus 0.5 N times ln(1 + age/0.01 s)."""
 
-    ages = True
+    def ages(self, n: Numbers) -> bool:
+        return True
 
     def hold(self, n: Numbers, age: Series, state: Sequence[Number]) -> Series:
         hold: Series = (age * 100 + 1).log() / 2 + n.F_s
@@ -347,7 +348,7 @@ def test_own_parameters_are_rows_like_the_others(
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("falling", r"'falling' is no friction law: 'coulomb', or module:NAME such as"),
+        ("falling", r"'falling' is no friction law: 'coulomb', 'stribeck', or module:NAME such as"),
         ("no_such_module:LAW", r"'no_such_module:LAW' was not found \(No module named"),
         ("math:LAW", r"'math:LAW' was not found \(module 'math' has no attribute 'LAW'\)"),
         ("math:pi", r"'math:pi' has no attribute 'truth'"),

@@ -6,11 +6,10 @@ from dataclasses import replace
 import pytest
 from rich.console import Console, RenderableType
 
-import stickslip_ref
 from stickslip.show.cycle_table import cycle_table
 from stickslip.show.random_test_table import random_test_table
 from stickslip.show.verdict_table import verdict_table
-from stickslip.simulate.engines import experiment, simulate_reference
+from stickslip.simulate.engines import experiment, reference_parameters, simulate_reference
 from stickslip_fmu.spec import TABLE
 from stickslip_verification import CheckResult, RandomTestResult, Verdict
 from stickslip_verification.model.verdict import Kind
@@ -68,7 +67,7 @@ def test_a_verdict_keeps_its_names_and_numbers(width: int) -> None:
 def test_a_cycle_keeps_its_numbers(width: int) -> None:
     """Measured, exact and simplified stand in one line; explanations and deviations give way."""
     run, _ = simulate_reference(experiment(TABLE.start_values(), 0.0, 2.0))
-    p = stickslip_ref.Parameters(**run.parameters)
+    p = reference_parameters(run.parameters)
     shown = lines(cycle_table(run, p), width)
     assert_fits(shown, width)
     jump = next(line for line in shown if "delta_x" in line)
@@ -93,5 +92,5 @@ def test_a_proof_keeps_its_words_and_numbers(width: int) -> None:
 def test_without_a_motion_nothing_simplified_is_explained() -> None:
     """For v = 0 the simplified column is empty but for the break-away force: no footnote."""
     run, _ = simulate_reference(experiment({**TABLE.start_values(), "v": 0.0}, 0.0, 1.0))
-    p = stickslip_ref.Parameters(**run.parameters)
+    p = reference_parameters(run.parameters)
     assert not any("simplified:" in line for line in lines(cycle_table(run, p), 120))

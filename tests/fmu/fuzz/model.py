@@ -7,22 +7,21 @@ copy of it, so nothing here saves or restores as the FMU does.
 
 import copy
 import math
+import re
 import struct
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 from fmukit.model import ModelError
 from stickslip_fmu.block import Block
-from stickslip_fmu.spec import SPEC, TABLE
-from tests.fmu.fuzz.sequences import MODERATE, NAMES, Call
+from tests.fmu.fuzz.sequences import Call
+from tests.fmu.fuzz.variables import VARIABLES, Variables
 from tests.fmu.inside import SKIPPED
 
 OK, DISCARD, ERROR, FATAL = 0, 2, 3, 4
 
-_SMALLEST = 2.2250738585072014e-308
-_AT_LEAST = {"m": _SMALLEST, "g": _SMALLEST, "k": _SMALLEST, "c": 0.0, "mu_s": 0.0, "mu_k": 0.0}
-_CLAMP = "clamped to"
-_FIXED = ("m", "g", "x_start", "x_dot_start", "z_start")
+WARNING = re.compile("clamped to|is ignored")
 
 
 class MustRefuseError(Exception):
@@ -42,19 +41,23 @@ class Instance:
     """
 
     logging: bool
+    variables: Variables
     phase: str = "instantiated"
     fault: str | None = None
     start_time: float = 0.0
-    settings: dict[str, float] = field(default_factory=TABLE.start_values)
+    settings: dict[str, float] = field(default_factory=dict)
     block: Block | None = None
     moderate: bool = True
-    warned: tuple[float, float] | None = None
+    warned: tuple[Any, ...] | None = None
     failed_to_get: bool = False
     last_time: float = math.nan
 
+    def __post_init__(self) -> None:
+        self.settings = self.settings or self.variables.spec.table.start_values()
+
     def fresh(self) -> "Instance":
         """Return what a reset makes of it; the wrapper keeps its log and its clock."""
-        return Instance(self.logging, last_time=self.last_time)
+        return Instance(self.logging, self.variables, last_time=self.last_time)
 
     def state(self) -> dict[str, Any]:
         """Return a copy of what a state restores."""
@@ -75,7 +78,10 @@ class Instance:
 class Model:
     """The instances and states of one sequence, and what each of its calls must give."""
 
-    def __init__(self) -> None:
+    def __init__(self, law: str = "coulomb") -> None:
+        self.variables = VARIABLES[law]
+        self.rows = self.variables.spec.table.rows
+        self.model = self.variables.spec.name
         self.instances: dict[int, Instance] = {}
         # None stands for a state that is there and belongs to nothing.
         self.states: dict[int, dict[str, Any] | None] = {}
@@ -110,12 +116,12 @@ class Model:
         self, instance: Instance, messages: list[str], errors: list[str]
     ) -> str | None:
         """Return what is wrong with how a call failed: aloud the first time, else as before."""
-        said = [line for line in errors if _CLAMP not in line]
+        said = [line for line in errors if not WARNING.search(line)]
         if instance.fault is None:
             instance.fault = ""
-            if len(said) != 1 or not said[0].startswith("StickSlip: "):
+            if len(said) != 1 or not said[0].startswith(f"{self.model}: "):
                 return f"fails for the first time with {said} on standard error"
-            instance.fault = said[0].removeprefix("StickSlip: ")
+            instance.fault = said[0].removeprefix(f"{self.model}: ")
         elif said:
             return f"fails once more with {said} on standard error"
         if "internal error" in instance.fault:
@@ -128,10 +134,10 @@ class Model:
         self, instance: Instance | None, status: int, messages: list[str], errors: list[str]
     ) -> str | None:
         """Return what is wrong with what was said while nothing failed."""
-        if [_CLAMP in line for line in errors] != [True] * self.warns:
+        if [bool(WARNING.search(line)) for line in errors] != [True] * self.warns:
             return f"says {errors} where {int(self.warns)} warnings are due"
         heard = instance is not None and instance.logging and status == OK
-        if heard and [_CLAMP in line for line in messages] != [True] * self.warns:
+        if heard and [bool(WARNING.search(line)) for line in messages] != [True] * self.warns:
             return f"logs {messages} where {int(self.warns)} warnings are due"
         return None
 
@@ -144,7 +150,7 @@ class Model:
         return damped + ("backward slip", "stick", "forward slip")[instance.block.mode + 1]
 
     def _instantiate(self, i: int, name: str, logging: bool) -> Any:
-        self.instances[i] = Instance(logging)
+        self.instances[i] = Instance(logging, self.variables)
         return OK, None
 
     def _free(self, i: int) -> Any:
@@ -192,7 +198,10 @@ class Model:
             raise MustRefuseError("communication point not finite")
         block = instance.block
         assert block is not None
-        self._of_block(instance, step <= 10.0, lambda: block.advance(time, step))
+        bent = self._bent(instance.settings)
+        self._of_block(instance, step <= 10.0 and not bent, lambda: block.advance(time, step))
+        if bent:
+            raise MustRefuseError(bent)
         instance.last_time = time + step
         return OK, None
 
@@ -214,7 +223,7 @@ class Model:
         instance = self._sound(i)
         for reference, value in zip(references, values, strict=True):
             self._must_be_kind(reference, kind)
-            self._set_one(instance, NAMES[reference], value)
+            self._set_one(instance, self.variables.names[reference], value)
         if instance.phase == "stepping" and kind == "Real":
             self._must_not_lift(instance)
         return OK, None
@@ -302,42 +311,57 @@ class Model:
         return instance
 
     def _clamp(self, instance: Instance) -> None:
-        """Note whether a pair of coefficients that is clamped acts for the first time."""
-        pair = instance.settings["mu_s"], instance.settings["mu_k"]
-        if pair[1] <= pair[0]:
-            instance.warned = None
-        elif instance.warned != pair:
-            instance.warned = pair
-            self.warns = True
+        """Note whether values that are warned of act for the first time."""
+        warned = self._warning(instance.settings)
+        self.warns = self.warns or (warned is not None and warned != instance.warned)
+        instance.warned = warned
+
+    def _warning(self, settings: dict[str, float]) -> tuple[Any, ...] | None:
+        """Return what a warning tells, None where none is due."""
+        if settings.get("shape") != 3:
+            pair = settings["mu_s"], settings["mu_k"]
+            return pair if pair[1] > pair[0] else None
+        starts = self.variables.spec.table.start_values()
+        beyond = [
+            f"{name}_{i}" for i in range(int(settings["n_points"]) + 1, 13) for name in ("u", "mu")
+        ]
+        ignored = [
+            [(name, settings[name]) for name in names if settings[name] != starts[name]][:1]
+            for names in (["mu_k"], beyond)
+        ]
+        return (settings["n_points"], ignored) if any(ignored) else None
 
     @staticmethod
     def _must_be(instance: Instance, phase: str) -> None:
         if instance.phase != phase:
             raise MustRefuseError(f"in phase {instance.phase}, not {phase}")
 
-    @staticmethod
-    def _must_be_kind(reference: int, kind: str) -> None:
-        if reference >= len(TABLE.rows):
+    def _must_be_kind(self, reference: int, kind: str) -> None:
+        if reference >= len(self.rows):
             raise MustRefuseError("no such variable")
-        if TABLE.rows[reference].kind != kind:
+        if self.rows[reference].kind != kind:
             raise MustRefuseError("a variable of another type")
 
     def _set_one(self, instance: Instance, name: str, value: Any) -> None:
         if instance.phase == "terminated":
             raise MustRefuseError("terminated")
-        if name not in MODERATE:
-            start = TABLE.rows[NAMES.index(name)].start
+        variables = self.variables
+        if name not in variables.moderate and name not in variables.whole:
+            start = self.rows[variables.names.index(name)].start
             if instance.phase == "stepping" or start is None or value != start:
                 raise MustRefuseError("an output")
             return
-        if instance.phase == "stepping" and name in _FIXED:
+        if instance.phase == "stepping" and name in variables.fixed:
             if value != instance.settings[name]:
                 raise MustRefuseError("fixed after initialization")
             return
-        if not math.isfinite(value) or value < _AT_LEAST.get(name, -math.inf):
+        whole = variables.whole.get(name)
+        if whole is not None and value not in whole:
+            raise MustRefuseError(f"{name} out of range")
+        if not math.isfinite(value) or value < variables.at_least.get(name, -math.inf):
             raise MustRefuseError(f"{name} out of range")
         instance.settings[name] = value
-        low, high = MODERATE[name]
+        low, high = (whole[0], whole[-1]) if whole else variables.moderate[name]
         ordinary = low <= value <= high and (value == 0.0 or abs(value) > 1e-9)
         instance.moderate = instance.moderate and ordinary
         if instance.phase == "stepping":
@@ -349,11 +373,27 @@ class Model:
         if instance.settings["load"] < -instance.settings["m"] * instance.settings["g"]:
             raise MustRefuseError("the load lifts the mass")
 
+    @staticmethod
+    def _bent(settings: dict[str, float]) -> str:
+        """Return why the points that are set make no curve, "" if they do or there is none."""
+        if settings.get("shape") != 3:
+            return ""
+        if settings["mu_1"] > settings["mu_s"]:
+            return "the curve begins above the break-away coefficient"
+        speeds = [0.0, *(settings[f"u_{i}"] for i in range(2, int(settings["n_points"]) + 1))]
+        rising = all(low < high for low, high in pairwise(speeds))
+        return "" if rising else "the speeds of the curve do not rise"
+
     def _block(self, instance: Instance) -> Block:
         """Return the block that starts from what is set."""
         self._must_not_lift(instance)
-        settings = SPEC.values(instance.settings)
-        block = self._of_block(instance, True, lambda: SPEC.model(settings, instance.start_time))
+        spec, bent = self.variables.spec, self._bent(instance.settings)
+        settings = spec.values(instance.settings)
+        block = self._of_block(
+            instance, not bent, lambda: spec.model(settings, instance.start_time)
+        )
+        if bent:
+            raise MustRefuseError(bent)
         assert isinstance(block, Block)
         return block
 
@@ -369,10 +409,9 @@ class Model:
         except Exception as error:
             raise BlockFaultError(f"the block fails by {error!r}") from None
 
-    @staticmethod
-    def _read(block: Block, reference: int) -> Any:
+    def _read(self, block: Block, reference: int) -> Any:
         value: Any = block
-        for part in TABLE.rows[reference].attribute.split("."):
+        for part in self.rows[reference].attribute.split("."):
             value = getattr(value, part)
         return value
 

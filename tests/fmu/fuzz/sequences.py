@@ -9,33 +9,9 @@ import random
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from stickslip_fmu.spec import TABLE
+from tests.fmu.fuzz.variables import VARIABLES, Variables
 
 Call = list[Any]
-
-# Ranges in which nothing may be refused but a load that lifts the mass.
-MODERATE = {
-    "m": (0.1, 10.0),
-    "g": (1.0, 20.0),
-    "k": (10.0, 1e4),
-    "c": (0.0, 5.0),
-    "mu_s": (0.0, 1.0),
-    "mu_k": (0.0, 1.0),
-    "x_start": (-1.0, 1.0),
-    "x_dot_start": (-1.0, 1.0),
-    "z_start": (-0.05, 0.05),
-    "v": (-1.0, 1.0),
-    "load": (-5.0, 50.0),
-    "F_ext": (-20.0, 20.0),
-}
-
-REFERENCES = {
-    kind: [reference for reference, each in enumerate(TABLE.rows) if each.kind == kind]
-    for kind in ("Real", "Integer", "Boolean", "String")
-}
-NAMES = [each.name for each in TABLE.rows]
-_SETTABLE = [reference for reference, name in enumerate(NAMES) if name in MODERATE]
-_RUNNING = [NAMES.index(name) for name in ("k", "c", "mu_s", "mu_k", "v", "load", "F_ext")]
 
 _NOT_FINITE = (math.nan, math.inf, -math.inf)
 # Of k and m the extremes keep the slips far longer or far shorter than any step: in between a
@@ -58,16 +34,17 @@ _KINDS = ("Real", "Integer", "Boolean", "String")
 _TEXTS = ("", "x", "%n%s", "\u00e4")
 
 
-def sequence(seed: int) -> list[Call]:
+def sequence(seed: int, law: str = "coulomb") -> list[Call]:
     """Return the calls of a seed, 5 to 60 and what is instantiated meanwhile."""
-    return _Master(random.Random(seed)).calls()
+    return _Master(random.Random(seed), VARIABLES[law]).calls()
 
 
 class _Master:
     """One careless master; `alive` holds what it believes of each instance."""
 
-    def __init__(self, generator: random.Random) -> None:
+    def __init__(self, generator: random.Random, variables: Variables) -> None:
         self.generator = generator
+        self.variables = variables
         self.alive: dict[int, str] = {}
         self.time: dict[int, float] = {}
         self.broken: set[int] = set()
@@ -158,7 +135,7 @@ class _Master:
     def _get(self, i: int) -> Call:
         generator = self.generator
         kind = generator.choices(_KINDS, [6, 2, 2, 0.3])[0]
-        references = list(REFERENCES[kind])
+        references = list(self.variables.references[kind])
         if references and generator.random() < 0.7:
             references = [generator.choice(references) for _ in range(generator.randint(0, 5))]
         return ["get", i, kind, self._misled(i, references)]
@@ -166,25 +143,47 @@ class _Master:
     def _set(self, i: int) -> Call:
         generator = self.generator
         early = self.alive[i] in ("instantiated", "initialization")
+        if early and self.variables.whole and generator.random() < 0.5:
+            return self._set_whole(i) if generator.random() < 0.7 else self._set_points(i)
         count = generator.choice([0, 1, 2, 4, 8] if early else [0, 1, 1, 1, 2, 3])
-        references = generator.choices(_SETTABLE if early else _RUNNING, k=count)
+        variables = self.variables
+        references = generator.choices(variables.settable if early else variables.running, k=count)
         references = self._misled(i, references)
         return ["set", i, "Real", references, [self._value(i, each) for each in references]]
+
+    def _set_whole(self, i: int) -> Call:
+        generator = self.generator
+        references = generator.choices(self.variables.settable_whole, k=generator.choice([1, 2, 3]))
+        wanted = [generator.choice(self.variables.whole[self._name(each)]) for each in references]
+        if self._careless():
+            wanted[0] = int(self._break(i, generator.choice((0, -1, 4, 13, 2**31 - 1))))
+        return ["set", i, "Integer", references, wanted]
+
+    def _set_points(self, i: int) -> Call:
+        references = self.variables.points
+        speeds = [self._value(i, each) for each in references]
+        if self.generator.random() < 0.5:
+            self.generator.shuffle(speeds)
+        return ["set", i, "Real", references, speeds]
 
     def _set_other(self, i: int) -> Call:
         generator = self.generator
         kind = generator.choice(_KINDS[1:])
-        references = [generator.choice(REFERENCES[kind] or [0])] if generator.random() < 0.8 else []
+        known = self.variables.references[kind]
+        references = [generator.choice(known or [0])] if generator.random() < 0.8 else []
         references = self._misled(i, references)
         self.broken.add(i)
         choices: Sequence[Any] = _TEXTS if kind == "String" else (0, 0, 1, -1, 2**31 - 1, -(2**31))
         return ["set", i, kind, references, [generator.choice(choices) for _ in references]]
 
     def _set_start_values(self, i: int) -> Call:
+        rows = self.variables.spec.table.rows
         references = [
-            reference for reference in REFERENCES["Real"] if TABLE.rows[reference].start is not None
+            reference
+            for reference in self.variables.references["Real"]
+            if rows[reference].start is not None
         ]
-        return ["set", i, "Real", references, [TABLE.rows[each].start for each in references]]
+        return ["set", i, "Real", references, [rows[each].start for each in references]]
 
     def _get_state(self, i: int) -> Call:
         slot = self.generator.randrange(3)
@@ -281,20 +280,25 @@ class _Master:
         if not self._careless():
             return references
         self.broken.add(i)
-        wrong = self.generator.choice(
-            [len(TABLE.rows), 2**31, 2**32 - 1, self.generator.randrange(len(TABLE.rows))]
-        )
+        count = len(self.variables.names)
+        wrong = self.generator.choice([count, 2**31, 2**32 - 1, self.generator.randrange(count)])
         where = self.generator.randint(0, len(references))
         return [*references[:where], wrong, *references[where:]]
 
+    def _name(self, reference: int) -> str:
+        names = self.variables.names
+        return names[reference] if reference < len(names) else ""
+
     def _value(self, i: int, reference: int) -> float:
         generator = self.generator
-        name = NAMES[reference] if reference < len(NAMES) else ""
+        name = self._name(reference)
         if self._careless():
             return self._break(i, generator.choice(_NOT_FINITE))
         if self._careless():
             return self._break(i, generator.choice(_EXTREME))
-        low, high = MODERATE.get(name, (-1.0, 1.0))
+        if name == "delta" and generator.random() < 0.5:
+            return generator.choice([1.0, 2.0, 3.0])
+        low, high = self.variables.moderate.get(name, (-1.0, 1.0))
         if low <= 0.0:
             return generator.choice([0.0, generator.uniform(low, high)])
         return math.exp(generator.uniform(math.log(low), math.log(high)))

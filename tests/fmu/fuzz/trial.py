@@ -57,6 +57,8 @@ class Trial:
         For what the processes read and write.
     seconds
         Processor time that one sequence may take [s].
+    law
+        Its friction law.
 
     Attributes
     ----------
@@ -64,10 +66,13 @@ class Trial:
         How often each function returned each status.
     """
 
-    def __init__(self, fmu: Path, folder: Path, seconds: float = SECONDS) -> None:
+    def __init__(
+        self, fmu: Path, folder: Path, seconds: float = SECONDS, law: str = "coulomb"
+    ) -> None:
         self.fmu = fmu
         self.folder = folder
         self.seconds = seconds
+        self.law = law
         self.counts: Counter[tuple[str, int]] = Counter()
 
     def run(self, sequences: Sequence[list[Call]], processes: int = 1) -> dict[int, Finding]:
@@ -143,7 +148,7 @@ class Trial:
 
     def _judge(self, calls: list[Call], line: str) -> Finding | None:
         outcomes: list[list[Any]] = json.loads(line)
-        model = Model()
+        model = Model(self.law)
         for position, (call, outcome) in enumerate(zip(calls, outcomes, strict=True)):
             self.counts[_function(call), outcome[0]] += 1
             if call[0] in ("get_state", "set_state"):
@@ -209,6 +214,7 @@ def main(say: Callable[[str], None] = print) -> int:
     """Run the seeds that the command line asks for; return 1 where one is convicted."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--fmu", type=Path, help="another FMU than that of this source tree")
+    parser.add_argument("--law", default="coulomb", help="the friction law of the FMU")
     parser.add_argument("--first", type=int, default=1, help="the first seed")
     parser.add_argument("--count", type=int, default=10_000, help="how many seeds")
     parser.add_argument("--processes", type=int, default=2)
@@ -216,9 +222,9 @@ def main(say: Callable[[str], None] = print) -> int:
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="fuzz-") as name:
         folder = Path(name)
-        trial = Trial(asked.fmu or build(folder), folder)
+        trial = Trial(asked.fmu or build(folder, law=asked.law), folder, law=asked.law)
         seeds = range(asked.first, asked.first + asked.count)
-        sequences = [sequence(seed) for seed in seeds]
+        sequences = [sequence(seed, asked.law) for seed in seeds]
         if asked.show:
             for call in sequences[0]:
                 say(json.dumps(call))

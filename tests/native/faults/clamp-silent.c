@@ -1,13 +1,13 @@
 /* The clamp acts without a warning.
- * replaces: coulomb_warns
+ * replaces: coulomb_remarks
  * detected by: warns-of-clamp
  */
 #include "law.h"
 
-bool coulomb_warns(const struct settings *settings);
+int coulomb_remarks(const struct settings *settings, struct remark made[MOST_REMARKS]);
 
-bool coulomb_warns(const struct settings *settings)
+int coulomb_remarks(const struct settings *settings, struct remark made[MOST_REMARKS])
 {
-    (void)settings;
-    return false;
+    (void)settings, (void)made;
+    return 0;
 }

@@ -4,10 +4,12 @@
  */
 #include "sticking.h"
 
-void slip_from(const struct friction *it, int mode, double z, double x_dot, struct arc *made);
+enum refusal slip_from(const struct friction *it, int mode, double z, double x_dot,
+                       struct arc *made);
 
-void slip_from(const struct friction *it, int mode, double z, double x_dot, struct arc *made)
+enum refusal slip_from(const struct friction *it, int mode, double z, double x_dot,
+                       struct arc *made)
 {
     const double net = it->settings.k * z + it->settings.F_ext - it->kinetic;
-    LAW.slip(it, mode, z, x_dot, net, made);
+    return LAW.slip(it, mode, z, x_dot, net, made);
 }

@@ -1,10 +1,10 @@
 /* The heat of damping is left out.
- * replaces: coulomb_slip_squared_velocity
+ * replaces: squared_velocity
  * detected by: energy-balance in damped-cycle
  */
 #include "coulomb_slip.h"
 
-double coulomb_slip_squared_velocity(const struct arc *arc, double tau, double displacement)
+double squared_velocity(const struct arc *arc, double tau, double displacement)
 {
     (void)arc, (void)tau, (void)displacement;
     return 0.0;

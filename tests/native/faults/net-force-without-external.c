@@ -4,13 +4,14 @@
  */
 #include "coulomb_slip.h"
 
-void coulomb_make_slip(const struct friction *it, int mode, double z, double x_dot, double net,
-                       struct arc *made);
+enum refusal coulomb_make_slip(const struct friction *it, int mode, double z, double x_dot,
+                               double net, struct arc *made);
 
-void coulomb_make_slip(const struct friction *it, int mode, double z, double x_dot, double net,
-                       struct arc *made)
+enum refusal coulomb_make_slip(const struct friction *it, int mode, double z, double x_dot,
+                               double net, struct arc *made)
 {
     if (it->settings.c > 0.0) net -= it->settings.F_ext;
     coulomb_slip_make(&it->of.coulomb.oscillator, it->settings.v, z, x_dot, mode, net, it->kinetic,
                       made);
+    return ACCEPTED;
 }

@@ -4,11 +4,12 @@
  */
 #include "sticking.h"
 
-void true_sticking_arc(const struct friction *it, const struct start *start, struct arc *made);
+enum refusal true_sticking_arc(const struct friction *it, const struct start *start,
+                               struct arc *made);
 
-void sticking_arc(const struct friction *it, const struct start *start, struct arc *made)
+enum refusal sticking_arc(const struct friction *it, const struct start *start, struct arc *made)
 {
     struct start less = *start;
     if (less.mode == 0) less.known = false;
-    true_sticking_arc(it, &less, made);
+    return true_sticking_arc(it, &less, made);
 }

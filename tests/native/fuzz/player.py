@@ -1,6 +1,6 @@
 """Plays sequences of calls on a native library and judges them, in a process of its own.
 
-``python -m tests.native.fuzz.player FOLDER GUID FIRST COUNT`` prints what it found as JSON. The
+``python -m tests.native.fuzz.player FOLDER GUID LAW FIRST COUNT`` prints what it found as JSON. The
 folder is that of an unpacked FMU. Where the library counts its blocks of memory (counting.c),
 none may be left after a sequence. Before a sequence its seed is written to the file ``seed`` in the
 folder, so that a process that dies tells on which one.
@@ -18,6 +18,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from tests.fmu.fuzz.sequences import Call, sequence
+from tests.fmu.fuzz.variables import VARIABLES
 from tests.fmu.inside import SKIPPED
 from tests.fmu.inside.player import Player
 from tests.fmu.inside.raw import Raw
@@ -27,9 +28,9 @@ SECONDS = 2.0
 """Processor time of one sequence [s]; then the process ends by SIGPROF."""
 
 
-def opened(folder: Path, guid: str) -> Raw:
-    """Return the functions of an unpacked FMU."""
-    kind = SimpleNamespace(modelIdentifier="StickSlip")
+def opened(folder: Path, guid: str, law: str = "coulomb") -> Raw:
+    """Return the functions of an unpacked FMU of a friction law."""
+    kind = SimpleNamespace(modelIdentifier=VARIABLES[law].spec.name)
     description = SimpleNamespace(coSimulation=kind, guid=guid)
     return Raw(SimpleNamespace(description=description, folder=str(folder), references={}))  # type: ignore[arg-type]
 
@@ -37,7 +38,8 @@ def opened(folder: Path, guid: str) -> Raw:
 class NativePlayer(Player):
     """Holds instances, states and serialized states by number; nothing outlives a sequence."""
 
-    def __init__(self, raw: Raw) -> None:
+    def __init__(self, raw: Raw, law: str = "coulomb") -> None:
+        self.law = law
         errors = sys.stderr
         super().__init__(raw)
         sys.stderr = errors
@@ -46,7 +48,7 @@ class NativePlayer(Player):
 
     def judged(self, calls: list[Call], counts: Counter[tuple[str, int]]) -> str | None:
         """Play one sequence; return the first objection, or None."""
-        model = NativeModel()
+        model = NativeModel(self.law)
         found = None
         self.keeper = self.raw.instance("keeper")
         for position, call in enumerate(calls):
@@ -100,17 +102,21 @@ def _counted(call: Call) -> str:
 
 
 def findings(
-    raw: Raw, seeds: Iterable[int], counts: Counter[tuple[str, int]], seed_file: Path | None = None
+    raw: Raw,
+    seeds: Iterable[int],
+    counts: Counter[tuple[str, int]],
+    seed_file: Path | None = None,
+    law: str = "coulomb",
 ) -> list[str]:
     """Play sequences of these seeds; return the first objection with its seed, if there is one."""
-    player = NativePlayer(raw)
+    player = NativePlayer(raw, law)
     live = getattr(raw.library, "live_blocks", None)
     noted = None if seed_file is None else os.open(seed_file, os.O_RDWR | os.O_CREAT)
     for seed in seeds:
         if noted is not None:
             os.pwrite(noted, f"{seed:<12}".encode(), 0)
         signal.setitimer(signal.ITIMER_PROF, SECONDS)
-        found = player.judged(sequence(seed), counts)
+        found = player.judged(sequence(seed, law), counts)
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         if found is None and live is not None and live() != 0:
             found = f"{live()} blocks of memory are left"
@@ -143,10 +149,11 @@ def serialized(raw: Raw, seeds: Iterable[int]) -> list[bytes]:
 
 def main() -> None:
     """Play what the command line asks for."""
-    folder, guid, first, count = sys.argv[1:]
+    folder, guid, law, first, count = sys.argv[1:]
     counts: Counter[tuple[str, int]] = Counter()
     seeds = range(int(first), int(first) + int(count))
-    found = findings(opened(Path(folder), guid), seeds, counts, Path(folder, "seed"))
+    raw = opened(Path(folder), guid, law)
+    found = findings(raw, seeds, counts, Path(folder, "seed"), law)
     told = [[name, status, number] for (name, status), number in counts.items()]
     sys.stdout.write(json.dumps({"found": found, "counts": told}))
 

@@ -43,7 +43,7 @@ class Player:
         slave = (FMU3Slave if self.modern else FMU2Slave)(
             guid=token,
             unzipDirectory=self.folder,
-            modelIdentifier="StickSlip",
+            modelIdentifier=self.description.modelName,
             instanceName="a",
         )
         if self.modern:
@@ -63,7 +63,7 @@ class Player:
 
     def _hear(self, environment: Any, status: int, category: bytes, text: bytes) -> None:
         if self.is_native:
-            print(f"StickSlip: {text.decode()}", file=sys.stderr)
+            print(f"{self.description.modelName}: {text.decode()}", file=sys.stderr)
 
     def call(self, slave: Any, name: str, *arguments: Any) -> None:
         """Make one call."""

@@ -42,9 +42,9 @@ _EMULATORS = {
 }
 _LIMIT = 600.0
 """Seconds after which a process counts as hung; the longest takes 30."""
-_FIXED = ("x_start", "x_dot_start", "z_start")
-_SET_AT_START = ("m", "g", "k", "c", "mu_s", "mu_k", "load", "v", "F_ext", *_FIXED)
-_CHANGING = _SET_AT_START[2:9]
+_FIXED = ("x_start", "x_dot_start", "z_start", "age_start")
+_CHANGING = ("k", "c", "mu_s", "mu_k", "load", "v", "F_ext", "tau_s", "B", "t_0")
+_SET_AT_START = ("m", "g", *_CHANGING, *_FIXED)
 _START_STATE = {str(TABLE.by_name[name].number) for name in ("x_dot_start", "z_start")}
 
 

@@ -65,6 +65,11 @@ async function pressAll(page, buttons) {
   await page.evaluate(() => {
     for (const fold of document.querySelectorAll("details")) fold.open = true;
   });
+  // What comes into sight by that is drawn anew, with other buttons; on a busy machine later.
+  const able = (wanted) =>
+    [...document.querySelectorAll(wanted)].filter((e) => !e.disabled && e.checkVisibility()).length > 1;
+  await page.waitForFunction(able, { timeout: 10000 }, buttons).catch(() => null);
+  await page.evaluate(frames);
   for (const button of await page.$$(buttons)) {
     if (!(await button.evaluate((each) => !each.disabled && each.checkVisibility()))) continue;
     await button.press("Enter");

@@ -1,0 +1,1 @@
+"""Tests of the answers for many settings at once."""

@@ -1,0 +1,1 @@
+"""Tests of sweeps over FMUs and systems of FMUs."""

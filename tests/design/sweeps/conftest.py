@@ -1,0 +1,30 @@
+"""The models that the tests of sweeps share, built once."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from pythonfmu.builder import FmuBuilder
+
+from examples.feed_axis.axis import Axis
+from examples.feed_axis.build import build_drive
+from examples.feed_axis.ssp import write_ssp
+
+HERE = Path(__file__).parent
+
+
+@pytest.fixture(scope="session")
+def troubled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return an FMU that goes wrong on demand."""
+    folder = tmp_path_factory.mktemp("troubled")
+    script = shutil.copy(HERE / "troubled.py", folder)
+    return Path(FmuBuilder.build_FMU(Path(script), dest=folder))
+
+
+@pytest.fixture(scope="session")
+def feed_axis(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the SSP file of the feed axis: servo drive and block."""
+    folder = tmp_path_factory.mktemp("feed_axis")
+    shutil.copy(fmu_path, folder / "StickSlip.fmu")
+    build_drive(folder)
+    return write_ssp(folder / "FeedAxis.ssp", Axis(), folder)

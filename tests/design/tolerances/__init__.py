@@ -1,0 +1,1 @@
+"""Tests of scatter: how likely an axis jumps."""

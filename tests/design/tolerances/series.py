@@ -1,0 +1,51 @@
+"""Series of machines whose probability of jumping is known in closed form."""
+
+import math
+from typing import Final
+
+from scipy.special import ndtr
+
+from stickslip_design.axis import AxisFile, axis_file_of
+from stickslip_ref import Parameters, critical_lambda
+
+MASS, STIFFNESS, ZETA, MU_K = 500.0, 4e7, 0.05, 0.15
+
+SERIES: Final = f"""
+[axis]
+mass = "{MASS} kg"
+stiffness = "{STIFFNESS} N/m"
+zeta = {ZETA}
+[friction]
+mu_s = 0.20
+mu_k = {MU_K}
+[demand]
+feeds = ["1 mm/s"]
+"""
+
+
+def series(**replaced: str) -> AxisFile:
+    """Return the file of a series on a rigid drive; texts in it replaced."""
+    text = SERIES
+    for old, new in replaced.items():
+        line = next(each for each in text.splitlines() if each.startswith(f"{old} ="))
+        text = text.replace(line, f"{old} = {new}")
+    return axis_file_of(text)
+
+
+def gap(feed: float) -> float:
+    """Return the difference of mu_s and mu_k from which on the axis jumps at a feed [m/s].
+
+    v_c = w Delta / lambda_c(zeta) is proportional to that difference.
+    """
+    p = Parameters(m=MASS, k=STIFFNESS)
+    N = float(p.N)
+    return feed * float(critical_lambda(ZETA)) * math.sqrt(STIFFNESS * MASS) / N
+
+
+def share_that_jumps(
+    feed: float, mu_s: tuple[float, float], mu_k: tuple[float, float] = (MU_K, 0.0),
+    correlation: float = 0.0,
+) -> float:  # fmt: skip
+    """Return the probability of jumping, of normal coefficients by mean and deviation."""
+    variance = mu_s[1] ** 2 + mu_k[1] ** 2 - 2.0 * correlation * mu_s[1] * mu_k[1]
+    return float(ndtr((mu_s[0] - mu_k[0] - gap(feed)) / math.sqrt(variance)))

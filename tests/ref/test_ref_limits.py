@@ -1,0 +1,345 @@
+"""Where stick-slip ends: closed forms, the exact block just inside and outside of every range."""
+
+import math
+import random
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stickslip_fmu.laws.named import friction_law
+from stickslip_fmu.spec import spec_of
+from stickslip_ref import (
+    COULOMB,
+    Coulomb,
+    CriticalVelocity,
+    Interval,
+    Parameters,
+    coulomb_limit,
+    critical_velocity,
+)
+from stickslip_ref.critical import critical_lambda
+from stickslip_ref.limits.first_slip import Calm, first_slips, follows_calmly
+from stickslip_ref.limits.memoryless import cycle_ranges
+from stickslip_ref.ranges import merged
+
+TWICE = {"shape": 3, "n_points": 5, "mu_1": 0.5, "u_2": 0.02, "mu_2": 0.3, "u_3": 0.15} | {
+    "mu_3": 0.45, "u_4": 0.4, "mu_4": 0.2, "u_5": 0.6, "mu_5": 0.25
+}  # fmt: skip
+"""A curve that falls twice."""
+
+SETTINGS = {
+    "falls twice": ({"c": 2.0}, TWICE),
+    "Stribeck": ({"c": 2.0}, {"v_s": 0.01, "delta": 1.0}),
+    "flat at rest": ({"c": 5.0}, {"v_s": 0.1, "delta": 2.0}),
+    "not whole": ({"c": 3.0}, {"v_s": 0.03, "delta": 1.6}),
+    "hyperbolic": ({"c": 1.0}, {"shape": 2, "v_s": 0.2}),
+    "with a gap": ({"c": 2.0, "mu_s": 0.55}, TWICE),
+    "overdamped": ({"c": 80.0, "mu_k": 0.05}, {"v_s": 0.02, "delta": 1.0}),
+}
+
+
+def sticks(base: dict[str, float], own: dict[str, float], v: float) -> bool:
+    """Tell whether the exact block sticks after the first slip from break-away at `v` [m/s]."""
+    spec = spec_of(friction_law("stribeck").law)
+    values = {**spec.table.start_values(), **base, **own, "v": v}
+    values["z_start"] = values["mu_s"] * values["m"] * values["g"] / values["k"]
+    block: Any = spec.model(spec.values(values))
+    block.advance(0.0, 1e-9)
+    time, slow = 1e-9, max(1.0, values["c"] / math.sqrt(values["k"] * values["m"]))
+    for _ in range(40):
+        block.advance(time, slow / math.sqrt(values["k"] / values["m"]))
+        time += 1.0
+        if block.meter.n_slips:
+            return True
+    return False
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_the_exact_block_sticks_inside_of_every_range_and_not_outside(name: str) -> None:
+    """A millionth inside of each end of a range the slip from break-away stops, outside not."""
+    base, own = SETTINGS[name]
+    found = critical_velocity(Parameters(**base), "stribeck", own)
+    assert found.cycle
+    ends = 0
+    for each in found.cycle:
+        for v, kind, inside in (
+            (each.low, each.low_end, 1.0 + 1e-6),
+            (each.high, each.high_end, 1.0 - 1e-6),
+        ):
+            if kind != "none":
+                assert kind == "grazing"
+                assert sticks(base, own, v * inside)
+                assert not sticks(base, own, v / inside)
+                ends += 1
+    assert ends
+
+
+def test_a_curve_that_falls_twice_has_two_ranges() -> None:
+    """Sliding is unstable where c + N mu' < 0, between corners; each fall has its cycles."""
+    found = critical_velocity(Parameters(c=2.0), "stribeck", TWICE)
+    ends = [end for each in found.unstable for end in each[:2]]
+    assert ends == pytest.approx([found.between[0], 0.02, 0.15, 0.4])
+    first, second = found.cycle
+    assert first.high == pytest.approx(0.048921562, rel=1e-8)
+    assert (second.low, second.high) == pytest.approx((0.142590582, 0.419507691), rel=1e-8)
+    assert [each[2:] for each in found.cycle] == [("none", "grazing"), ("grazing", "grazing")]
+    assert [each[2:] for each in found.unstable] == [
+        ("none", "eigenvalue"), ("eigenvalue", "eigenvalue")
+    ]  # fmt: skip
+    assert found.motions(0.01) == ("sticks",)
+    assert found.motions(0.03) == ("sticks", "even")
+    assert found.motions(0.1) == ("even",)
+    assert found.highest == second.high
+    assert not found.proven
+
+
+@pytest.mark.parametrize("zeta", [1e-7, 1e-4, 1e-2, 0.1, 0.5, 0.9])
+def test_the_search_finds_the_closed_form_of_coulombs_law(zeta: float) -> None:
+    """Followed as any law, Coulomb's ends where (13) says, by grazing.
+
+    Far inside of its range the least speed is but some 2 pi zeta below 0, in units of v. Near its
+    end an error of the least speed moves the end by 1/(4 pi zeta) of it: d ln D/d ln lambda is
+    lambda^2 in (13). The speed is integrated to 1e-12 of v.
+    """
+    p = Parameters(c=2.0 * zeta * math.sqrt(1000.0))
+    limit = float(coulomb_limit(p))
+    (found,) = cycle_ranges(COULOMB.complete(p, {}), COULOMB, (limit / 100.0, 100.0 * limit))
+    assert found.high == pytest.approx(limit, rel=1e-9 + 1e-12 / (4.0 * math.pi * zeta))
+    assert (found.low_end, found.high_end) == ("none", "grazing")
+    assert critical_velocity(p).cycle == (Interval(0.0, limit, "none", "grazing"),)
+    assert critical_velocity(p).proven
+
+
+def test_without_damping_coulombs_law_has_no_end() -> None:
+    """And with zeta >= 1 it has no cycle at all."""
+    assert critical_velocity(Parameters()).highest == math.inf
+    assert critical_velocity(Parameters(c=100.0)).cycle == ()
+    assert critical_velocity(Parameters(), between=(0.1, 0.2)).cycle == (
+        Interval(0.1, 0.2, "none", "none"),
+    )
+
+
+def test_without_damping_friction_that_hardly_falls_sticks_too() -> None:
+    """Down to sticks of 1e-12/w: there w Delta/v is 1e-12, Delta the fall up to 2 v over k."""
+    p = Parameters(mu_s=0.5, mu_k=0.499)
+    (only,) = critical_velocity(p, "stribeck", {"v_s": 6.0, "delta": 3.0}, (1e-5, 0.03)).cycle
+    assert only[1:] == (0.03, "none", "none")
+    w, v = math.sqrt(1000.0), only.low
+    assert w * 0.001 * 9.81 / 1000.0 * (2.0 * v / 6.0) ** 3 / v == pytest.approx(1e-12, rel=1e-3)
+
+
+def test_a_slip_that_turns_round_may_stick_later() -> None:
+    """Leine's block at v = 1 reverses at once, and sticks at the end of the backward slip."""
+    p = Parameters(m=1.0, k=1.0, g=1.0, mu_s=1.0, mu_k=0.0)
+    own = {"shape": 2.0, "v_s": 1.0 / 3.0}
+    found = critical_velocity(p, "stribeck", own, between=(0.1, 6.0))
+    (only,) = found.cycle
+    assert only.high_end == "reversal"
+    assert only.high == pytest.approx(4.4237, rel=1e-4)
+    assert found.motions(5.0) == ("swings",)
+
+
+def test_a_stop_between_two_steps_is_a_stop() -> None:
+    """A slip that just touches speed 0 is found, however short it is below, with its force.
+
+    Of Coulomb's slips, from a relative 1e-9 to 1e-3 above the least force with a stop. The least
+    speed there is some -1e-3 v at most, so the net force some sqrt(2e-3) m w v.
+    """
+    zeta, n = 0.1, 60
+    force = float(critical_lambda(zeta)) * (1.0 + np.geomspace(1e-9, 1e-3, n))
+    none = Calm(np.ones(n), np.ones(n))
+    slip = first_slips(force, np.ones(n), zeta, lambda u, number: 0.0 * u, none)
+    # The steps are good to 1e-8 each, and the least speed to their sum.
+    assert np.all(slip.least < 2e-7)
+    assert np.all(slip.least[force > force[0] * (1.0 + 1e-6)] < 0.0)
+    assert np.all(np.abs(slip.net) < 0.05)
+
+
+HEAVY: list[tuple[dict[str, float], dict[str, float]]] = [
+    ({"c": 1e3}, {}),
+    ({"c": 1e4}, {"shape": 2}),
+    ({"c": 1e7}, {"delta": 1.0}),
+    ({"c": 1e5}, {"delta": 1e4}),
+]
+
+
+@pytest.mark.parametrize(("base", "own"), HEAVY, ids=str)
+def test_a_damping_that_no_fall_of_friction_overcomes_leaves_sliding(
+    base: dict[str, float], own: dict[str, float]
+) -> None:
+    """Where c + R' >= 2 m w at every speed the mass creeps up to the pull, whatever the damping."""
+    found = critical_velocity(Parameters(**base), "stribeck", own)
+    assert (found.cycle, found.unstable) == ((), ())
+
+
+def test_a_slip_that_settles_where_friction_rises_steeply_is_sliding() -> None:
+    """A slope of 15 times the critical damping about the pull, and no damping."""
+    rises = {"shape": 3, "n_points": 3, "mu_1": 0.1, "u_2": 0.04, "mu_2": 1.3} | {
+        "u_3": 0.041, "mu_3": 0.0
+    }  # fmt: skip
+    base = {"m": 1.0, "k": 1.0, "g": 1.0, "mu_s": 1.0}
+    found = critical_velocity(Parameters(**base), "stribeck", rises, (0.03, 0.033))
+    assert (found.cycle, found.unstable) == ((), ())
+    assert not sticks(base, rises, 0.0314)
+
+
+@pytest.mark.parametrize(
+    ("u", "rate", "calm"),
+    [
+        (0.9, -0.1, False),
+        (0.9, 0.0, True),
+        (1.2, -0.1, True),
+        (1.2, -0.3, False),
+        (0.4, 0.1, False),
+        (1.9, 0.0, True),
+        (1.9, 0.3, False),
+    ],
+)
+def test_what_is_calm_stays_above_the_pull_or_where_it_is(
+    u: float, rate: float, calm: bool
+) -> None:
+    """Linear and critically damped, u' = -(u - 1) is the slowest fall that ends at the pull."""
+    low, high = np.array([0.5]), np.array([3.0])
+    assert follows_calmly(np.array([u]), np.array([rate]), low, high) == [calm]
+
+
+def test_the_second_slip_decides_whether_a_motion_that_turns_round_sticks() -> None:
+    """Where it ends beyond F_s, so does every later one: the exact block never sticks again."""
+    falls = {"shape": 3, "n_points": 4, "mu_1": 1.0, "u_2": 0.0624, "mu_2": 0.3965} | {
+        "u_3": 0.0663, "mu_3": 0.0, "u_4": 0.1327, "mu_4": 0.0
+    }  # fmt: skip
+    base = {"m": 1.0, "k": 1.0, "g": 1.0, "mu_s": 1.0, "mu_k": 0.0}
+    (found,) = critical_velocity(Parameters(**base), "stribeck", falls, (5.0, 5.4)).cycle
+    assert found.low_end == "reversal"
+    spec = spec_of(friction_law("stribeck").law)
+    for v, expected in ((0.9995 * found.low, False), (1.0005 * found.low, True)):
+        values = {**spec.table.start_values(), **base, **falls, "v": v, "z_start": 1.0}
+        block: Any = spec.model(spec.values(values))
+        block.advance(0.0, 1e-9)
+        found_stick = False
+        for _ in range(60):
+            block.advance(1.0, 0.5)
+            found_stick = found_stick or block.meter.t_stick > 0.0
+        assert found_stick == expected
+
+
+def test_stribeck_ends_where_eigenvalues_say() -> None:
+    """Steady sliding is unstable where N (mu_s - mu_k) delta x^(delta-1) exp(-x^delta) > c v_s."""
+    p = Parameters(c=5.0)
+    for delta in (1.0, 1.5, 2.0):
+        found = critical_velocity(p, "stribeck", {"v_s": 0.1, "delta": delta})
+        for each in found.unstable:
+            for v, kind in ((each.low, each.low_end), (each.high, each.high_end)):
+                if kind == "eigenvalue":
+                    x = v / 0.1
+                    fall = 9.81 * 0.2 * delta * x ** (delta - 1.0) * math.exp(-(x**delta))
+                    assert fall == pytest.approx(0.5, rel=1e-11)
+
+
+def test_a_law_of_ones_own_is_searched_with_differences() -> None:
+    """A linear fall as a law of its own gives what the curve of two points gives."""
+
+    class Fall(Coulomb):
+        constant_in_slip = False
+
+        def slip_friction(self, p: Parameters, speed: float, state: object = ()) -> float:
+            return float(p.N) * max(0.5 - 2.0 * speed, 0.3)
+
+        def knots(self, p: Parameters) -> tuple[float, ...]:
+            return (0.1,)
+
+    curve = {"shape": 3, "n_points": 2, "mu_1": 0.5, "u_2": 0.1, "mu_2": 0.3}
+    of_curve = critical_velocity(Parameters(c=4.0), "stribeck", curve, (1e-3, 1.0))
+    own = critical_velocity(Parameters(c=4.0), Fall(), between=(1e-3, 1.0))
+    for one, other in zip(
+        own.cycle + own.unstable, of_curve.cycle + of_curve.unstable, strict=True
+    ):
+        assert one[:2] == pytest.approx(other[:2], rel=1e-7)
+        assert one[2:] == other[2:]
+
+
+@pytest.mark.parametrize(
+    ("between", "told"),
+    [((0.0, 1.0), "must rise and be > 0"), ((2.0, 1.0), "2 to 1"), ((-1.0, 1.0), "-1 to 1")],
+)
+def test_a_range_that_is_none_is_refused(between: tuple[float, float], told: str) -> None:
+    """With both of its ends."""
+    with pytest.raises(ValueError, match=told):
+        critical_velocity(Parameters(), "stribeck", between=between)
+
+
+def test_ranges_are_disjoint_and_in_order() -> None:
+    """Ranges that touch become one, with the outer ends."""
+    draw = random.Random(3)
+    edges = sorted(draw.random() for _ in range(8))
+    pairs = [
+        Interval(a, b, "fold", "grazing") for a, b in zip(edges[::2], edges[1::2], strict=True)
+    ]
+    assert merged(pairs[::-1]) == tuple(pairs)
+    assert merged([Interval(0.1, 0.2, "none", "fold"), Interval(0.2, 0.3, "fold", "none")]) == (
+        Interval(0.1, 0.3, "none", "none"),
+    )
+    assert CriticalVelocity((), (), (0.1, 1.0), False).motions(0.5) == ("even",)
+
+
+def test_a_velocity_that_was_not_searched_has_no_answer() -> None:
+    """Beyond the range the motions are not known: sliding evenly would be a guess."""
+    found = critical_velocity(Parameters(), "stribeck")
+    assert found.motions(found.between[0]) == ("sticks",)
+    for v in (0.0, 0.5 * found.between[0], -2.0 * found.between[1]):
+        with pytest.raises(ValueError, match="m/s is out of range; the velocities searched are"):
+            found.motions(v)
+
+
+@pytest.mark.parametrize(
+    ("law", "own", "p"),
+    [
+        ("stribeck", {}, Parameters(mu_s=0.0, mu_k=0.0)),
+        ("stribeck", {}, Parameters(load=-9.81)),
+        ("coulomb", {"tau_s": 0.1}, Parameters(load=-9.81, c=1.0)),
+        ("coulomb", {"tau_s": 0.1}, Parameters(mu_k=0.0)),
+        ("coulomb", {"B": 0.01}, Parameters(mu_s=0.0, mu_k=0.0, c=1.0)),
+    ],
+)
+def test_what_never_holds_has_no_range(law: str, own: dict[str, float], p: Parameters) -> None:
+    """Without break-away force, and where every stop turns round: searched over a default range."""
+    found = critical_velocity(p, law, own)
+    assert found.cycle == ()
+    assert 0.0 < found.between[0] < found.between[1]
+
+
+@pytest.mark.parametrize(("c", "kind"), [(0.0, "grazing"), (4.0, "fold")])
+def test_an_end_has_its_kind_where_friction_grows(c: float, kind: str) -> None:
+    """And none where only the search ends."""
+    p = Parameters(c=c)
+    (whole,) = critical_velocity(p, own={"tau_s": 0.05}).cycle
+    assert whole[2:] == ("none", kind)
+    (part,) = critical_velocity(p, own={"tau_s": 0.05}, between=(None, 0.5 * whole.high)).cycle
+    assert part[1:] == (0.5 * whole.high, "none", "none")
+
+
+@pytest.mark.parametrize("name", ["falls twice", "flat at rest", "hyperbolic"])
+def test_a_scan_by_the_exact_block_finds_the_same_ranges(
+    name: str, sized: Callable[[int], int]
+) -> None:
+    """At 400 speeds a decade, a tenth of them in the gate, the block sticks where a range says."""
+    base, own = SETTINGS[name]
+    low, high = 3e-3, 1.0
+    found = critical_velocity(Parameters(**base), "stribeck", own, (low, high))
+    count = int(sized(400) * math.log10(high / low))
+    for number in range(count):
+        v = low * (high / low) ** ((number + 0.5) / count)
+        assert sticks(base, own, v) == any(v in each for each in found.cycle), v
+
+
+def test_a_slow_layer_is_not_leapt_over() -> None:
+    """Friction falls within 2e-4 of the pull; the truth sticks up to this speed, to 1e-6."""
+    p = Parameters(
+        m=0.04160216590251779, k=140.24203687661213, c=0.025903983501884567,
+        mu_s=0.4301392888905115, mu_k=0.2551120858119786,
+    )  # fmt: skip
+    own = {"shape": 1.0, "v_s": 1.9343965346137023e-05, "delta": 5.0}
+    found = critical_velocity(p, "stribeck", own, (0.1175, 0.1195)).highest
+    assert found == pytest.approx(0.1184685860, rel=1e-6)
