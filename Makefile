@@ -6,14 +6,20 @@ BIN := $(VENV)/bin
 
 .PHONY: verify native native-platforms dist faults test test-bare soak coverage lint prove bench docs docs-check check-generated check-study clean
 
+# Both FMUs: StickSlip.fmu under Coulomb's friction law, StickSlipStribeck.fmu under friction that
+# depends on the speed.
 verify: $(VENV)/ready
 	$(BIN)/stickslip build --bare
 	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --pack
+	$(BIN)/stickslip build --bare --law stribeck
+	$(BIN)/stickslip verify --fmu build/StickSlipStribeck.fmu --pack -o report/stribeck
 
-# The FMU that needs no Python, for this machine: gcc or clang compiles it.
+# The FMUs that need no Python, for this machine: gcc or clang compiles them.
 native: $(VENV)/ready
 	$(BIN)/stickslip build --native --this-machine --bare
 	$(BIN)/stickslip verify --fmu build/StickSlip_native.fmu --pack
+	$(BIN)/stickslip build --native --this-machine --bare --law stribeck
+	$(BIN)/stickslip verify --fmu build/StickSlipStribeck_native.fmu --pack -o report/stribeck
 
 # The native FMU for all platforms: its libraries are read, and run on Linux ARM64 and on Windows as
 # far as qemu and wine are installed (CONTRIBUTING.md). It installs ziglang, 411 MB, whose first build
@@ -25,8 +31,8 @@ native-platforms: $(VENV)/ready-with-compiler
 dist: $(VENV)/ready-with-compiler
 	rm -rf dist
 	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
-	for options in '' '--fmi 3' '--native' '--native --fmi 3'; do \
-	    $(BIN)/stickslip build --bare -o dist $$options || exit; done
+	for law in coulomb stribeck; do for options in '' '--fmi 3' '--native' '--native --fmi 3'; do \
+	    $(BIN)/stickslip build --bare -o dist --law $$law $$options || exit; done; done
 	for fmu in dist/*.fmu; do $(BIN)/stickslip verify --fmu $$fmu --pack || exit; done
 	cd dist && sha256sum *.fmu *.whl > SHA256SUMS
 
@@ -34,6 +40,8 @@ dist: $(VENV)/ready-with-compiler
 faults: $(VENV)/ready
 	$(BIN)/stickslip build --bare
 	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --fault '*'
+	$(BIN)/stickslip build --bare --law stribeck
+	$(BIN)/stickslip verify --fmu build/StickSlipStribeck.fmu --fault '*' -o report/stribeck
 
 # On all cores, each worker in its own part of the tests till another one has nothing left to do.
 # TESTS may name a part of the tests, and options.
@@ -105,7 +113,7 @@ $(VENV)/ready: $(VENV)/bin/python pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/ready-to-test: $(VENV)/ready
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,importers,page,pdf]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,importers,page,pdf,cluster]'
 	touch $@
 
 $(VENV)/ready-with-compiler: $(VENV)/ready-to-test

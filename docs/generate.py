@@ -7,15 +7,20 @@ import contextlib
 import io
 import json
 import sys
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from fmukit.model import Spec
 from fmukit.table import Variable
+from stickslip_design.axis.keys import ANY, BY_SECTION, SECTIONS
+from stickslip_design.axis.template import example
 from stickslip_design.claims import pages
+from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
 from stickslip_fmu.packer import build
-from stickslip_fmu.spec import TABLE
+from stickslip_fmu.spec import TABLE, spec_of
 from stickslip_verification import (
     CheckResult,
     Meaning,
@@ -46,8 +51,9 @@ def main() -> None:
     with TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()):
         texts = {
             "interface.md": document(interface()),
-            "verdict.md": document(verdict(build(Path(folder)))),
+            "verdict.md": document(verdict(Path(folder))),
             "checks.md": document(checks()),
+            "axis-file.md": document(axis_file()),
             **{f"schemas/{name}": text_of(schema) for name, schema in FILES.items()},
             **pages(),
         }
@@ -93,7 +99,8 @@ def interface() -> Iterator[str]:
 For everybody who connects the FMU in a system simulator. This page lists its variables:
 name, unit, range, and when each may be set. It is made from the variable table of the FMU.
 
-- The standard is FMI 2.0 co-simulation, the model identifier `StickSlip`.
+- The standard is FMI 2.0 co-simulation, the model identifier `StickSlip`; that of the FMU of
+  another friction law is at the end.
 - An annotation of the type `org.stickslip.contract` names the contract, `stickslip-exact` in
   version 1: this interface with its start values, and the exact motion to rounding.
 - All values are in SI units. Tools may show mm, mm/s and N/mm instead.
@@ -101,11 +108,76 @@ name, unit, range, and when each may be set. It is made from the variable table 
 - A tunable parameter or an input is set at any time and acts from the next step on.
 - An input holds its value over a step.
 - The equations behind the variables are in [theory.md](theory.md).
-
-| variable | type | unit | causality | variability | start | range | what it is |
-|---|---|---|---|---|---|---|---|
 """.splitlines()
-    for row in TABLE.rows:
+    yield from _variables(TABLE.rows)
+    for law in BUILT_IN:
+        spec = spec_of(friction_law(law).law)
+        if law != COULOMB_NAME:
+            yield from _other_interface(law, spec)
+
+
+def axis_file() -> Iterator[str]:
+    """Give the lines of the page of the axis file: its keys, section by section."""
+    yield from """\
+# The axis file
+
+For designers who describe a feed axis for `stickslip design`. This page lists what the file may
+say. It is made from the table that the command reads with.
+
+- The file is TOML. A number carries its unit, as text: `"50 N/um"`, `"5 mm/min"`, `"60 kg cm2"`,
+  `"1.5 m/min/mm"`. A number without unit is a coefficient or a ratio.
+- Where the range has a ±, a tolerance may follow: `"50 N/um ± 5 N/um"` or `"50 N/um ± 10 %"`; `+-`
+  does as well. Percent are of the value, unless that is in percent itself.
+- Forces, dampings and the inertia of a drive are stated at the slide (`N`, `N s/m`, `kg`) or at
+  the motor (`N m`, `N m s/rad`, `kg cm2`).
+- What the file does not state is assumed as listed, and the report says so.
+- A key in bold must be stated, or what may stand in its place.
+
+The axis of [feed-axis.md](feed-axis.md):
+
+```toml""".splitlines()
+    yield from example().rstrip().splitlines()
+    yield "```"
+    for section in SECTIONS:
+        yield from ("", f"## `{section.header}`", "", section.meaning, "")
+        if section.otherwise:
+            yield from (f"Without it: {section.otherwise}; {section.reason}.", "")
+        yield "| key | example | range | what it is | without it |"
+        yield "|---|---|---|---|---|"
+        for key in BY_SECTION[section.name].values():
+            name = f"**`{key.name}`**" if key.required else f"`{key.name}`"
+            choices = ", ".join(f'`"{choice}"`' for choice in key.choices)
+            within = "" if key.within == ANY else str(key.within)
+            marks = ", ".join(filter(None, (choices, within, "±" if key.spread else "")))
+            meaning = key.meaning + (f" With `{key.needs}` only." if key.goes_with else "")
+            taken = ": ".join(filter(None, (key.taken, key.reason)))
+            yield f"| {name} | `{key.example}` | {marks} | {meaning} | {taken} |"
+
+
+def _other_interface(law: str, spec: Spec) -> Iterator[str]:
+    """Give the lines on the FMU of another friction law: in what its variables differ."""
+    own = spec.table.by_name
+    lacking = [f"`{name}`" for name in TABLE.by_name if name not in own]
+    yield from f"""\
+
+## {spec.name}
+
+{spec.description} `stickslip build --law {law}` builds it.
+
+It has the variables above with the same names, units and value references, but for
+{", ".join(lacking)}. So in a system of FMUs it takes the place of `StickSlip`, and nothing has
+to be connected anew.
+These are its own:
+""".splitlines()
+    yield from _variables(row for row in spec.table.rows if row.name not in TABLE.by_name)
+
+
+def _variables(rows: Iterable[Variable]) -> Iterator[str]:
+    """Give the lines of a table of variables."""
+    yield ""
+    yield "| variable | type | unit | causality | variability | start | range | what it is |"
+    yield "|---|---|---|---|---|---|---|---|"
+    for row in rows:
         start = "" if row.start is None else f"{row.start:g}"
         cells = (
             f"`{row.name}`",
@@ -114,35 +186,31 @@ name, unit, range, and when each may be set. It is made from the variable table 
             row.causality,
             row.variability,
             start,
-            _range(row),
+            row.range.partition("finite and ")[2],
             row.description,
         )
         yield "| " + " | ".join(cells) + " |"
 
 
-def _range(row: Variable) -> str:
-    if row.minimum is None:
-        return ""
-    if row.maximum is not None:
-        return f"{row.minimum} … {row.maximum}"
-    return "> 0" if row.minimum > 0 else "≥ 0"
+def verdict(folder: Path) -> Iterator[str]:
+    """Give the lines of the verdict page: kinds of truth, cases, how many checks of each hold.
 
-
-def verdict(fmu: Path) -> Iterator[str]:
-    """Give the lines of the verdict page: kinds of truth, cases, how many checks of each hold."""
+    The FMU of each friction law is built in the folder.
+    """
     cases = load_cases()
-    result = verify(fmu, cases, sequences=COUNT)
-    counts = result.summary
+    results = [verify(build(folder, law=law), cases, sequences=COUNT) for law in BUILT_IN]
+    counts = sum((Counter(result.summary) for result in results), Counter[str]())
+    sequences = [name for result in results for name in result.sequences]
     yield from f"""\
 # The verdict
 
-For everybody who must decide whether to trust the FMU. This page counts what was checked,
+For everybody who must decide whether to trust the FMUs. This page counts what was checked,
 in which cases, and with what result.
 
 **{counts["passed"]} passed, {counts["failed"]} failed**, in {len(cases)} cases
-and {len(result.sequences)} random sequences.
+and {len(sequences)} random sequences.
 
-This is code and solution verification in the terms of ASME V&V 10. It shows that the FMU
+This is code and solution verification in the terms of ASME V&V 10. It shows that the FMUs
 and the reference solve the equations of [theory.md](theory.md), and how exactly. Whether
 these equations describe a real machine is validation. Validation needs experiments; none
 were made here.
@@ -150,8 +218,10 @@ were made here.
 | kind of truth | what it is | passed | failed |
 |---|---|---|---|
 """.splitlines()
-    for kind, of_kind in result.by_kind.items():
-        yield f"| `{kind}` | {KINDS[kind]} | {of_kind['passed']} | {of_kind['failed']} |"
+    for kind, what in KINDS.items():
+        of_kind = [result.by_kind[kind] for result in results if kind in result.by_kind]
+        passed, failed = (sum(each[how] for each in of_kind) for how in ("passed", "failed"))
+        yield f"| `{kind}` | {what} | {passed} | {failed} |"
     yield from f"""\
 
 - [checks.md](checks.md) says what the failure of each check means.
@@ -165,15 +235,16 @@ The table counts, for each case, the checks that passed on the FMU and on the re
 | case | what | FMU | reference |
 |---|---|---|---|
 """.splitlines()
+    of_all = [each for result in results for each in result.checks]
     for case in cases:
-        of_case = [each for each in result.checks if each.case == case.id]
+        of_case = [each for each in of_all if each.case == case.id]
         sides = " | ".join(_holding(of_case, side) for side in ("fmu", "reference"))
         yield f"| `{case.id}` | {case.title} | {sides} |"
-    drawn = [each for each in result.checks if each.case in set(result.sequences)]
+    drawn = [each for each in of_all if each.case in set(sequences)]
     yield f"| | random sequences of seed {SEED} | {_holding(drawn, 'fmu')} | – |"
-    of_fmu = [each for each in result.checks if not each.case]
+    of_fmu = [each for each in of_all if not each.case]
     held = _holding(of_fmu, "fmu")
-    yield f"| | the FMU itself: its declarations, refusals, messages and calls | {held} | |"
+    yield f"| | the FMUs themselves: their declarations, refusals, messages and calls | {held} | |"
 
 
 def checks() -> Iterator[str]:
