@@ -3,15 +3,19 @@
 import os
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from multiprocessing.util import Finalize
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from stickslip_fmu.packer import build
-from tests.needs import require
+from tests.needs import needs, require
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 Sized = Callable[[int], int]
 
@@ -52,6 +56,12 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ[FOLDER] = str(kept)
 
 
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Mark what uses the browser, by whatever fixture, as in need of one."""
+    if "browser" in getattr(item, "fixturenames", ()):
+        item.add_marker(needs("browser"))
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out what is for --soak alone."""
     left_out = [each for each in items if each.get_closest_marker("soak")]
@@ -76,3 +86,13 @@ def sized(pytestconfig: pytest.Config) -> Sized:
 def fmu_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the FMU of this source tree."""
     return build(tmp_path_factory.mktemp("fmu"))
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator["Browser"]:
+    """Give a real browser, the only one of a process: Playwright cannot start a second."""
+    # What it needs is an extra.
+    from tests.page.browser import started
+
+    with started() as browser:
+        yield browser

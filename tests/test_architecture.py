@@ -8,7 +8,7 @@ import builtins
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.util import find_spec
+from importlib.machinery import PathFinder
 from pathlib import Path
 
 import pytest
@@ -108,7 +108,8 @@ class Import:
 
 def folder_of(package: str) -> Path:
     """Give the folder of an importable package."""
-    spec = find_spec(package)
+    # Where it is found now, and not where a module of this name was loaded from.
+    spec = PathFinder.find_spec(package)
     assert spec is not None
     assert spec.origin is not None
     return Path(spec.origin).parent

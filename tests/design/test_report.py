@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -21,10 +21,11 @@ from stickslip_design.axis import Demand
 from stickslip_design.report import data, html, plots, tables
 from stickslip_design.shown import EXACT, decibels, number, per_minute, told
 from stickslip_design.verdict import Verdict
-from tests.needs import needs
-from tests.page.browser import started
 
 from . import verdicts
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 MOST_PAGES = 4
 
@@ -323,13 +324,11 @@ def test_a_scale_sees_nothing_of_a_table_that_is_stuck() -> None:
     assert [text.get_text() for text in legend.get_texts()] == ["table sliding"]
 
 
-@needs("browser")
-def test_the_report_fits_phone_and_paper(tmp_path: Path) -> None:
+def test_the_report_fits_phone_and_paper(browser: Browser, tmp_path: Path) -> None:
     """A full one: nothing beyond a window of 360 px; four pages, the answer on the first."""
     file = tmp_path / "report.html"
     file.write_text(page("large"), encoding="utf-8")
-    with started() as browser:
-        window = browser.new_page(viewport={"width": 360, "height": 800})
+    with browser.new_page(viewport={"width": 360, "height": 800}) as window:
         window.goto(file.as_uri())
         assert window.evaluate("document.documentElement.scrollWidth") == 360
         assert window.locator("figure.narrow svg").is_visible()

@@ -1,4 +1,4 @@
-"""What the tests of the page share: one browser, the page as a file, and a window on it."""
+"""What the tests of the page share: the page as a file, and a window on it."""
 
 from __future__ import annotations
 
@@ -9,17 +9,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from stickslip.page import page as page_text
-from tests.needs import needs
-from tests.page.browser import opened, started
+from tests.page.browser import opened
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
-
-
-def pytest_itemcollected(item: pytest.Item) -> None:
-    """Mark what uses the browser, by whatever fixture, as in need of one."""
-    if "browser" in getattr(item, "fixturenames", ()):
-        item.add_marker(needs("browser"))
 
 
 @pytest.fixture(scope="session")
@@ -28,13 +21,6 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("page") / "stick-slip.html"
     file.write_text(page_text(), encoding="utf-8")
     return file
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    """Give a real browser."""
-    with started() as browser:
-        yield browser
 
 
 @pytest.fixture

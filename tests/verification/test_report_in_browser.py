@@ -1,7 +1,8 @@
 """The report in a real browser: nothing is cut on a screen, and it prints on a few pages."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,15 +18,13 @@ from stickslip_verification.model.verdict import (
 from stickslip_verification.report.html import render
 from stickslip_verification.report.words import ClaimSection
 from stickslip_verification.suite.catalogue import Meaning
-from tests.needs import needs
-from tests.page.browser import started
 from tests.verification.test_report import result
 from tests.verification.test_report_html import PROVENANCE, motion
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-pytestmark = needs("browser")
+    Shown = Callable[..., Page]
 
 CASES = ["default", *(f"lifted-and-set-down-{n}" for n in range(43))]
 SEQUENCES = [f"sequence-{n:03}" for n in range(200)]
@@ -113,20 +112,20 @@ def page_of(verdict: Verdict, *, full: bool = False) -> str:
     return render(verdict, claims=claims, meanings=meanings, drawn=drawn, full=full)
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator["Browser"]:
-    """Give a real browser."""
-    with started() as browser:
-        yield browser
+@pytest.fixture
+def shown(browser: "Browser", tmp_path: Path) -> Iterator["Shown"]:
+    """Give what opens a page in a window of some width [px], until the end of the test."""
+    file = tmp_path / "index.html"
+    with ExitStack() as windows:
 
+        def show(html: str, width: int = 1440) -> "Page":
+            file.write_text(html, encoding="utf-8")
+            window = browser.new_page(viewport={"width": width, "height": 900})
+            page = windows.enter_context(window)
+            page.goto(file.as_uri())
+            return page
 
-def shown(browser: "Browser", html: str, folder: Path, width: int = 1440) -> "Page":
-    """Open a page in a window of this width [px]."""
-    file = folder / "index.html"
-    file.write_text(html, encoding="utf-8")
-    page = browser.new_page(viewport={"width": width, "height": 900})
-    page.goto(file.as_uri())
-    return page
+        yield show
 
 
 def printed(page: "Page") -> int:
@@ -135,20 +134,18 @@ def printed(page: "Page") -> int:
 
 
 @pytest.mark.parametrize("width", [1440, 1024, 400])
-def test_no_column_is_cut(browser: "Browser", tmp_path: Path, width: int) -> None:
+def test_no_column_is_cut(shown: "Shown", width: int) -> None:
     """With every case open, nothing reaches beyond its box or the window, and no number breaks."""
-    page = shown(browser, page_of(suite_like("default", "sequence-017")), tmp_path, width)
+    page = shown(page_of(suite_like("default", "sequence-017")), width)
     page.evaluate("document.querySelectorAll('details').forEach(each => each.open = true)")
     assert page.evaluate(CUT) == []
     assert page.evaluate(SPLIT) == []
 
 
 @pytest.mark.parametrize("width", [1440, 400])
-def test_the_first_screen_has_the_verdict_and_its_cause(
-    browser: "Browser", tmp_path: Path, width: int
-) -> None:
+def test_the_first_screen_has_the_verdict_and_its_cause(shown: "Shown", width: int) -> None:
     """Verdict, sentence and likeliest cause lie within the window as it opens."""
-    page = shown(browser, page_of(suite_like("default")), tmp_path, width)
+    page = shown(page_of(suite_like("default")), width)
     for part in ("h1", ".lead", ".cause p"):
         box = page.locator(part).first.bounding_box()
         assert box is not None
@@ -159,38 +156,34 @@ def test_the_first_screen_has_the_verdict_and_its_cause(
     assert width < 1000 or curve["y"] + curve["height"] < 900
 
 
-def test_the_reason_of_a_tolerance_is_seen_in_an_open_case(
-    browser: "Browser", tmp_path: Path
-) -> None:
+def test_the_reason_of_a_tolerance_is_seen_in_an_open_case(shown: "Shown") -> None:
     """Nothing but the case has to be opened."""
-    page = shown(browser, page_of(suite_like()), tmp_path)
+    page = shown(page_of(suite_like()))
     page.locator("details.case summary").first.click()
     assert page.locator("details.case[open] td:last-child").first.is_visible()
     assert page.locator("details.case[open] td:last-child").first.inner_text() == REASON
 
 
-def test_a_report_without_failures_prints_on_a_few_pages(
-    browser: "Browser", tmp_path: Path
-) -> None:
+def test_a_report_without_failures_prints_on_a_few_pages(shown: "Shown") -> None:
     """Each case is a line there; --full prints every comparison."""
-    page = shown(browser, page_of(suite_like()), tmp_path)
+    page = shown(page_of(suite_like()))
     assert printed(page) <= MOST_PAGES
-    full = shown(browser, page_of(suite_like(), full=True), tmp_path)
+    full = shown(page_of(suite_like(), full=True))
     assert printed(full) > 10 * MOST_PAGES
 
 
-def test_a_failed_case_is_printed_with_every_comparison(browser: "Browser", tmp_path: Path) -> None:
+def test_a_failed_case_is_printed_with_every_comparison(shown: "Shown") -> None:
     """What passed in it is printed too; what passed elsewhere is not."""
-    page = shown(browser, page_of(suite_like("default")), tmp_path)
+    page = shown(page_of(suite_like("default")))
     page.emulate_media(media="print")
     rows = page.locator("table.rows tr.pass:visible")
     assert rows.count() == 107
     assert page.locator("details.case summary:visible").count() == 44
 
 
-def test_the_filter_hides_groups_without_a_hit(browser: "Browser", tmp_path: Path) -> None:
+def test_the_filter_hides_groups_without_a_hit(shown: "Shown") -> None:
     """Only what did not pass: one case, one row, and no empty heading."""
-    page = shown(browser, page_of(suite_like("default")), tmp_path)
+    page = shown(page_of(suite_like("default")))
     page.locator("input[name=failed]").check()
     page.wait_for_function("document.querySelector('output').textContent !== ''")
     assert page.locator("output").inner_text() == "1 of 4752 shown"

@@ -283,7 +283,7 @@ def test_workers_that_do_not_see_the_folder_are_told() -> None:
     """As those of a folder that is in the memory of one process."""
     # This process computes until the first worker is there, on a busy machine for long.
     with pytest.raises(StudyError, match=r"the worker on .* does not see the study in memory://"):
-        run(Toy(100_000, pace=1e-3), "memory://unseen", workers=2)
+        run(Toy(100_000, pace=1e-3), "memory://of-one-process", workers=2)
 
 
 @needs("studies")

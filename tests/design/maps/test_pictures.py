@@ -16,10 +16,10 @@ from stickslip_design.maps.page import page, ticks
 from stickslip_design.maps.pictures import EVEN, picture
 from stickslip_design.maps.views import Side, Unit, View, colours, contours, unit_of
 from tests.needs import needs
-from tests.page.browser import started
 
 if TYPE_CHECKING:
     import xarray
+    from playwright.sync_api import Browser
 
 OVER = {"v": "1..900 mm/s log 30", "k": "0.1..10 kN/m log 20", "c": "0.5..6 15", "m": "1..9 kg 7"}
 
@@ -195,16 +195,16 @@ def test_a_picture_is_drawn_of_any_two_parameters() -> None:
         assert data_of(page(view, [part], told))["counts"] == []
 
 
-@needs("studies", "browser")
-def test_sliders_and_buttons_choose_the_picture_by_keyboard(tmp_path: Any) -> None:
+@needs("studies")
+def test_sliders_and_buttons_choose_the_picture_by_keyboard(
+    browser: "Browser", tmp_path: Any
+) -> None:
     """Arrow keys move a slider: picture, limit and words follow; the page logs no error."""
     _, text = some_page()
     data = data_of(text)
     file = tmp_path / "index.html"
     file.write_text(text, encoding="utf-8")
-    with started() as browser:
-        context = browser.new_context()
-        window = context.new_page()
+    with browser.new_page() as window:
         errors: list[str] = []
         window.on("pageerror", lambda error: errors.append(str(error)))
         window.goto(file.as_uri())

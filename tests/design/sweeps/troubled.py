@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import os
+import tempfile
 import time
+from pathlib import Path
 from typing import Any, ClassVar
 
 from pythonfmu import (
@@ -54,6 +56,7 @@ class Troubled(Fmi2Slave):  # type: ignore[misc]
         """Integrate, or go wrong."""
         self.y += self.gain * self.u * step_size
         if self.trouble == 1:
+            Path(tempfile.gettempdir(), f"hangs-{os.getpid()}").touch()
             time.sleep(300.0)
         if self.trouble == 2:
             ctypes.string_at(0)

@@ -1,17 +1,17 @@
-"""The process that holds the FMUs of a sweep: `python -m stickslip_design.sweeps.child`.
+"""The process that holds the FMUs of a sweep: `python -m stickslip_design.sweeps.child FOLDER`.
 
 It reads frames from standard input and answers on standard output, whose descriptors it takes away
-from the FMUs first: what they print goes nowhere. It ends when its input ends. Where the process
-that asks is killed, it ends as well, and removes the folder of the unpacked FMUs.
+from the FMUs first: what they print goes nowhere. It ends when it is told that all is done. Where
+the process that asks is killed, it ends as well, and removes `FOLDER`, that of the unpacked FMUs.
 
 On Linux the FMUs are in a fork of it, so that after a crash the next one starts at once; SIGTERM
 ends the fork alone. Elsewhere a crash ends this process.
 
-A frame is its length, 8 bytes, and its content. The first one is the pickled job with its folder
-and those of its FMUs, each further one the float64 values of some runs, and an empty one says that
-it is done. The answers are `READY` or `FAILED` with a reason. To each frame of runs they are
-`TAKEN`, then for each run `RESULT` with its float64 values or `FAILED` with the reason. `ENDED`
-with an exit code tells that a fork ended; `READY` follows for the next one.
+A frame is its length, 8 bytes, and its content. The first one is the pickled job with the folders
+of its FMUs, each further one the float64 values of some runs, and an empty one says that all is
+done. The answers are `READY` or `FAILED` with a reason. To each frame of runs they are `TAKEN`,
+then for each run `RESULT` with its float64 values or `FAILED` with the reason. `ENDED` with an exit
+code tells that a fork ended; `READY` follows for the next one.
 """
 
 from __future__ import annotations
@@ -81,25 +81,31 @@ def main() -> None:
         os.dup2(nothing, descriptor)
     # Ctrl-C is for the process that asks.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    folder = Path(sys.argv[1])
     begin = receive(asked)
+    done = False
     if begin is not None:
-        job, folder, folders = pickle.loads(begin)
+        job, folders = pickle.loads(begin)
         with contextlib.suppress(BrokenPipeError):
             if sys.platform == "linux":
                 _fork(answers, folder)
             else:
                 _follow(folder)
-            _serve(asked, answers, job, folders)
+            done = _serve(asked, answers, job, folders)
+    if not done:
+        # The pipes of a killed process are closed before it is seen that its children lost it.
+        _leave(folder)
     # What an FMU does when its library is unloaded cannot hurt any more.
     os._exit(0)
 
 
-def _serve(asked: BinaryIO, answers: BinaryIO, job: Job, folders: Sequence[Path]) -> None:
+def _serve(asked: BinaryIO, answers: BinaryIO, job: Job, folders: Sequence[Path]) -> bool:
+    """Do runs until all is done; False if the process that asks has ended before."""
     try:
         runner = Runner(job, folders)
     except FmuError as error:
         send(answers, FAILED + str(error).encode())
-        return
+        return True
     send(answers, READY)
     while content := receive(asked):
         send(answers, TAKEN)
@@ -111,6 +117,7 @@ def _serve(asked: BinaryIO, answers: BinaryIO, job: Job, folders: Sequence[Path]
             else:
                 send(answers, RESULT + struct.pack(f"={len(found)}d", *found))
     runner.close()
+    return content is not None
 
 
 def _fork(answers: BinaryIO, folder: Path) -> None:

@@ -164,7 +164,7 @@ class Host:
         """Return the process, ready for runs."""
         if self._child is None:
             self._child = subprocess.Popen(
-                [sys.executable, "-m", f"{__package__}.child"],
+                [sys.executable, "-m", f"{__package__}.child", self._folder],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
@@ -172,8 +172,7 @@ class Host:
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
             )
             with contextlib.suppress(OSError):
-                begin = self._job, self._folder, self._folders
-                send(_pipe(self._child.stdin), pickle.dumps(begin))
+                send(_pipe(self._child.stdin), pickle.dumps((self._job, self._folders)))
         child = self._child
         if not self._ready:
             answer = self._answer(child, STARTING + self._limit)
