@@ -150,6 +150,13 @@ def test_what_an_axis_cannot_be_mapped_over_is_refused(
         stickslip_design.map_(over, axis=axis_file_of(RIGID, "rigid.toml"), values=values)
 
 
+@needs("studies")
+def test_what_is_held_is_not_mapped_over() -> None:
+    """As what is meant is not known."""
+    with pytest.raises(ValueError, match="k: it is held, and the map is over it too"):
+        stickslip_design.map_(OVER, values={"k": 5.0})
+
+
 @needs("studies", "cc")
 @pytest.mark.parametrize(
     ("law", "over", "held", "searched"),

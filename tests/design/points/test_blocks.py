@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import stickslip_ref
 from stickslip_design.points import slips
 from stickslip_design.points.blocks import COLUMNS, Regime, block_points, critical_speeds
+from tests.conftest import Sized
 from tests.needs import needs
 
 Floats = NDArray[np.float64]
@@ -121,9 +122,9 @@ def test_cycles_are_those_of_the_reference(points: Any, count: int) -> None:
 
 
 @needs("cc")
-def test_cycles_of_falling_friction_are_those_that_a_simulation_ends_in() -> None:
+def test_cycles_of_falling_friction_are_those_that_a_simulation_ends_in(sized: Sized) -> None:
     """And where the reference has no cycle the mass slides evenly or swings, as it says."""
-    count = 15
+    count = sized(200)
     values = falling(3, count)
     found = block_points(values, "stribeck", limit=False)
     assert len(set(found["regime"].tolist())) > 1

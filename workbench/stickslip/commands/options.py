@@ -30,6 +30,15 @@ _LAW = typer.Option(
 )
 FrictionLaw = Annotated[str, _LAW]
 FrictionLawOrThatOfCurve = Annotated[str | None, _LAW]
+MappedLaw = Annotated[
+    str | None,
+    typer.Option(
+        "--law",
+        metavar="NAME",
+        help="Friction law: coulomb, or stribeck, which is that of a --curve.",
+        show_default=False,
+    ),
+]
 LawParameter = Annotated[
     list[str] | None,
     typer.Option(

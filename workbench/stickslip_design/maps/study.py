@@ -98,7 +98,11 @@ def map_(
     ValueError
         If a range or a value cannot be taken, or the study cannot be computed to its end.
     """
-    study, spans = study_of(over, values=values or {}, law=law, axis=axis, limit=limit)
+    values = values or {}
+    for name in over:
+        if name in values:
+            raise OverError(f"{name}: it is held, and the map is over it too")
+    study, spans = study_of(over, values=values, law=law, axis=axis, limit=limit)
     return computed(
         study,
         spans,
