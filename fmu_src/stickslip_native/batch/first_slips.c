@@ -20,17 +20,22 @@ enum { MOST_ARCS = 100000 };
 size_t first_slips(const struct settings runs[], size_t count, struct first_slip found[],
                    char reason[MESSAGE_SIZE]);
 
-/* Go through the end of an arc into the next one. */
-static enum refusal pass_end(const struct friction *law, struct arc *arc, struct meter *meter)
+/* What is more than rounding of the speed, relative to the highest of the slip. */
+static const double SEEN = 1e-6;
+
+/* Go through the end of an arc into the next one; `extreme` is the velocity of largest magnitude in
+ * the arc if it was a slip [m/s]. */
+static enum refusal pass_end(const struct friction *law, struct arc *arc, struct meter *meter,
+                             double *extreme)
 {
     const struct arc ended = *arc;
     const struct arc_functions *functions = ARCS[ended.tag];
     const struct motion end = functions->end(&ended);
+    *extreme = functions->extreme_velocity(&ended, ended.duration);
     if (ended.mode == 0)
         meter_pass_stick(meter, ended.duration);
     else
-        meter_pass_slip(meter, ended.duration, end.displacement, -end.growth,
-                        functions->extreme_velocity(&ended, ended.duration));
+        meter_pass_slip(meter, ended.duration, end.displacement, -end.growth, *extreme);
     return LAW.after(law, &ended, ended.z_start + end.growth, arc);
 }
 
@@ -41,6 +46,7 @@ static enum refusal first_slip(const struct settings *settings, struct first_sli
     struct friction law;
     struct meter meter;
     struct arc arc;
+    double extreme;
     enum refusal refused = LAW.under(&law, settings, NULL);
     if (refused != ACCEPTED) return refused;
     meter_start(&meter, 0.0);
@@ -50,17 +56,24 @@ static enum refusal first_slip(const struct settings *settings, struct first_sli
     *found = (struct first_slip){HUGE_VAL, NAN, NAN, NAN, NAN};
     if (arc.mode == 0) {
         if (arc.duration == HUGE_VAL) return ACCEPTED;
-        refused = pass_end(&law, &arc, &meter);
+        refused = pass_end(&law, &arc, &meter, &extreme);
         if (refused != ACCEPTED) return refused;
         meter_break_away(&meter, 0.0);
     }
     found->t_stick = meter.t_stick;
     found->t_slip = HUGE_VAL;
     const int mode = arc.mode;
+    /* The highest speed so far, and the lowest that it has fallen to from there. */
+    double highest = 0.0, lowest = HUGE_VAL;
     for (int n = 0; arc.mode == mode; n++) {
         if (arc.duration == HUGE_VAL || n == MOST_ARCS) return ACCEPTED;
-        refused = pass_end(&law, &arc, &meter);
+        const double speed = mode * arc.x_dot_start;
+        if (speed < highest - SEEN * highest && speed < lowest) lowest = speed;
+        refused = pass_end(&law, &arc, &meter, &extreme);
         if (refused != ACCEPTED) return refused;
+        /* From rest the speed that rises again never falls to rest: docs/theory.md (30). */
+        if (x_dot == 0.0 && mode * extreme > lowest + SEEN * highest) return ACCEPTED;
+        if (mode * extreme > highest) highest = mode * extreme;
     }
     meter_end_slip(&meter, 0.0);
     *found = (struct first_slip){meter.t_stick, meter.t_slip, meter.delta_x, meter.spring_drop,

@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 import stickslip_ref
 from stickslip_design.points import slips
 from stickslip_design.points.blocks import COLUMNS, Regime, block_points, critical_speeds
+from stickslip_fmu.block import Block
+from stickslip_fmu.laws.stribeck.law import STRIBECK
+from stickslip_fmu.spec import spec_of
 from tests.conftest import Sized
 from tests.needs import needs
 
@@ -244,6 +247,51 @@ def test_without_a_compiler_the_python_block_gives_the_same_and_it_is_told_once(
     (warning,) = caught
     assert issubclass(warning.category, slips.SlowCoreWarning)
     assert str(warning.message).startswith("there is no compiler; the Python block computes")
+
+
+SWINGS = {
+    "m": 0.395,
+    "k": 15686.0,
+    "c": 7.63,
+    "v": 0.04765,
+    "mu_s": 0.426,
+    "shape": 3.0,
+    "n_points": 3.0,
+    "mu_1": 0.35,
+    "u_2": 0.05,
+    "mu_2": 0.17,
+    "u_3": 0.2,
+    "mu_3": 0.327,
+}
+"""Friction falls up to a speed just above that of the pull, and rises from there on."""
+
+
+@needs("cc")
+@pytest.mark.parametrize("native", [True, False])
+def test_a_slip_that_is_given_up_has_no_end(native: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It fades or swings for ever: the block slips on for 40 turns."""
+    if not native:
+        monkeypatch.setattr(slips, "native_problem", lambda: "there is no compiler")
+    random = {name: each[:30] for name, each in falling(7, 100).items()}
+    runs = {name: np.append(each, SWINGS.get(name, 1.0)) for name, each in random.items()}
+    found = slips.first_slips(runs, "stribeck")
+    endless = np.flatnonzero(np.isinf(found.t_slip)).tolist()
+    assert 5 < len(endless) < 25
+    assert endless[-1] == 30
+    spec = spec_of(STRIBECK)
+    for number in endless:
+        values = {name: float(each[number]) for name, each in runs.items()}
+        block = cast(Block, spec.model(spec.values({**spec.table.start_values(), **values})))
+        turn = 2.0 * math.pi * math.sqrt(values["m"] / values["k"])
+        block.advance(0.0, float(found.t_stick[number]) + 40.0 * turn)
+        assert (block.mode, block.meter.n_slips) == (1, 0)
+    # This one swings, and the others fade.
+    speeds = []
+    for _ in range(40):
+        block.advance(0.0, 0.05 * turn)
+        block.refresh()
+        speeds.append(block.x_dot)
+    assert 0.0 < min(speeds) < 0.8 * SWINGS["v"] < 1.2 * SWINGS["v"] < max(speeds)
 
 
 @pytest.mark.parametrize("law", ["coulomb", pytest.param("stribeck", marks=needs("cc"))])

@@ -30,6 +30,9 @@ BESIDE: Final = 1e-6
 LEAST_STICK: Final = 1e-12
 """A shorter stick counts as none [1/w]: it is rounding."""
 
+SEEN: Final = 1e-6
+"""What is more than rounding of a speed, relative to the highest of the slip."""
+
 REST_SLACK: Final = 8.0 * 2.0**-52
 """Rounding slack of the rest test; docs/theory.md (4)."""
 
@@ -162,14 +165,26 @@ def _by_python_blocks(values: Values, law: str) -> Slips:
 
 
 def _first_slip(block: Block) -> tuple[float, float, float, float]:
-    """Move a block from arc to arc until its first slip has ended."""
+    """Move a block from arc to arc until its first slip has ended, or it is seen to have no end.
+
+    From rest a speed that has fallen and rises again never falls to rest; docs/theory.md (30).
+    """
     meter, state = block.meter, block.state
+    from_rest = state.arc.x_dot_start == 0.0
     in_slip = block.mode != 0
+    highest, lowest, extreme = 0.0, math.inf, 0.0
     while meter.n_slips == 0:
-        left = state.arc.duration - state.elapsed
-        if math.isinf(left):
+        arc = state.arc
+        left = arc.duration - state.elapsed
+        if in_slip:
+            speed = abs(arc.x_dot_start)
+            if speed < highest - SEEN * highest:
+                lowest = min(lowest, speed)
+            extreme = abs(arc.extreme_velocity(arc.duration)) if left < math.inf else 0.0
+        if math.isinf(left) or (from_rest and extreme > lowest + SEEN * highest):
             t_stick = meter.t_stick if in_slip else math.inf
             return t_stick, math.inf if in_slip else math.nan, math.nan, math.nan
+        highest = max(highest, extreme)
         # A stick ends when time passes its end.
         block.advance(0.0, math.nextafter(left, math.inf))
         in_slip = in_slip or block.mode != 0
