@@ -150,7 +150,9 @@ def assert_is_the_truth(setting: Setting, exact: truth.Run) -> None:
                 assert off <= allowed * scale + moved, (name, off / scale, moved / scale, setting)
 
 
-@pytest.mark.parametrize("share", range(SHARES))
+@pytest.mark.parametrize(
+    "share", [1, 3, *(pytest.param(share, marks=pytest.mark.soak) for share in (0, 2))]
+)
 def test_block_is_the_truth(sized: Sized, share: int) -> None:
     """No stick is missed and none invented, and every output is the truth."""
     count = sized(SETTINGS) // SHARES

@@ -16,12 +16,17 @@ from stickslip_verification.model.verdict import CheckResult, Klass
 from stickslip_verification.suite.cases import load_cases
 from stickslip_verification.suite.experiment import CommunicationStep
 from stickslip_verification.suite.invariants import load_invariants
+from stickslip_verification.truth.named import COULOMB_NAME
 
 from .records import Fault, exact_of, named, planted
 
 MANNER = load_invariants().sequences[0]
+QUICK = {"stribeck-default", "stribeck-grazing"}
+"""Those under Stribeck's law that the gate takes: each needs some ten seconds of truth."""
 SHORT = [
-    case.id
+    pytest.param(
+        case.id, marks=[] if case.law == COULOMB_NAME or case.id in QUICK else pytest.mark.soak
+    )
     for case in load_cases()
     if case.klass == Klass.PHYSICS and len(case.steps) <= 250 and case.stop_time <= 60.0
 ]

@@ -11,7 +11,7 @@ from tests.verification.foreign import makers
 from tests.verification.foreign.makers import CALLING_PATTERNS, COMBINATIONS, MAKERS
 from tests.verification.records import named
 
-SOME = 40
+SOME = 16
 """Random sequences that the faultless FMUs are tried on."""
 
 FEW = 24
