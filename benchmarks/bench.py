@@ -174,13 +174,16 @@ def measure_native() -> list[Measurement]:
             against,
             at_most=1.0,
         ),
-        Measurement(
-            f"map: {count:,} points under Stribeck's law",
-            "map",
-            native.measure_points(),
-            slips,
-            "their slips alone",
-            at_most=1.0,
+        *(
+            Measurement(
+                f"map: {count:,} points under Stribeck's law{what}",
+                "map",
+                spent,
+                slips,
+                "undamped slips alone",
+                at_most=1.0,
+            )
+            for what, spent in zip(("", ", damped"), native.measure_points(), strict=True)
         ),
     ]
 

@@ -25,6 +25,9 @@ ARGUMENTS = (
 )
 WIDTH, HEIGHT = 1280, 800
 
+PATIENCE = 120_000
+"""How long a wait may be [ms]: on a busy machine a click alone takes seconds."""
+
 
 @contextmanager
 def started() -> Iterator[Browser]:
@@ -77,11 +80,12 @@ def opened(
 
     with browser.new_context(viewport={"width": width, "height": height}, **options) as context:
         page = context.new_page()
+        page.set_default_timeout(PATIENCE)
         page.on("console", note)
         page.on("pageerror", lambda error: errors.append(f"escaped: {error}"))
         page.goto(file.as_uri() + (f"#{fragment}" if fragment else ""))
         try:
-            page.wait_for_function("window.stickslip !== undefined", timeout=60_000)
+            page.wait_for_function("window.stickslip !== undefined")
         except Exception as error:
             error.add_note(f"errors of the page: {errors}")
             raise
