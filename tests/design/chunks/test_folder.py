@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -284,6 +285,14 @@ def test_workers_that_do_not_see_the_folder_are_told() -> None:
     # This process computes until the first worker is there, on a busy machine for long.
     with pytest.raises(StudyError, match=r"the worker on .* does not see the study in memory://"):
         run(Toy(100_000, pace=1e-3), "memory://of-one-process", workers=2)
+
+
+def test_a_change_far_inside_a_long_value_is_one() -> None:
+    """Though a refusal shows the beginning alone."""
+    old = manifest_of(Toy())
+    one, other = (replace(old, identity={"over": [*range(100), end]}) for end in (1, 2))
+    assert one.changes(one) == ""
+    assert one.changes(other).startswith("inputs.over is [0, 1, ")
 
 
 @needs("studies")

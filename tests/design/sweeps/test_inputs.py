@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from stickslip_design.datasets import digest_of
 from stickslip_design.sweeps.refusal import SweepError
 from stickslip_design.sweeps.study import Sweep, prepare
 
@@ -78,3 +79,11 @@ def test_a_plan_without_a_file_has_no_lines(fmu_path: Path, tmp_path: Path) -> N
         prepare(fmu_path, plan)
     with pytest.raises(SweepError, match=r"plan\.toml: line 4: parameters\.kk is no variable"):
         prepared(fmu_path, tmp_path, inputs={}, parameters={"kk": 1.0})
+
+
+def test_the_order_of_the_axes_is_an_input(fmu_path: Path) -> None:
+    """Results are kept by the number of a run, which counts along the axes."""
+    k, m = {"k": [500.0, 1000.0]}, {"m": [1.0, 2.0]}
+    plan = {"stop_time": 1.0, "step": 0.5, "outputs": {"x": "last"}}
+    one, other = (prepare(fmu_path, {**plan, "parameters": each}) for each in (k | m, m | k))
+    assert digest_of(one.identity) != digest_of(other.identity)

@@ -228,4 +228,7 @@ def test_an_input_from_a_file_follows_straight_lines(troubled: Path, tmp_path: P
     release()
     assert columns["y"].tolist() == [3.0]
     file.write_text("time, u\n0, 5\n", encoding="utf-8")
+    begun = prepare(troubled, {**plan, "outputs": {"u_begun": "last"}}).compute(0, 1)
+    release()
+    assert begun["u_begun"].tolist() == [5.0]
     assert prepare(troubled, plan).identity != study.identity

@@ -137,6 +137,63 @@ def test_a_wire_carries_start_values_and_is_transformed(troubled: Path, tmp_path
     assert columns["inner.b.y"].tolist() == [0.5 * (111 + 121), 0.5 * (131 + 141)]
 
 
+ALONE = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<ssd:SystemStructureDescription version="1.0" name="Alone"
+    xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+    xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription">
+  <ssd:System name="Alone">
+    <ssd:Elements>
+      <ssd:Component name="a" type="application/x-fmu-sharedlibrary" source="resources/a.fmu">
+        <ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>
+          <ssv:ParameterSet version="1.0" name="p"><ssv:Parameters>
+            <ssv:Parameter name="NAME">VALUE</ssv:Parameter>
+          </ssv:Parameters></ssv:ParameterSet>
+        </ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>
+      </ssd:Component>
+    </ssd:Elements>
+  </ssd:System>
+</ssd:SystemStructureDescription>
+"""
+
+
+def alone(fmu: Path, to: Path, name: str, value: str) -> Path:
+    """Write an SSP file of one FMU and a value."""
+    with zipfile.ZipFile(to, "w") as archive:
+        archive.writestr(STRUCTURE, ALONE.replace("NAME", name).replace("VALUE", value))
+        archive.write(fmu, "resources/a.fmu")
+    return to
+
+
+def test_a_value_of_the_file_has_its_unit(fmu_path: Path, tmp_path: Path) -> None:
+    """It is taken in that of the variable."""
+    for text, k in (("2", 2.0), ('2" unit="N/m', 2.0), ('2" unit="kN/m', 2000.0)):
+        file = alone(fmu_path, tmp_path / "alone.ssp", "k", f'<ssv:Real value="{text}"/>')
+        assert read_model(file).bound == {"a.k": k}
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("k", '<ssv:Real value="2" unit="m/s"/>', "its value of a.k has the unit 'm/s', which is"),
+        ("F", '<ssv:Real value="2"/>', "gives a value to a.F, which is a continuous output, and"),
+    ],
+)
+def test_a_value_that_the_file_cannot_give_is_refused(
+    fmu_path: Path, tmp_path: Path, name: str, value: str, reason: str
+) -> None:
+    """By its unit, or as nobody can set it."""
+    with pytest.raises(SweepError, match=reason):
+        read_model(alone(fmu_path, tmp_path / "alone.ssp", name, value))
+
+
+def test_a_value_of_the_file_is_one_of_its_type(troubled: Path, tmp_path: Path) -> None:
+    """No fraction where the variable is an integer."""
+    file = alone(troubled, tmp_path / "alone.ssp", "trouble", '<ssv:Real value="2.7"/>')
+    with pytest.raises(SweepError, match=r"a\.trouble has 2\.7, and the variable is of type Int"):
+        read_model(file)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [

@@ -29,6 +29,8 @@ _PACKAGES: Final = (
 """Our packages that results are computed by."""
 _SHOWN: Final = 3
 """Changes that a refusal names."""
+_LONGEST: Final = 60
+"""Characters of a value that a refusal shows."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ class Manifest:
         """Return in what another study or its versions differ, in words; empty if in nothing."""
         was, now = (dict(_leaves(each._decisive)) for each in (self, new))
         told = [
-            f"{name} is {now.get(name, 'not given')} and was {was.get(name, 'not given')}"
+            f"{name} is {_told(now.get(name))} and was {_told(was.get(name))}"
             for name in dict.fromkeys((*now, *was))
             if now.get(name) != was.get(name)
         ]
@@ -100,8 +102,14 @@ def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, str]]:
         for each, inner in value.items():
             yield from _leaves(inner, f"{name}.{each}" if name else str(each))
     else:
-        text = json.dumps(value)
-        yield name, text if len(text) <= 60 else f"{text[:57]}..."
+        yield name, json.dumps(value)
+
+
+def _told(text: str | None) -> str:
+    """Return what a refusal says of a value."""
+    if text is None:
+        return "not given"
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
 def read_manifest(store: Store) -> Manifest | None:

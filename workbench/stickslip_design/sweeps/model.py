@@ -6,6 +6,8 @@ of an SSP file are named component.variable.
 
 from __future__ import annotations
 
+import math
+import re
 import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -19,10 +21,10 @@ from stickslip_verification.drive.fmu.unpacking import check_size, new_folder, u
 from stickslip_verification.drive.fmu.variables import NUMBERS, unit_of, units_defined
 
 from ..quantity import QuantityError
-from .job import Component, Variable, Wire
+from .job import FLOATING, Component, Variable, Wire
 from .refusal import SweepError
 from .ssp import System, read_system
-from .units import between
+from .units import between, in_unit
 
 _SETTABLE: Final = frozenset({"parameter", "input"})
 _AT_START: Final = frozenset({"exact", "approx"})
@@ -135,7 +137,7 @@ def _system(path: Path, content: bytes) -> Model:
         tuple(components),
         variables,
         tuple(_wires(path, system, variables, units)),
-        _bound(path, system, variables),
+        _bound(path, system, variables, units),
         units,
         system.experiment,
     )
@@ -214,10 +216,40 @@ def _wires(
         yield Wire(source.name, target.name, factor, offset)
 
 
-def _bound(path: Path, system: System, variables: Mapping[str, Variable]) -> dict[str, float]:
-    for name in system.values:
+def _bound(
+    path: Path, system: System, variables: Mapping[str, Variable], units: Mapping[str, Unit]
+) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for name, (number, unit) in system.values.items():
         if name not in variables:
             raise SweepError(f"{path}: gives a value to {name}, which is no variable of its FMU")
-        if variables[name].obstacle:
-            raise SweepError(f"{path}: gives a value to {name}, which {variables[name].obstacle}")
-    return dict(system.values)
+        variable = variables[name]
+        obstacle = variable.obstacle
+        if not obstacle and not variable.starts:
+            obstacle = f"is a {variable.variability} {variable.causality}, and cannot be set"
+        if obstacle:
+            raise SweepError(f"{path}: gives a value to {name}, which {obstacle}")
+        try:
+            found[name] = in_unit(units, number, unit, variable.unit)
+            check_type(variable, found[name])
+        except QuantityError as error:
+            raise SweepError(f"{path}: its value of {name} {error}") from None
+    return found
+
+
+def check_type(variable: Variable, number: float) -> None:
+    """Refuse a number that is no value of the variable's type.
+
+    Raises
+    ------
+    QuantityError
+        If the type does not have it.
+    """
+    if variable.kind == "Boolean" and number not in (0.0, 1.0):
+        raise QuantityError(f"has {number:g}, and the variable is true or false")
+    if variable.kind not in FLOATING and variable.kind != "Boolean":
+        bits = int(re.sub(r"\D", "", variable.kind) or "32")
+        low = 0 if variable.kind.startswith("U") else -(2 ** (bits - 1))
+        # Of what C cannot hold it would take some other number.
+        if number != math.floor(number) or not low <= number < low + 2**bits:
+            raise QuantityError(f"has {number:g}, and the variable is of type {variable.kind}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any, Final, NamedTuple
@@ -14,8 +13,8 @@ from numpy.typing import NDArray
 from ..quantity import QuantityError
 from ..ranges import BETWEEN, parse_range
 from .columns import Columns, read_columns
-from .job import FLOATING, Job, Table, Variable, column_of
-from .model import Model
+from .job import Job, Table, Variable, column_of
+from .model import Model, check_type
 from .plan import TIME_LIMIT, Plan, Written, is_tabular
 from .reductions import REDUCTIONS
 from .refusal import SweepError, nearest
@@ -168,23 +167,11 @@ def _values(
             else:
                 numbers = [float(value)]
             for number in numbers:
-                _check(variable, number)
+                check_type(variable, number)
         except QuantityError as error:
             raise plan.refused(key, f"= {value!r} {error}") from None
         found += numbers
     return np.array(found)
-
-
-def _check(variable: Variable, number: float) -> None:
-    """Refuse a number that is no value of the variable's type."""
-    if variable.kind == "Boolean" and number not in (0.0, 1.0):
-        raise QuantityError(f"has {number:g}, and the variable is true or false")
-    if variable.kind not in FLOATING and variable.kind != "Boolean":
-        bits = int(re.sub(r"\D", "", variable.kind) or "32")
-        low = 0 if variable.kind.startswith("U") else -(2 ** (bits - 1))
-        # Of what C cannot hold it would take some other number.
-        if number != math.floor(number) or not low <= number < low + 2**bits:
-            raise QuantityError(f"has {number:g}, and the variable is of type {variable.kind}")
 
 
 def _points(
@@ -220,7 +207,7 @@ def _of_column(
                 [in_unit(model.units, repr(each), unit, variable.unit) for each in numbers.tolist()]
             )
         for each in np.unique(numbers).tolist():
-            _check(variable, each)
+            check_type(variable, each)
     except QuantityError as error:
         raise plan.refused(key, f"= {columns.file.name!r}: {variable.name} {error}") from None
     return numbers

@@ -247,6 +247,8 @@ class Runner:
     def _run(self, values: NDArray[np.float64]) -> list[float]:
         job = self._job
         self._set_start([*job.fixed.values(), *values.tolist()])
+        if job.tables:
+            self._set_tables([float(each.values[0]) for each in job.tables])
         start = float(job.times[0])
         for each in self._instances:
             each.enter(start)

@@ -72,14 +72,15 @@ class System:
     connections
         Between components; connectors of systems on the way are followed.
     values
-        Values of variables by name, as component.variable.
+        Values of variables by name, as component.variable: the number as it is written, and its
+        unit, empty where it has none.
     experiment
         Start and stop of the default experiment [s], as a plan calls them.
     """
 
     components: Mapping[str, str]
     connections: tuple[Connection, ...]
-    values: Mapping[str, float]
+    values: Mapping[str, tuple[str, str]]
     experiment: Mapping[str, float]
 
 
@@ -113,7 +114,7 @@ def read_system(path: Path) -> System:
     assert system is not None
     components: dict[str, str] = {}
     sources: dict[_Node, tuple[_Node, Change]] = {}
-    values: dict[str, float] = {}
+    values: dict[str, tuple[str, str]] = {}
     _collect(path, root, system, "", components, sources, values)
     if not components:
         raise SweepError(f"{path}: has no component")
@@ -132,7 +133,7 @@ def _collect(
     place: str,
     components: dict[str, str],
     sources: dict[_Node, tuple[_Node, Change]],
-    values: dict[str, float],
+    values: dict[str, tuple[str, str]],
 ) -> None:
     """Add what is in a system at a place, such as ``inner.``, to what was found.
 
@@ -223,26 +224,24 @@ def _traced(
     return Connection(f"{at[0]}.{at[1]}", f"{node[0]}.{node[1]}", change)
 
 
-def _given(path: Path, element: Any, place: str) -> dict[str, float]:
-    found: dict[str, float] = {}
+def _given(path: Path, element: Any, place: str) -> dict[str, tuple[str, str]]:
+    found: dict[str, tuple[str, str]] = {}
     for binding in element.parameterBindings:
         if binding.parameterMapping:
             raise SweepError(f"{path}: maps parameters, which a sweep does not read")
         before = f"{place}{binding.prefix or ''}"
         for each in binding.parameterValues:
             for parameter in each.parameters:
+                text = {"true": "1", "false": "0"}.get(parameter.value, parameter.value)
+                found[f"{before}{parameter.name}"] = text, parameter.unit or ""
                 try:
-                    found[f"{before}{parameter.name}"] = _number(parameter.value)
+                    float(text)
                 except ValueError:
                     raise SweepError(
                         f"{path}: gives {before}{parameter.name} the value {parameter.value!r}, "
                         "and a sweep sets numbers only"
                     ) from None
     return found
-
-
-def _number(text: str) -> float:
-    return float({"true": "1", "false": "0"}.get(text, text))
 
 
 def _experiment(described: ElementTree.Element) -> dict[str, float]:

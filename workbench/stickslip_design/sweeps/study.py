@@ -190,6 +190,8 @@ def _identity(plan: Plan, model: Model, found: Resolved) -> dict[str, Any]:
         "model": model.path.name,
         "model_digest": model.digest,
         "plan": plan.as_json,
+        # A digest does not see in which order a plan has them.
+        "axes": list(found.job.swept),
         "tables": dict(found.digests),
     }
 

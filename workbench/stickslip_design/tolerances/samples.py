@@ -67,7 +67,8 @@ class Population:
         """All that the machines depend on, as JSON knows it."""
         return {
             "axis": self.file.identity,
-            "varied": {path: [each.kind, *each.numbers] for path, each in self.varied.items()},
+            # In their order, by which each has its own random numbers.
+            "varied": [[path, each.kind, *each.numbers] for path, each in self.varied.items()],
             "factor": self._factor,
             "seed": self.seed,
         }
