@@ -97,6 +97,15 @@ def test_what_lasts_for_ever_is_infinite() -> None:
 
 
 @needs("cc")
+def test_a_swing_that_grows_from_a_start_in_motion_stops() -> None:
+    """It turns more than once before; from rest such a slip would have no end."""
+    fall = {"v_s": 0.1, "mu_s": 0.5, "mu_k": 0.3, "shape": 1.0, "delta": 1.0}
+    start = {"x_dot_start": 0.055, "z_start": (0.3 + 0.2 * math.exp(-0.5)) * 9.81 / 1000.0}
+    found = first_slips({"v": [0.05], "c": 0.0, **fall, **start}, "stribeck")
+    assert 2.0 < found.t_slip[0] / (2.0 * math.pi / math.sqrt(1000.0)) < 3.0
+
+
+@needs("cc")
 def test_a_number_is_for_all_runs_and_an_array_has_one_for_each() -> None:
     """Lists, arrays of numpy and numbers may stand side by side; without a run nothing is given."""
     found = first_slips({"m": np.array([1.0, 2.0]), "v": [0.02, 0.03], "k": 1000, "c": 1.0})

@@ -8,6 +8,7 @@ from tests.needs import needs
 from tests.workbench.running import Command
 
 V, K = ("--over", "v=1..900 mm/s log 12"), ("--over", "k=0.1..10 kN/m log 8")
+F = ("--over", "feed=1..9 mm/s 4")
 AXIS = """
 [axis]
 mass = "500 kg"
@@ -91,6 +92,10 @@ def test_without_a_compiler_slowness_is_told_where_slips_are_followed(
         ((*V, "--over", "k=2..1 N/m"), "--over: 'k=2..1 N/m' is reversed"),
         ((*V, "--over", "k=2..2 N/m"), "--over: 'k=2..2 N/m' is empty"),
         ((*V, *K, "--v", "3 mm/s"), "--over: v is set by --v too"),
+        ((*V, "--over", "v_s=1..9 mm/s", "--law", "stribeck", "--law-parameter", "v_s=3mm/s"),
+         "--over: v_s is set by --law-parameter too"),
+        (("x.toml", *F, "--over", "axis.mass=1..2 kg", "--feed", "1 mm/s"),
+         "--over: feed is set by --feed too"),
         ((*V, "--over", "load=-20..1 N"), "load = -20.0 N is out of range"),
         ((*V, "--over", "mu_1=0.1..0.9", "--law", "stribeck", "--law-parameter", "shape=3"),
          "mu_1 = 0.9 is out of range: it must be at most mu_s = 0.5"),

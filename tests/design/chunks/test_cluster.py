@@ -40,7 +40,8 @@ class Dask:
         self.scheduler = self._start(
             *("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file))
         )
-        while not file.exists():
+        # The file is there before it is written.
+        while not (file.exists() and file.read_text(encoding="utf-8").rstrip().endswith("}")):
             assert self.scheduler.poll() is None
             time.sleep(0.02)
         self.address: str = json.loads(file.read_text(encoding="utf-8"))["address"]

@@ -1,6 +1,7 @@
 """Maps as datasets: in memory, in a folder, and what they say of themselves."""
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -148,6 +149,26 @@ def test_what_an_axis_cannot_be_mapped_over_is_refused(
     """By the name of the number, and the nearest that the file states."""
     with pytest.raises(ValueError, match=reason):
         stickslip_design.map_(over, axis=axis_file_of(RIGID, "rigid.toml"), values=values)
+
+
+@needs("studies")
+def test_a_dataset_is_made_anew_when_told(tmp_path: Path) -> None:
+    """One of which a file was lost too."""
+    first = stickslip_design.map_(OVER, values=HELD, folder=tmp_path, workers=1).load()
+    shutil.rmtree(tmp_path / "map.zarr" / "delta_x" / "c")
+    again = stickslip_design.map_(OVER, values=HELD, folder=tmp_path, workers=1, fresh=True)
+    np.testing.assert_array_equal(again["delta_x"], first["delta_x"])
+
+
+@needs("studies")
+def test_another_feed_is_another_map(tmp_path: Path) -> None:
+    """Though the file and the ranges are the same."""
+    over = {"axis.mass": "100..900 kg 4", "axis.stiffness": "5..200 N/um log 3"}
+    file = axis_file_of(RIGID, "rigid.toml")
+    feeds = ({"feed": 1e-3}, {"feed": 3e-3})
+    stickslip_design.map_(over, axis=file, values=feeds[0], folder=tmp_path, workers=1)
+    with pytest.raises(StudyError, match=r"feed is 0\.003 and was 0\.001"):
+        stickslip_design.map_(over, axis=file, values=feeds[1], folder=tmp_path, workers=1)
 
 
 @needs("studies")

@@ -59,6 +59,7 @@ def test_a_list_of_values_is_drawn_as_it_is_spaced() -> None:
         ("nan..2", "'v=nan..2' is not a finite number"),
         ("1..2 mm/s log lin", "has two words for its spacing"),
         ("1..2 mm/s 3 4", "has two words for its count"),
+        ("1..1.0000000000000004 m/s 10", "has not so many numbers between its ends"),
         ("1 mm/s", "'v=1 mm/s' is no range; expected NAME=LOW..HIGH"),
         ("..2", "is no range"),
         ([1.0], "the range of v has 1 values"),

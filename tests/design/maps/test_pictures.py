@@ -3,6 +3,7 @@
 import base64
 import io
 import json
+import math
 import re
 from functools import cache
 from itertools import pairwise
@@ -12,9 +13,11 @@ import numpy as np
 import pytest
 
 import stickslip_design
+from stickslip_design.maps import page as page_module
+from stickslip_design.maps import pictures
 from stickslip_design.maps.page import page, ticks
 from stickslip_design.maps.pictures import EVEN, picture
-from stickslip_design.maps.views import Side, Unit, View, colours, contours, unit_of
+from stickslip_design.maps.views import Side, Unit, Variable, View, colours, contours, unit_of
 from tests.needs import needs
 
 if TYPE_CHECKING:
@@ -75,6 +78,7 @@ def test_values_are_shown_in_the_unit_that_was_typed_or_fits(
         (np.geomspace(1.0, 50.0, 100), True, ["1", "2", "5", "10", "20", "50"]),
         (np.linspace(0.0, 1.0, 101), False, ["0", "0.2", "0.4", "0.6", "0.8", "1"]),
         (np.array([0.31, 0.4, 0.5]), False, ["0.31", "0.4", "0.5"]),
+        (np.geomspace(2.1, 4.9, 60), True, ["2.5", "3", "3.5", "4", "4.5"]),
     ],
 )
 def test_ticks_are_round_numbers_at_their_places(values: Any, log: bool, labels: list[str]) -> None:
@@ -95,6 +99,33 @@ def test_colours_go_from_nothing_or_by_ratios() -> None:
     assert not colours("m", [np.array([1e-3, 1e-2])]).log
     assert not colours("1", [np.array([1e-3, 1.0])]).log
     assert colours("m", [np.zeros(3)]).high == 1.0
+    # A pull backward gives the jumps the other sign.
+    assert colours("m", [np.array([-1e-3, -1e-2])]) == colours("m", [np.array([1e-3, 1e-2])])
+
+
+def test_lines_stand_in_the_middle_between_two_values() -> None:
+    """Of a picture of two by two values, in the page; by the scale of a side in the file."""
+    assert page_module._path(np.array([[-1.0, 1.0], [-1.0, 1.0]]), 0.0).startswith("M320.0 ")
+    for log, middle in ((True, math.sqrt(10.0)), (False, 5.5)):
+        side = Side("v", "", np.array([1.0, 10.0]), Unit(1.0, ""), log)
+        assert pictures._at(side, np.array([0.5])) == pytest.approx(middle, rel=1e-12)
+    bar = page_module._bar(Variable("delta_x", "Jump"), colours("m", [np.array([1e-3, 1e-2])]))
+    assert bar.ticks[-1].label == "10"
+
+
+@needs("studies")
+def test_slices_follow_the_sliders_and_the_block_itself_is_shown() -> None:
+    """The last slider is the fastest; the first picture is nearest to the start values."""
+    view = View(some_map())
+    places = view.places(60)
+    assert places == sorted(places, key=lambda each: (each["c"], each["m"]))
+    assert view.nearest() == {"c": 0, "m": 0}
+    point = page_module._point(view)
+    assert point is not None
+    # k = 1 kN/m stands in the middle of 0.1 to 10 kN/m, v = 20 mm/s at log 20/log 900.
+    x, y, _ = point
+    assert x == pytest.approx(640.0 * (math.log(20.0) / math.log(900.0)), abs=12.0)
+    assert y == pytest.approx(220.0, abs=1.0)
 
 
 @needs("studies")

@@ -180,6 +180,23 @@ def test_points_within_a_millionth_of_the_critical_velocity_are_marked(
 
 
 @needs("cc")
+@pytest.mark.parametrize(
+    ("law", "values", "limit"),
+    [
+        ("stribeck", {"mu_k": 0.0}, 0.7380586785051350),
+        ("coulomb", {"c": 0.05, "tau_s": 0.3, "mu_k": 0.01}, 0.007635343500646529),
+    ],
+)
+def test_where_the_mass_begins_to_turn_back_is_marked(
+    law: str, values: dict[str, float], limit: float
+) -> None:
+    """On both sides, at limits that were found by halving intervals of the pulling velocity."""
+    off = np.array([-1e-5, -5e-7, 5e-7, 1e-5])
+    found = block_points({**values, "v": limit * (1.0 + off)}, law, limit=False)
+    assert_array_equal(found["at_limit"], [False, True, True, False])
+
+
+@needs("cc")
 def test_where_steady_sliding_becomes_stable_is_marked_too() -> None:
     """At c = -N mu'(v), with a cycle or without."""
     values = {"c": 3.0, "v_s": 0.05}
@@ -234,6 +251,10 @@ def test_without_a_compiler_the_python_block_gives_the_same_and_it_is_told_once(
 ) -> None:
     """To the bit, in one line, whatever is followed."""
     some = {name: each[:5] for name, each in falling(3, 20).items()}
+    # These turn back before they stick.
+    some = {name: np.append(each, [each[0]] * 2) for name, each in some.items()}
+    for name, each in {**REVERSING, "v": np.array([0.35, 0.5])}.items():
+        some[name][-2:] = np.asarray(each)
     grows = {name: each[:3] for name, each in dwelling(1, 20).items()}
     native = block_points(some, "stribeck", limit=False), block_points(grows, limit=False)
     monkeypatch.setattr(slips, "native_problem", lambda: "there is no compiler")
@@ -248,6 +269,9 @@ def test_without_a_compiler_the_python_block_gives_the_same_and_it_is_told_once(
     assert issubclass(warning.category, slips.SlowCoreWarning)
     assert str(warning.message).startswith("there is no compiler; the Python block computes")
 
+
+REVERSING = {"m": 1.0, "k": 1e3, "c": 0.0, "mu_s": 0.5, "mu_k": 0.05, "shape": 1.0, "v_s": 0.01}
+"""Slips over nearly twice the way that the spring was drawn."""
 
 SWINGS = {
     "m": 0.395,

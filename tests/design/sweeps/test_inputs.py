@@ -40,6 +40,7 @@ CHANGES: list[dict[str, Any]] = [
     {"settle": 0.5},
     {"start_time": 0.5},
     {"reset": False},
+    {"time_limit": 5.0},
     {"parameters": {"k": [500.0, 1001.0]}},
     {"parameters": {"k": [500.0, 1000.0], "c": 1.0}},
     {"inputs": {"v": 0.02}},

@@ -219,12 +219,14 @@ def test_units_of_a_model_are_taken_as_it_defines_them() -> None:
     of_heat = (0, 0, 0, 0, 1, 0, 0, 0)
     units = {
         "K": Unit(Fraction(1), kelvin, of_heat),
+        "mK": Unit(Fraction(1, 1000), kelvin, of_heat),
         "degC": Unit(Fraction(1), celsius, of_heat),
         "mm": Unit(Fraction(1, 1000), Fraction(0), (0, 1, 0, 0, 0, 0, 0, 0)),
     }
     assert read_as(units, "20 degC", "K") == 293.15
     assert read_as(units, "300 K", "degC") == 26.85
     assert between(units, "degC", "K") == (1.0, 273.15)
+    assert between(units, "degC", "mK") == (1000.0, 273150.0)
     assert between(units, "mm", "") == (1.0, 0.0)
     assert between(units, "mm", "inch") is None
     with pytest.raises(QuantityError, match=r"has the unit 'K', and what drives it 'mm'"):

@@ -138,6 +138,12 @@ def test_an_instance_does_run_after_run(troubled: Path, tmp_path: Path) -> None:
         runner.run(wrong)
     assert runner.instances != first
     runner.close()
+    runner = Runner(job, [tmp_path])
+    first = runner.instances
+    with pytest.raises(FmuError, match="fmi2DoStep"):
+        runner.run(wrong)
+    assert runner.instances != first
+    runner.close()
     runner = Runner(dataclasses.replace(job, reset=False), [tmp_path])
     first = runner.instances
     assert runner.run(fine) == runner.run(fine)
@@ -202,6 +208,15 @@ def test_a_grid_has_dimensions_units_and_provenance(troubled: Path) -> None:
     assert found["y.max"].attrs["long_name"] == "y: greatest sample"
     assert '"model": "Troubled.fmu"' in found.attrs["inputs"]
     assert found.attrs["fixed"] == '{"u": "2.0"}'
+
+
+@needs("studies")
+def test_results_have_their_units(fmu_path: Path) -> None:
+    """A jump that of the position, a period seconds."""
+    plan = {"stop_time": 0.01, "step": 1e-3, "outputs": {"x": ["jump", "period"], "F": "last"}}
+    found = sweep(fmu_path, {**plan, "parameters": {"k": [1e3, 2e3]}}, workers=1)
+    units = {name: found[name].attrs["units"] for name in ("x.jump", "x.period", "F", "k")}
+    assert units == {"x.jump": "m", "x.period": "s", "F": "N", "k": "N/m"}
 
 
 @needs("studies")

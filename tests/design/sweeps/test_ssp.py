@@ -79,6 +79,14 @@ def test_values_of_the_file_hold_unless_the_plan_has_others(feed_axis: Path) -> 
     assert [wire.input for wire in job.wires] == ["table.v", "drive.F", "drive.x"]
 
 
+def test_points_are_read_in_their_units(feed_axis: Path, tmp_path: Path) -> None:
+    """Under the name that a variable has in the system."""
+    points = tmp_path / "points.csv"
+    points.write_text("table.k [N/um], table.m [t]\n40, 0.5\n", encoding="utf-8")
+    plan = {**PLAN, "parameters": {}, "points": str(points)}
+    assert [each.tolist() for each in prepare(feed_axis, plan).values] == [[4e7], [500.0]]
+
+
 CHAIN = """\
 <?xml version="1.0" encoding="UTF-8"?>
 <ssd:SystemStructureDescription version="1.0" name="Chain"

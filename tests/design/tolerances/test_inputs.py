@@ -86,6 +86,7 @@ def test_only_what_sticks_jumps() -> None:
     jump = np.array([2e-6, 0.0, 0.0, math.nan, math.nan])
     found = outcome(1e-3, regime, jump)
     assert found.jumps.value == 0.4
+    assert found.even.value == 0.2
     assert (found.swings, found.unknown, found.unmeasured) == (1, 1, 1)
     assert found.jump == (2e-6, 2e-6, 2e-6)
 

@@ -1,6 +1,7 @@
 """`stickslip map`: the steady motion over ranges of two parameters or more."""
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -125,13 +126,17 @@ def map(  # noqa: A001 - the name of the command
 
     # The matrices of a loop are small: threads would wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    study, spans = _study(over or [], axis, law or "", values, typed, feed, limit)
+    held = {each: option_name(each) for each, text in typed.items() if text is not None}
+    held |= {each.partition("=")[0]: "--law-parameter" for each in law_parameter or []}
+    held |= {"feed": "--feed"} if feed is not None else {}
+    study, spans = _study(over or [], axis, law or "", values, held, curve, limit)
     folder = output or f"{name}-map"
     _check_folder(folder)
     dataset = computed(
         study,
         spans,
         folder=folder,
+        fresh=fresh,
         run=lambda place: run(
             study,
             place,
@@ -150,8 +155,8 @@ def _study(
     axis: Path | None,
     law: str,
     values: dict[str, float],
-    typed: dict[str, str | None],
-    feed: str | None,
+    held: dict[str, str],
+    curve: Path | None,
     limit: bool | None,
 ) -> "tuple[GridStudy, tuple[Dimension, ...]]":
     from stickslip_design.datasets import ExtraMissingError, need
@@ -163,11 +168,11 @@ def _study(
         for package in ("xarray", "zarr"):
             need(package)
         ranges = split(over)
-        options = {name: option_name(name) for name, text in typed.items() if text is not None}
-        options |= {"feed": "--feed"} if feed is not None else {}
         for name in ranges:
-            if name in options:
-                raise OverError(f"{name} is set by {options[name]} too")
+            of_curve = curve is not None and re.fullmatch(r"shape|n_points|mu_\d+|u_\d+", name)
+            by = "--curve" if of_curve else held.get(name)
+            if by is not None:
+                raise OverError(f"{name} is set by {by} too")
         study, spans = study_of(ranges, values=values, law=law, axis=axis, limit=limit)
     except OverError as error:
         raise CommandError(f"--over: {error}") from error

@@ -167,11 +167,10 @@ def settle(store: Store, new: Manifest, *, fresh: bool) -> None:
         difference.
     """
     old = read_manifest(store)
-    changed = "" if old is None else old.changes(new)
-    if changed and not fresh:
+    if old is not None and old.key != new.key and not fresh:
         raise StudyError(
-            f"{store.address} holds results of another study: {changed}; --fresh throws them away, "
-            "another folder keeps them"
+            f"{store.address} holds results of another study: {old.changes(new)}; --fresh throws "
+            "them away, another folder keeps them"
         )
     for name in store.names():
         # A part is what a killed process left.

@@ -156,6 +156,8 @@ def _typed(name: str, span: str, known: Mapping[str, Quantity]) -> Dimension:
     if spacing == LOG and low <= 0.0:
         raise OverError(f"{text!r} is logarithmic: both ends must be above 0")
     values = np.geomspace(low, high, count) if spacing == LOG else np.linspace(low, high, count)
+    if not np.all(np.diff(values) > 0.0):
+        raise OverError(f"{text!r} has not so many numbers between its ends")
     return _made(name, values.tolist(), quantity, text, shown, log=spacing == LOG)
 
 

@@ -19,7 +19,7 @@ from stickslip_verification.report.environment import environment, text_of
 from ..points.blocks import Regime
 from ..shown import number
 from .pictures import COLOUR_MAP, EVEN, SWINGS, UNKNOWN
-from .views import VALID, Colours, Side, Slice, Variable, View, colours, contours
+from .views import VALID, Colours, Floats, Side, Slice, Variable, View, colours, contours
 
 MOST_SLICES: Final = 60
 """Slices that a page holds; of more, some are chosen evenly."""
@@ -33,6 +33,7 @@ _CODES: Final = {Regime.EVEN: 250, Regime.SWINGS: 251, -1: 252}
 
 _STICKS: Final = "#2c6a9b"
 _NICE: Final = (1.0, 2.0, 5.0)
+_LEAST_TICKS: Final = 2
 _MOST_TICKS: Final = 7
 
 
@@ -127,20 +128,17 @@ def ticks(side: Side, length: float) -> list[Tick]:
     A tick stands where its number would: between two values by the scale of the side.
     """
     shown = side.shown
-    if shown.size <= _MOST_TICKS:
-        numbers = shown
-    elif side.log:
-        low, high = np.floor(np.log10(shown[0])), np.ceil(np.log10(shown[-1]))
-        decades = 10.0 ** np.arange(low, high + 1.0)
-        numbers = np.sort(np.outer(decades, _NICE).ravel()) if high - low <= 2.0 else decades
-    else:
-        step = 10.0 ** np.floor(np.log10((shown[-1] - shown[0]) / _MOST_TICKS))
-        step *= next(
-            each for each in (*_NICE, 10.0) if (shown[-1] - shown[0]) / (step * each) <= _MOST_TICKS
-        )
-        numbers = np.arange(np.ceil(shown[0] / step), np.floor(shown[-1] / step) + 1.0) * step
     slack = 1e-9 * abs(shown[-1])
-    numbers = numbers[(numbers >= shown[0] - slack) & (numbers <= shown[-1] + slack)]
+
+    def inside(numbers: Floats) -> Floats:
+        return np.asarray(numbers[(numbers >= shown[0] - slack) & (numbers <= shown[-1] + slack)])
+
+    numbers = shown
+    if shown.size > _MOST_TICKS:
+        numbers = inside(_decades(shown)) if side.log else shown[:0]
+        # A side of a fraction of a decade may have none of them.
+        if numbers.size < _LEAST_TICKS:
+            numbers = inside(_steps(shown))
     scale = np.log if side.log else np.asarray
     places = np.interp(scale(numbers), scale(shown), np.arange(shown.size))
     ways = (places + 0.5) / shown.size * length
@@ -148,6 +146,22 @@ def ticks(side: Side, length: float) -> list[Tick]:
         Tick(round(float(at), 2), number(float(value), 4))
         for at, value in zip(ways, numbers, strict=True)
     ]
+
+
+def _decades(shown: Floats) -> Floats:
+    """Return powers of ten, on a short side 1, 2 and 5 times them."""
+    low, high = np.floor(np.log10(shown[0])), np.ceil(np.log10(shown[-1]))
+    decades = 10.0 ** np.arange(low, high + 1.0)
+    return np.sort(np.outer(decades, _NICE).ravel()) if high - low <= 2.0 else decades
+
+
+def _steps(shown: Floats) -> Floats:
+    """Return the multiples of 1, 2 or 5 times a power of ten of which there are few enough."""
+    span = shown[-1] - shown[0]
+    step = 10.0 ** np.floor(np.log10(span / _MOST_TICKS))
+    step *= next(each for each in (*_NICE, 10.0) if span / (step * each) <= _MOST_TICKS)
+    multiples = np.arange(np.ceil(shown[0] / step), np.floor(shown[-1] / step) + 1.0)
+    return np.asarray(multiples * step)
 
 
 def _picture(part: Slice, variable: Variable, scale: Colours) -> str:

@@ -107,6 +107,7 @@ def map_(
         study,
         spans,
         folder=folder,
+        fresh=fresh,
         run=lambda where: run(
             study, where, workers=workers, cluster=cluster, fresh=fresh, progress=progress
         ),
@@ -153,16 +154,20 @@ def computed(
     spans: tuple[Dimension, ...],
     *,
     folder: Path | str | None,
+    fresh: bool,
     run: Callable[[str | None], Results],
 ) -> xarray.Dataset:
-    """Return the dataset of a study that `run` computes in the folder that it is given."""
+    """Return the dataset of a study that `run` computes in the folder that it is given.
+
+    With `fresh` it is made anew; otherwise one that is there whole stays.
+    """
     need("xarray")
     if folder is None:
         return _in_memory(study, spans, run(None))
     need("zarr")
     target = _inside(folder, FILE)
     results = run(_inside(folder, _CHUNKS))
-    if not _is_whole(target, study, spans):
+    if fresh or not _is_whole(target, study, spans):
         _write(study, spans, results, target)
     return read_grid(target)
 
@@ -174,7 +179,8 @@ def _inside(folder: Path | str, name: str) -> str:
 def _is_whole(target: str, study: GridStudy, spans: tuple[Dimension, ...]) -> bool:
     """Tell whether a dataset is there whole, made of this study with these versions, as asked for.
 
-    The study is the same for any order of the dimensions, and for any unit in which one was typed.
+    The study is the same wherever the fastest dimension stands, and for any unit in which one was
+    typed.
     """
     with suppress(FileNotFoundError, KeyError, ValueError):
         there = need("zarr").open_group(target, mode="r")

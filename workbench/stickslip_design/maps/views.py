@@ -281,8 +281,8 @@ class View:
             v = v[np.newaxis, :] if side is self.x else v[:, np.newaxis]
             with np.errstate(divide="ignore", invalid="ignore"):
                 ratio = np.log(v / part.columns[limit])
-            finite = np.nan_to_num(ratio, nan=0.0, posinf=30.0, neginf=-30.0)
-            return np.asarray(np.clip(finite, -30.0, 30.0))
+            # Where the search of a limit has failed there is none to draw.
+            return np.asarray(np.clip(ratio, -30.0, 30.0))
         return None
 
     def border(self, part: Slice) -> Floats | None:
