@@ -145,6 +145,15 @@ def test_a_wire_carries_start_values_and_is_transformed(troubled: Path, tmp_path
     assert columns["inner.b.y"].tolist() == [0.5 * (111 + 121), 0.5 * (131 + 141)]
 
 
+def test_a_system_knows_better_than_its_components(feed_axis: Path, tmp_path: Path) -> None:
+    """A value in parameters.ssv, which is the system's, holds in place of the component's own."""
+    value = '<ssv:Real value="40000000.0" />'
+    file = altered(
+        feed_axis, tmp_path / "other.ssp", lambda text: text.replace(value, value.replace("4", "7"))
+    )
+    assert read_model(file).bound["table.k"] == 4e7
+
+
 ALONE = """\
 <?xml version="1.0" encoding="UTF-8"?>
 <ssd:SystemStructureDescription version="1.0" name="Alone"

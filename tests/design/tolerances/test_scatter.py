@@ -16,7 +16,7 @@ from stickslip_design.chunks import Results, Study, run
 from stickslip_design.points.axes import EVEN, STICKS
 from stickslip_design.tolerances.indices import Mixed
 from stickslip_design.tolerances.nominal import Turns
-from stickslip_design.tolerances.probability import interval
+from stickslip_design.tolerances.probability import interval, probability
 from stickslip_design.tolerances.question import question
 from stickslip_design.tolerances.result import Scatter
 from stickslip_design.tolerances.samples import Population, Samples
@@ -258,6 +258,10 @@ def test_dataset_has_names_units_seed_and_provenance() -> None:
     assert json.loads(dataset.attrs["solved"])["path"] == "friction.mu_s"
     share = (dataset["regime"] == STICKS).mean("sample")
     assert_array_equal(dataset["probability"], share)
+    for place, value in enumerate(share.values.tolist()):
+        ends = probability(round(300 * value), 300)
+        assert dataset["probability_low"][place] == ends.low
+        assert dataset["probability_high"][place] == ends.high
     # At 4 mm/s none jumps: there is no variance to split.
     assert dataset["sobol_total"].isnull().all("parameter").values.tolist() == [False, True]
     assert dataset["sobol_total"][0].sum() > 0.9
