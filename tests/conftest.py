@@ -12,7 +12,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from stickslip_fmu.packer import build
-from tests.needs import needs, require
+from tests.needs import BY_PIP, needs, require
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -25,10 +25,8 @@ settings.load_profile("busy")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add --soak."""
-    parser.addoption(
-        "--soak", action="store_true", help="everything at full size, and not a tenth of it"
-    )
+    parser.addoption("--gate", action="store_true", help="what the gate adds, too")
+    parser.addoption("--soak", action="store_true", help="everything, at full size")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -62,12 +60,22 @@ def pytest_itemcollected(item: pytest.Item) -> None:
         item.add_marker(needs("browser"))
 
 
+def tier(item: pytest.Item) -> str:
+    """Return "soak", "gate" or "test": a test is of one tier."""
+    if item.get_closest_marker("soak"):
+        return "soak"
+    needed = {name for mark in item.iter_markers("needs") for name in mark.args}
+    return "gate" if item.get_closest_marker("gate") or needed - BY_PIP else "test"
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what is for --soak alone."""
-    left_out = [each for each in items if each.get_closest_marker("soak")]
-    if left_out and not config.getoption("soak"):
+    """Leave out what is of a tier above the one asked for."""
+    soak, gate = config.getoption("soak"), config.getoption("gate")
+    tiers = {"test", *(("gate", "soak") if soak else ("gate",) if gate else ())}
+    left_out = [each for each in items if tier(each) not in tiers]
+    if left_out:
         config.hook.pytest_deselected(items=left_out)
-        items[:] = [each for each in items if not each.get_closest_marker("soak")]
+        items[:] = [each for each in items if tier(each) in tiers]
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -306,3 +306,6 @@ NEEDS = {
     ),
 }
 """Needs by name; importers have the names of `tests.importers.running.IMPORTERS`."""
+
+BY_PIP = {"fmucontainer", "fmutool", "studies", "cluster"}
+"""Needs that pip meets: their tests are of `make test`."""
