@@ -4,15 +4,20 @@ import os
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator
+from functools import cache
 from multiprocessing.util import Finalize
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import pytest
+from _pytest.mark import ParameterSet
 from hypothesis import HealthCheck, settings
 
-from stickslip_fmu.packer import build
+from stickslip_fmu import packer
+from stickslip_native import packer as native_packer
+from tests.driver import Host
 from tests.needs import BY_PIP, needs, require
+from tests.sharing import made_once
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -90,10 +95,58 @@ def sized(pytestconfig: pytest.Config) -> Sized:
     return int if pytestconfig.getoption("soak") else lambda full: full // 10
 
 
+KINDS = ("python-2", "python-3", "native-2", "native-3")
+
+
+@cache
+def built(kind: str, law: str = "coulomb") -> Path:
+    """Return the FMU of a kind under a friction law, built once for all processes of this run."""
+    language, version = kind.split("-")
+    face: Literal[2, 3] = 3 if version == "3" else 2
+
+    def make(folder: Path) -> None:
+        if language == "python":
+            packer.build(folder, face=face, law=law)
+        else:
+            native_packer.build(folder, face=face, this_machine=True, law=law)
+
+    return next(made_once(f"{kind}-{law}", make).glob("*.fmu"))
+
+
 @pytest.fixture(scope="session")
-def fmu_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the FMU of this source tree."""
-    return build(tmp_path_factory.mktemp("fmu"))
+def fmu_path() -> Path:
+    """Return the Python FMU of FMI 2.0."""
+    return built("python-2")
+
+
+def kinds(*names: str) -> list[ParameterSet]:
+    """Return kinds of FMUs as values of a parameter: a native one needs a compiler."""
+    return [
+        pytest.param(name, marks=needs("cc") if name.startswith("native") else ())
+        for name in names or KINDS
+    ]
+
+
+@pytest.fixture(params=kinds())
+def fmu(request: pytest.FixtureRequest) -> Path:
+    """Return the FMU of each kind: Python and native, FMI 2.0 and 3.0."""
+    return built(request.param)
+
+
+@pytest.fixture(scope="session")
+def host() -> Iterator[Host]:
+    """Give a process that has FMUs and not the project, the same for all tests."""
+    host = Host()
+    yield host
+    host.end()
+
+
+@pytest.fixture
+def fresh_host() -> Iterator[Host]:
+    """Give such a process in which nothing was loaded before."""
+    host = Host()
+    yield host
+    host.end()
 
 
 @pytest.fixture(scope="session")
