@@ -1,6 +1,8 @@
 """What all tests share: one FMU, built once, what they need beyond the core, and their size."""
 
+import json
 import os
+import resource
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator
@@ -23,6 +25,9 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 Sized = Callable[[int], int]
+
+_BEGUN = pytest.StashKey[float]()
+_COSTS: dict[str, float] = {}
 
 # On a busy machine an example, or drawing it, may take long.
 settings.register_profile("busy", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -83,10 +88,46 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         items[:] = [each for each in items if tier(each) in tiers]
 
 
+def _cpu() -> float:
+    """Return the CPU seconds of this process and of its children that have ended."""
+    spent = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(each.ru_utime + each.ru_stime for each in spent)
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip or fail a test before anything is made for it that it cannot use."""
+    item.stash[_BEGUN] = _cpu()
     require(name for mark in item.iter_markers("needs") for name in mark.args)
+
+
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> None:
+    """Note what a test and its fixtures have cost."""
+    if call.when == "teardown":
+        item.user_properties.append(("cpu", _cpu() - item.stash[_BEGUN]))
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Add up the cost of each file."""
+    for name, value in report.user_properties:
+        if report.when == "teardown" and name == "cpu":
+            file = report.nodeid.partition("::")[0]
+            _COSTS[file] = _COSTS.get(file, 0.0) + float(str(value))
+
+
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+) -> None:
+    """Print the CPU seconds by part, and leave those of each file for `tools/mutants.py`."""
+    parts: dict[str, float] = {}
+    for file, seconds in _COSTS.items():
+        part = "/".join(file.split("/")[:2]) if file.count("/") > 1 else "tests"
+        parts[part] = parts.get(part, 0.0) + seconds
+    terminalreporter.section("CPU seconds, of processes that have ended")
+    for part, seconds in sorted(parts.items(), key=lambda each: -each[1]):
+        terminalreporter.line(f"{seconds:8.1f}  {part}")
+    if costs := os.environ.get("STICKSLIP_COSTS"):
+        Path(costs).write_text(json.dumps(_COSTS, indent=1) + "\n", encoding="utf-8")
 
 
 @pytest.fixture(scope="session")

@@ -61,8 +61,12 @@ CosimExecution.from_step_size(1_000_000)
 _START_A_BROWSER = """\
 import axe_playwright_python
 from tests.page.browser import started
-with started():
-    pass
+with started() as browser:
+    page = browser.new_page()
+    page.set_content("<span>mm</span>")
+    wide = page.locator("span").bounding_box()["width"]
+    if not wide > 1.0:
+        raise OSError("chromium has no font")
 """
 _HOST_IN_C = "#include <dlfcn.h>\n#include <stdio.h>\nint main(void) { return 0; }\n"
 _FUZZED_IN_C = """\

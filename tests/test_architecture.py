@@ -5,6 +5,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Literal
 
 import pytest
 
@@ -28,8 +29,8 @@ OUTSIDE = {
     "matplotlib",
     "stickslip_verification.truth": "mpmath",
     "stickslip_score": "numpy scipy mpmath lazy_loader",
-    "stickslip_design": "numpy scipy mpmath matplotlib xarray fmpy lazy_loader markupsafe contourpy "
-    "PIL threadpoolctl",
+    "stickslip_design": "numpy scipy mpmath matplotlib xarray fmpy lazy_loader markupsafe PIL "
+    "contourpy threadpoolctl",
     "stickslip": "numpy scipy matplotlib typer rich fmpy jinja2 markupsafe rcssmin rjsmin xarray",
 }
 """What a package, or a folder of it, may import from outside beside the standard library."""
@@ -75,7 +76,7 @@ def test_the_verification_takes_the_reference_by_its_front_door() -> None:
 
 
 @pytest.mark.parametrize("version", [2, 3])
-def test_what_travels_in_the_fmu_runs_on_python_3_8(version: int, tmp_path: Path) -> None:
+def test_what_travels_in_the_fmu_runs_on_python_3_8(version: Literal[2, 3], tmp_path: Path) -> None:
     packed = travelling(MAIN, version)
     assert len(packed) > 20
     for name, content in packed.items():

@@ -145,7 +145,9 @@ def _changes_in_python(text: str) -> Iterator[tuple[str, int, int, str]]:
                 yield "term", *at(node), left
         elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
             yield "sign", *at(node), f"({shown(node.operand)})"
-        elif isinstance(node, ast.Constant) and type(node.value) in (int, float):
+        elif isinstance(node, ast.Constant) and isinstance(node.value, int | float):
+            if isinstance(node.value, bool):
+                continue
             other = node.value + 1 if isinstance(node.value, int) else 1.5 * node.value + 0.5
             yield "constant", *at(node), f"({other!r})"
         elif isinstance(node, ast.If | ast.While):
