@@ -13,6 +13,7 @@ from tests.needs import needs
 from tests.verification.test_contributing import blocks
 
 ROOT = Path(__file__).parents[1]
+pytestmark = pytest.mark.gate
 FLOORS = ("fmu_src", "src", "verification", "workbench")
 
 

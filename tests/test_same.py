@@ -50,7 +50,6 @@ REPORT: dict[str, Any] = {
 
 
 def same(old: Path, new: Path, *options: str) -> tuple[int, str]:
-    """Run the tool; return its exit code and what it printed."""
     done = subprocess.run(
         [sys.executable, str(TOOL), str(old), str(new), *options],
         capture_output=True,
@@ -61,7 +60,6 @@ def same(old: Path, new: Path, *options: str) -> tuple[int, str]:
 
 
 def changed(report: dict[str, Any], *path: str | int, to: object) -> dict[str, Any]:
-    """Return a report with another value at a path."""
     twin = copy.deepcopy(report)
     node: Any = twin
     for part in path[:-1]:
@@ -86,7 +84,6 @@ def changed(report: dict[str, Any], *path: str | int, to: object) -> dict[str, A
 def test_reports_differ_by_what_a_row_compared(
     tmp_path: Path, new: dict[str, Any], code: int, told: str
 ) -> None:
-    """A value, a tolerance, a check or a detection that changed is told; a date is not."""
     for name, report in (("old", REPORT), ("new", new)):
         (tmp_path / f"{name}.json").write_text(json.dumps(report), encoding="utf-8")
     found, printed = same(tmp_path / "old.json", tmp_path / "new.json")
@@ -94,7 +91,6 @@ def test_reports_differ_by_what_a_row_compared(
 
 
 def test_fmus_differ_by_description_or_bits(fmu_path: Path, tmp_path: Path) -> None:
-    """An FMU is the same as itself; a word of its description or a bit of an output is told."""
     assert same(fmu_path, fmu_path, "--sequences", "3") == (
         0,
         "elements of the description: 186 and 186, 0 different\n"
@@ -106,18 +102,3 @@ def test_fmus_differ_by_description_or_bits(fmu_path: Path, tmp_path: Path) -> N
     assert code == 1
     assert re.search(r"ModelVariables \d+ / ScalarVariable 4: {.*'tunable'.*, now {", printed)
     assert re.search(r"sequence 1, \w+: sample \d+ is .*, now .*: apart by ", printed)
-
-
-def test_what_cannot_be_compared_is_refused(tmp_path: Path) -> None:
-    """A missing file, or a report and an FMU, end with exit code 2 and a line."""
-    report = tmp_path / "report.json"
-    report.write_text(json.dumps(REPORT), encoding="utf-8")
-    for name in ("a.fmu", "b.json"):
-        (tmp_path / name).touch()
-    for other, told in (
-        ("none.json", "no such file"),
-        ("a.fmu", "two report.json or two .fmu"),
-        ("b.json", "JSON"),
-    ):
-        code, printed = same(report, tmp_path / other)
-        assert (code, told in printed) == (2, True)
