@@ -47,8 +47,16 @@ QUICK = 60.0
 """CPU seconds of the tests that every mutant meets."""
 
 _TURNED = {
-    **{ast.Lt: ">", ast.Gt: "<", ast.LtE: ">=", ast.GtE: "<=", ast.Eq: "!=", ast.NotEq: "=="},
-    **{ast.Is: "is not", ast.IsNot: "is", ast.In: "not in", ast.NotIn: "in"},
+    ast.Lt: ">",
+    ast.Gt: "<",
+    ast.LtE: ">=",
+    ast.GtE: "<=",
+    ast.Eq: "!=",
+    ast.NotEq: "==",
+    ast.Is: "is not",
+    ast.IsNot: "is",
+    ast.In: "not in",
+    ast.NotIn: "in",
 }
 _OTHER = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*"}
 _C_CHANGES = (
