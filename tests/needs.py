@@ -299,15 +299,6 @@ NEEDS = {
         partial(_python, "import fsspec, pandas, pyarrow, xarray, zarr", "studies"),
     ),
     "cluster": Need("studies on a dask cluster", partial(_python, "import distributed", "cluster")),
-    "pdf": Need(
-        "the report as PDF",
-        partial(
-            _python,
-            "import weasyprint",
-            "pdf",
-            "libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0",
-        ),
-    ),
 }
 """Needs by name; importers have the names of `tests.importers.running.IMPORTERS`."""
 

@@ -1,1 +1,1 @@
-"""The report of a verdict: page, JSON, JUnit XML and PDF, byte-identical for identical input."""
+"""The report of a verdict: page, JSON and JUnit XML, byte-identical for identical input."""

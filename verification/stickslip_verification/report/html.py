@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -16,11 +15,11 @@ from stickslip_verification.model.margins import error_text
 from stickslip_verification.model.verdict import ObservedOrder, Outcome, Table, Verdict
 from stickslip_verification.model.whole_file import write_all
 from stickslip_verification.report import earlier as baseline
-from stickslip_verification.report import first_screen, kill_view, order_plot, plots, svg, view
+from stickslip_verification.report import first_screen, kill_view, order_plot, plots, view
 from stickslip_verification.report.environment import environment, text_of
 from stickslip_verification.report.json_file import json_text
 from stickslip_verification.report.junit import as_junit
-from stickslip_verification.report.words import KINDS, SIDES, WORTH, ClaimSection
+from stickslip_verification.report.words import KINDS, SIDES, WORTH
 from stickslip_verification.suite.catalogue import Meaning
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
@@ -59,12 +58,10 @@ LABELS = {
 def render(
     verdict: Verdict,
     *,
-    claims: Sequence[ClaimSection] = (),
     meanings: Mapping[str, Meaning] = NO_MEANINGS,
     margins: baseline.Moves | None = None,
     drawn: Mapping[str, str] | None = None,
     full: bool = False,
-    compact: bool = False,
 ) -> str:
     """Return the report as HTML; the same but for its last block for the same results.
 
@@ -72,8 +69,6 @@ def render(
     ----------
     verdict
         What came out.
-    claims
-        Claims about the model, in the order in which they are shown.
     meanings
         For a check, what its failure means.
     margins
@@ -82,8 +77,6 @@ def render(
         The plots as `draw_cases` gives them; drawn here where they are not given.
     full
         Whether every comparison is printed; else a case that passed is printed as one line.
-    compact
-        The form for `write_pdf`: what is not printed is left out.
     """
     failures = view.failed_checks(verdict, meanings)
     noted = view.failed_checks(verdict, meanings, (Outcome.NOTED,))
@@ -110,7 +103,6 @@ def render(
         shown=shown,
         fmu=NAMELESS | dict(verdict.provenance.get("fmu") or {}),
         full=full,
-        compact=compact,
         whole=view.PRINTED_WHOLE,
         checks=verdict.checks,
         summary=verdict.summary,
@@ -121,11 +113,10 @@ def render(
         noted=noted,
         nearest=[place for place, _ in nearest],
         tables=[view.table_view(t, f"table-{n}") for n, t in enumerate(verdict.tables)],
-        groups=view.case_groups(verdict, pictures, linked, compact=compact),
+        groups=view.case_groups(verdict, pictures, linked),
         kills=None if verdict.kills is None else kill_view.of(verdict.kills),
         orders=[_drawn_order(order, number) for number, order in enumerate(verdict.orders)],
         order_table=view.table_view(_orders(verdict.orders)),
-        claims=[_claim(claim, number) for number, claim in enumerate(claims)],
         moves=None if margins is None else _moves(margins),
         provenance=list(_told(_dated(verdict, margins))),
         style=text_of("style.css"),
@@ -137,7 +128,6 @@ def write_report(
     verdict: Verdict,
     folder: Path,
     *,
-    claims: Sequence[ClaimSection] = (),
     meanings: Mapping[str, Meaning] = NO_MEANINGS,
     margins: baseline.Moves | None = None,
     drawn: Mapping[str, str] | None = None,
@@ -147,9 +137,7 @@ def write_report(
 
     Everything is made before the first file is touched. The arguments are those of `render`.
     """
-    page = render(
-        verdict, claims=claims, meanings=meanings, margins=margins, drawn=drawn, full=full
-    )
+    page = render(verdict, meanings=meanings, margins=margins, drawn=drawn, full=full)
     files = {"report.json": json_text(verdict), "junit.xml": as_junit(verdict), "index.html": page}
     write_all({folder / name: text for name, text in files.items()})
 
@@ -204,13 +192,6 @@ def _drawn_order(order: ObservedOrder, number: int) -> dict[str, Any]:
 
 def _slope(slope: float) -> str:
     return f"{slope:.2f}".replace("-", "\N{MINUS SIGN}") if math.isfinite(slope) else "–"
-
-
-def _claim(claim: ClaimSection, number: int) -> ClaimSection:
-    if not claim.svg:
-        return claim
-    drawn = svg.tidy(claim.svg, f"plot-claim-{number}", claim.title)
-    return replace(claim, svg=Markup(drawn))
 
 
 def _moves(moves: baseline.Moves) -> dict[str, Any]:

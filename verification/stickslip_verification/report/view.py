@@ -139,7 +139,7 @@ class FailedCheck:
 
 
 def case_groups(
-    verdict: Verdict, plots: Mapping[str, str], linked: frozenset[int], *, compact: bool = False
+    verdict: Verdict, plots: Mapping[str, str], linked: frozenset[int]
 ) -> list[GroupView]:
     """Return the cases in their groups, the default ones first, in a group those that failed first.
 
@@ -153,9 +153,6 @@ def case_groups(
         For a case, its plot.
     linked
         Numbers of the results that something on the page points at.
-    compact
-        Leave out what is not printed: the comparisons of all but the first `PRINTED_WHOLE` failed
-        cases.
     """
     motions = {motion.case: motion for motion in verdict.motions}
     results: dict[str, list[tuple[int, CheckResult]]] = {}
@@ -174,7 +171,6 @@ def case_groups(
                 continue
             printed += case in failed
             whole = case in failed and printed <= PRINTED_WHOLE
-            left_out = compact and not whole
             worst, worst_of = _worst([result for _, result in results[case]])
             here.append(
                 CaseView(
@@ -185,8 +181,8 @@ def case_groups(
                     counts=count([result for _, result in results[case]]),
                     worst=worst,
                     worst_of=worst_of,
-                    kinds=[] if left_out else list(_kinds(results[case], linked)),
-                    plot="" if left_out else plots.get(case, ""),
+                    kinds=list(_kinds(results[case], linked)),
+                    plot=plots.get(case, ""),
                     whole=whole,
                 )
             )

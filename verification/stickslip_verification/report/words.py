@@ -1,6 +1,5 @@
 """Texts of the report, and sections that its caller adds."""
 
-from dataclasses import dataclass
 from typing import Final
 
 from stickslip_verification.model.margins import error_text
@@ -34,20 +33,6 @@ MEASURES: Final[dict[str, str]] = {
     Measure.ABSOLUTE: "",
 }
 """What an error is a part of; an absolute one has the unit of its quantity."""
-
-
-@dataclass(frozen=True)
-class ClaimSection:
-    """A claim about the model that the run examined, ready to be shown.
-
-    ``verdict`` is a word or two, such as "holds" or "does not hold"; ``svg`` is a whole SVG
-    element, or "" where there is nothing to draw.
-    """
-
-    title: str
-    sentence: str
-    verdict: str
-    svg: str = ""
 
 
 def what_happened(result: CheckResult) -> str:

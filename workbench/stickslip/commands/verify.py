@@ -134,9 +134,6 @@ def verify(
     pack: Annotated[
         bool, typer.Option("--pack", help="Put the report into the FMU as evidence (extra/).")
     ] = False,
-    pdf: Annotated[
-        Path | None, typer.Option(metavar="FILE.pdf", help="Write the report as PDF too.")
-    ] = None,
     full: Annotated[
         bool, typer.Option("--full", help="Print every comparison in the report on paper.")
     ] = False,
@@ -162,7 +159,7 @@ def verify(
     _check_pack(pack, fmu, names, cases)
     name_map = _names(names, chosen)
     earlier = _baseline(baseline)
-    _check_targets(output, pdf)
+    _check_targets(output)
     faults = _mutants(mutants, fault)
     fmu = fmu or current_fmu(law)
     verdict = _verdict(
@@ -181,7 +178,7 @@ def verify(
         mutants=faults,
         whole_matrix=mutants,
     )
-    written = _write(verdict, chosen, earlier, output, pdf, full=full)
+    written = _write(verdict, chosen, earlier, output, full=full)
     screen = console()
     if all_:
         screen.print(tables.verdict_table(verdict, screen.width))
@@ -365,7 +362,7 @@ def _mutants(every: bool, wanted: str | None) -> "Sequence[Mutant]":
         raise CommandError(f"--fault {error}" if wanted is not None else str(error)) from error
 
 
-def _check_targets(output: Path, pdf: Path | None) -> None:
+def _check_targets(output: Path) -> None:
     """Refuse what cannot be written before the run, not after it."""
     from stickslip.files import check_writable, make_folder
 
@@ -376,14 +373,6 @@ def _check_targets(output: Path, pdf: Path | None) -> None:
         make_folder(output, "-o")
         for name in ("index.html", "report.json", "junit.xml"):
             check_writable(output / name, "-o")
-    if pdf is not None:
-        from stickslip_verification import PdfUnavailableError, check_pdf
-
-        check_writable(pdf, "--pdf")
-        try:
-            check_pdf()
-        except PdfUnavailableError as error:
-            raise CommandError(f"--pdf: {error}") from error
 
 
 def _verdict(fmu: Path, cases: "Sequence[Case]", **options: Any) -> "Verdict":
@@ -404,7 +393,6 @@ def _write(
     cases: "Sequence[Case]",
     earlier: "EarlierReport | None",
     output: Path,
-    pdf: Path | None,
     *,
     full: bool,
 ) -> list[Path]:
@@ -413,7 +401,7 @@ def _write(
     from stickslip.show import verdict_report
 
     with Meter("Writing the report"):
-        return verdict_report.write(verdict, cases, earlier, output, pdf, full=full)
+        return verdict_report.write(verdict, cases, earlier, output, full=full)
 
 
 def _accept(verdict: "Verdict") -> None:
