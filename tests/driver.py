@@ -241,11 +241,18 @@ class Instance:
 
     def pack(self) -> bytes:
         """Return the present state as bytes."""
-        state, size = self.save(), c.c_size_t()
+        state = self.save()
+        try:
+            return self.pack_state(state)
+        finally:
+            self.forget(state)
+
+    def pack_state(self, state: c.c_void_p) -> bytes:
+        """Return a state as bytes."""
+        size = c.c_size_t()
         self.call(self._of_state("Serialized", "Size"), state, c.byref(size))
         data = (c.c_ubyte * size.value)()
         self.call(self._of_state("Serialize"), state, data, size)
-        self.forget(state)
         return bytes(data)
 
     def unpack(self, data: bytes) -> c.c_void_p:
