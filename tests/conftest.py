@@ -30,7 +30,10 @@ _BEGUN = pytest.StashKey[float]()
 _COSTS: dict[str, float] = {}
 
 # On a busy machine an example, or drawing it, may take long.
-settings.register_profile("busy", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile(
+    "busy", deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+)
+settings.register_profile("soak", settings.get_profile("busy"), derandomize=False)
 settings.load_profile("busy")
 
 
@@ -45,10 +48,10 @@ def pytest_configure(config: pytest.Config) -> None:
     Simulators and processes that crash leave files behind. The truth and the reference of the cases
     are there too, computed once for all processes.
     """
-    # Tests run on all cores already; threads of NumPy's would wait for each other, at twice the
-    # cost. NumPy reads this when it is imported.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from stickslip_verification.drive.kept import FOLDER
+
+    if config.getoption("soak"):
+        settings.load_profile("soak")
 
     if hasattr(config, "workerinput"):
         return

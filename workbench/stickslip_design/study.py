@@ -23,6 +23,7 @@ from .loop.jumps import Limit, limit_of_jumps
 from .loop.response import Response, open_loop
 from .loop.rest import Start
 from .loop.stability import gain_limits, is_stable, swing
+from .one_thread import one_thread
 from .record import Record, record
 from .verdict import AxisCure, OperatingPoint, Verdict, cheapest
 from .words import in_words
@@ -45,6 +46,7 @@ _BEYOND: Final = 1.02
 """Periods of the motions that are shown, and how far beyond the limit a cure is taken there."""
 
 
+@one_thread
 def design(axis: Axis | AxisFile) -> Verdict:
     """Return whether an axis judders at the feeds that are asked of it, and what cures it.
 

@@ -1,6 +1,5 @@
 """`stickslip design`: whether an axis judders, and what cures it."""
 
-import os
 from pathlib import Path
 from typing import Annotated
 
@@ -60,8 +59,6 @@ def design(
 
 
 def _study(file: Path, report: Path, json: Path | None) -> None:
-    # The matrices are small: threads would wait for each other, on a busy machine for seconds.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from stickslip.files import check_writable, writing
     from stickslip.progress import Meter
     from stickslip.show.design_summary import design_summary

@@ -1,6 +1,5 @@
 """`stickslip map`: the steady motion over ranges of two parameters or more."""
 
-import os
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -124,8 +123,6 @@ def map(  # noqa: A001 - the name of the command
     from stickslip.commands.running import computed as run
     from stickslip_design.maps.study import computed
 
-    # The matrices of a loop are small: threads would wait for each other.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     held = {each: option_name(each) for each, text in typed.items() if text is not None}
     held |= {each.partition("=")[0]: "--law-parameter" for each in law_parameter or []}
     held |= {"feed": "--feed"} if feed is not None else {}

@@ -1,6 +1,5 @@
 """`stickslip scatter`: how likely an axis jumps where its numbers vary."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -107,8 +106,6 @@ def scatter(
     yes: Yes = False,
 ) -> None:  # fmt: skip
     """Tell how likely an axis jumps at a feed where its numbers vary, and by how much."""
-    # The matrices of a loop are small: threads would wait for each other.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from stickslip.commands.running import computed
     from stickslip_design.axis import read_axis_file
     from stickslip_design.chunks import Results, Study

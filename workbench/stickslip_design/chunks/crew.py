@@ -35,8 +35,6 @@ _ASK_ANEW: Final = 3.0
 """Seconds after which the answer of a worker is asked for once more."""
 _MOST_FRAMES: Final = 1000
 """Frames of a message; the greeting of a scheduler has a few."""
-_THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Settings of the threads of numerical libraries, read when those are loaded."""
 
 
 def cores() -> int:
@@ -87,7 +85,7 @@ class _Processes:
 
     def _start_first(self) -> None:
         # What is in its way is told by the next attempt.
-        with contextlib.suppress(Exception), _one_thread():
+        with contextlib.suppress(Exception):
             self._idle.append(Worker(prepare, (), None))
 
     @property
@@ -96,8 +94,7 @@ class _Processes:
 
     def give(self, job: Job, chunk: Chunk) -> None:
         self._starting.join()
-        with _one_thread():
-            worker = self._idle.pop() if self._idle else Worker(prepare, (), None)
+        worker = self._idle.pop() if self._idle else Worker(prepare, (), None)
         self._busy[worker] = chunk
         # `answers` finds one that has ended in the meantime.
         with contextlib.suppress(OSError):
@@ -147,18 +144,6 @@ def processes(workers: int) -> Iterator[_Processes]:
         yield crew
     finally:
         crew.end()
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Have the libraries of processes started in this block use one thread, unless it is set."""
-    new = [name for name in _THREADS if name not in os.environ]
-    os.environ.update(dict.fromkeys(new, "1"))
-    try:
-        yield
-    finally:
-        for name in new:
-            del os.environ[name]
 
 
 class _Cluster:

@@ -11,6 +11,7 @@ from functools import lru_cache
 from hashlib import sha256
 from typing import NamedTuple
 
+from ..one_thread import one_thread
 from .chunk import failures, name_of, packed
 from .manifest import STUDY, read_manifest, versions_here
 from .store import Store, store_of
@@ -78,6 +79,7 @@ def work(job: Job, chunk: Chunk) -> Done | Failed:
         return compute(store, study, job.key, Chunk(*chunk))
 
 
+@one_thread
 def compute(store: Store, study: Study, key: str, chunk: Chunk) -> Done | Failed:
     """Compute a chunk of a study and write its file."""
     begun = time.perf_counter()

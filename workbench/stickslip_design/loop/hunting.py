@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 from ..axis import Axis
+from ..one_thread import one_thread
 from .motion import Motion, Point, walk
 from .system import TABLE, Mode, System
 
@@ -34,6 +35,7 @@ class Hunting(NamedTuple):
     dead_band: float
 
 
+@one_thread
 def hunting(axis: Axis) -> Hunting | None:
     """Return the cycle of an axis that holds a target, None where it comes to rest.
 

@@ -10,6 +10,7 @@ import math
 from typing import Final, NamedTuple
 
 from ..axis import Axis
+from ..one_thread import one_thread
 from .motion import OF_TABLE, Event, Motion, Point, after, margins_of, rising_again
 from .system import LAST, MOTOR, SPEED, TABLE, Mode, System
 
@@ -191,12 +192,14 @@ def loaded(system: System, feed: float) -> Point:
     return Point(state, 0.0)
 
 
+@one_thread
 def jump_at(axis: Axis, feed: float) -> Jump | None:
     """Return the longest jump of the settled cycle at a feed [m/s], None where none is reached."""
     limit = limit_of_jumps(axis, highest=feed)
     return limit.jump if limit.feed >= feed else None
 
 
+@one_thread
 def limit_of_jumps(axis: Axis, highest: float = math.inf) -> Limit:
     """Return the highest feed that a servo axis reaches in jumps when the feed rises slowly.
 

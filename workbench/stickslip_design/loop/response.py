@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from ..axis import Axis
+from ..one_thread import one_thread
 from .system import MOTOR, TABLE, Mode, System, Vector
 
 Complex = NDArray[np.complex128]
@@ -56,6 +57,7 @@ class Response:
     delay_margin: float
 
 
+@one_thread
 def open_loop(axis: Axis, cut: Cut, *, sliding: bool = True) -> Response:
     """Return the frequency response of an open loop of a servo axis.
 

@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 from ..axis import Axis
+from ..one_thread import one_thread
 from .jumps import limit_of_jumps
 from .motion import Motion, Point, walk
 from .system import Mode, System
@@ -35,6 +36,7 @@ class Start:
         self._acceleration = acceleration
         self._motion = Motion(System(axis))
 
+    @one_thread
     def jumps(self, feed: float) -> bool:
         """Return whether the table rests again in the last of the periods at a feed [m/s]."""
         axis, system = self._axis, self._motion.system
@@ -59,6 +61,7 @@ class Start:
                 rested = turn.time
         return turn.mode.table == 0 or turn.event != "time" or rested > end - period
 
+    @one_thread
     def limit(self, highest: float | None = None) -> float:
         """Return the feed [m/s] above which the axis moves evenly after a start; 0 if always.
 

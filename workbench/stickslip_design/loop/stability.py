@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..axis import Axis
+from ..one_thread import one_thread
 from .system import INTEGRAL, SPEED, TABLE, Mode, System
 
 _STUCK: Final = Mode(0, 1)
@@ -59,6 +60,7 @@ class GainLimits(NamedTuple):
     bandwidth: float
 
 
+@one_thread
 def swing(axis: Axis, *, sliding: bool = True) -> Swing:
     """Return the least damped swing of a servo axis.
 
@@ -81,11 +83,13 @@ def swing(axis: Axis, *, sliding: bool = True) -> Swing:
     return min(found, default=Swing(math.inf, 0.0))
 
 
+@one_thread
 def is_stable(axis: Axis) -> bool:
     """Return whether no motion of the loop grows, with the table sliding and with it stuck."""
     return _excess(System(axis)) < 0.0
 
 
+@one_thread
 def gain_limits(axis: Axis) -> GainLimits:
     """Return up to which gains the loop stays stable, the table sliding or stuck.
 
