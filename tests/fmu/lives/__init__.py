@@ -1,0 +1,1 @@
+"""Random lives of instances: what a careless master calls, and what each call must give."""
