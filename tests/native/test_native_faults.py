@@ -1,167 +1,112 @@
-"""Faults planted in the C sources: each is detected by the check that was named in advance."""
+"""Faults in the C sources: each is detected by the check of the suite that was named in advance."""
 
-import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from functools import cached_property
+import tomllib
+from functools import cache
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
-import fmpy
 import pytest
 
-from stickslip_native.named import native_law
-from stickslip_native.packer import build, sources_of
-from tests.native.conftest import EACH
-from tests.native.planting import Fault, Planter, load_fault, load_faults, pack
-from tests.native.suite import Suite
+from stickslip_native.packer import sources_of
+from stickslip_verification.drive import workers
+from stickslip_verification.drive.answer import Answer
+from stickslip_verification.judge.checks import EXACT_CONTRACT
+from stickslip_verification.judge.invariant_checks import applies
+from stickslip_verification.run.baseline import Baseline, Trial, trials
+from stickslip_verification.run.judged import ask, judge
+from stickslip_verification.suite.cases import CASES_FOLDER, load_case
+from stickslip_verification.suite.invariants import load_invariants
+from stickslip_verification.suite.sequences import SEED, draw_sequences
+from tests.conftest import built
+from tests.native.compiling import FLAGS, run, with_library, written
 from tests.needs import needs
+from tests.sharing import made_once
 
-FAULTS = load_faults()
+HERE = Path(__file__).parent
+FAULTS: dict[str, dict[str, Any]] = tomllib.loads((HERE / "faults.toml").read_text())
+CASES = HERE / "cases"
+STRIBECK = {"band.c", "curve.c", "piece.c", "polynomial.c", "series.c", "smooth.c", "stribeck.c"}
 
-
-@dataclass
-class Bench:
-    """FMUs of one FMI version and law with faults planted, and the suite that tries them.
-
-    Attributes
-    ----------
-    version
-        The major version of FMI.
-    law
-        The friction law.
-    """
-
-    version: Literal[2, 3]
-    law: str
-    folder: Path
-    suite: Suite
-    _sound: dict[tuple[str, str], list[str]] = field(default_factory=dict)
-
-    def failing(self, fault: Fault) -> tuple[list[str], list[str]]:
-        """Return what the fault's check finds in the sound FMU, and in the faulty one."""
-        key = fault.check, fault.place
-        if key not in self._sound:
-            self._sound[key] = self._tried(fault, self._library("sound", None))
-        return self._sound[key], self._tried(fault, self._library(fault.id, fault))
-
-    def _tried(self, fault: Fault, library: Path) -> list[str]:
-        folder = library.parents[2]
-        count = int(fault.place.split()[0]) if fault.place.endswith("sequences") else 0
-        match fault.check:
-            case "equal-bits":
-                # That of the sound one is a test of its own.
-                sound = folder.name == "sound"
-                return [] if sound else self.suite.differing(library, count, self.law)
-            case "call-sequences":
-                return self.suite.call_sequences(folder, self._identity, count)
-            case "damaged-states":
-                return self.suite.damaged_states(folder, self._identity)
-            case "texts":
-                return self.suite.texts(library)
-        fmu = pack(self._fmu, library, folder / f"{folder.name}.fmu")
-        return self.suite.failing(fmu, fault.check, fault.place)
-
-    def _library(self, name: str, fault: Fault | None) -> Path:
-        model = native_law(self.law).spec.name
-        library: Path = self.folder / name / "binaries" / fmpy.platform / f"{model}.so"
-        if not library.exists():
-            planter = self.planter
-            library.parent.mkdir(parents=True)
-            planter.library(library, fault)
-        return library
-
-    @cached_property
-    def planter(self) -> Planter:
-        """The compiled sources."""
-        self.folder.mkdir()
-        return Planter(sources_of(self.version, self.law), self.folder)
-
-    @cached_property
-    def _fmu(self) -> Path:
-        return build(self.folder, face=self.version, this_machine=True, law=self.law)
-
-    @cached_property
-    def _identity(self) -> str:
-        found = re.search(r'"(.*)"', sources_of(self.version, self.law)["identity.h"].decode())
-        assert found is not None
-        return found[1]
+pytestmark = needs("cc")
 
 
-Benches = dict[tuple[int, str], Bench]
+def kind_of(file: str) -> tuple[str, str]:
+    return "native-3" if file == "fmi3.c" else "native-2", (
+        "stribeck" if file in STRIBECK else "coulomb"
+    )
 
 
-@pytest.fixture(scope="module")
-def benches(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Benches]:
-    """Return the benches of both FMI versions and all laws."""
-    folder = tmp_path_factory.mktemp("faults")
-    with Suite() as suite:
-        yield {
-            (version, law): Bench(version, law, folder / f"{law}-{version}", suite)
-            for version, law in EACH
-        }
+@cache
+def objects(kind: str, law: str) -> Path:
+    """Return the folder of the sources, each compiled."""
+
+    def make(folder: Path) -> None:
+        for file in written(sources_of(3 if kind == "native-3" else 2, law), folder):
+            run("cc", *FLAGS, "-c", file, "-o", file.with_suffix(".o"))
+
+    return made_once(f"objects-{kind}-{law}", make)
 
 
-def _of_fmi3(fault: Fault) -> bool:
-    return any("fmi3" in name for name in fault.replaces)
+def faulty(edit: list[str], folder: Path) -> Path:
+    """Return the FMU of sources in which texts take the place of others."""
+    file, *texts = edit
+    kind, law = kind_of(file)
+    healthy = objects(kind, law)
+    text = (healthy / file).read_text()
+    for sound, fault in zip(texts[::2], texts[1::2], strict=True):
+        assert text.count(sound) == 1, f"{file} has {sound!r} {text.count(sound)} times"
+        text = text.replace(sound, fault)
+    (folder / file).write_text(text)
+    planted = folder / "planted.o"
+    run("cc", *FLAGS, f"-I{healthy}", "-c", folder / file, "-o", planted)
+    others = [each for each in healthy.glob("*.o") if each.stem != Path(file).stem]
+    run("cc", "-shared", "-Wl,-Bsymbolic", planted, *others, "-o", folder / "a.so", "-lm")
+    return with_library(kind, law, folder / "a.so", folder / "faulty.fmu")
 
 
-@needs("cc")
-@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.id)
-def test_a_planted_fault_is_detected_as_foretold(benches: Benches, fault: Fault) -> None:
-    """The check that a fault names fails on the faulty FMU, and passes on the sound one."""
-    sound, faulty = benches[3 if _of_fmi3(fault) else 2, fault.law].failing(fault)
-    assert sound == []
-    assert faulty, f"{fault.check} passes although {fault.about}"
+@cache
+def baseline(case_id: str) -> Baseline:
+    folder = CASES if case_id.startswith("speeds") else CASES_FOLDER
+    case = load_case(folder / f"{case_id}.toml")
+    exact = workers.exact(case)
+    assert exact.value is not None
+    holding = [each for each in load_invariants().residuals if applies(each, case, exact.value)]
+    return Baseline(case, exact, Answer(not_applicable="it is not judged"), holding, ())
 
 
-@needs("cc")
-def test_faults_are_planted_in_every_source(benches: Benches) -> None:
-    """Each C file of core, faces and laws has a fault at least."""
-    hit = {
-        benches[3 if _of_fmi3(fault) else 2, fault.law].planter.source_of(name)
-        for fault in FAULTS
-        for name in fault.replaces
-    }
-    assert hit == {name for bench in benches.values() for name in bench.planter.names()}
+@cache
+def sequences(manner: str, count: int) -> list[Trial]:
+    drawn = [each.case for each in draw_sequences(SEED, count)]
+    return trials(drawn, load_invariants().only({manner}).sequences, jobs=1, nearby=False)
 
 
-HARMLESS = """\
-/* Nothing is wrong: the true function is called.
- * replaces: sum_with
- * detected by: {check}
- */
-#include "numerics.h"
-
-struct sum true_sum_with(struct sum total, double term);
-
-struct sum sum_with(struct sum total, double term)
-{{
-    return true_sum_with(total, term);
-}}
-"""
-
-
-def _harmless(folder: Path, check: str) -> Fault:
-    source = folder / f"harmless-{check.split()[0]}.c"
-    source.write_text(HARMLESS.format(check=check))
-    return load_fault(source)
+def failing(pool: workers.Pool, where: str) -> list[str]:
+    """Return how an FMU fails a check in a case, in sequences, or as a whole."""
+    check, _, place = where.partition(" in ")
+    few = load_invariants().only({check})
+    tried = sequences(check, int(place.split()[0])) if place.endswith("sequences") else []
+    cases = [baseline(place)] if place and not tried else []
+    answers = ask(pool, cases, few, trials=tried)
+    results = [
+        result
+        for result in judge(cases, few, answers, EXACT_CONTRACT, tried, reference=False)
+        if result.check == check
+    ]
+    assert results, f"{where}: there is no such check"
+    return [f"{where}: {result.failure or result.got}" for result in results if result.failed]
 
 
-@needs("cc")
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_fails_the_check_that_fits(name: str, tmp_path: Path) -> None:
+    fault = FAULTS[name]
+    with workers.Pool(1, fmu=faulty(fault["edit"], tmp_path)) as pool:
+        assert failing(pool, fault["check"])
+
+
 @pytest.mark.parametrize(
-    "check",
-    ["x-course in default", "equal-bits in 20 sequences", "call-sequences in 20 sequences",
-     "damaged-states", "texts", "memory-of-states"],
-)  # fmt: skip
-def test_what_is_no_fault_is_not_detected(benches: Benches, tmp_path: Path, check: str) -> None:
-    """A replacement that changes nothing fails no check."""
-    assert benches[2, "coulomb"].failing(_harmless(tmp_path, check)) == ([], [])
-
-
-@needs("cc")
-@pytest.mark.parametrize("name", ["sum_without", "ZERO"])
-def test_a_name_that_is_not_there_once_is_told(benches: Benches, name: str) -> None:
-    """A fault that replaces what is gone, or is in two files, cannot be planted."""
-    with pytest.raises(ValueError, match=f"^{name} is in "):
-        benches[2, "coulomb"].planter.source_of(name)
+    ("kind", "law"), [("native-2", "coulomb"), ("native-3", "coulomb"), ("native-2", "stribeck")]
+)
+def test_the_sound_fmu_passes_all_of_them(kind: str, law: str) -> None:
+    wanted = {each["check"] for each in FAULTS.values() if kind_of(each["edit"][0]) == (kind, law)}
+    with workers.Pool(1, fmu=built(kind, law)) as pool:
+        assert [each for where in wanted for each in failing(pool, where)] == []

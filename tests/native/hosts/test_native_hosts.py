@@ -12,20 +12,17 @@ import fmpy
 import pytest
 from fmpy.fmi2 import FMU2Slave
 
+from tests.driver import Host as Process
 from tests.importers.cases import CASES
 from tests.importers.host_c import (
-    OUTPUTS,
     Host,
     compile_host,
-    get_outputs,
-    line,
-    set_values,
     unpack,
     with_libpython,
     without_libpython,
 )
 from tests.importers.judging import deviations
-from tests.importers.running import IMPORTERS, Rows, ask, run, run_pair
+from tests.importers.running import IMPORTERS, Rows, ask, run
 from tests.needs import each, needs
 
 HERE = Path(__file__).parent
@@ -42,51 +39,36 @@ def host(native_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Host:
 
 def in_host(host: Host, name: str) -> Rows:
     """Run a case in the host in C."""
-    case = CASES[name]
-    script = "setup 0\n" + set_values(case.start) + "enter\nexit\n" + get_outputs()
-    for number in range(case.steps):
-        script += set_values(case.changes.get(number, {}))
-        script += line("step", number * case.step, case.step) + get_outputs()
-    shown = host.answers(script + "terminate\n")
-    times = tuple(number * case.step for number in range(case.steps + 1))
-    columns = zip(*shown, strict=True)
-    return Rows(times, {each.name: column for each, column in zip(OUTPUTS, columns, strict=True)})
+    return host.run(CASES[name])
 
 
 @pytest.mark.parametrize("importer", each(IMPORTERS))
 def test_an_importer_shows_the_bits_of_the_python_fmu(
-    native_path: Path, fmu_path: Path, tmp_path: Path, importer: str
+    native_path: Path, fmu_path: Path, importer: str
 ) -> None:
     """The same case, run again in one process, gives the same bits with either FMU."""
-    found = [tmp_path / name for name in ("native", "python")]
-    for folder in found:
-        folder.mkdir()
-    ours, theirs = (
-        run(importer, fmu, "restart", folder)
-        for fmu, folder in zip((native_path, fmu_path), found, strict=True)
-    )
+    ours, theirs = (run(importer, fmu, "restart") for fmu in (native_path, fmu_path))
     assert ours == theirs
-    assert ours.again == replace(ours, again=None, how="")
+    assert ours.again == replace(ours, again=None)
 
 
 @pytest.mark.parametrize("importer", each(["libcosimpy", "ecospy", "fmucontainer"]))
 def test_two_connected_blocks_show_the_bits_of_the_python_fmu(
-    native_path: Path, fmu_path: Path, tmp_path: Path, importer: str
+    native_path: Path, fmu_path: Path, importer: str
 ) -> None:
     """Two blocks in one simulation, in threads where the importer has them, are the same too."""
     how = "in_threads" if importer == "fmucontainer" else "pair"
-    found = []
-    for name, fmu in (("native", native_path), ("python", fmu_path)):
-        (tmp_path / name).mkdir()
-        found.append(run_pair(importer, fmu, "inputs", tmp_path / name, how=how))
-    assert found[0] == found[1]
+    ours, theirs = (run(importer, fmu, "inputs", how) for fmu in (native_path, fmu_path))
+    assert ours == theirs
 
 
 @needs("proxyfmu")
-def test_a_host_that_is_not_python_needs_no_preload(native_path: Path, tmp_path: Path) -> None:
+def test_a_host_that_is_not_python_needs_no_preload(native_path: Path) -> None:
     """Proxyfmu loads the FMU as it is started by default."""
-    case = {"name": "default", "start": {}, "step": 0.01, "steps": 5, "changes": {}}
-    assert len(ask("by_proxyfmu", "run", native_path, tmp_path, {}, case).answer["times"]) in (5, 6)
+    process = Process(LD_PRELOAD="")
+    done, _ = ask("proxyfmu", "inputs", native_path, process=process)
+    process.end()
+    assert done
 
 
 @pytest.mark.parametrize("name", ["default", "inputs"])
