@@ -4,12 +4,20 @@ import math
 import random
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 from fmukit.model import Spec
 from stickslip_fmu.block import Block
-from stickslip_fmu.spec import SPEC, TABLE
+from stickslip_fmu.laws.named import friction_law
+from stickslip_fmu.spec import SPEC, TABLE, spec_of
 
 OUTPUTS = [each for each in TABLE.rows if each.causality == "output"]
+
+
+@cache
+def spec_named(law: str) -> Spec:
+    """Return the specification of the block under a friction law given by its name."""
+    return spec_of(friction_law(law).law)
 
 
 def make_block(**values: float) -> Block:
@@ -71,10 +79,11 @@ def drive(
     segments: Sequence[Segment],
     split: Splitter = whole,
     spec: Spec = SPEC,
+    start_time: float = 0.0,
 ) -> list[dict[str, float]]:
     """Return the outputs at the end of each segment."""
     block = block_of(spec, values)
-    time = 0.0
+    time = start_time
     record = []
     for segment in segments:
         for name, value in segment.changes.items():

@@ -1,0 +1,38 @@
+"""Wrong calls of a master: what docs/importing.md says comes of each is what comes of it."""
+
+from typing import Any
+
+import pytest
+
+from tests.conftest import built
+from tests.driver import Host
+from tests.fmu.mistakes import DIES, INSTANTIATIONS, MISTAKES, tried
+from tests.needs import ROOT
+
+pytestmark = pytest.mark.gate
+
+EXPECTED = {title: expected for title, (_, expected) in (INSTANTIATIONS | MISTAKES).items()}
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[str, Any]:
+    # What is freed is overwritten, so that the use of it shows at once and not by chance.
+    host = Host(PYTHONDEVMODE="1", MALLOC_PERTURB_="165")
+    result: dict[str, Any] = host.call(tried, built("python-2"))
+    host.end()
+    return result
+
+
+@pytest.mark.parametrize("mistake", EXPECTED)
+def test_what_comes_of_a_wrong_call(found: dict[str, Any], mistake: str) -> None:
+    assert found[mistake] == EXPECTED[mistake]
+
+
+def test_the_document_tells_what_a_master_must_not_do() -> None:
+    text = (ROOT / "docs" / "importing.md").read_text(encoding="utf-8")
+    section = text.split("\n## What pythonfmu's wrapper does not survive")[1].split("\n## ")[0]
+    survived, ends = section.split("**Ends the host's process**")
+    for title, expected in EXPECTED.items():
+        assert f"\n| {title} |" in (ends if expected is DIES else survived)
+    headings = 3 * 2
+    assert section.count("\n| ") + section.count("\n|--") == len(EXPECTED) + headings
