@@ -1,13 +1,13 @@
-"""A study that can be slow, end its worker, raise, or find the disk full."""
-
-from __future__ import annotations
+"""A study that can be slow, end its worker, hang, raise, or find the disk full."""
 
 import os
+import resource
 import signal
 import time
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
+from multiprocessing import parent_process
 from pathlib import Path
 from typing import Any
 
@@ -22,45 +22,52 @@ class Toy:
 
     Attributes
     ----------
-    pace
-        Time of a point [s].
+    pace, pace_of_workers
+        Time of a point [s] in the process of the study and in those that it starts.
     marks
         Folder with a file for each chunk that was computed.
     kills
-        A point that ends its process by SIGKILL; only once, where `marks` is given.
+        How many chunks end their worker process by SIGKILL; they are counted in `marks`.
+    hangs
+        Whether worker processes take five minutes for a chunk.
     raises
         A point that raises an error.
     largest
-        Bytes that a file may have in the process of a chunk; None: no limit.
+        Bytes that a file may have in a worker process; None: no limit.
+    loses
+        A folder in which the files of all chunks are lost.
     """
 
     count: int = 1000
     quantum: int = 4
     seed: int = 1
     pace: float = 0.0
+    pace_of_workers: float = 0.0
     marks: Path | None = None
-    kills: int | None = None
+    kills: int = 0
+    hangs: bool = False
     raises: int | None = None
     largest: int | None = None
+    loses: Path | None = None
 
     @property
     def identity(self) -> Mapping[str, Any]:
-        """The seed, which the results depend on."""
-        return {"toy": {"seed": self.seed, "over": [1, self.count]}}
+        """What the results depend on: the seed."""
+        return {"toy": {"seed": self.seed, "over": [*range(1, 100), self.count]}}
 
     def compute(self, start: int, stop: int) -> Columns:
         """Return a number, an integer and the failures of points."""
-        if self.largest is not None:
-            import resource
-
-            resource.setrlimit(resource.RLIMIT_FSIZE, (self.largest, resource.RLIM_INFINITY))
-        if self.kills is not None and start <= self.kills < stop and self._first_time():
-            os.kill(os.getpid(), signal.SIGKILL)
         if self.raises is not None and start <= self.raises < stop:
             raise ZeroDivisionError(f"of point {self.raises},\nwith a line more")
-        time.sleep(self.pace * (stop - start))
+        if parent_process() is not None:
+            self._go_wrong()
+        time.sleep(
+            (self.pace if parent_process() is None else self.pace_of_workers) * (stop - start)
+        )
         if self.marks is not None:
-            (self.marks / f"{start}-{stop}-{time.monotonic_ns()}").touch()
+            (self.marks / f"{start}-{stop}-{os.getpid()}-{time.monotonic_ns()}").touch()
+        for file in self.loses.glob("*.chunk") if self.loses else ():
+            file.unlink()
         points = np.arange(start, stop)
         return {
             "x": np.sin(1.7 * points + self.seed),
@@ -68,13 +75,15 @@ class Toy:
             "failure": np.array([failure(point) for point in range(start, stop)]),
         }
 
-    def _first_time(self) -> bool:
-        if self.marks is None:
-            return True
-        mark = self.marks / "killed"
-        here = mark.exists()
-        mark.touch()
-        return not here
+    def _go_wrong(self) -> None:
+        if self.hangs and self.marks is not None:
+            (self.marks / "hangs").touch()
+            time.sleep(300.0)
+        if self.largest is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (self.largest, resource.RLIM_INFINITY))
+        if self.marks is not None and len(list(self.marks.glob("killed*"))) < self.kills:
+            (self.marks / f"killed {os.getpid()}").touch()
+            os.kill(os.getpid(), signal.SIGKILL)
 
 
 def failure(point: int) -> str:
@@ -84,8 +93,13 @@ def failure(point: int) -> str:
 
 def times_computed(marks: Path) -> Counter[int]:
     """Return how often each point was computed."""
-    ranges = [file.name.split("-") for file in marks.glob("*-*-*")]
-    return Counter(point for each in ranges for point in range(int(each[0]), int(each[1])))
+    ranges = [file.name.split("-")[:2] for file in marks.glob("*-*-*")]
+    return Counter(point for start, stop in ranges for point in range(int(start), int(stop)))
+
+
+def processes(marks: Path) -> set[int]:
+    """Return the processes that computed chunks."""
+    return {int(file.name.split("-")[2]) for file in marks.glob("*-*-*")}
 
 
 def same(results: Results, others: Results) -> bool:
