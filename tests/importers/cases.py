@@ -1,4 +1,4 @@
-"""What every importer runs: cases of the blocks, as data."""
+"""What every importer runs: cases of the block, as data."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ class Case:
 
     Attributes
     ----------
-    name
-        How a caller asks for it.
     start
         Parameters and inputs at the start, by name, SI; what is missing keeps its start value.
     step
@@ -22,8 +20,6 @@ class Case:
         How many of them.
     changes
         Inputs set at a communication point, by the number of the step that begins there.
-    law
-        The friction law of the FMU.
     """
 
     name: str
@@ -31,9 +27,9 @@ class Case:
     step: float
     steps: int
     changes: Mapping[int, Mapping[str, float]] = field(default_factory=dict)
-    law: str = "coulomb"
 
 
+_DAMPED = {"c": 2.0, "mu_k": 0.25, "v": 0.03}
 _PULLED_ABOUT: Mapping[int, Mapping[str, float]] = {
     # In stick, before the second break-away: from here on F_s is higher.
     50: {"load": 6.0},
@@ -48,7 +44,6 @@ _PULLED_ABOUT: Mapping[int, Mapping[str, float]] = {
     300: {"v": 0.0},
     330: {"v": -0.015, "load": 0.0},
 }
-_DAMPED = {"c": 2.0, "mu_k": 0.25, "v": 0.03}
 
 CASES: Mapping[str, Case] = {
     case.name: case
@@ -57,9 +52,6 @@ CASES: Mapping[str, Case] = {
         Case("inputs", _DAMPED, 0.01, 400, _PULLED_ABOUT),
         # Ends in a slip, with every input away from its start: what a restart must undo.
         Case("restart", _DAMPED, 0.01, 270, _PULLED_ABOUT),
-        Case(
-            "stribeck", {**_DAMPED, "v_s": 0.03, "delta": 1.0}, 0.01, 220, _PULLED_ABOUT, "stribeck"
-        ),
     )
 }
-"""Cases by name. `restart` is run twice in one process, by the importer's own means."""
+"""Cases by name. `restart` begins as `inputs`, and is run twice in one process."""

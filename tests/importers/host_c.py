@@ -5,20 +5,20 @@ from __future__ import annotations
 import subprocess
 import sys
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.errors import CommandError
 from stickslip.host.launch import ask, find_library, prepare
 from stickslip_fmu.spec import TABLE
+from tests.importers.cases import Case
+from tests.importers.running import Rows
 
-ROOT = Path(__file__).parents[2]
-SOURCE = ROOT / "examples" / "importing" / "host.c"
+SOURCE = Path(__file__).parents[2] / "examples" / "importing" / "host.c"
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
-OUTPUTS = tuple(each for each in TABLE.rows if each.causality == "output")
-_LIMIT = 120.0
-"""Seconds after which a process counts as hung; the longest takes two."""
+OUTPUTS = tuple(each.name for each in TABLE.rows if each.causality == "output")
+BEGIN = "setup 0\nenter\nexit\n"
 
 # Nothing of the interpreter that runs the tests, where the project is installed.
 _BARE = {"PATH": "/usr/local/bin:/usr/bin:/bin", "PYTHONNOUSERSITE": "1"}
@@ -57,16 +57,15 @@ class Host:
     fmu: Path
     environment: Mapping[str, str]
 
-    def __call__(self, script: str | None = None) -> subprocess.CompletedProcess[str]:
-        """Run a script, or the default experiment."""
-        command = [str(self.program), str(self.fmu), *(["-"] if script is not None else [])]
+    def __call__(self, script: str) -> subprocess.CompletedProcess[str]:
+        """Run a script."""
         return subprocess.run(
-            command,
+            [self.program, self.fmu, "-"],
             input=script,
             env=self.environment,
             capture_output=True,
             text=True,
-            timeout=_LIMIT,
+            timeout=120.0,
             check=False,
         )
 
@@ -75,6 +74,12 @@ class Host:
         done = self(script)
         assert (done.stderr[-2000:], done.returncode) == ("", 0)
         return [[float(value) for value in line.split(",")] for line in done.stdout.splitlines()]
+
+    def run(self, case: Case) -> Rows:
+        """Run a case."""
+        shown = self.answers(f"{script_of(case)}terminate\n")
+        times = tuple(number * case.step for number in range(case.steps + 1))
+        return Rows(times, dict(zip(OUTPUTS, zip(*shown, strict=True), strict=True)))
 
 
 def with_libpython(program: Path, fmu: Path, python: str | None = None) -> Host:
@@ -87,18 +92,21 @@ def without_libpython(program: Path, fmu: Path) -> Host:
     return Host(program, fmu, _BARE)
 
 
+def script_of(case: Case) -> str:
+    """Return the lines that run a case and read its outputs at the start and after each step."""
+    look = line("get", *OUTPUTS)
+    script = ["setup 0\n", _set(case.start), "enter\nexit\n", look]
+    for number in range(case.steps):
+        step = line("step", number * case.step, case.step)
+        script += [_set(case.changes.get(number, {})), step, look]
+    return "".join(script)
+
+
 def line(what: str, *words: object) -> str:
     """Return a line of a script; numbers in hexadecimal, so that no digit is lost."""
     texts = [word.hex() if isinstance(word, float) else str(word) for word in words]
     return " ".join([what, *texts]) + "\n"
 
 
-def get_outputs() -> str:
-    """Return the line that reads every output."""
-    return line("get", *(each.name for each in OUTPUTS))
-
-
-def set_values(values: Mapping[str, float]) -> str:
-    """Return the line that sets variables by name, none if there are none."""
-    words: Sequence[object] = [word for pair in values.items() for word in pair]
-    return line("set", *words) if words else ""
+def _set(values: Mapping[str, float]) -> str:
+    return line("set", *(word for pair in values.items() for word in pair)) if values else ""

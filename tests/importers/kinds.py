@@ -1,7 +1,5 @@
 """Small FMUs with one kind of variable each, to find out which kinds an importer knows."""
 
-from __future__ import annotations
-
 import zipfile
 from pathlib import Path
 
@@ -26,8 +24,7 @@ class Echo(Fmi2Slave):
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
-        self.given = {start!r}
-        self.shown = {start!r}
+        self.given = self.shown = {start!r}
         how = {variability}
         self.register_variable(
             {declared}("given", causality=Fmi2Causality.input, start=self.given, **how)
@@ -38,22 +35,12 @@ class Echo(Fmi2Slave):
         self.shown = self.given
         return True
 '''
-
-_CHOICE = """
-	<TypeDefinitions>
-		<SimpleType name="Choice">
-			<Enumeration>
-				<Item name="first" value="1"/>
-				<Item name="second" value="2"/>
-				<Item name="third" value="3"/>
-			</Enumeration>
-		</SimpleType>
-	</TypeDefinitions>
-	<LogCategories>"""
-_INITIAL = """</Outputs>
-		<InitialUnknowns>
-			<Unknown index="2"/>
-		</InitialUnknowns>"""
+_ITEMS = "".join(f'<Item name="n{value}" value="{value}"/>' for value in (1, 2, 3))
+_CHOICE = (
+    f'<TypeDefinitions><SimpleType name="Choice"><Enumeration>{_ITEMS}</Enumeration></SimpleType>'
+    "</TypeDefinitions>\n\t<LogCategories>"
+)
+_INITIAL = '</Outputs><InitialUnknowns><Unknown index="2"/></InitialUnknowns>'
 
 
 def build(kind: str, folder: Path) -> Path:
@@ -66,20 +53,16 @@ def build(kind: str, folder: Path) -> Path:
         _SLAVE.format(declared=declared, start=start, variability=variability), encoding="utf-8"
     )
     built = Path(FmuBuilder.build_FMU(script, dest=folder, needsExecutionTool="false"))
-    renamed = folder / f"{kind}.fmu"
-    with zipfile.ZipFile(built) as source, zipfile.ZipFile(renamed, "w") as target:
+    completed = folder / f"{kind}.fmu"
+    with zipfile.ZipFile(built) as source, zipfile.ZipFile(completed, "w") as target:
         for name in source.namelist():
             content = source.read(name)
             if name == "modelDescription.xml":
-                content = _completed(content.decode(), kind).encode()
+                # What pythonfmu leaves out.
+                text = content.decode().replace("</Outputs>", _INITIAL)
+                if kind == "Enumeration":
+                    text = text.replace("<Integer", '<Enumeration declaredType="Choice"')
+                    text = text.replace("<LogCategories>", _CHOICE, 1)
+                content = text.encode()
             target.writestr(name, content)
-    return renamed
-
-
-def _completed(description: str, kind: str) -> str:
-    """Return a model description with what pythonfmu leaves out."""
-    description = description.replace("</Outputs>", _INITIAL)
-    if kind == "Enumeration":
-        description = description.replace("<Integer", '<Enumeration declaredType="Choice"')
-        description = description.replace("\n\t<LogCategories>", _CHOICE, 1)
-    return description
+    return completed

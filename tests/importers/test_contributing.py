@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 from tests.test_contributing import applied, copied, walk
 from tests.verification.test_contributing import blocks
 
@@ -10,13 +12,12 @@ SECTION = "Add an importer"
 COPIED = ("CONTRIBUTING.md", "pyproject.toml", "docs/importing.md", "examples/importing", "tests")
 
 
+@pytest.mark.gate
 def test_an_importer_is_added_as_contributing_says(tmp_path: Path) -> None:
-    """Its modules, its script and its rows in the document pass the tests of every importer."""
     copied(COPIED, tmp_path)
-    by, able = blocks(SECTION, "python")
+    (module,) = blocks(SECTION, "python")
     inside = tmp_path / "tests" / "importers" / "inside"
-    (inside / "by_stepper.py").write_text(by, encoding="utf-8")
-    (inside / "able_stepper.py").write_text(able, encoding="utf-8")
+    (inside / "by_stepper.py").write_text(module, encoding="utf-8")
     (diff,) = blocks(SECTION, "diff")
     (document,) = applied(diff, tmp_path)
     section = document.read_text(encoding="utf-8").split("\n## FMPy, call by call\n")[1]
@@ -26,5 +27,4 @@ def test_an_importer_is_added_as_contributing_says(tmp_path: Path) -> None:
 
     (command,) = blocks(SECTION, "bash")
     said = walk(command, tmp_path, PYTEST_DEBUG_TEMPROOT=str(tmp_path))
-    # Where no C compiler or no libpython is found, two of them are skipped.
-    assert re.search(r" (16 passed|14 passed, 2 skipped), ", said), said
+    assert re.search(r"\b9 passed, ", said), said

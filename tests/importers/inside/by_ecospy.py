@@ -1,82 +1,106 @@
-"""Ecos through ecospy: a fixed-step simulation, inputs set between steps."""
+"""Ecos through ecospy."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import ecospy
 import fmpy
 
-from .containing import BLOCKS, LINK, for_block
+from .simulation import ALONE, LINK, PAIR, STEP, NotOfferedError, Simulation
 
-_ALONE = ("block",)
-
-
-def run(fmu: str, case: Any) -> Any:
-    """Run a case; the case `restart` twice in one simulation, with its own reset in between."""
-    with simulation(fmu, case) as opened:
-        [first] = steps(opened, fmu, case)
-        if case["name"] != "restart":
-            return first
-        opened.reset()
-        [second] = steps(opened, fmu, case)
-        return {**first, "again": second, "how": "reset and init of the same simulation"}
+_WORDS = {
+    "Real": "real",
+    "Integer": "integer",
+    "Enumeration": "integer",
+    "Boolean": "bool",
+    "String": "string",
+}
 
 
-def pair(fmu: str, case: Any) -> Any:
-    """Run a case of two blocks in one simulation, the second pushed by the first one's spring."""
-    return pair_at(fmu, fmu, case)
+class Ecos(Simulation):
+    """A simulation with a fixed step."""
 
+    offering = (ecospy.EcosSimulation,)
 
-def pair_at(uri: str, fmu: str, case: Any) -> Any:
-    """Do so with the FMU's address to Ecos."""
-    with simulation(uri, case, BLOCKS) as opened:
-        first, second = steps(opened, fmu, case, BLOCKS)
-    return {**first, "nested": second}
-
-
-@contextmanager
-def simulation(uri: str, case: Any, blocks: tuple[str, ...] = _ALONE) -> Iterator[Any]:
-    """Open a simulation, end it in order."""
-    with ecospy.EcosSimulationStructure() as structure:
-        start = {}
+    def __init__(
+        self,
+        fmu: str,
+        start: Any = None,
+        step: float = STEP,
+        blocks: tuple[str, ...] = ALONE,
+        *,
+        messages: bool = False,
+    ) -> None:
+        if messages:
+            ecospy.EcosLib.set_log_level("trace")
+        variables = fmpy.read_model_description(fmu).modelVariables
+        self.words = {each.name: _WORDS[each.type] for each in variables}
+        self.stack = ExitStack()
+        structure = self.stack.enter_context(ecospy.EcosSimulationStructure())
         for block in blocks:
-            structure.add_model(block, uri)
-            for name, value in for_block(block, case["start"]).items():
-                start[f"{block}::{name}"] = value
-        structure.add_parameter_set("start", start)
-        if len(blocks) > 1:
-            structure.make_real_connection(*(f"{block}::{name}" for block, name in LINK))
-        with ecospy.EcosSimulation(structure=structure, step_size=case["step"]) as opened:
-            yield opened
-            opened.terminate()
+            structure.add_model(block, self.uri(fmu))
+        pairs = [(block, name) for block in blocks for name in start or {}]
+        structure.add_parameter_set(
+            "start", {f"{b}::{name}": start[name] for b, name in pairs if (b, name) != LINK[1]}
+        )
+        if blocks == PAIR:
+            structure.make_real_connection(*("::".join(end) for end in LINK))
+        self.opened = self.stack.enter_context(
+            ecospy.EcosSimulation(structure=structure, step_size=step)
+        )
+        self.stack.callback(self.opened.terminate)
+        if messages:
+            self.opened.add_csv_writer("results.csv")
+        self.opened.init(parameter_set="start")
+
+    def uri(self, fmu: str) -> str:
+        """Return what Ecos calls the FMU by."""
+        return fmu
+
+    @property
+    def time(self) -> float:  # type: ignore[override]
+        """Where the simulation stands [s]."""
+        return float(self.opened.get_time())
+
+    def step(self, h: float | None = None) -> None:
+        """Make a step, or steps for a time."""
+        if h is None:
+            self.opened.step()
+        else:
+            self.opened.step_for(h)
+
+    def set(self, name: str, value: Any, block: str = ALONE[0]) -> None:
+        """Set a variable by the call of its type."""
+        try:
+            getattr(self.opened, f"set_{self.words[name]}")(f"{block}::{name}", value)
+        except Exception as error:
+            # Ecos raises no class of its own.
+            if f"property {block}::{name} found" not in str(error):
+                raise
+            raise NotOfferedError(name) from None
+
+    def get(self, name: str, block: str = ALONE[0]) -> Any:
+        """Return a variable by the call of its type."""
+        return getattr(self.opened, f"get_{self.words[name]}")(f"{block}::{name}")
+
+    def reset(self) -> None:
+        """Reset the simulation and initialize it again."""
+        self.opened.reset()
+        self.opened.init(parameter_set="start")
+
+    def close(self) -> None:
+        """End the simulation."""
+        self.stack.close()
+
+    @classmethod
+    def units(cls, fmu: str) -> bool:
+        """Look for a unit in the table that Ecos writes, and for a call that gives units."""
+        with cls(fmu, messages=True) as simulation:
+            simulation.step()
+        head = Path("results.csv").read_text(encoding="utf-8").splitlines()[0]
+        assert "block::F[REAL]" in head
+        return "[N]" in head or cls.offers("unit")
 
 
-def steps(opened: Any, fmu: str, case: Any, blocks: tuple[str, ...] = _ALONE) -> list[Any]:
-    """Initialize, run a case and return the rows of each block."""
-    readers = {"Real": opened.get_real, "Integer": opened.get_integer, "Boolean": opened.get_bool}
-    outputs = [
-        (each.name, readers[each.type])
-        for each in fmpy.read_model_description(fmu).modelVariables
-        if each.causality == "output"
-    ]
-    rows: dict[str, Any] = {
-        block: {"times": [], "outputs": {name: [] for name, _ in outputs}} for block in blocks
-    }
-
-    def look() -> None:
-        for block, of_block in rows.items():
-            of_block["times"].append(opened.get_time())
-            for name, read in outputs:
-                of_block["outputs"][name].append(read(f"{block}::{name}"))
-
-    assert opened.init(parameter_set="start")
-    look()
-    for number in range(case["steps"]):
-        for block in blocks:
-            changes = for_block(block, case["changes"].get(str(number), {}))
-            for name, value in changes.items():
-                opened.set_real(f"{block}::{name}", value)
-        opened.step()
-        look()
-    return list(rows.values())
+SIMULATION = Ecos

@@ -1,7 +1,4 @@
-"""Two blocks nested by `fmucontainer` of fmu-manipulation-toolbox, the container run by FMPy.
-
-The spring force of the first block acts as external force on the second.
-"""
+"""A container made by `fmucontainer` of fmu-manipulation-toolbox."""
 
 import json
 import sys
@@ -12,62 +9,56 @@ from typing import Any
 import fmpy
 from fmu_manipulation_toolbox.cli.fmucontainer import fmucontainer
 
-from . import by_fmpy
-from .containing import BLOCKS, LINK, both, of_both, split
+from .containing import Container
+from .simulation import LINK, PAIR
 
 
-def run(fmu: str, case: Any) -> Any:
-    """Nest the FMU twice, run a case in the container; `restart` by fmi2Reset of the container."""
-    return _run(fmu, case, nest(fmu, case["step"]))
+class Fmucontainer(Container):
+    """Blocks stepped one after the other, or each in a thread of its own."""
 
+    @classmethod
+    def in_threads(cls, fmu: str, case: Any) -> Any:
+        """Run a case, each block stepped in a thread of its own."""
+        return cls.run(fmu, case, threads=True)
 
-def in_threads(fmu: str, case: Any) -> Any:
-    """Do the same, each block stepped in a thread of its own."""
-    return _run(fmu, case, nest(fmu, case["step"], threads=True))
-
-
-def _run(fmu: str, case: Any, container: str) -> Any:
-    outputs = by_fmpy.outputs(fmu)
-    return split(by_fmpy.runs(container, both(case), of_both(outputs)), outputs)
-
-
-def nest(
-    fmu: str,
-    step: float,
-    blocks: tuple[str, ...] = BLOCKS,
-    link: tuple[tuple[str, str], tuple[str, str]] | None = LINK,
-    *,
-    threads: bool = False,
-) -> str:
-    """Call `fmucontainer` on a description of the container and return the FMU it made."""
-    ends = link or ()
-    exposed: dict[str, list[list[str]]] = {"input": [], "output": []}
-    for block in blocks:
-        for each in fmpy.read_model_description(fmu).modelVariables:
-            # An output that is linked is shown without being asked for.
-            if (block, each.name) not in ends and each.causality in exposed:
+    @classmethod
+    def nest(
+        cls, fmu: str, step: float, blocks: tuple[str, ...] = PAIR, *, threads: bool = False
+    ) -> str:
+        """Call `fmucontainer` on a description of the container and return the FMU it made."""
+        linked = LINK if blocks == PAIR else ()
+        exposed: dict[str, list[list[str]]] = {"input": [], "output": []}
+        for block in blocks:
+            for each in fmpy.read_model_description(fmu).modelVariables:
                 inside, outside = [f"{block}.fmu", each.name], f"{block}.{each.name}"
-                both_ways = {"input": [outside, *inside], "output": [*inside, outside]}
-                exposed[each.causality].append(both_ways[each.causality])
-    files = [f"{block}.fmu" for block in blocks]
-    links = [[f"{block}.fmu", name] for block, name in ends]
-    description = {
-        "name": "container.fmu",
-        "step_size": step,
-        "mt": threads,
-        "fmu": files,
-        "path": dict.fromkeys(files, fmu),
-        "auto_link": False,
-        "auto_input": False,
-        "auto_output": False,
-        "auto_parameter": True,
-        "link": [[*links[0], *links[1]]] if links else [],
-        **exposed,
-    }
-    folder = Path(tempfile.mkdtemp())
-    written = folder / "container.json"
-    written.write_text(json.dumps(description), encoding="utf-8")
-    # As the command does, but that it is not loaded anew each time.
-    sys.argv = ["fmucontainer", "-container", str(written), "-fmu-directory", str(folder)]
-    fmucontainer()
-    return str(folder / "container.fmu")
+                # An output that is linked is shown without being asked for.
+                if (block, each.name) in linked:
+                    continue
+                if each.causality == "input":
+                    exposed["input"].append([outside, *inside])
+                elif each.causality == "output":
+                    exposed["output"].append([*inside, outside])
+        files = [f"{block}.fmu" for block in blocks]
+        description = {
+            "name": "container.fmu",
+            "step_size": step,
+            "mt": threads,
+            "fmu": files,
+            "path": dict.fromkeys(files, fmu),
+            "auto_link": False,
+            "auto_input": False,
+            "auto_output": False,
+            "auto_parameter": True,
+            "link": [["a.fmu", "F", "b.fmu", "F_ext"]] if linked else [],
+            **exposed,
+        }
+        folder = Path(tempfile.mkdtemp())
+        written = folder / "container.json"
+        written.write_text(json.dumps(description), encoding="utf-8")
+        # As the command does, but that it is not loaded anew each time.
+        sys.argv = ["fmucontainer", "-container", str(written), "-fmu-directory", str(folder)]
+        fmucontainer()
+        return str(folder / "container.fmu")
+
+
+SIMULATION = Fmucontainer

@@ -1,81 +1,131 @@
-"""libcosim through libcosimpy: a fixed-step execution, inputs by an override manipulator."""
+"""libcosim through libcosimpy: inputs by an override manipulator."""
 
+from itertools import pairwise
 from typing import Any
 
+from libcosimpy.CosimAlgorithm import CosimAlgorithm, EccoParams
 from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
 from libcosimpy.CosimManipulator import CosimManipulator
 from libcosimpy.CosimObserver import CosimObserver
-from libcosimpy.CosimSlave import CosimLocalSlave
+from libcosimpy.CosimSlave import CosimLocalSlave, CosimSlaveVariableDescription
 
-from .containing import BLOCKS, LINK, for_block
+from .simulation import ALONE, LINK, PAIR, STEP, NotOfferedError, Simulation
 
-_REAL, _INTEGER, _BOOLEAN = 0, 1, 3
-_OUTPUT = 2
+_TYPES = ("real", "integer", "string", "boolean")
 _NANOSECONDS = 1_000_000_000
 """In a second: libcosim counts time in whole ones."""
 
 
-def run(fmu: str, case: Any) -> Any:
-    """Run a case; the case `restart` in a second execution, since libcosim has no reset."""
-    [first] = once(fmu, case)
-    if case["name"] != "restart":
-        return first
-    [second] = once(fmu, case)
-    return {**first, "again": second, "how": "a second execution and slave"}
+class StepError(Exception):
+    """libcosim says that a step failed."""
 
 
-def pair(fmu: str, case: Any) -> Any:
-    """Run a case of two blocks in one execution, the second pushed by the first one's spring."""
-    first, second = once(fmu, case, BLOCKS)
-    return {**first, "nested": second}
+class Libcosim(Simulation):
+    """An execution."""
+
+    shows_start = False
+    offering = (CosimExecution, CosimLocalSlave)
+    errors = (NotOfferedError, StepError)
+
+    def __init__(
+        self,
+        fmu: str,
+        start: Any = None,
+        step: float = STEP,
+        blocks: tuple[str, ...] = ALONE,
+        *,
+        messages: bool = False,
+        algorithm: Any = None,
+    ) -> None:
+        if messages:
+            log_output_level(CosimLogLevel.WARNING)
+        self.execution = (
+            CosimExecution.from_step_size(round(step * _NANOSECONDS))
+            if algorithm is None
+            else CosimExecution.from_algorithm(algorithm)
+        )
+        self.slaves = [CosimLocalSlave(fmu, block) for block in blocks]
+        self.index = {
+            block: self.execution.add_local_slave(slave)
+            for block, slave in zip(blocks, self.slaves, strict=True)
+        }
+        self.variables = {
+            each.name.decode(): (each.reference, _TYPES[each.type])
+            for each in self.execution.slave_variables(0)
+            # Of an enumeration the type is none of these.
+            if each.type < len(_TYPES)
+        }
+        self.observer = CosimObserver.create_last_value()
+        self.execution.add_observer(self.observer)
+        self.manipulator = CosimManipulator.create_override()
+        self.execution.add_manipulator(self.manipulator)
+        if blocks == PAIR:
+            self.connect(*LINK)
+        for block, index in self.index.items():
+            for name, value in (start or {}).items():
+                if (block, name) != LINK[1]:
+                    assert self.execution.real_initial_value(index, self.variables[name][0], value)
+
+    def connect(self, source: tuple[str, str], sink: tuple[str, str]) -> None:
+        """Connect two Reals."""
+        ends = [(self.index[block], self.variables[name][0]) for block, name in (source, sink)]
+        self.execution.connect_real_variables(*ends[0], *ends[1])
+
+    @property
+    def time(self) -> float:  # type: ignore[override]
+        """Where the execution stands [s]."""
+        return float(self.execution.status().current_time / _NANOSECONDS)
+
+    def step(self, h: float | None = None) -> None:
+        """Make a step."""
+        if h is not None:
+            raise NotOfferedError("a step of another length")
+        if not self.execution.step():
+            raise StepError("step() returns False")
+
+    def set(self, name: str, value: Any, block: str = ALONE[0]) -> None:
+        """Override a variable."""
+        reference, kind = self._known(name)
+        assert getattr(self.manipulator, f"slave_{kind}_values")(
+            self.index[block], [reference], [value]
+        )
+
+    def get(self, name: str, block: str = ALONE[0]) -> Any:
+        """Return what was observed last."""
+        reference, kind = self._known(name)
+        [value] = getattr(self.observer, f"last_{kind}_values")(self.index[block], [reference])
+        return value.decode() if isinstance(value, bytes) else value
+
+    def _known(self, name: str) -> tuple[int, str]:
+        if name not in self.variables:
+            raise NotOfferedError(name)
+        return self.variables[name]
+
+    @classmethod
+    def resets(cls, _: str) -> bool:
+        """Look for a call that begins a run again."""
+        return cls.offers("reset|restart")
+
+    @classmethod
+    def any_step(cls, fmu: str) -> bool:
+        """Let the ECCO algorithm choose the steps of two blocks, one pulled by the other's mass."""
+        algorithm = CosimAlgorithm.create_ecco_algorithm(EccoParams())
+        with cls(fmu, blocks=("front", "rear"), algorithm=algorithm) as simulation:
+            simulation.connect(("front", "x_dot"), ("rear", "v"))
+            simulation.connect(("rear", "F"), ("front", "F_ext"))
+            refer = {name: reference for name, (reference, _) in simulation.variables.items()}
+            algorithm.add_power_bond(0, refer["x_dot"], refer["F_ext"], 1, refer["F"], refer["v"])
+            times = [0.0]
+            for _ in range(60):
+                simulation.step()
+                times.append(simulation.time)
+        return len({round((later - earlier) * 1e9) for earlier, later in pairwise(times)}) > 1
+
+    @classmethod
+    def units(cls, _: str) -> bool:
+        """Look for a unit in the description of a variable."""
+        return any("unit" in name for name, *_ in CosimSlaveVariableDescription._fields_)
 
 
-def once(fmu: str, case: Any, blocks: tuple[str, ...] = ("block",)) -> list[Any]:
-    """Run a case in an execution of its own; return the rows of each block."""
-    execution = CosimExecution.from_step_size(round(case["step"] * _NANOSECONDS))
-    slaves = [CosimLocalSlave(fmu, name) for name in blocks]
-    indices = {
-        name: execution.add_local_slave(each) for name, each in zip(blocks, slaves, strict=True)
-    }
-    variables = {
-        each.name.decode(): (each.reference, each.type, each.causality)
-        for each in execution.slave_variables(indices[blocks[0]])
-    }
-    if len(blocks) > 1:
-        ends = [(indices[block], variables[name][0]) for block, name in LINK]
-        execution.connect_real_variables(*ends[0], *ends[1])
-    observer = CosimObserver.create_last_value()
-    execution.add_observer(observer)
-    manipulator = CosimManipulator.create_override()
-    execution.add_manipulator(manipulator)
-    for block, index in indices.items():
-        for name, value in for_block(block, case["start"]).items():
-            assert execution.real_initial_value(index, variables[name][0], value), name
-    rows: dict[str, Any] = {block: {"times": [], "outputs": {}} for block in blocks}
-    for number in range(case["steps"]):
-        for block, index in indices.items():
-            changes = for_block(block, case["changes"].get(str(number), {}))
-            references = [variables[name][0] for name in changes]
-            assert not changes or manipulator.slave_real_values(
-                index, references, list(changes.values())
-            )
-        assert execution.step(), f"step {number} failed"
-        for block, index in indices.items():
-            rows[block]["times"].append(execution.status().current_time / _NANOSECONDS)
-            for name, value in _observed(observer, index, variables):
-                rows[block]["outputs"].setdefault(name, []).append(value)
-    return list(rows.values())
-
-
-def _observed(observer: Any, index: int, variables: Any) -> list[tuple[str, Any]]:
-    """Return what was last observed of every output of a block."""
-    found: list[tuple[str, Any]] = []
-    for kind, read in (
-        (_REAL, observer.last_real_values),
-        (_INTEGER, observer.last_integer_values),
-        (_BOOLEAN, observer.last_boolean_values),
-    ):
-        names = [n for n, (_, k, c) in variables.items() if k == kind and c == _OUTPUT]
-        values = read(index, [variables[name][0] for name in names])
-        found += zip(names, values, strict=True)
-    return found
+SIMULATION = Libcosim

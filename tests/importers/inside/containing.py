@@ -1,50 +1,59 @@
-"""Two blocks together: the second pushed by the spring force of the first."""
+"""Blocks nested in a container FMU, which FMPy runs."""
 
+from functools import cache
 from typing import Any
 
-BLOCKS = ("a", "b")
-LINK = (("a", "F"), ("b", "F_ext"))
+from .by_fmpy import Fmpy, simulated
+from .simulation import ALONE, LINK, PAIR, STEP, outputs
 
 
-def both(case: Any) -> Any:
-    """Return the case for the container's variables: what is set in `a` is set in `b` too."""
-    return {
-        **case,
-        "start": _for_both(case["start"]),
-        "changes": {number: _for_both(changes) for number, changes in case["changes"].items()},
-    }
+class Container(Fmpy):
+    """Containers with one block each, for the probes; runs are of one container with a pair."""
 
+    @classmethod
+    def nest(
+        cls, fmu: str, step: float, blocks: tuple[str, ...] = PAIR, *, threads: bool = False
+    ) -> str:
+        """Make a container and return its path; its variables are called as `a.F`."""
+        raise NotImplementedError
 
-def _for_both(values: Any) -> Any:
-    return {
-        f"{block}.{name}": value
-        for block in BLOCKS
-        for name, value in for_block(block, values).items()
-    }
+    @classmethod
+    @cache
+    def made(cls, fmu: str) -> str:
+        """Return a container with one block."""
+        return cls.nest(fmu, STEP, PAIR[:1])
 
-
-def for_block(block: str, values: Any) -> Any:
-    """Return what of these values is set in a block: not what comes from the other one."""
-    return {name: value for name, value in values.items() if (block, name) != LINK[1]}
-
-
-def of_both(names: list[str]) -> list[str]:
-    """Return the names of a variable of each block as the container has them."""
-    return [f"{block}.{name}" for block in BLOCKS for name in names]
-
-
-def split(rows: Any, names: list[str]) -> Any:
-    """Return the rows of a container as those of block a, with those of block b nested."""
-
-    def one(block: str, of: Any) -> Any:
-        return {
-            "times": of["times"],
-            "outputs": {name: of["outputs"][f"{block}.{name}"] for name in names},
+    @classmethod
+    def run(
+        cls, fmu: str, case: Any, blocks: tuple[str, ...] = ALONE, *, threads: bool = False
+    ) -> Any:
+        """Nest two blocks and run a case in the container."""
+        assert blocks == ALONE
+        names = outputs(fmu)
+        both = {
+            **case,
+            "start": _for_both(case["start"]),
+            "changes": {number: _for_both(each) for number, each in case["changes"].items()},
         }
+        container = cls.nest(fmu, case["step"], threads=threads)
+        rows = simulated(container, both, [f"{block}.{name}" for block in PAIR for name in names])
+        found: dict[str, Any] = _split(rows, names)
+        if "again" in rows:
+            found["again"] = _split(rows["again"], names)
+        return found
 
-    both = {**one("a", rows), "nested": one("b", rows)}
-    if "again" in rows:
-        again = rows["again"]
-        both["again"] = {**one("a", again), "nested": one("b", again)}
-        both["how"] = f"{rows['how']}, the container"
-    return both
+
+def _for_both(values: Any) -> dict[str, float]:
+    pairs = [(block, name) for block in PAIR for name in values]
+    return {f"{block}.{name}": values[name] for block, name in pairs if (block, name) != LINK[1]}
+
+
+def _split(rows: Any, names: list[str]) -> dict[str, Any]:
+    first, second = (
+        {
+            "times": rows["times"],
+            "outputs": {name: rows["outputs"][f"{block}.{name}"] for name in names},
+        }
+        for block in PAIR
+    )
+    return {**first, "nested": second}

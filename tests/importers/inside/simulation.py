@@ -1,0 +1,253 @@
+"""What is asked of every importer: runs of cases, and probes of what it can do."""
+
+import re
+from typing import Any
+
+import fmpy
+
+STEP = 0.01
+ALONE = ("block",)
+PAIR = ("a", "b")
+LINK = (("a", "F"), ("b", "F_ext"))
+"""Of two blocks the spring force of the first pushes the second."""
+
+
+class NotOfferedError(Exception):
+    """The importer has no way to do this."""
+
+
+class Simulation:
+    """Blocks in an importer, from the start on; each importer has a subclass.
+
+    Parameters
+    ----------
+    fmu
+        Its path.
+    start
+        Values that every block starts with.
+    step
+        Communication step [s].
+    blocks
+        Their names; those of `PAIR` are connected by `LINK`.
+    messages
+        Whether the importer is asked to show the messages of the FMU.
+
+    Attributes
+    ----------
+    time
+        Where the simulation stands [s].
+    shows_start
+        Whether outputs can be read before the first step.
+    offering
+        Classes of the importer, among whose methods one looks for what they offer.
+    errors
+        What the importer raises where it cannot do something, or the FMU refuses it.
+    """
+
+    time: float
+    shows_start = True
+    offering: tuple[type, ...] = ()
+    errors: tuple[type[Exception], ...] = (NotOfferedError,)
+
+    def __init__(
+        self,
+        fmu: str,
+        start: Any = None,
+        step: float = STEP,
+        blocks: tuple[str, ...] = ALONE,
+        *,
+        messages: bool = False,
+    ) -> None:
+        raise NotImplementedError
+
+    def step(self, h: float | None = None) -> None:
+        """Make a communication step, of another length [s] where one is given."""
+        raise NotImplementedError
+
+    def set(self, name: str, value: Any, block: str = ALONE[0]) -> None:
+        """Set a variable before the next step."""
+        raise NotImplementedError
+
+    def get(self, name: str, block: str = ALONE[0]) -> Any:
+        """Return a variable at the end of the last step."""
+        raise NotImplementedError
+
+    def reset(self) -> None:
+        """Begin again from the start."""
+        raise NotOfferedError("reset")
+
+    def close(self) -> None:
+        """End the simulation in order."""
+
+    def __enter__(self) -> Any:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @classmethod
+    def run(cls, fmu: str, case: Any, blocks: tuple[str, ...] = ALONE) -> Any:
+        """Run a case; `restart` twice, by a reset or, where there is none, by a new simulation."""
+        with cls(fmu, case["start"], case["step"], blocks) as simulation:
+            rows = simulation.play(fmu, case, blocks)
+            if case["name"] == "restart":
+                try:
+                    simulation.reset()
+                    rows["again"] = simulation.play(fmu, case, blocks)
+                except NotOfferedError:
+                    simulation.close()
+                    rows["again"] = cls.run(fmu, {**case, "name": "second"}, blocks)
+        return rows
+
+    @classmethod
+    def pair(cls, fmu: str, case: Any) -> Any:
+        """Run a case with two blocks in one simulation; rows of the second are `nested`."""
+        return cls.run(fmu, case, PAIR)
+
+    def play(self, fmu: str, case: Any, blocks: tuple[str, ...]) -> dict[str, Any]:
+        """Step through a case and return the rows."""
+        names = outputs(fmu)
+        rows = [{"times": [], "outputs": {name: [] for name in names}} for _ in blocks]  # type: list[dict[str, Any]]
+        for number in range(-1 if self.shows_start else 0, case["steps"]):
+            if number >= 0:
+                for block in blocks:
+                    for name, value in case["changes"].get(str(number), {}).items():
+                        if (block, name) != LINK[1]:
+                            self.set(name, value, block)
+                self.step()
+            for block, of_block in zip(blocks, rows, strict=True):
+                of_block["times"].append(self.time)
+                for name in names:
+                    of_block["outputs"][name].append(self.get(name, block))
+        return rows[0] | ({"nested": rows[1]} if len(rows) > 1 else {})
+
+    @classmethod
+    def tried(cls, fmu: str, kinds: dict[str, Any]) -> dict[str, bool]:
+        """Return which probes find that the importer does it.
+
+        `kinds` has for kinds of variables an FMU with one, and a value to set.
+        """
+        probes: dict[str, tuple[Any, ...]] = {name: (getattr(cls, name), fmu) for name in _PROBES}
+        probes |= {kind: (cls.echoes, *given) for kind, given in kinds.items()}
+        found = {}
+        for name, (probe, *given) in probes.items():
+            try:
+                found[name] = bool(probe(*given))
+            except cls.errors:
+                found[name] = False
+        return found
+
+    @classmethod
+    def echoes(cls, echo: str, value: Any) -> bool:
+        """Set an input of some kind, step, and find it in the output."""
+        with cls(echo) as simulation:
+            simulation.set("given", value)
+            simulation.step()
+            return bool(simulation.get("shown") == value)
+
+    @classmethod
+    def inputs(cls, fmu: str) -> bool:
+        """Change an input between two steps."""
+        with cls(fmu) as simulation:
+            simulation.step()
+            simulation.set("v", 0.05)
+            simulation.step()
+            return bool(abs(simulation.get("x_pull") - STEP * 0.07) < 1e-15)
+
+    @classmethod
+    def parameters(cls, fmu: str) -> bool:
+        """Change a tunable parameter between two steps."""
+        with cls(fmu) as simulation:
+            simulation.step()
+            simulation.set("k", 2000.0)
+            simulation.step()
+            return bool(simulation.get("F") == 2000.0 * simulation.get("z"))
+
+    @classmethod
+    def several(cls, fmu: str) -> bool:
+        """Run two blocks at once."""
+        with cls(fmu, blocks=("one", "other")) as simulation:
+            simulation.set("v", 0.05, "other")
+            for _ in range(10):
+                simulation.step()
+            ways = simulation.get("x_pull", "one"), simulation.get("x_pull", "other")
+            return bool(max(abs(ways[0] - 0.002), abs(ways[1] - 0.005)) < 1e-15)
+
+    @classmethod
+    def resets(cls, fmu: str) -> bool:
+        """Begin again, and find the same motion."""
+        with cls(fmu) as simulation:
+            first = simulation.go()
+            simulation.set("v", 0.05)
+            simulation.step()
+            simulation.reset()
+            return bool(simulation.go() == first)
+
+    @classmethod
+    def any_step(cls, fmu: str) -> bool:
+        """Make two steps, the second no multiple of the first."""
+        with cls(fmu) as simulation:
+            simulation.step(STEP)
+            simulation.step(0.037)
+            return bool(abs(simulation.get("x_pull") - 0.02 * 0.047) < 1e-15)
+
+    @classmethod
+    def state(cls, _: str) -> bool:
+        """Look for calls that save and restore a state."""
+        return cls.offers("save|restore|state")
+
+    @classmethod
+    def serialize(cls, _: str) -> bool:
+        """Look for calls that give a state as bytes."""
+        return cls.offers("serial|export")
+
+    @classmethod
+    def units(cls, _: str) -> bool:
+        """Look for calls that give a unit."""
+        return cls.offers("unit")
+
+    @classmethod
+    def offers(cls, words: str) -> bool:
+        """Return whether a public name of the importer has one of these words."""
+        names = {name for each in cls.offering for name in dir(each) if not name.startswith("_")}
+        return any(re.search(words, name) for name in names)
+
+    @classmethod
+    def warn(cls, fmu: str) -> None:
+        """Have the FMU send a warning, with messages asked for."""
+        with cls(fmu, {"mu_k": 0.9}, messages=True) as simulation:
+            simulation.step()
+
+    @classmethod
+    def refused(cls, fmu: str, when: str) -> str:
+        """Set what the FMU refuses "at the start" or later; return what comes of it."""
+        try:
+            with cls(fmu, {"k": -1.0} if when == "at the start" else {}) as simulation:
+                if when != "at the start":
+                    simulation.step()
+                    simulation.set("k", -1.0)
+                before = simulation.time
+                simulation.step()
+                assert simulation.time > before
+                # At rest most outputs are 0, but never these two.
+                shown = {simulation.get(name) for name in ("m", "F_s")}
+        except cls.errors as error:
+            return str(error)
+        return "goes on: every output is 0" if shown == {0.0} else f"goes on with {shown}"
+
+    def go(self) -> list[float]:
+        """Make 30 steps, in which the block slips, and return where it is after each."""
+        ways = []
+        for _ in range(30):
+            self.step()
+            ways.append(float(self.get("x")))
+        return ways
+
+
+_PROBES = ("inputs", "parameters", "several", "resets", "any_step", "state", "serialize", "units")
+
+
+def outputs(fmu: str) -> list[str]:
+    """Return the names of all outputs."""
+    variables = fmpy.read_model_description(fmu).modelVariables
+    return [each.name for each in variables if each.causality == "output"]
