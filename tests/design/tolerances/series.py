@@ -1,7 +1,6 @@
 """Series of machines whose probability of jumping is known in closed form."""
 
 import math
-from typing import Final
 
 from scipy.special import ndtr
 
@@ -10,26 +9,14 @@ from stickslip_ref import Parameters, critical_lambda
 
 MASS, STIFFNESS, ZETA, MU_K = 500.0, 4e7, 0.05, 0.15
 
-SERIES: Final = f"""
-[axis]
-mass = "{MASS} kg"
-stiffness = "{STIFFNESS} N/m"
-zeta = {ZETA}
-[friction]
-mu_s = 0.20
-mu_k = {MU_K}
-[demand]
-feeds = ["1 mm/s"]
-"""
 
-
-def series(**replaced: str) -> AxisFile:
-    """Return the file of a series on a rigid drive; texts in it replaced."""
-    text = SERIES
-    for old, new in replaced.items():
-        line = next(each for each in text.splitlines() if each.startswith(f"{old} ="))
-        text = text.replace(line, f"{old} = {new}")
-    return axis_file_of(text)
+def series(**changed: str) -> AxisFile:
+    """Return the file of a series on a rigid drive, with other values of its numbers."""
+    values = {"mass": f'"{MASS} kg"', "stiffness": f'"{STIFFNESS} N/m"', "zeta": str(ZETA),
+              "load": '"0 N"', "mu_s": "0.20", "mu_k": str(MU_K)} | changed  # fmt: skip
+    lines = [f"{name} = {value}" for name, value in values.items()]
+    text = ["[axis]", *lines[:4], "[friction]", *lines[4:], "[demand]", 'feeds = ["1 mm/s"]']
+    return axis_file_of("\n".join(text))
 
 
 def gap(feed: float) -> float:
@@ -37,8 +24,7 @@ def gap(feed: float) -> float:
 
     v_c = w Delta / lambda_c(zeta) is proportional to that difference.
     """
-    p = Parameters(m=MASS, k=STIFFNESS)
-    N = float(p.N)
+    N = float(Parameters(m=MASS, k=STIFFNESS).N)
     return feed * float(critical_lambda(ZETA)) * math.sqrt(STIFFNESS * MASS) / N
 
 
