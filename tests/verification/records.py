@@ -1,4 +1,4 @@
-"""Records with a planted fault, and the invariants that see it."""
+"""Records with a planted fault, and what sees it: the checks of a case and the invariants."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -6,13 +6,14 @@ from functools import cache
 
 import numpy as np
 
+from stickslip_verification import CheckResult, load_case, load_invariants
 from stickslip_verification.drive.exact import Exact, exact_motion
+from stickslip_verification.drive.kept import kept
 from stickslip_verification.judge.checks import EXACT_CONTRACT, Contract, judge
 from stickslip_verification.judge.invariant_checks import applies, judge_residual
 from stickslip_verification.model.run import Run, Series
-from stickslip_verification.model.verdict import CheckResult
-from stickslip_verification.suite.cases import CASES_FOLDER, Case, load_case
-from stickslip_verification.suite.invariants import ResidualInvariant, load_invariants
+from stickslip_verification.suite.cases import CASES_FOLDER, Case
+from stickslip_verification.suite.invariants import ResidualInvariant
 
 INVARIANTS: Mapping[str, ResidualInvariant] = {
     invariant.id: invariant for invariant in load_invariants().residuals
@@ -27,7 +28,6 @@ class Draft:
     initial: dict[str, float]
 
     def scale(self, name: str, factor: float) -> None:
-        """Multiply an output, at the start too."""
         self.outputs[name] *= factor
         self.initial[name] *= factor
 
@@ -48,7 +48,7 @@ def named(name: str) -> Case:
 @cache
 def exact_of(name: str) -> Exact:
     """Return the exact motion of the suite's case of this id, rounded once."""
-    return exact_motion(named(name))
+    return kept(exact_motion, named(name))
 
 
 @cache
@@ -69,12 +69,13 @@ def invariants_of(name: str) -> tuple[ResidualInvariant, ...]:
     )
 
 
-def planted(record: Run, fault: Fault) -> Run:
-    """Return a copy of a record with a fault in it."""
+def planted(record: Run, *faults: Fault) -> Run:
+    """Return a copy of a record with faults in it."""
     draft = Draft(
         {name: np.array(samples) for name, samples in record.outputs.items()}, dict(record.initial)
     )
-    fault(draft)
+    for fault in faults:
+        fault(draft)
     return Run(record.times, draft.outputs, draft.initial, record.messages)
 
 
@@ -95,29 +96,25 @@ def seen(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> set[str
     }
 
 
-def failures(name: str, record: Run) -> dict[str, CheckResult]:
-    """Return the checks of a case that a record fails as our FMU, by check id."""
+def checked(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> dict[str, CheckResult]:
+    """Return the results of the checks of a case, by check."""
     case, exact = named(name), exact_of(name)
-    results = [judge(case, check, EXACT_CONTRACT, exact, record) for check in case.checks]
-    return {result.check: result for result in results if not result.passed}
+    return {check.id: judge(case, check, contract, exact, record) for check in case.checks}
+
+
+def failures(name: str, record: Run) -> dict[str, CheckResult]:
+    """Return the checks of a case that a record fails as our FMU, by check."""
+    return {check: result for check, result in checked(name, record).items() if not result.passed}
 
 
 def value(name: str, number: float, at: int) -> Fault:
     """Put a number in one place of an output."""
-
-    def fault(draft: Draft) -> None:
-        draft.outputs[name][at] = number
-
-    return fault
+    return lambda draft: draft.outputs[name].__setitem__(at, number)
 
 
 def at_start(name: str, number: float) -> Fault:
     """Show a number after initialization."""
-
-    def fault(draft: Draft) -> None:
-        draft.initial[name] = number
-
-    return fault
+    return lambda draft: draft.initial.__setitem__(name, number)
 
 
 def scaled(name: str, factor: float) -> Fault:
@@ -130,13 +127,9 @@ def lagging(name: str) -> Fault:
     return lambda draft: draft.lag(name)
 
 
-def constant(name: str, number: float) -> Fault:
-    """Show always the same number."""
-
-    def fault(draft: Draft) -> None:
-        draft.outputs[name] = np.full_like(draft.outputs[name], number)
-
-    return fault
+def shown(name: str, samples: Callable[[Mapping[str, Series]], Series]) -> Fault:
+    """Show what is computed from all outputs as one of them."""
+    return lambda draft: draft.outputs.__setitem__(name, samples(draft.outputs))
 
 
 def without(*names: str) -> Fault:
@@ -145,23 +138,5 @@ def without(*names: str) -> Fault:
     def fault(draft: Draft) -> None:
         for name in names:
             del draft.outputs[name], draft.initial[name]
-
-    return fault
-
-
-def copied(name: str, source: str) -> Fault:
-    """Show one output as another."""
-
-    def fault(draft: Draft) -> None:
-        draft.outputs[name] = draft.outputs[source].copy()
-
-    return fault
-
-
-def unsigned(name: str) -> Fault:
-    """Lose the sign of an output."""
-
-    def fault(draft: Draft) -> None:
-        draft.outputs[name] = np.abs(draft.outputs[name])
 
     return fault
