@@ -58,37 +58,14 @@ def preload(importer: str) -> Mapping[str, str]:
     return prepare([importer], None, os.environ).changes if importer in NOT_PYTHON else {}
 
 
-def ask(
-    importer: str, what: str, *arguments: Any, process: Host | None = None, module: str = ""
-) -> tuple[Any, str]:
-    """Call a method of the importer's simulation, or a function of a module of `inside/`.
+def ask(importer: str, what: str, *arguments: Any, process: Host | None = None) -> tuple[Any, str]:
+    """Call a method of the importer's simulation, the path of the FMU its first argument.
 
-    Parameters
-    ----------
-    importer
-        One of `IMPORTERS`.
-    what
-        Name of the method or function.
-    arguments
-        Those of it: first the path of the FMU.
-    process
-        That of the importer where None.
-    module
-        The module of a function.
-
-    Returns
-    -------
-    tuple
-        What it returned, through JSON, and what the process wrote.
-
-    Raises
-    ------
-    DiedError
-        The process crashed or hung.
+    Return what it returned, and what the process wrote: that of the importer where None is given.
+    Raises `DiedError` where it crashes or hangs.
     """
     process = process or host(importer)
-    door = (module, what) if module else (f"by_{importer}", f"SIMULATION.{what}")
-    answer = process.call(act, *door, *arguments)
+    answer = process.call(act, f"by_{importer}", f"SIMULATION.{what}", *arguments)
     return answer, process.errors()
 
 

@@ -123,6 +123,16 @@ def test_what_comes_of_a_refused_value(importer: str, when: str) -> None:
         assert WHAT_IT_CAN[importer]["a refused start value"] == in_a_word
 
 
+@needs("proxyfmu")
+def test_without_libpython_ecos_crashes_in_proxyfmu() -> None:
+    process = Host(LD_PRELOAD="")
+    with pytest.raises(DiedError, match=r"(?s)exit code -.*Unable to bind") as caught:
+        ask("proxyfmu", "inputs", built("python-2"), process=process)
+    # The socket that nobody removes after the crash.
+    for left in re.findall(r"using handle '([^']+)'", caught.value.errors):
+        Path(left).unlink(missing_ok=True)
+
+
 @needs(*(name for name in IMPORTERS if name in NEEDS))
 def test_the_versions_in_the_document_are_those_that_were_tried() -> None:
     named = re.findall(r"`pip install ([\w-]+)`, tried with ([\d.]+\d)", DOCUMENT)

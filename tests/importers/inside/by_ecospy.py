@@ -7,7 +7,7 @@ from typing import Any
 import ecospy
 import fmpy
 
-from .simulation import ALONE, LINK, PAIR, STEP, NotOfferedError, Simulation
+from .simulation import ALONE, LINK, PAIR, NotOfferedError, Simulation
 
 _WORDS = {
     "Real": "real",
@@ -23,34 +23,24 @@ class Ecos(Simulation):
 
     offering = (ecospy.EcosSimulation,)
 
-    def __init__(
-        self,
-        fmu: str,
-        start: Any = None,
-        step: float = STEP,
-        blocks: tuple[str, ...] = ALONE,
-        *,
-        messages: bool = False,
-    ) -> None:
-        if messages:
+    def open(self) -> None:
+        if self.messages:
             ecospy.EcosLib.set_log_level("trace")
-        variables = fmpy.read_model_description(fmu).modelVariables
+        variables = fmpy.read_model_description(self.fmu).modelVariables
         self.words = {each.name: _WORDS[each.type] for each in variables}
         self.stack = ExitStack()
         structure = self.stack.enter_context(ecospy.EcosSimulationStructure())
-        for block in blocks:
-            structure.add_model(block, self.uri(fmu))
-        pairs = [(block, name) for block in blocks for name in start or {}]
-        structure.add_parameter_set(
-            "start", {f"{b}::{name}": start[name] for b, name in pairs if (b, name) != LINK[1]}
-        )
-        if blocks == PAIR:
+        for block in self.blocks:
+            structure.add_model(block, self.uri(self.fmu))
+        start = {f"{block}::{name}": value for block, name, value in self.of_each(self.start)}
+        structure.add_parameter_set("start", start)
+        if self.blocks == PAIR:
             structure.make_real_connection(*("::".join(end) for end in LINK))
         self.opened = self.stack.enter_context(
-            ecospy.EcosSimulation(structure=structure, step_size=step)
+            ecospy.EcosSimulation(structure=structure, step_size=self.h)
         )
         self.stack.callback(self.opened.terminate)
-        if messages:
+        if self.messages:
             self.opened.add_csv_writer("results.csv")
         self.opened.init(parameter_set="start")
 
@@ -60,18 +50,15 @@ class Ecos(Simulation):
 
     @property
     def time(self) -> float:  # type: ignore[override]
-        """Where the simulation stands [s]."""
         return float(self.opened.get_time())
 
     def step(self, h: float | None = None) -> None:
-        """Make a step, or steps for a time."""
         if h is None:
             self.opened.step()
         else:
             self.opened.step_for(h)
 
     def set(self, name: str, value: Any, block: str = ALONE[0]) -> None:
-        """Set a variable by the call of its type."""
         try:
             getattr(self.opened, f"set_{self.words[name]}")(f"{block}::{name}", value)
         except Exception as error:
@@ -81,16 +68,13 @@ class Ecos(Simulation):
             raise NotOfferedError(name) from None
 
     def get(self, name: str, block: str = ALONE[0]) -> Any:
-        """Return a variable by the call of its type."""
         return getattr(self.opened, f"get_{self.words[name]}")(f"{block}::{name}")
 
     def reset(self) -> None:
-        """Reset the simulation and initialize it again."""
         self.opened.reset()
         self.opened.init(parameter_set="start")
 
     def close(self) -> None:
-        """End the simulation."""
         self.stack.close()
 
     @classmethod

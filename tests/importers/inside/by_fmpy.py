@@ -8,7 +8,7 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
-from .simulation import ALONE, STEP, NotOfferedError, Simulation, outputs
+from .simulation import ALONE, NotOfferedError, Simulation, outputs
 
 _HELD = {"v": 0.02, "load": 0.0, "F_ext": 0.0}
 """Start values of the inputs."""
@@ -20,26 +20,14 @@ class Fmpy(Simulation):
     offering = (FMU2Slave,)
     errors = (FMICallException, NotOfferedError)
 
-    def __init__(
-        self,
-        fmu: str,
-        start: Any = None,
-        step: float = STEP,
-        blocks: tuple[str, ...] = ALONE,
-        *,
-        messages: bool = False,
-    ) -> None:
-        self.start, self.h = start or {}, step
-        folder, description = unpacked(self.made(fmu))
-        self.variables = {
-            each.name.split(".")[-1]: each for each in reversed(description.modelVariables)
-        }
+    def open(self) -> None:
+        folder, description = unpacked(self.made(self.fmu))
+        variables = reversed(description.modelVariables)
+        self.variables = {each.name.split(".")[-1]: each for each in variables}
+        how: Any = {"fmi_type": "CoSimulation", "debug_logging": self.messages}
         try:
             self.slaves = {
-                block: fmpy.instantiate_fmu(
-                    folder, description, "CoSimulation", debug_logging=messages
-                )
-                for block in blocks
+                block: fmpy.instantiate_fmu(folder, description, **how) for block in self.blocks
             }
         except Exception as error:
             # FMPy raises no class of its own here.
@@ -63,45 +51,38 @@ class Fmpy(Simulation):
             slave.exitInitializationMode()
 
     def step(self, h: float | None = None) -> None:
-        """Step every instance."""
         for slave in self.slaves.values():
             slave.doStep(self.time, h or self.h)
         # Multiples of the step, without the roundings of a sum.
         self.time = self.time + h if h else round(self.time / self.h + 1.0) * self.h
 
     def set(self, name: str, value: Any, block: str = ALONE[0]) -> None:
-        """Set a variable by the call of its type."""
         variable = self.variables[name]
         getattr(self.slaves[block], f"set{_call(variable)}")([variable.valueReference], [value])
 
     def get(self, name: str, block: str = ALONE[0]) -> Any:
-        """Return a variable by the call of its type."""
         variable = self.variables[name]
         slave = self.slaves[block]
         [value] = getattr(slave, f"get{_call(variable)}")([variable.valueReference])
         return value.decode() if isinstance(value, bytes) else value
 
     def reset(self) -> None:
-        """Reset every instance and initialize it again."""
         for slave in self.slaves.values():
             slave.reset()
         self._begin()
 
     def close(self) -> None:
-        """Free the instances."""
         for slave in self.slaves.values():
             slave.freeInstance()
         self.slaves = {}
 
     @classmethod
     def run(cls, fmu: str, case: Any, blocks: tuple[str, ...] = ALONE) -> Any:
-        """Run a case by `simulate_fmu`; `restart` twice in one instance."""
         assert blocks == ALONE
         return simulated(fmu, case, outputs(fmu))
 
     @classmethod
     def state(cls, fmu: str) -> bool:
-        """Set the state back and repeat what came after."""
         with cls(fmu) as simulation:
             simulation.go()
             slave = simulation.slaves[ALONE[0]]
@@ -112,7 +93,6 @@ class Fmpy(Simulation):
 
     @classmethod
     def serialize(cls, fmu: str) -> bool:
-        """Carry the state to another instance as bytes."""
         with cls(fmu) as one, cls(fmu) as other:
             one.go()
             ours, theirs = one.slaves[ALONE[0]], other.slaves[ALONE[0]]
@@ -122,7 +102,6 @@ class Fmpy(Simulation):
 
     @classmethod
     def units(cls, fmu: str) -> bool:
-        """Find the unit of the spring force."""
         _, description = unpacked(cls.made(fmu))
         return any(each.unit == "N" for each in description.modelVariables)
 

@@ -16,12 +16,11 @@ class Proxyfmu(Ecos):
     """A simulation whose blocks are processes."""
 
     def uri(self, fmu: str) -> str:
-        """Return what makes Ecos start proxyfmu for the FMU."""
         put_on_path()
         return f"proxyfmu://localhost?file={fmu}"
 
     def reset(self) -> None:
-        """Refuse: proxyfmu passes on no reset, and Ecos does not tell."""
+        # It passes on no reset: after one of Ecos, which does not tell, nothing moves.
         raise NotOfferedError("reset")
 
 

@@ -20,14 +20,12 @@ class Container(Fmpy):
     @classmethod
     @cache
     def made(cls, fmu: str) -> str:
-        """Return a container with one block."""
         return cls.nest(fmu, STEP, PAIR[:1])
 
     @classmethod
     def run(
         cls, fmu: str, case: Any, blocks: tuple[str, ...] = ALONE, *, threads: bool = False
     ) -> Any:
-        """Nest two blocks and run a case in the container."""
         assert blocks == ALONE
         names = outputs(fmu)
         both = {
@@ -37,10 +35,8 @@ class Container(Fmpy):
         }
         container = cls.nest(fmu, case["step"], threads=threads)
         rows = simulated(container, both, [f"{block}.{name}" for block in PAIR for name in names])
-        found: dict[str, Any] = _split(rows, names)
-        if "again" in rows:
-            found["again"] = _split(rows["again"], names)
-        return found
+        again = _split(rows["again"], names) if "again" in rows else None
+        return {**_split(rows, names), "again": again}
 
 
 def _for_both(values: Any) -> dict[str, float]:

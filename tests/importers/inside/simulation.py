@@ -1,7 +1,8 @@
 """What is asked of every importer: runs of cases, and probes of what it can do."""
 
 import re
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, Self
 
 import fmpy
 
@@ -10,6 +11,7 @@ ALONE = ("block",)
 PAIR = ("a", "b")
 LINK = (("a", "F"), ("b", "F_ext"))
 """Of two blocks the spring force of the first pushes the second."""
+PROBES = ("inputs", "parameters", "several", "resets", "any_step", "state", "serialize", "units")
 
 
 class NotOfferedError(Exception):
@@ -18,19 +20,6 @@ class NotOfferedError(Exception):
 
 class Simulation:
     """Blocks in an importer, from the start on; each importer has a subclass.
-
-    Parameters
-    ----------
-    fmu
-        Its path.
-    start
-        Values that every block starts with.
-    step
-        Communication step [s].
-    blocks
-        Their names; those of `PAIR` are connected by `LINK`.
-    messages
-        Whether the importer is asked to show the messages of the FMU.
 
     Attributes
     ----------
@@ -53,11 +42,18 @@ class Simulation:
         self,
         fmu: str,
         start: Any = None,
-        step: float = STEP,
+        h: float = STEP,
         blocks: tuple[str, ...] = ALONE,
         *,
         messages: bool = False,
     ) -> None:
+        self.fmu, self.start, self.h, self.blocks = fmu, start or {}, h, blocks
+        self.messages = messages
+        """Whether the importer is asked to show the messages of the FMU, and to write a table."""
+        self.open()
+
+    def open(self) -> None:
+        """Initialize the blocks with these names, those of `PAIR` connected by `LINK`."""
         raise NotImplementedError
 
     def step(self, h: float | None = None) -> None:
@@ -79,21 +75,28 @@ class Simulation:
     def close(self) -> None:
         """End the simulation in order."""
 
-    def __enter__(self) -> Any:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def of_each(self, values: Any) -> Iterator[tuple[str, str, Any]]:
+        """Give block, name and value of what is set: not what comes from the other block."""
+        for block in self.blocks:
+            for name, value in values.items():
+                if (block, name) != LINK[1]:
+                    yield block, name, value
+
     @classmethod
     def run(cls, fmu: str, case: Any, blocks: tuple[str, ...] = ALONE) -> Any:
         """Run a case; `restart` twice, by a reset or, where there is none, by a new simulation."""
         with cls(fmu, case["start"], case["step"], blocks) as simulation:
-            rows = simulation.play(fmu, case, blocks)
+            rows = simulation.play(case)
             if case["name"] == "restart":
                 try:
                     simulation.reset()
-                    rows["again"] = simulation.play(fmu, case, blocks)
+                    rows["again"] = simulation.play(case)
                 except NotOfferedError:
                     simulation.close()
                     rows["again"] = cls.run(fmu, {**case, "name": "second"}, blocks)
@@ -104,22 +107,22 @@ class Simulation:
         """Run a case with two blocks in one simulation; rows of the second are `nested`."""
         return cls.run(fmu, case, PAIR)
 
-    def play(self, fmu: str, case: Any, blocks: tuple[str, ...]) -> dict[str, Any]:
+    def play(self, case: Any) -> dict[str, Any]:
         """Step through a case and return the rows."""
-        names = outputs(fmu)
-        rows = [{"times": [], "outputs": {name: [] for name in names}} for _ in blocks]  # type: list[dict[str, Any]]
+        names = outputs(self.fmu)
+        times: list[float] = []
+        rows: dict[str, dict[str, list[Any]]] = {b: {n: [] for n in names} for b in self.blocks}
         for number in range(-1 if self.shows_start else 0, case["steps"]):
             if number >= 0:
-                for block in blocks:
-                    for name, value in case["changes"].get(str(number), {}).items():
-                        if (block, name) != LINK[1]:
-                            self.set(name, value, block)
+                for block, name, value in self.of_each(case["changes"].get(str(number), {})):
+                    self.set(name, value, block)
                 self.step()
-            for block, of_block in zip(blocks, rows, strict=True):
-                of_block["times"].append(self.time)
+            times.append(self.time)
+            for block, of_block in rows.items():
                 for name in names:
-                    of_block["outputs"][name].append(self.get(name, block))
-        return rows[0] | ({"nested": rows[1]} if len(rows) > 1 else {})
+                    of_block[name].append(self.get(name, block))
+        first, *others = ({"times": times, "outputs": each} for each in rows.values())
+        return {**first, "nested": others[0] if others else None}
 
     @classmethod
     def tried(cls, fmu: str, kinds: dict[str, Any]) -> dict[str, bool]:
@@ -127,7 +130,7 @@ class Simulation:
 
         `kinds` has for kinds of variables an FMU with one, and a value to set.
         """
-        probes: dict[str, tuple[Any, ...]] = {name: (getattr(cls, name), fmu) for name in _PROBES}
+        probes: dict[str, tuple[Any, ...]] = {name: (getattr(cls, name), fmu) for name in PROBES}
         probes |= {kind: (cls.echoes, *given) for kind, given in kinds.items()}
         found = {}
         for name, (probe, *given) in probes.items():
@@ -139,7 +142,6 @@ class Simulation:
 
     @classmethod
     def echoes(cls, echo: str, value: Any) -> bool:
-        """Set an input of some kind, step, and find it in the output."""
         with cls(echo) as simulation:
             simulation.set("given", value)
             simulation.step()
@@ -147,7 +149,6 @@ class Simulation:
 
     @classmethod
     def inputs(cls, fmu: str) -> bool:
-        """Change an input between two steps."""
         with cls(fmu) as simulation:
             simulation.step()
             simulation.set("v", 0.05)
@@ -156,7 +157,6 @@ class Simulation:
 
     @classmethod
     def parameters(cls, fmu: str) -> bool:
-        """Change a tunable parameter between two steps."""
         with cls(fmu) as simulation:
             simulation.step()
             simulation.set("k", 2000.0)
@@ -165,7 +165,6 @@ class Simulation:
 
     @classmethod
     def several(cls, fmu: str) -> bool:
-        """Run two blocks at once."""
         with cls(fmu, blocks=("one", "other")) as simulation:
             simulation.set("v", 0.05, "other")
             for _ in range(10):
@@ -175,7 +174,6 @@ class Simulation:
 
     @classmethod
     def resets(cls, fmu: str) -> bool:
-        """Begin again, and find the same motion."""
         with cls(fmu) as simulation:
             first = simulation.go()
             simulation.set("v", 0.05)
@@ -185,7 +183,6 @@ class Simulation:
 
     @classmethod
     def any_step(cls, fmu: str) -> bool:
-        """Make two steps, the second no multiple of the first."""
         with cls(fmu) as simulation:
             simulation.step(STEP)
             simulation.step(0.037)
@@ -193,17 +190,14 @@ class Simulation:
 
     @classmethod
     def state(cls, _: str) -> bool:
-        """Look for calls that save and restore a state."""
         return cls.offers("save|restore|state")
 
     @classmethod
     def serialize(cls, _: str) -> bool:
-        """Look for calls that give a state as bytes."""
         return cls.offers("serial|export")
 
     @classmethod
     def units(cls, _: str) -> bool:
-        """Look for calls that give a unit."""
         return cls.offers("unit")
 
     @classmethod
@@ -242,9 +236,6 @@ class Simulation:
             self.step()
             ways.append(float(self.get("x")))
         return ways
-
-
-_PROBES = ("inputs", "parameters", "several", "resets", "any_step", "state", "serialize", "units")
 
 
 def outputs(fmu: str) -> list[str]:
