@@ -336,6 +336,7 @@ class Host:
     def __init__(self, **environment: str) -> None:
         self.environment = environment
         self.process: subprocess.Popen[bytes] | None = None
+        self._errors: Path | None = None
 
     def call(self, function: Callable[..., Any], *arguments: Any, timeout: float = 120.0) -> Any:
         """Return `function(*arguments)`, computed there; all of it goes through JSON.
@@ -371,6 +372,8 @@ class Host:
 
     def errors(self) -> str:
         """Return what the process wrote to standard error since it was started or last asked."""
+        if self._errors is None:
+            return ""
         text = self._errors.read_text(errors="backslashreplace")
         os.truncate(self._errors, 0)
         return text
