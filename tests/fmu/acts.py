@@ -411,3 +411,36 @@ def left_loaded(path: str) -> None:
     fmu.folder = Path(f"/{folder}")
     fmu.started().free()
     shutil.rmtree(folder)
+
+
+def flags_of_a_step(path: str, h: float) -> list[Any]:
+    """Return of an FMI 3.0 step from 0.1 s on status, terminate, last successful time, the log."""
+    fmu = loaded(path)
+    instance = fmu.started()
+    instance.step(0.1)
+    fmu.messages.clear()
+    flags, reached = [c.c_bool(True) for _ in range(3)], c.c_double(-7.0)
+    status = instance.status("DoStep", 0.1, h, True, *map(c.byref, flags), c.byref(reached))
+    return [status, flags[1].value, reached.value, fmu.messages]
+
+
+def calls_of_other_interfaces(path: str) -> dict[str, int]:
+    """Return the status of FMI 3.0's calls that nothing declares, each followed by a reset."""
+    instance = loaded(path).started()
+    values, none = (c.c_double * 1)(), c.c_size_t(0)
+    flags = [c.byref(c.c_bool()) for _ in range(5)]
+    found = {}
+    for name, arguments in {
+        "SetTime": (1.0,),
+        "GetContinuousStates": (values, none),
+        "SetContinuousStates": (values, none),
+        "GetContinuousStateDerivatives": (values, none),
+        "GetNominalsOfContinuousStates": (values, none),
+        "GetEventIndicators": (values, none),
+        "UpdateDiscreteStates": (*flags, c.byref(c.c_double())),
+    }.items():
+        found[name] = instance.status(name, *arguments)
+        instance.reset()
+        instance.start()
+        instance.step(0.1)
+    return found

@@ -6,19 +6,15 @@ import json
 import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tests.fmu.inside import SKIPPED
 from tests.fmu.inside.raw import Raw
 
-if TYPE_CHECKING:
-    # Importing it bars the project's packages from this process.
-    from tests.fmu.importer import Importer
-
 _STATUSES = ("", "Real", "Integer", "Boolean", "String")
 
 
-def play(importer: "Importer", order: Any) -> int:
+def play(importer: Any, order: Any) -> int:
     """Play the sequences of a file, one a line, each within its time; return their number.
 
     The process ends by SIGPROF where one takes more processor time.

@@ -3,7 +3,7 @@
 import ctypes as c
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import fmpy
 from fmpy.fmi2 import (
@@ -12,11 +12,6 @@ from fmpy.fmi2 import (
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
 )
-
-if TYPE_CHECKING:
-    # Importing it bars the project's packages from this process.
-    from tests.fmu.importer import Importer
-
 
 _P, _N, _REAL, _INT, _TEXT = c.c_void_p, c.c_size_t, c.c_double, c.c_int, c.c_char_p
 
@@ -63,7 +58,7 @@ class Raw:
         What the FMU has logged, as printf shows it.
     """
 
-    def __init__(self, importer: "Importer") -> None:
+    def __init__(self, importer: Any) -> None:
         identifier = importer.description.coSimulation.modelIdentifier
         binary = f"{identifier}{fmpy.sharedLibraryExtension}"
         self.library = c.CDLL(str(Path(importer.folder, "binaries", fmpy.platform, binary)))
