@@ -1,28 +1,24 @@
-"""The score of a curve: its figures, its resolution, its cause."""
+"""The score of a curve: its figures, their resolution, its cause."""
 
-import itertools
 import json
 import math
-import sys
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pytest
 
 from stickslip_score import Curve, CurveError, Score, as_json, score
 from stickslip_verification import truth
-from stickslip_verification.truth import Step
 from tests.score import curve_makers as makers
-from tests.score.curve_makers import Made
+from tests.score.curve_makers import scored, stepped
 
 QUANTITIES = ("period", "t_stick", "t_slip", "delta_x")
 ROUNDING = 1e-11
 """Relative: the reference is right to 4e-14 of mu_s/(mu_s - mu_k) (docs/theory.md (17))."""
 
-
-def scored(made: Made, p: makers.Parameters, columns: str = "x") -> Score:
-    """Score the columns of a made motion."""
-    given = {name: getattr(made, name) for name in columns.split()}
-    return score(Curve.of(made.t, **given), p)
+DRAG = {"c": 500.0, "v": 0.1}
+"""zeta = 7.9, and c v is 25 times the gap of the forces: it slides for ever after break-away."""
 
 
 def drawn(seed: int, count: int) -> list[tuple[dict[str, float], float, float]]:
@@ -34,246 +30,234 @@ def drawn(seed: int, count: int) -> list[tuple[dict[str, float], float, float]]:
 
     found: list[tuple[dict[str, float], float, float]] = []
     while len(found) < count:
-        mu_s = between(0.2, 0.8)
-        p = {
-            "k": between(500.0, 5e4),
-            "v": between(1e-3, 0.1),
-            "m": between(0.5, 50.0),
-            "mu_s": mu_s,
-            "mu_k": mu_s * between(0.3, 0.9),
-        }
+        p = {"k": between(500.0, 5e4), "v": between(1e-3, 0.1), "m": between(0.5, 50.0)}
+        p["mu_s"] = between(0.2, 0.8)
+        p["mu_k"] = p["mu_s"] * between(0.3, 0.9)
         cycle = truth.steady_cycle(p, digits=20)
         assert cycle is not None
-        T, t_slip = float(cycle["T"]), float(cycle["t_slip"])
-        load_up = mu_s * p["m"] * 9.81 / (p["k"] * p["v"])
+        T, t_slip, Delta = (float(cycle[name]) for name in ("T", "t_slip", "Delta"))
+        load_up = p["mu_s"] * p["m"] * 9.81 / (p["k"] * p["v"])
         # A tool's curve shows slips; w h and v h / Delta at 1 ms are those of a sensible step.
-        w, Delta = math.sqrt(p["k"] / p["m"]), float(cycle["Delta"])
-        sensible = 1e-3 * w < 0.2 and 1e-3 * p["v"] < 0.1 * Delta
+        sensible = 1e-3 * math.sqrt(p["k"] / p["m"]) < 0.2 and 1e-3 * p["v"] < 0.1 * Delta
         if sensible and 30.0 * t_slip > T and load_up < 20.0 * T and load_up + 5.0 * T < 20.0:
             found.append((p, T, load_up + 5.3 * T))
     return found
 
 
-DRAWS = drawn(seed=20, count=12)
+DRAWS = drawn(seed=20, count=6)
 
 
 def assert_resolved(result: Score) -> None:
     """Every figure of an exact curve is within its resolution of the exact value."""
-    for name in QUANTITIES:
-        compared = getattr(result, name)
+    for compared in (getattr(result, name) for name in QUANTITIES):
         if compared.got is not None:
             assert compared.resolution is not None
-            assert abs(compared.got - compared.exact) <= (
-                compared.resolution + ROUNDING * abs(compared.exact)
-            ), name
+            slack = compared.resolution + ROUNDING * abs(compared.exact)
+            assert abs(compared.got - compared.exact) <= slack
 
 
 @pytest.mark.parametrize("columns", ["x", "F", "x x_dot F"])
-@pytest.mark.parametrize("part", [0.002, 0.03, 0.11, 0.31, 0.57, 0.93, 1.3])
-def test_the_exact_block_is_exact_at_any_sampling(columns: str, part: float) -> None:
-    """Sampled every `part` of a period, evenly or not, to few digits or to all, it is told so."""
+@pytest.mark.parametrize(("draw", "part"), list(enumerate((0.002, 0.03, 0.31, 0.93, 1.3))))
+def test_the_exact_block_is_exact_at_any_sampling(columns: str, draw: int, part: float) -> None:
+    # `part` of a period, evenly or not, to few digits or to all.
     random = np.random.default_rng(int(1000 * part))
-    for p, T, end in DRAWS[:2]:
-        h = part * T
-        end = max(end, 14 * h)
-        even = np.arange(0.0, end, h)
-        uneven = np.concatenate([[0.0], np.sort(random.uniform(0.0, end, even.size))])
-        for times in (even, uneven):
-            made = makers.exact(p, times)
-            for curve in (made, made.printed(6 if part > 0.01 else 9)):
-                result = scored(curve, p, columns)
-                assert result.cause == "exact", (p, result.explanation)
-                assert_resolved(result)
+    p, T, end = DRAWS[draw]
+    even = np.arange(0.0, max(end, 14 * part * T), part * T)
+    uneven = np.concatenate([[0.0], np.sort(random.uniform(0.0, even[-1], even.size))])
+    for times in (even, uneven):
+        made = makers.exact(p, times)
+        for curve in (made, made.printed(6 if part > 0.01 else 9)):
+            result = scored(curve, p, columns)
+            assert result.cause == "exact", (p, result.explanation)
+            assert_resolved(result)
+
+
+# Parameters, the end [s] and the samples of an exact curve, its first sample.
+CYCLING: list[tuple[dict[str, float], float, int, int]] = [
+    ({"v": -0.02}, 2.0, 300, 0),
+    ({"c": 0.5, "v": 0.01}, 4.0, 900, 0),
+    # One coefficient: no stick, 2 pi / w.
+    ({"mu_k": 0.5}, 3.0, 900, 0),
+]
+ALONE: list[tuple[dict[str, float], float, int, int]] = [
+    # Until before its first break-away, and before its second one.
+    ({}, 0.2, 50, 0),
+    ({}, 0.5, 400, 0),
+    # Sliding without end: above the critical velocity, over-damped, without a gap.
+    ({"c": 5.0, "v": 0.2}, 3.0, 900, 0),
+    ({"c": 3000.0, "v": 0.01, "m": 20.0}, 30.0, 80, 0),
+    ({"c": 100.0, "mu_k": 0.5}, 2.0, 80, 0),
+    # At rest before it slides; from within the slide.
+    (DRAG, 0.0485, 200, 0),
+    *((DRAG, 2.0, 400, first) for first in (0, 12, 300)),
+]
+
+
+@pytest.mark.parametrize("columns", ["x", "x F"])
+@pytest.mark.parametrize(("p", "end", "count", "first"), CYCLING + ALONE)
+def test_every_kind_of_exact_motion_is_exact(
+    p: dict[str, float], end: float, count: int, first: int, columns: str
+) -> None:
+    made = makers.exact(p, np.linspace(0.0, end, count)).rows(slice(first, None))
+    result = scored(made, p, columns)
+    cycles = (p, end, count, first) in CYCLING
+    assert result.cause == "exact", result.explanation
+    assert (result.cycles > 3, result.period.got is not None) == (cycles, cycles)
+    assert_resolved(result)
+    # Slower than v/2 long after break-away, it does not creep.
+    assert not any("velocity column" in finding for finding in result.findings)
+    if truth.steady_cycle({**p, "v": abs(p.get("v", 0.02))}, digits=20) is None:
+        assert "no steady cycle exists at these parameters" in result.findings
 
 
 def test_the_truth_itself_is_exact() -> None:
-    """The high-precision solution of the suite, in doubles, has its own cycle to 1e-7."""
-    run = truth.run({}, [Step(0.01)] * 150, digits=30)
+    run = truth.run({}, [truth.Step(0.01)] * 150, digits=30)
     x = [float(sample["x"]) for sample in run.samples]
     result = score(Curve.of([float(t) for t in run.times], x=x), {})
-    assert result.cause == "exact"
-    assert result.cycles == 3
+    assert (result.cause, result.cycles) == ("exact", 3)
     assert_resolved(result)
     # 1e-9 of the range of x is held against no tool; over three cycles that bounds the period.
     assert result.period.resolution is not None
     assert result.period.resolution < 1e-7 * 0.3
 
 
-def test_a_wrong_coefficient_is_told_from_the_exact_one() -> None:
-    """A slip that is 1 % too long in mu_s is outside the resolution and named as another gap."""
-    for p, _, end in DRAWS[:6]:
-        wrong = {**p, "mu_s": 1.01 * p["mu_s"]}
-        result = scored(makers.exact(wrong, np.linspace(0.0, end, 400)).printed(9), p)
-        assert result.cause == "other"
-        share = p["mu_s"] / (p["mu_s"] - p["mu_k"])
-        assert f"{share:.3g} % larger" in result.explanation
-        assert result.delta_x.error is not None
-        assert result.delta_x.resolution is not None
-        assert result.delta_x.error > result.delta_x.resolution > 0.0
+@pytest.mark.parametrize(("p", "T", "end"), DRAWS[:3])
+def test_another_gap_is_outside_the_resolution_and_named(
+    p: dict[str, float], T: float, end: float
+) -> None:
+    wrong = {**p, "mu_s": 1.01 * p["mu_s"]}
+    result = scored(makers.exact(wrong, np.linspace(0.0, end, 400)).printed(9), p)
+    assert result.cause == "other"
+    assert f"{p['mu_s'] / (p['mu_s'] - p['mu_k']):.3g} % larger" in result.explanation
+    assert result.delta_x.error is not None
+    assert result.delta_x.resolution is not None
+    assert result.delta_x.error > result.delta_x.resolution > 0.0
 
 
-def test_a_wrong_mass_or_speed_or_stiffness_is_named() -> None:
-    """A clean curve of another block is `other`, and the sentence says of which."""
-    times = np.linspace(0.0, 4.0, 2000)
-    for wrong, columns, said in (
-        ({"m": 1.02}, "x", "k/m is 1.96 % smaller"),
-        ({"v": 0.0204}, "x", "advances at 20.4 mm/s"),
-        ({"k": 1020.0}, "x F", "F is not k (v t - x)"),
-        ({"k": 1020.0}, "F", "rises at 20.4 N/s, where k v is 20 N/s"),
-        ({"mu_s": 0.6, "mu_k": 0.4}, "F", "5.886 N instead of 4.905 N"),
-    ):
-        result = scored(makers.exact(wrong, times), {}, columns)
-        assert result.cause == "other"
-        assert said in result.explanation
+# What is asked for, what the block of the curve has instead, its end [s], columns, the sentence.
+OTHERS: list[tuple[Mapping[str, float], Mapping[str, float], float, str, str]] = [
+    ({}, {"m": 1.02}, 4.0, "x", "k/m is 1.96 % smaller"),
+    ({}, {"v": 0.0204}, 4.0, "x", "advances at 20.4 mm/s"),
+    ({}, {"k": 1020.0}, 4.0, "x F", "F is not k (v t - x)"),
+    ({}, {"k": 1020.0}, 4.0, "F", "rises at 20.4 N/s, where k v is 20 N/s"),
+    ({}, {"mu_s": 0.6, "mu_k": 0.4}, 4.0, "F", "5.886 N instead of 4.905 N"),
+    (DRAG, {"mu_s": 0.55}, 0.5, "x", "(mu_s - mu_k) N 25 % larger"),
+    (DRAG, {"mu_s": 0.6}, 0.0564, "x F", "although the spring force reaches 5.64 N"),
+]
+
+
+@pytest.mark.parametrize(("p", "wrong", "end", "columns", "words"), OTHERS)
+def test_another_block_is_named(
+    p: dict[str, float], wrong: dict[str, float], end: float, columns: str, words: str
+) -> None:
+    result = scored(makers.exact({**p, **wrong}, np.linspace(0.0, end, 2000)), p, columns)
+    assert result.cause == "other"
+    assert words in result.explanation
+
+
+def test_a_slide_tells_its_force_by_the_spring_and_not_by_x() -> None:
+    made = makers.exact({**DRAG, "mu_k": 0.4}, np.linspace(0.0, 2.0, 400)).rows(slice(100, None))
+    assert scored(made, DRAG, "x").cause == "exact"
+    assert "another force acts" in scored(made, DRAG, "x F").explanation
+
+
+METHODS = (makers.verlet, makers.semi_implicit_euler, makers.runge_kutta)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("draw", "h"), [(0, 1e-3), (1, 1e-3), (2, 1e-4)])
+def test_fixed_steps_are_told_whole_or_printed_every_few_steps(
+    method: makers.Method, draw: int, h: float
+) -> None:
+    p, T, end = DRAWS[draw]
+    made = stepped(method, p, min(end, 30_000 * h), h)
+    every = max(1, round(T / 200 / h))
+    for curve in (made, made.rows(slice(None, None, every)).printed(9)):
+        result = scored(curve, p)
+        assert result.cause == "fixed_step", (p, result.explanation)
 
 
 @pytest.mark.parametrize("h", [1e-3, 1e-4])
-@pytest.mark.parametrize("maker", ["verlet", "semi_implicit_euler", "runge_kutta"])
-def test_fixed_steps_are_told(maker: str, h: float) -> None:
-    """Events that wait for the end of a step are seen, whole or printed every few steps."""
-    for p, T, end in DRAWS[:2] if h < 1e-3 else DRAWS[:5]:
-        made = getattr(makers, maker)(p, min(end, 60000 * h), h)
-        for curve in (made, made.every(max(1, round(T / 200 / h))).printed(9)):
-            result = scored(curve, p)
-            assert result.cause == "fixed_step", (p, result.explanation)
+def test_fixed_steps_are_told_by_a_slide_and_by_chatter(h: float) -> None:
+    made = stepped(makers.semi_implicit_euler, DRAG, 0.5, h)
+    assert scored(made, DRAG, "x F").cause == "fixed_step"
+    for columns in ("x", "F"):
+        result = scored(makers.euler_with_the_sign({}, 1.5, h), {}, columns)
+        assert result.cause == "fixed_step"
+        assert "chatters in stick" in result.explanation
 
 
-def test_a_mean_over_cycles_resolves_more_than_a_sample() -> None:
-    """Verlet at 1 ms is late by less than a step, and the period tells so beyond its resolution."""
-    result = scored(makers.verlet({}, 10.0, 1e-3), {})
+def test_a_mean_over_cycles_resolves_more_than_a_step() -> None:
+    # Verlet at 1 ms is late by less than a step.
+    result = scored(stepped(makers.verlet, {}, 10.0, 1e-3), {})
     assert result.cycles > 25
     assert result.period.error is not None
     assert result.period.resolution is not None
-    assert result.period.resolution < 1e-4
     assert result.period.error > 5.0 * result.period.resolution
+    assert result.period.resolution < 1e-4
 
 
-@pytest.mark.parametrize("v_reg", [1e-4, 1e-3, 1e-2])
+@pytest.mark.parametrize(("draw", "v_reg"), list(enumerate((1e-4, 1e-3, 1e-2))))
 @pytest.mark.parametrize("peak", [True, False])
-def test_regularised_friction_creeps(v_reg: float, peak: bool) -> None:
-    """Friction smoothed by tanh is told by its creep, with or without a static peak."""
-    for p, T, end in DRAWS[:2]:
-        times = np.arange(0.0, end, T / 500)
-        result = scored(makers.tanh_friction(p, times, v_reg, peak=peak), p, "x F")
-        assert result.cause == "regularised", (p, result.explanation)
-        assert "creeps at" in result.explanation
-        if not peak:
-            assert "static peak is lost" in result.explanation
+def test_smoothed_friction_creeps(draw: int, v_reg: float, peak: bool) -> None:
+    p, T, end = DRAWS[draw]
+    made = makers.tanh_friction(p, np.arange(0.0, end, T / 500), v_reg, peak=peak)
+    result = scored(made, p, "x F")
+    assert result.cause == "regularised", result.explanation
+    assert "creeps at" in result.explanation
+    assert peak or "static peak is lost" in result.explanation
+    # So does what slides for ever, before it does.
+    made = makers.tanh_friction(DRAG, np.linspace(0.0, 0.5, 500), 1e-3, peak=False)
+    assert "stick phase creeps at" in scored(made, DRAG, "xF"[draw % 2]).explanation
 
 
-def test_one_coefficient_never_rests() -> None:
-    """With mu_s = mu_k the mass swings about the speed of the pulled end; Verlet shows the same."""
-    for p, _, end in DRAWS[1:3]:
-        for one in ({**p, "mu_k": p["mu_s"]}, {**p, "mu_s": p["mu_k"]}):
-            for made in (
-                makers.exact(one, np.linspace(0.0, end, 700)).printed(6),
-                makers.verlet(one, end, 1e-3),
-            ):
-                result = scored(made, p)
-                assert result.cause == "single_coefficient", (p, result.explanation)
+@pytest.mark.parametrize("one", ["mu_s", "mu_k"])
+def test_one_coefficient_never_rests_and_throws_no_mass_forward(one: str) -> None:
+    for p, _, end in (DRAWS[1], (DRAG | {"mu_s": 0.5, "mu_k": 0.3}, 0.0, 0.5)):
+        alone = {**p, one: p["mu_k"] if one == "mu_s" else p["mu_s"]}
+        curves = [makers.exact(alone, np.linspace(0.0, end, 700)).printed(6)]
+        if p.get("c") is None:
+            curves.append(stepped(makers.verlet, alone, end, 1e-3))
+        for made in curves:
+            result = scored(made, p)
+            assert result.cause == "single_coefficient", (p, result.explanation)
 
 
-def test_one_coefficient_is_exact_where_it_is_asked_for() -> None:
-    """At mu_s = mu_k the exact cycle has no stick and takes 2 pi / w."""
-    p = {"mu_k": 0.5}
-    result = scored(makers.exact(p, np.linspace(0.0, 3.0, 900)), p)
-    assert result.cause == "exact"
-    assert result.period.exact == pytest.approx(2.0 * math.pi / math.sqrt(1000.0))
-
-
-def test_a_backward_pull_is_the_mirror_image() -> None:
-    """The jump has the sign of v, all else is as forward."""
-    forward = scored(makers.exact({}, np.linspace(0.0, 2.0, 300)), {})
-    backward = scored(makers.exact({"v": -0.02}, np.linspace(0.0, 2.0, 300)), {"v": -0.02})
-    assert backward.cause == "exact"
-    assert backward.delta_x.got == pytest.approx(-float(forward.delta_x.got or 0.0), rel=1e-9)
-    assert backward.period.got == pytest.approx(forward.period.got, rel=1e-9)
-
-
-@pytest.mark.parametrize("c", [0.5, 2.0])
-def test_the_damped_cycle_is_exact(c: float) -> None:
-    """With damping the exact cycle is that of its root, and the curve is on it."""
-    p = {"c": c, "v": 0.01}
-    result = scored(makers.exact(p, np.linspace(0.0, 4.0, 900)), p)
-    assert result.cause == "exact"
-    assert result.cycles > 3
-    assert_resolved(result)
-
-
-def test_above_the_critical_velocity_sliding_is_exact() -> None:
-    """Where no cycle exists the exact curve shows none, and nothing is compared."""
-    p = {"c": 5.0, "v": 0.2}
-    assert truth.steady_cycle(p, digits=20) is None
-    result = scored(makers.exact(p, np.linspace(0.0, 3.0, 900)), p)
-    assert result.cause == "exact"
-    assert result.period.exact is None
-    assert result.period.error is None
-    assert "no steady cycle exists at these parameters" in result.findings
-
-
-def test_the_first_load_up_is_no_cycle() -> None:
-    """A curve that ends before its second break-away has no period and no time in stick."""
-    result = scored(makers.exact({}, np.linspace(0.0, 0.5, 400)), {})
-    assert result.cycles == 0
-    assert result.period.got is None
-    assert result.t_stick.got is None
-    assert result.t_slip.got is not None
-    assert any("no complete cycle" in finding for finding in result.findings)
-
-
-def test_a_curve_that_only_loads_is_not_judged_wrong() -> None:
-    """Before the first break-away there is nothing to measure and nothing to blame."""
-    result = scored(makers.exact({}, np.linspace(0.0, 0.2, 50)), {}, "x F")
-    assert result.cause == "exact"
-    assert "no break-away" in result.explanation
-
-
-def test_the_machine_gets_what_the_person_gets() -> None:
-    """The JSON holds the four quantities with four figures each, and the cause."""
-    document = json.loads(json.dumps(as_json(scored(makers.verlet({}, 3.0, 1e-3), {}))))
+def test_a_program_gets_the_four_quantities_with_four_figures_and_the_cause() -> None:
+    document = json.loads(json.dumps(as_json(scored(stepped(makers.verlet, {}, 3.0, 1e-3), {}))))
     for name in QUANTITIES:
-        assert set(document[name]) == {"got", "exact", "error", "resolution"}
-        assert document[name]["error"] == document[name]["got"] - document[name]["exact"]
+        figures = document[name]
+        assert set(figures) == {"got", "exact", "error", "resolution"}
+        assert figures["error"] == figures["got"] - figures["exact"]
     assert document["cause"] == "fixed_step"
     assert document["unit"]["delta_x"] == "m"
 
 
-def test_no_function_is_called_for_each_sample() -> None:
-    """A curve of 100,000 samples takes as many calls as one of 10,000, on the law or off it."""
-    few, many = (makers.verlet({}, 10.0, h) for h in (1e-3, 1e-4))
-    for digits in (None, 6):
-        xs = [made.x if digits is None else made.x.round(digits) for made in (few, few, many)]
-        # The first time also loads what is needed.
-        _, ten_thousand, hundred_thousand = (
-            calls_of_score(Curve.of(made.t, x=x))
-            for made, x in zip((few, few, many), xs, strict=True)
-        )
-        assert hundred_thousand < 1.2 * ten_thousand
+T = np.arange(10.0)
 
 
-def calls_of_score(curve: Curve) -> int:
-    """Return how many functions are called while a curve is scored."""
-    counted = itertools.count()
-    sys.setprofile(lambda *_: next(counted))
-    try:
-        score(curve, {})
-    finally:
-        sys.setprofile(None)
-    return next(counted)
-
-
-def test_wrong_use_is_refused_with_its_reason() -> None:
-    """A pull that stands, a parameter out of range and bad samples are each named."""
-    t = np.arange(10.0)
-    with pytest.raises(CurveError, match="v = 0"):
-        score(Curve.of(t, x=t), {"v": 0.0})
-    with pytest.raises(ValueError, match="k = -1"):
-        score(Curve.of(t, x=t), {"k": -1.0})
-    with pytest.raises(CurveError, match="at least 5"):
-        Curve.of(t[:3], x=t[:3])
-    with pytest.raises(CurveError, match="neither x nor F"):
-        Curve.of(t)
-    with pytest.raises(CurveError, match="does not increase in sample 3"):
-        Curve.of([0.0, 1.0, 1.0, 2.0, 3.0], x=t[:5])
-    with pytest.raises(CurveError, match="x is nan in sample 2"):
-        Curve.of(t[:5], x=[0.0, math.nan, 1.0, 1.0, 1.0])
+@pytest.mark.parametrize(
+    ("t", "columns", "p", "words"),
+    [
+        (T, {"x": T}, {"v": 0.0}, "v = 0"),
+        (T, {"x": T}, {"k": -1.0}, "k = -1"),
+        (T[:3], {"x": T[:3]}, {}, "at least 5"),
+        (T, {}, {}, "neither x nor F"),
+        ([0.0, 1.0, 1.0, 2.0, 3.0], {"x": T[:5]}, {}, "does not increase in sample 3"),
+        (T[:5], {"x": [0.0, math.nan, 1.0, 1.0, 1.0]}, {}, "x is nan in sample 2"),
+        # Numbers a power of 1000 off are not guessed.
+        (1.0, {"x": 1e3}, {}, "x in mm"),
+        (1.0, {"x": 1e6}, {}, "x in um"),
+        (1e3, {"x": 1.0}, {}, "t in ms"),
+        (1.0, {"F": 1e-3}, {}, "is F in kN"),
+        (1.0, {"F": 1e3}, {}, "is F in mN"),
+    ],
+)
+def test_wrong_use_is_refused_with_its_reason(
+    t: Any, columns: dict[str, Any], p: dict[str, float], words: str
+) -> None:
+    if isinstance(t, float):
+        made = makers.exact({}, np.linspace(0.0, 2.0, 2001))
+        t, columns = t * made.t, {n: size * getattr(made, n) for n, size in columns.items()}
+    with pytest.raises((CurveError, ValueError), match=words):
+        score(Curve.of(t, **columns), p)

@@ -1,46 +1,25 @@
-"""The verdict's JSON: its layout, its numbers, and how it is written."""
+"""The verdict, and its JSON and JUnit files: what a machine reads is what the verdict says."""
 
 import hashlib
 import json
 import math
+import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from stickslip_verification import CheckResult, Verdict, write_json
+from stickslip_verification import CheckResult, KillMatrix, Verdict, write_json
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.model.verdict import (
     ChosenContract,
     Detection,
-    KillMatrix,
     ObservedOrder,
     Second,
     Table,
 )
 from stickslip_verification.report import provenance
-
-LAYOUT = [
-    "case",
-    "check",
-    "quantity",
-    "unit",
-    "truth",
-    "class",
-    "side",
-    "measure",
-    "expected",
-    "got",
-    "error",
-    "tolerance",
-    "because",
-    "passed",
-    "decides",
-    "verdict",
-    "failure",
-    "not_applicable",
-    "second",
-]
+from stickslip_verification.report.junit import as_junit
 
 
 def result(**values: Any) -> CheckResult:
@@ -62,104 +41,83 @@ def result(**values: Any) -> CheckResult:
     return CheckResult(**{**usual, **values})
 
 
-def refuse(constant: str) -> None:
-    """Fail on the names that Python's reader takes for numbers and JSON does not."""
-    raise AssertionError(f"{constant} is not JSON")
+DRIFTED = Second(0.1, 0.2, drift=1.0, tolerance=1e-9)
+RESULTS = [
+    result(),
+    result(side="reference", error=3e-3, passed=False),
+    result(case="tuned", passed=False, decides=False, error=1.0, klass="contract"),
+    result(case="tuned", passed=False, not_applicable="no slip", got=None, error=None),
+    result(case="", check="units", second=DRIFTED),
+]
+CRASHED = result(got=math.nan, error=math.inf, passed=False, failure="FmuError: it refused")
+PHYSICS = ChosenContract("physics", "--contract physics")
 
 
-def test_the_report_has_the_agreed_layout(tmp_path: Path) -> None:
-    """The file holds the agreed parts, and each check exactly the agreed keys."""
-    file = tmp_path / "new" / "report.json"
-    verdict = Verdict([result(), result(side="reference", passed=False)], {"git": None})
-    write_json(verdict, file)
-    report = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)
-    assert list(report) == [
-        "summary",
-        "passed",
-        "by_kind",
-        "checks",
-        "orders",
-        "kills",
-        "contract",
-        "tables",
-        "provenance",
-    ]
-    counts = {"passed": 1, "failed": 1, "noted": 0, "not_applicable": 0}
-    assert report["summary"] == counts
-    assert report["by_kind"] == {"closed_form": counts}
-    assert report["kills"] is None
-    assert all(list(row) == LAYOUT for row in report["checks"])
-    assert report["provenance"] == {"git": None}
-    assert [path.name for path in file.parent.iterdir()] == ["report.json"]
-
-
-def test_what_is_not_a_number_is_null(tmp_path: Path) -> None:
-    """No NaN and no infinity reaches the file, and a failure without numbers tells its reason."""
-    file = tmp_path / "report.json"
-    broken = result(got=math.nan, error=math.inf, passed=False)
-    crashed = result(got=None, error=None, passed=False, failure="FmuError: it refused")
-    write_json(Verdict([broken, crashed]), file)
-    rows = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)["checks"]
-    assert [(row["got"], row["error"]) for row in rows] == [(None, None), (None, None)]
-    assert rows[1]["because"] == "FmuError: it refused (the tolerance: rounding)"
-
-
-def test_what_stands_behind_a_verdict_is_in_the_file(tmp_path: Path) -> None:
-    """Second values, orders and planted faults are written in plain numbers."""
-    file = tmp_path / "report.json"
-    drifted = result(second=Second(0.1, 0.2, drift=1.0, tolerance=1e-9))
-    order = ObservedOrder("default", "x", (1e-3, 1e-6), (1e-3, math.inf), (1.0,), 1.0)
-    caught = Detection("late", "an event comes late", ("T-exact",), {"T-exact": 3}, caught=True)
-    kills = KillMatrix(
-        ("T-exact", "kills_nothing"), (caught,), {"kills_nothing": "it guards the interface"}
-    )
-    write_json(Verdict([drifted], orders=[order], kills=kills), file)
-    report = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)
-    row = report["checks"][0]
-    assert row["verdict"] == "drift"
-    assert row["second"] == {"accepted": 0.1, "got": 0.2, "drift": 1.0, "tolerance": 1e-9}
-    assert report["orders"][0]["errors"] == [1e-3, None]
-    assert report["kills"]["passed"] is True
-    assert report["kills"]["rows"][0]["failing"] == {"T-exact": 3}
-    assert report["passed"] is False
-
-
-def test_tables_and_the_contract_are_in_the_file(tmp_path: Path) -> None:
-    """A table keeps its numbers as numbers, and a number that is not finite is null."""
-    file = tmp_path / "report.json"
-    table = Table("Counts", "What was tried.", ("what", "c = 0"), [("load", 3), ("v", math.inf)])
-    chosen = ChosenContract("physics", "--contract physics")
-    write_json(Verdict([result()], contract=chosen, tables=[table]), file)
-    report = json.loads(file.read_text(encoding="utf-8"), parse_constant=refuse)
-    assert report["contract"] == {"name": "physics", "why": "--contract physics"}
-    assert report["tables"] == [
-        {
-            "title": "Counts",
-            "about": "What was tried.",
-            "head": ["what", "c = 0"],
-            "rows": [["load", 3], ["v", None]],
-            "note": "",
-        }
-    ]
+@pytest.mark.parametrize(
+    ("checks", "passes"),
+    [
+        ([], False),
+        ([result()], True),
+        ([result(), result(passed=False)], False),
+        ([result(), result(passed=False, decides=False)], True),
+        ([result(), result(passed=False, not_applicable="no slip")], True),
+        ([result(), result(second=DRIFTED)], False),
+        # Two programs that agree, the reference alone or the interface alone prove no motion.
+        ([result(truth="cross_code", side="both")], False),
+        ([result(side="reference")], False),
+        ([result(case="")], False),
+    ],
+)
+def test_a_verdict_passes_where_the_fmu_met_a_truth_and_nothing_failed(
+    checks: list[CheckResult], passes: bool
+) -> None:
+    assert Verdict(checks).passed == passes
 
 
 def test_a_table_whose_rows_do_not_fit_its_head_is_refused() -> None:
-    """The message names the table and the row."""
     with pytest.raises(ValueError, match=r"table 'Counts': row \['load'\] has 1 cells, the head 2"):
         Table("Counts", "", ("what", "c = 0"), [["load"]])
 
 
-def test_random_sequences_are_counted_apart_from_cases() -> None:
-    """The FMU as a whole is neither a case nor a sequence."""
-    verdict = Verdict(
-        [result(), result(case="sequence-017"), result(case=""), result(), result(case="heat")]
-    )
-    assert verdict.cases == ["default", "heat"]
-    assert verdict.sequences == ["sequence-017"]
+def written(verdict: Verdict, file: Path) -> dict[str, Any]:
+    """Return what a program reads that knows neither NaN nor Infinity."""
+
+    def refuse(constant: str) -> None:
+        raise AssertionError(f"{constant} is not JSON")
+
+    write_json(verdict, file)
+    read: dict[str, Any] = json.loads(file.read_text("utf-8"), parse_constant=refuse)
+    return read
 
 
-def test_a_failed_write_leaves_the_old_report(tmp_path: Path) -> None:
-    """A report that cannot be written whole does not touch what was there."""
+def test_all_that_stands_behind_a_verdict_is_in_the_file(tmp_path: Path) -> None:
+    order = ObservedOrder("default", "x", (1e-3, 1e-6), (1e-3, math.inf), (1.0,), 1.0)
+    caught = Detection("late", "an event comes late", ("T-exact",), {"T-exact": 3}, caught=True)
+    kills = KillMatrix(("T-exact", "idle"), (caught,), {"idle": "it guards the interface"})
+    table = Table("Counts", "What was tried.", ("what", "c = 0"), [("load", 3), ("v", math.inf)])
+    verdict = Verdict([*RESULTS, CRASHED], {"git": None}, (), [order], kills, PHYSICS, [table])
+    report = written(verdict, tmp_path / "new" / "report.json")
+    counts = {"passed": 1, "failed": 3, "noted": 1, "not_applicable": 1}
+    assert report["summary"] == report["by_kind"]["closed_form"] == counts
+    assert report["passed"] is False
+    row = report["checks"][4]
+    assert (row["check"], row["class"], row["verdict"]) == ("units", "physics", "drift")
+    assert {row[each] for each in ("expected", "got")} == {0.1}
+    assert (row["error"], row["tolerance"], row["because"]) == (0.0, 1e-12, "rounding")
+    assert row["second"] == {"accepted": 0.1, "got": 0.2, "drift": 1.0, "tolerance": 1e-9}
+    assert row["because"] == "rounding"
+    assert report["checks"][5]["because"].startswith("FmuError: it refused")
+    # What is not finite is null.
+    assert (report["checks"][5]["got"], report["checks"][5]["error"]) == (None, None)
+    assert report["orders"][0]["errors"] == [1e-3, None]
+    assert report["tables"][0]["rows"] == [["load", 3], ["v", None]]
+    assert report["kills"]["passed"] is True
+    assert report["kills"]["rows"][0]["failing"] == {"T-exact": 3}
+    assert report["contract"] == {"name": "physics", "why": "--contract physics"}
+    assert report["provenance"] == {"git": None}
+
+
+def test_a_report_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
     file = tmp_path / "report.json"
     file.write_text("old", encoding="utf-8")
     with pytest.raises(TypeError):
@@ -168,25 +126,49 @@ def test_a_failed_write_leaves_the_old_report(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [file]
 
 
-def test_a_verdict_without_checks_does_not_pass() -> None:
-    """Nothing checked is nothing proven."""
-    assert not Verdict([]).passed
-    assert Verdict([result()]).passed
-    assert not Verdict([result(), result(passed=False)]).passed
-
-
 def test_the_provenance_names_the_bytes_that_were_judged(foreign_fmu: Path) -> None:
-    """The SHA-256 is that of the FMU file, and every version is told."""
-    told = provenance.collect(FmuFile(foreign_fmu), "stickslip verify")
-    assert told["fmu"]["file"] == foreign_fmu.name
-    assert told["fmu"]["sha256"] == hashlib.sha256(foreign_fmu.read_bytes()).hexdigest()
-    assert {"python", "stickslip", "numpy", "scipy", "mpmath", "fmpy"} <= set(told["versions"])
-    assert told["command"] == "stickslip verify"
-    assert "can rewrite what that code reports" in told["trust"]
-    assert told["platform"]
-    json.dumps(told, allow_nan=False)
+    of = provenance.collect(FmuFile(foreign_fmu), "stickslip verify")
+    assert of["fmu"]["file"] == foreign_fmu.name
+    assert of["fmu"]["sha256"] == hashlib.sha256(foreign_fmu.read_bytes()).hexdigest()
+    assert {"python", "stickslip", "numpy", "scipy", "mpmath", "fmpy"} <= set(of["versions"])
+    assert of["command"] == "stickslip verify"
+    assert "can rewrite what that code reports" in of["trust"]
+    json.dumps(of, allow_nan=False)
 
 
-def test_the_revision_is_that_of_our_own_source(tmp_path: Path) -> None:
-    """A package outside our working copy, in another one or in none, has no revision."""
-    assert provenance._git(tmp_path / "stickslip_verification") is None
+def test_each_result_is_a_test_case_of_junit_and_all_counts_agree() -> None:
+    root = ET.fromstring(as_junit(Verdict(RESULTS, contract=PHYSICS)))
+    assert [suite.get("name") for suite in root] == ["default", "tuned", "the FMU", "the verdict"]
+    elements = [[child.tag for child in case] for case in root.iter("testcase")]
+    assert elements == [[], ["failure"], ["system-out"], ["skipped"], ["failure"], []]
+    for group in (root, *root):
+        cases = list(group.iter("testcase"))
+        counted = [len(cases)] + [
+            sum(c.find(t) is not None for c in cases) for t in ("failure", "skipped")
+        ]
+        assert [int(group.get(name, "")) for name in ("tests", "failures", "skipped")] == counted
+        assert group.get("errors") == "0"
+    first, failure = next(root.iter("testcase")), next(root.iter("failure"))
+    assert first.attrib == {"classname": "default", "name": "t_slip-exact (FMU)"}
+    assert failure.get("message") == "error 0.003 is above 1e-12 s"
+    assert "because: rounding" in str(failure.text)
+    assert next(root.iter("skipped")).get("message") == "no slip"
+    properties = {each.get("name"): each.get("value") for each in root.iter("property")}
+    assert properties == {"contract": "physics", "why": "--contract physics"}
+
+
+def test_a_survivor_fails_in_junit_too() -> None:
+    rows = (Detection("creep", "the mass creeps", ("x-course",), {}, caught=False),)
+    root = ET.fromstring(as_junit(Verdict([result()], kills=KillMatrix((), rows, {"idle": ""}))))
+    failures = {
+        case.get("name") for case in root.iter("testcase") if case.find("failure") is not None
+    }
+    assert failures == {"planted fault creep", "kills_nothing check idle"}
+
+
+def test_a_message_of_an_fmu_cannot_break_junit_nor_does_a_date_change_it() -> None:
+    wild = result(passed=False, got=None, error=None, failure="a\x00b\x1b[31m <&\"'> \ud800 ]]>")
+    text = as_junit(Verdict([wild]))
+    failure = next(ET.fromstring(text.encode("utf-8")).iter("failure"))
+    assert failure.get("message") == "a\ufffdb\ufffd[31m <&\"'> \ufffd ]]>"
+    assert text == as_junit(Verdict([wild], {"created": "today"}))
