@@ -10,7 +10,6 @@ import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree  # type: ignore[import-untyped]
 
-from fmukit.table import Variable
 from tests.needs import needs
 
 _DESCRIPTION = "modelDescription.xml"
@@ -64,19 +63,3 @@ def by_toolbox(fmu: Path) -> list[str]:
 
 
 CHECKERS = (by_schema, by_fmpy, pytest.param(by_toolbox, marks=needs("fmutool")))
-
-
-def spoilt(fmu: Path, folder: Path, old: str, new: str) -> Path:
-    """Return a copy of the FMU in `folder` with the first `old` in its description made `new`."""
-    text = description_of(fmu).decode()
-    assert old in text
-    copy = folder / f"spoilt-{fmu.name}"
-    with zipfile.ZipFile(copy, "w") as archive:
-        archive.writestr(_DESCRIPTION, text.replace(old, new, 1))
-    return copy
-
-
-def starts_and_bounds(row: Variable) -> tuple[str | None, ...]:
-    """Return start, minimum and maximum of a row as a description must write them."""
-    values = (row.start, row.minimum, row.maximum)
-    return tuple(None if value is None else repr(value) for value in values)

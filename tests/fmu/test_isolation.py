@@ -5,6 +5,7 @@ import sys
 import zipfile
 from pathlib import Path
 
+import fmpy
 import pytest
 from pythonfmu.builder import FmuBuilder
 
@@ -74,6 +75,11 @@ def test_every_fmu_in_a_process_runs_its_own_code(
         fresh_host.end()
     assert fresh_host.call(of_versions, paths) == alone
     assert len({str(shown) for shown in alone}) == 3
+
+
+def test_the_identity_of_an_fmu_tells_its_content(other_version: Path) -> None:
+    names = (built("python-2"), other_version)
+    assert len({fmpy.read_model_description(str(name)).guid for name in names}) == 2
 
 
 @pytest.mark.parametrize("kind", kinds())
