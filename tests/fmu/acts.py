@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import fmpy
+
 from tests.driver import Fmu, Instance, Refused, loaded
 
 # A slip from a spring beyond F_s on both sides of it: forward until 0.1 s, then backward.
@@ -191,7 +193,10 @@ def _iterate(fmu: Fmu) -> Callable[[], None]:
         state = instance.save()
         instance.step(0.01)
         instance.restore(state)
+        freed = c.c_void_p(state.value)
         instance.forget(state)
+        # The wrapper leaves the pointer as it was, for masters to free again.
+        instance.forget(freed)
         # Every state is of another moment.
         instance.step(1e-4)
 
@@ -204,6 +209,18 @@ def _serialize(fmu: Fmu) -> Callable[[], None]:
     def do() -> None:
         instance.resume(instance.pack())
         instance.step(1e-3)
+
+    return do
+
+
+def _ask_ever_other_lists(fmu: Fmu) -> Callable[[], None]:
+    instance, chance = fmu.started(), random.Random(7)
+    reals = [name for name, kind in fmu.types.items() if kind in ("Real", "Float64")]
+    alone = instance.everything()
+
+    def do() -> None:
+        names = chance.sample(reals, 5)
+        assert instance.get(*names) == [alone.get(name, 0.0) for name in names]
 
     return do
 
@@ -251,6 +268,7 @@ def _remake(fmu: Fmu) -> Callable[[], None]:
 TURNS = {
     "iteration": _iterate,
     "serialization": _serialize,
+    "lists of variables": _ask_ever_other_lists,
     "failures and resets": _repeat,
     "states asked for after a failure": _ask_after_a_failure,
     "instances": _remake,
@@ -261,8 +279,8 @@ def lost(path: str, what: str, times: int) -> list[float]:
     """Return how many blocks of Python's and bytes of C's memory a turn of something loses."""
     with Path(os.devnull).open("w") as nowhere, contextlib.redirect_stderr(nowhere):
         do = TURNS[what](loaded(path))
-        # More turns than the FMU keeps freed states.
-        for _ in range(600):
+        # More turns than the FMU keeps freed states, and lists of variables.
+        for _ in range(768):
             do()
         before = _in_use()
         for _ in range(times):
@@ -444,3 +462,15 @@ def calls_of_other_interfaces(path: str) -> dict[str, int]:
         instance.start()
         instance.step(0.1)
     return found
+
+
+def printed_log(path: str) -> list[str]:
+    """Return the log of a run, its messages read by C's printf as simulators written in C do."""
+    texts: list[str] = []
+    fmpy.simulate_fmu(
+        path,
+        stop_time=0.1,
+        debug_logging=True,
+        logger=lambda *call: texts.append(call[-1].decode()),
+    )
+    return texts

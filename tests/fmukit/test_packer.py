@@ -3,6 +3,7 @@
 import zipfile
 from dataclasses import fields
 from pathlib import Path
+from typing import Literal
 
 import fmpy
 import pytest
@@ -11,21 +12,23 @@ from fmukit.packer import write_archive
 from stickslip_fmu import packer
 from stickslip_fmu.spec import TABLE
 from stickslip_ref import COULOMB, Parameters
+from tests.conftest import built
 
 
-def test_two_builds_are_the_same_bytes(fmu_path: Path, tmp_path: Path) -> None:
-    """A second build gives the same file."""
-    again = packer.build(tmp_path / "another name.fmu")
-    assert again.read_bytes() == fmu_path.read_bytes()
+@pytest.mark.parametrize("face", [2, 3])
+def test_two_builds_are_the_same_bytes(face: Literal[2, 3], tmp_path: Path) -> None:
+    before = built(f"python-{face}")
+    again = packer.build(tmp_path / before.name, face=face)
+    assert again.read_bytes() == before.read_bytes()
+    # The name tells the version.
+    assert before.name == {2: "StickSlip.fmu", 3: "StickSlip_fmi3.fmu"}[face]
 
 
-def test_the_date_is_that_of_the_release_or_of_the_build(
+def test_the_date_is_that_of_the_release_or_of_source_date_epoch(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """SOURCE_DATE_EPOCH dates the description; what is no number of seconds is refused."""
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
-    built = packer.build(tmp_path)
-    description = fmpy.read_model_description(str(built))
+    description = fmpy.read_model_description(str(packer.build(tmp_path)))
     assert description.generationDateAndTime == "1970-01-02T00:00:00Z"
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "yesterday")
     with pytest.raises(ValueError, match="SOURCE_DATE_EPOCH = 'yesterday'"):
@@ -33,32 +36,28 @@ def test_the_date_is_that_of_the_release_or_of_the_build(
 
 
 def test_start_values_are_the_defaults_of_the_reference() -> None:
-    """The FMU and the reference, which share no code, start from the same numbers."""
     own = {name: parameter.start for name, parameter in COULOMB.parameters.items()}
     shared = {each.name: each.default for each in fields(Parameters) if each.init}
     assert {**shared, **own} == TABLE.start_values()
 
 
-def test_a_build_works_beside_the_running_fmu(fmu_path: Path, tmp_path: Path) -> None:
-    """A process that runs the FMU can build it again, and goes on running it."""
+def test_a_process_that_runs_the_fmu_can_build_it_again(fmu_path: Path, tmp_path: Path) -> None:
     before = fmpy.simulate_fmu(str(fmu_path), stop_time=1.0)
     packer.build(tmp_path)
     after = fmpy.simulate_fmu(str(fmu_path), stop_time=1.0)
     assert before.tolist() == after.tolist()
 
 
-def test_parts_are_packed(tmp_path: Path) -> None:
-    """Files handed to the packer travel under their path."""
+def test_files_handed_to_the_packer_travel_under_their_path(tmp_path: Path) -> None:
     built = packer.build(tmp_path, {"documentation/index.html": b"<html></html>"})
     with zipfile.ZipFile(built) as archive:
         assert archive.read("documentation/index.html") == b"<html></html>"
         assert archive.testzip() is None
 
 
-def test_a_failed_build_leaves_what_was_there(
+def test_a_failed_build_leaves_the_old_file_and_no_half_written_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A build that cannot be finished leaves the old file and no half-written one."""
     target = tmp_path / "StickSlip.fmu"
     target.write_bytes(b"old")
 
@@ -73,7 +72,6 @@ def test_a_failed_build_leaves_what_was_there(
 
 
 def test_an_archive_that_cannot_take_its_place_leaves_nothing(tmp_path: Path) -> None:
-    """What is written beside the target is gone when the target turns out to be a folder."""
     target = tmp_path / "StickSlip.fmu"
     target.mkdir()
     with pytest.raises(IsADirectoryError):

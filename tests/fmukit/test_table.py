@@ -16,15 +16,8 @@ UNITS = {"kg": Unit({"kg": 1})}
 
 def row(number: int, name: str, **other: Any) -> Variable:
     """Return a parameter, but for what is given."""
-    given: dict[str, Any] = {
-        "type": MASS,
-        "causality": "parameter",
-        "variability": "fixed",
-        "start": 1.0,
-        "description": name,
-        **other,
-    }
-    return Variable(number, name, **given)
+    given = {"type": MASS, "causality": "parameter", "variability": "fixed", "start": 1.0}
+    return Variable(number, name, **{**given, "description": name, **other})
 
 
 @pytest.mark.parametrize(
@@ -46,15 +39,9 @@ def row(number: int, name: str, **other: Any) -> Variable:
         ([row(0, "a", minimum=2.0)], "a: a = 1.0 kg is out of range: .* and at least 2"),
     ],
 )
-def test_a_table_that_contradicts_itself_is_refused(rows: list[Variable], told: str) -> None:
-    """With the name of the row and what is wrong with it."""
+def test_a_row_that_contradicts_itself_or_others_is_refused(rows: list[Any], told: str) -> None:
     with pytest.raises(ValueError, match="^" + told):
         Table(UNITS, [MASS, COUNT], rows)
-
-
-def test_a_whole_number_starts_a_real_as_a_float() -> None:
-    """A saved state compares types, so 1 for a Real becomes 1.0."""
-    assert type(Table(UNITS, [MASS], [row(0, "a", start=1)]).rows[0].start) is float
 
 
 @pytest.mark.parametrize(
@@ -65,10 +52,7 @@ def test_a_whole_number_starts_a_real_as_a_float() -> None:
         (UNITS, [Quantity("Text", "String")], "Text: String is none of Real, Integer, Boolean"),
     ],
 )
-def test_units_and_quantities_must_fit(
-    units: dict[str, Unit], quantities: list[Quantity], told: str
-) -> None:
-    """A unit that is missing, a type given twice and an unknown kind are refused."""
+def test_units_and_quantities_must_fit(units: Any, quantities: Any, told: str) -> None:
     with pytest.raises(ValueError, match=told):
         Table(units, quantities, [])
 
@@ -79,7 +63,7 @@ TABLE = Table(
     [
         row(2, "shown", causality="output", start=None),
         row(1, "n", type=COUNT, start=3, minimum=0, maximum=5),
-        row(0, "m", minimum=ABOVE_ZERO),
+        row(0, "m", minimum=ABOVE_ZERO, start=1),
     ],
 )
 
@@ -88,19 +72,22 @@ class Given(Values, table=TABLE):
     """Values with a method of their own."""
 
     def double(self) -> float:
-        """Return twice the mass."""
         return 2.0 * self.m
 
 
 def test_rows_stand_in_the_order_of_their_numbers() -> None:
-    """They may be given in any order."""
     assert [each.name for each in TABLE.rows] == ["m", "n", "shown"]
     assert TABLE.by_name["n"].number == 1
     assert Given.names == ("m", "n")
 
 
-def test_values_change_by_copies() -> None:
-    """A changed record is another one of the same class; nothing else can be set or added."""
+def test_a_saved_state_compares_types_so_values_have_those_of_their_rows() -> None:
+    assert type(TABLE.rows[0].start) is float
+    record = Given({"m": 2.0, "n": 4.0})
+    assert [type(record.m), type(record.n)] == [float, int]
+
+
+def test_values_change_by_copies_and_nothing_else_can_be_set() -> None:
     start = Given.at_start()
     heavy = start.changed("m", 4.0)
     assert (start.m, heavy.m, heavy.n, heavy.double()) == (1.0, 4.0, 3.0, 8.0)
@@ -110,11 +97,8 @@ def test_values_change_by_copies() -> None:
         start.changed("shown", 1.0)
 
 
-def test_a_record_grows_with_its_table() -> None:
-    """A record for a longer table keeps the methods of the shorter one's."""
-    longer = Table(UNITS, [MASS, COUNT], [*TABLE.rows, row(3, "more")])
-
-    class More(Given, table=longer):
+def test_a_record_for_a_longer_table_keeps_the_methods_of_the_shorter_ones() -> None:
+    class More(Given, table=Table(UNITS, [MASS, COUNT], [*TABLE.rows, row(3, "more")])):
         """One value more."""
 
     found = More.at_start().changed("more", 7.0).changed("m", 2.0)
@@ -139,16 +123,17 @@ def test_a_record_grows_with_its_table() -> None:
         ([], "structure"),
     ],
 )
-def test_values_from_outside_are_checked(plain: Any, told: str) -> None:
-    """Names, types and ranges are those of the table, or the values are refused."""
+def test_saved_values_that_do_not_fit_the_table_are_refused(plain: Any, told: str) -> None:
     with pytest.raises(ModelError, match=told):
         values(Given, plain)
-    good = json.loads(json.dumps({"m": 0.1, "n": 2}))
-    assert values(Given, good).as_dict() == {"m": 0.1, "n": 2}
 
 
-def test_plain_data_may_have_alternatives() -> None:
-    """A tuple in the pattern allows any of its members, and nothing else."""
+def test_saved_values_that_fit_are_read_to_the_bit() -> None:
+    good = {"m": 0.1, "n": 2}
+    assert values(Given, json.loads(json.dumps(good))).as_dict() == good
+
+
+def test_a_tuple_in_the_pattern_of_saved_data_allows_any_of_its_members() -> None:
     pattern = {"force": (0.0, None), "parts": [0, ""]}
     for good in (1.5, None):
         check({"force": good, "parts": [1, "a"]}, pattern)
