@@ -8,7 +8,6 @@ import os
 import random
 import shutil
 import sys
-import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -17,109 +16,43 @@ import fmpy
 
 from tests.driver import Fmu, Instance, Refused, loaded
 
-# A slip from a spring beyond F_s on both sides of it: forward until 0.1 s, then backward.
-_FAR = {"z_start": 0.02}
-PLACES: dict[str, tuple[dict[str, float], str, float]] = {
-    "values set": ({"k": 500.0, "z_start": 0.001}, "instantiated", 0.0),
-    "initialization": ({"mu_s": 0.4, **_FAR}, "initialization", 0.0),
-    "before the first step": ({"v": 0.05}, "stepping", 0.0),
-    "stick": ({}, "stepping", 0.1),
-    "second slip": ({}, "stepping", 0.6),
-    "reversed slip": (_FAR, "stepping", 0.15),
-    "slip from the start": ({"x_dot_start": -0.3}, "stepping", 0.005),
-    "damped slip": ({"c": 2.0, **_FAR}, "stepping", 0.05),
-    "overdamped slip": ({"c": 100.0, **_FAR}, "stepping", 0.05),
-    "ageing stick": ({"tau_s": 0.1, "B": 0.02, "age_start": 2.0}, "stepping", 0.1),
-    "clamped": ({"mu_k": 0.9}, "stepping", 0.3),
-    "terminated": ({}, "terminated", 0.3),
-}
-"""By name: values set, phase, time reached [s]."""
-
 # Steps that meet events anywhere, hold some, and hold next to nothing.
 _STEPS = (0.013, 1e-13, 0.0371, 0.25, 3e-5, 1.0, 1.7e-13, 0.09)
 
 
-def _placed(fmu: Fmu, name: str) -> Instance:
-    values, phase, reached = PLACES[name]
-    instance = fmu.instance()
-    instance.set(**values)
-    if phase != "instantiated":
-        instance.enter()
-    if phase in ("stepping", "terminated"):
-        instance.call("ExitInitializationMode")
-    if reached:
-        instance.step(reached / 7.0, times=7)
-    if phase == "terminated":
-        instance.terminate()
-    return instance
-
-
-def _went_on(instance: Instance, name: str) -> list[dict[str, Any]]:
-    """Return all that is shown from such a place on."""
-    phase = PLACES[name][1]
+def _went_on(instance: Instance) -> list[dict[str, Any]]:
+    """Return all that is shown from here on."""
     shown = [instance.everything()]
-    if phase == "terminated":
-        return shown
-    if phase == "instantiated":
-        instance.enter(0.0)
-    if phase != "stepping":
-        instance.set(F_ext=1.5)
-        shown.append(instance.everything())
-        instance.call("ExitInitializationMode")
     for n, step in enumerate(_STEPS):
-        if n % 3 == 2:
-            instance.set(v=0.01 * n, k=900.0 + 50.0 * n, load=0.3 * n)
+        instance.set(v=0.01 * n, k=900.0 + 50.0 * n, load=0.3 * n)
         instance.step(step)
         shown.append(instance.everything())
     return shown
 
 
-def written(path: str) -> dict[str, tuple[str, list[Any]]]:
-    """Return of each place the state as hexadecimal bytes, and what is shown after it."""
-    found = {}
-    for name in PLACES:
-        instance = _placed(loaded(path), name)
-        instance.time = PLACES[name][2]
-        found[name] = instance.pack().hex(), _went_on(instance, name)
+def written(path: str, places: list[tuple[dict[str, float], float]]) -> list[list[Any]]:
+    """Return what is shown after runs with these values to these times, and the state there.
+
+    Of a state the bytes, hexadecimal, and the time.
+    """
+    found = []
+    for values, reached in places:
+        instance = loaded(path).started(**values)
+        instance.step(reached / 7.0, times=7)
+        state = instance.pack().hex(), instance.time
+        found.append([_went_on(instance), state])
     return found
 
 
-def resumed(path: str, states: dict[str, str]) -> dict[str, list[Any]]:
+def resumed(path: str, states: list[tuple[str, float]]) -> list[list[Any]]:
     """Return what instances show that took these states and nothing else."""
-    shown = {}
-    for name, data in states.items():
+    shown = []
+    for data, time in states:
         instance = loaded(path).instance()
         instance.resume(bytes.fromhex(data))
-        instance.time = PLACES[name][2]
-        shown[name] = _went_on(instance, name)
+        instance.time = time
+        shown.append(_went_on(instance))
     return shown
-
-
-def shuffled(path: str) -> tuple[int, int]:
-    """Restore and free the states of each step of a run in any order.
-
-    Returns how many were restored, and how many of these showed again what followed.
-    """
-    chance = random.Random(1)
-    instance = loaded(path).started(c=0.5)
-    states, shown = [], []
-    for _ in range(60):
-        states.append((instance.save(), instance.time))
-        instance.step(0.034)
-        shown.append(instance.everything())
-    alive = list(range(len(states)))
-    tried = same = 0
-    while alive:
-        n = chance.choice(alive)
-        state, instance.time = states[n]
-        instance.restore(state)
-        instance.step(0.034)
-        tried += 1
-        same += instance.everything() == shown[n]
-        if chance.random() < 0.5:
-            instance.forget(state)
-            alive.remove(n)
-    return tried, same
 
 
 _BAD = (None, "x", float("nan"), float("inf"), [], {}, True, 10**400)
@@ -288,88 +221,6 @@ def lost(path: str, what: str, times: int) -> list[float]:
         return [(now - then) / times for now, then in zip(_in_use(), before, strict=True)]
 
 
-def _lives(count: int) -> list[dict[str, Any]]:
-    """Return so many different lives: values, steps, a later speed."""
-    chance = random.Random(5)
-    return [
-        {
-            "values": {
-                "k": chance.uniform(200.0, 3000.0),
-                "m": chance.uniform(0.5, 2.0),
-                "v": chance.uniform(-0.1, 0.1),
-                "c": chance.choice([0.0, 0.5, 100.0]),
-                "z_start": chance.uniform(-0.02, 0.02),
-            },
-            "steps": [chance.choice([1e-13, 0.003, 0.05, 0.4]) for _ in range(15)],
-            "v": 0.01 * n,
-        }
-        for n in range(count)
-    ]
-
-
-def _lived(fmu: Fmu, life: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Give what an instance shows after each step, with a rollback on the way."""
-    instance = fmu.started(**life["values"])
-    for n, step in enumerate(life["steps"]):
-        if n % 7 == 3:
-            instance.set(v=life["v"])
-            data, time = instance.pack(), instance.time
-            instance.step(1.0)
-            instance.resume(data)
-            instance.time = time
-        instance.step(step)
-        yield instance.everything()
-    instance.free()
-
-
-def together(path: str, count: int) -> tuple[int, int, int]:
-    """Live lives at once, in random order, while another instance fails and is reset.
-
-    Returns how many lives came out as alone, how many are different, and how often the FMU is on
-    the search path.
-    """
-    fmu, lives = loaded(path), _lives(count)
-    alone = [list(_lived(fmu, life)) for life in lives]
-    chance, failing = random.Random(6), fmu.started()
-    going = [(n, _lived(fmu, life)) for n, life in enumerate(lives)]
-    shown: list[list[Any]] = [[] for _ in lives]
-    while going:
-        n, life = chance.choice(going)
-        try:
-            shown[n].append(next(life))
-        except StopIteration:
-            going.remove((n, life))
-        if chance.random() < 0.1:
-            with contextlib.suppress(Refused):
-                failing.step(-1.0)
-            failing.reset()
-            failing.start()
-    same = sum(a == b for a, b in zip(shown, alone, strict=True))
-    entries = sum(str(fmu.folder) in each for each in sys.path)
-    return same, len({str(each) for each in alone}), entries
-
-
-def in_threads(path: str, count: int) -> int:
-    """Live lives in threads that take turns at any moment; return how many came out as alone."""
-    fmu, lives = loaded(path), _lives(8 * count)
-    alone = [list(_lived(fmu, life)) for life in lives]
-    shown: dict[int, list[Any]] = {}
-
-    def work(first: int) -> None:
-        mine = range(first, len(lives), count)
-        # All at once, step by step.
-        steps = list(zip(*(_lived(fmu, lives[n]) for n in mine), strict=True))
-        shown.update(zip(mine, map(list, zip(*steps, strict=True)), strict=True))
-
-    sys.setswitchinterval(1e-5)
-    threads = [threading.Thread(target=work, args=(n,)) for n in range(count)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    return sum(shown.get(n) == alone[n] for n in range(len(lives)))
-
-
 def of_versions(paths: list[str]) -> list[list[Any]]:
     """Return what each of several FMUs shows, all loaded before, all stepped in turns.
 
@@ -391,11 +242,14 @@ def of_versions(paths: list[str]) -> list[list[Any]]:
     return found
 
 
-def modules(path: str) -> list[str]:
-    """Return the packages that a first instance loads."""
+def modules(path: str) -> tuple[list[str], int]:
+    """Return the packages that instances load, and their entries on the search path."""
     before = set(sys.modules)
-    loaded(path).instance()
-    return sorted({name.partition(".")[0] for name in set(sys.modules) - before})
+    fmu = loaded(path)
+    for _ in range(3):
+        fmu.instance()
+    entries = sum(str(fmu.folder) in each for each in sys.path)
+    return sorted({name.partition(".")[0] for name in set(sys.modules) - before}), entries
 
 
 class _Broken:

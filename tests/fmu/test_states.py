@@ -6,25 +6,29 @@ import pytest
 
 from tests.conftest import built, kinds
 from tests.driver import Host
-from tests.fmu.acts import PLACES, TURNS, lost, resumed, shuffled, spoilt, written
+from tests.fmu.acts import TURNS, lost, resumed, spoilt, written
+
+# A spring beyond F_s on both sides slips forward until 0.1 s, then backward.
+PLACES: list[tuple[dict[str, float], float]] = [
+    ({}, 0.1),
+    ({"z_start": 0.02, "x_start": 1.0}, 0.15),
+    ({"x_dot_start": -0.3, "c": 2.0}, 0.005),
+    ({"z_start": 0.02, "c": 100.0}, 0.05),
+    ({"tau_s": 0.1, "B": 0.02, "age_start": 2.0}, 0.1),
+    ({"mu_k": 0.9}, 0.3),
+]
+"""Values, and the time of the state [s]."""
 
 
 @pytest.mark.parametrize(("first", "second"), [("python-2", "python-3"), ("python-3", "python-2")])
 def test_bytes_of_a_state_go_on_in_another_process_and_fmi_version(
     first: str, second: str, host: Host, fresh_host: Host
 ) -> None:
-    states = host.call(written, built(first))
-    expected = {name: shown for name, (_, shown) in states.items()}
-    assert len({str(shown) for shown in expected.values()}) == len(PLACES)
-    given = {name: data for name, (data, _) in states.items()}
+    found = host.call(written, built(first), PLACES)
+    expected = [shown for shown, _ in found]
+    assert len({str(shown) for shown in expected}) == len(PLACES)
     for kind in (first, second):
-        assert fresh_host.call(resumed, built(kind), given) == expected
-
-
-@pytest.mark.parametrize("kind", kinds())
-def test_sixty_states_are_restored_and_freed_in_any_order(kind: str, host: Host) -> None:
-    tried, same = host.call(shuffled, built(kind))
-    assert same == tried > 100
+        assert fresh_host.call(resumed, built(kind), [state for _, state in found]) == expected
 
 
 @pytest.mark.parametrize("kind", ["python-2", "python-3"])

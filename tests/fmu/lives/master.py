@@ -50,9 +50,13 @@ _USUAL = {
 
 
 class Master:
-    """One careless master with its instances; `mistakes` is the chance of one at each choice."""
+    """One careless master with its instances; `mistakes` is the chance of one at each choice.
 
-    def __init__(self, kind: str, law: str, seed: int) -> None:
+    Instances and places for states are numbered from `mark` on.
+    """
+
+    def __init__(self, kind: str, law: str, seed: int, mark: int = 0) -> None:
+        self.mark = mark
         self.contract = Contract(kind, law)
         self.chance = random.Random(seed)
         self.rows = self.contract.rows
@@ -73,7 +77,7 @@ class Master:
         """Return 5 to 60 calls and what each must give."""
         made = []
         for _ in range(self.chance.randint(5, 60)):
-            i, where = self.chance.randrange(self.instances), "nowhere"
+            i, where = self.mark + self.chance.randrange(self.instances), "nowhere"
             call: Call = ["instantiate", i, self.chance.choice(_NAMES)]
             if i in self.contract.lives:
                 call, where = self._call(i), self.contract.where(i)
@@ -162,7 +166,7 @@ class Master:
         return [self._slot(), self._slot(), damage]
 
     def _slot(self) -> int:
-        return self.chance.randrange(2)
+        return self.mark + self.chance.randrange(2)
 
     def _misled(self, references: list[int]) -> list[int]:
         """Return the references, perhaps with one that is wrong."""

@@ -1,6 +1,7 @@
 """Random sequences of calls on every kind of FMU, each call held to the contract."""
 
 import json
+import random
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ from tests.conftest import Sized, built, kinds
 from tests.driver import DiedError, Host
 from tests.fmu.lives.contract import Contract, Expected, objection
 from tests.fmu.lives.master import Master
-from tests.fmu.lives.player import Call, play
+from tests.fmu.lives.player import Call, play, play_in_threads
 
 Life = list[tuple[Call, Expected]]
 
@@ -69,3 +70,23 @@ def test_whatever_is_called_an_fmu_lives_on_and_answers_as_promised(
     if law == "coulomb":
         assert not TAKEN.difference(*(master.taken for master in masters))
         assert not REFUSED.difference(*(master.refused for master in masters))
+
+
+@pytest.mark.parametrize("kind", kinds())
+def test_fifty_lives_at_once_go_as_each_goes_alone(kind: str, host: Host) -> None:
+    lives = [Master(kind, "coulomb", seed, mark=10 * seed).life() for seed in range(50)]
+    turns = [n for n, life in enumerate(lives) for _ in life]
+    random.Random(6).shuffle(turns)
+    going = [iter(life) for life in lives]
+    assert not finding(host, built(kind), [[next(going[n]) for n in turns]])
+
+
+@pytest.mark.parametrize("kind", kinds())
+def test_four_threads_live_as_one(kind: str, host: Host) -> None:
+    lives = [
+        [[call for call, _ in Master(kind, "coulomb", seed).life()] for seed in range(n, 100, 4)]
+        for n in range(4)
+    ]
+    path = built(kind)
+    alone = [host.call(play_in_threads, path, [share])[0] for share in lives]
+    assert host.call(play_in_threads, path, lives) == alone
