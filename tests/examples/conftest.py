@@ -6,12 +6,15 @@ from pathlib import Path
 import pytest
 
 from examples.feed_axis.build import build_drive
+from tests.sharing import made_once
 
 
 @pytest.fixture(scope="session")
-def fmus(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def fmus(fmu_path: Path) -> Path:
     """Return a folder with StickSlip.fmu and ServoDrive.fmu."""
-    folder = tmp_path_factory.mktemp("feed_axis")
-    shutil.copy(fmu_path, folder / "StickSlip.fmu")
-    build_drive(folder)
-    return folder
+
+    def make(folder: Path) -> None:
+        shutil.copy(fmu_path, folder / "StickSlip.fmu")
+        build_drive(folder)
+
+    return made_once("feed-axis", make)

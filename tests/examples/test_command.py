@@ -1,0 +1,222 @@
+"""The example's command, the SSP file that it writes, and the masters that run it."""
+
+import re
+import sys
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from fmpy.ssp.ssd import read_ssd, read_ssv
+
+from examples.feed_axis import run as command
+from examples.feed_axis import ssp
+from examples.feed_axis.axis import Axis
+from examples.feed_axis.coupling import Run, simulate
+from examples.feed_axis.options import axis_with
+from stickslip.errors import CommandError
+from tests.needs import needs
+
+STOP, STEP = 0.5, 250e-6
+SSV = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
+FMPY = "fmpy"
+ECOS = pytest.param("ecos", marks=needs("ecospy"))
+LIBCOSIM = pytest.param("libcosim", marks=needs("libcosimpy"))
+
+
+def feed_axis(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["feed_axis", *words])
+    with pytest.raises(SystemExit) as ended:
+        command.main()
+    return int(ended.value.code or 0)
+
+
+@pytest.mark.gate
+def test_a_run_writes_the_ssp_file_samples_and_a_picture(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["--on-motor", "--feed", "0.3mm/s", "--stop-time", "0.4", "--output", str(tmp_path)]
+    assert feed_axis(monkeypatch, "run", *words) == 0
+    assert capsys.readouterr().err == ""
+    assert {"FeedAxis.ssp", "run.csv", "run.svg"} <= {file.name for file in tmp_path.iterdir()}
+    rows = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True)
+    # Friction winds the screw up: the table stays behind the motor, by F_s / k at most.
+    assert 0.0 < rows["x_motor"][-1] - rows["x"][-1] < 1.01 * 981.0 / 4e7
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        ("run --feed 5N", "expected a velocity in m/s"),
+        ("run -o {file}", "{file}: File exists"),
+        ("build -o {file}/nope", "{file}/nope: Not a directory"),
+        ("study --document {folder}/missing.md", "{folder}/missing.md: No such file or directory"),
+        (
+            "run -o {folder} --k 1e12",
+            "T_s = 0.00025 s is out of range: it must be at most 2.4",
+        ),
+        ("run -o {folder} --kv -1", "K_v = -1.0 is out of range: finite and at least 0"),
+    ],
+)
+def test_what_cannot_be_done_is_one_line(
+    words: str,
+    reason: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    names = {"file": str(tmp_path / "file"), "folder": str(tmp_path)}
+    (tmp_path / "file").touch()
+    assert feed_axis(monkeypatch, *words.format(**names).split()) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    (line,) = said.err.splitlines()
+    assert reason.format(**names) in line
+
+
+def test_options_change_what_they_name_and_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    nothing = dict.fromkeys(("m", "k", "K_v", "omega_v", "on_table", "feed"))
+    assert axis_with(nothing, None) == Axis()
+    stiff = axis_with({**nothing, "k": "100N/um", "on_table": False}, None)
+    assert stiff == Axis(k=1e8, on_table=False)
+    # T_n follows omega_v.
+    assert axis_with({**nothing, "omega_v": 600.0}, None) == Axis(omega_v=600.0, T_n=4.0 / 600.0)
+    assert axis_with(nothing, False) == Axis(T_n=0.0)
+    other = Axis(m=700.0, omega_v=200.0, T_n=0.05, K_v=20.0)
+    monkeypatch.setattr("examples.feed_axis.options.Axis", lambda: other)
+    assert axis_with({**nothing, "K_v": 30.0}, None) == replace(other, K_v=30.0)
+    assert axis_with(nothing, True) == replace(other, T_n=4.0 / 200.0)
+
+
+def test_of_a_long_run_each_nth_row_and_the_last_stay() -> None:
+    rows = np.arange(90_000.0).reshape(-1, 1)
+    left = command.thinned(rows)
+    assert len(left) <= command.MOST_ROWS
+    assert (left[0], left[-1]) == (rows[0], rows[-1])
+    assert set(np.diff(left[:-1, 0])) == {5.0}
+    assert np.array_equal(command.thinned(rows[:4001]), rows[:4001])
+
+
+def test_a_master_that_is_missing_is_told_with_what_installs_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    command.check_master(command.Master.FMPY)
+    with pytest.raises(CommandError, match="python -m pip install ecospy, and of Deb"):
+        command.check_master(command.Master.ECOS)
+    with pytest.raises(CommandError, match="python -m pip install libcosimpy"):
+        command.check_master(command.Master.LIBCOSIM)
+
+
+@pytest.fixture(scope="module")
+def axis_file(fmus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return ssp.write_ssp(tmp_path_factory.mktemp("ssp") / "FeedAxis.ssp", Axis(), fmus)
+
+
+@pytest.fixture(scope="module")
+def own(fmus: Path) -> Run:
+    """Return what the example's own master finds, from the first step's end on."""
+    names = [name.partition(".")[2] for name in ssp.OUTPUTS]
+    run = simulate(fmus, Axis(), STOP, STEP)
+    return {name: run[name][1:] for name in names}
+
+
+@needs("cc")
+def test_the_native_table_shows_the_same_bits(own: Run, tmp_path: Path) -> None:
+    found = command.run_in(FMPY, command.write_all(tmp_path, Axis(), native=True), STOP, STEP)
+    assert all(np.array_equal(found[name], own[name]) for name in own)
+
+
+@pytest.mark.parametrize("master", [FMPY, ECOS])
+def test_masters_that_step_both_at_once_agree_in_every_bit(
+    master: str, axis_file: Path, own: Run
+) -> None:
+    found = command.run_in(master, axis_file, STOP, STEP)
+    assert all(np.array_equal(found[name], own[name]) for name in own)
+
+
+@needs("libcosimpy")
+def test_libcosim_differs_by_its_whole_nanoseconds_only(axis_file: Path, own: Run) -> None:
+    found = command.run_in("libcosim", axis_file, STOP, STEP)
+    # A step of 2.5e-4 s differs by 1 ulp of time, 1e-16 s; the force that the velocity loop makes
+    # of a position's rounding, K_p 1e-19 m / T_s = 3e-10 N, is nothing. The axis is stable, so
+    # differences stay; a count of an encoder that fell the other way would be 1e-8 m or more.
+    assert np.max(np.abs(found["x"] - own["x"])) < 1e-11
+    assert np.max(np.abs(found["x_motor"] - own["x_motor"])) < 1e-11
+
+
+class Loaded(Axis):
+    """An axis whose spring is loaded at the start, by 200 N."""
+
+    def of_table(self) -> dict[str, float]:
+        return {**super().of_table(), "z_start": 5e-6}
+
+
+@pytest.mark.parametrize("master", [FMPY, ECOS, LIBCOSIM])
+def test_the_first_step_has_the_outputs_at_the_start_but_in_fmpy(
+    master: str, fmus: Path, tmp_path: Path
+) -> None:
+    file = ssp.write_ssp(tmp_path / "loaded.ssp", Loaded(feed=0.0), fmus)
+    found = command.run_in(master, file, 4 * STEP, STEP)
+    moved = 0.5 * (4e7 * 5e-6) / Axis().m_d * STEP**2
+    assert found["F"][0] == pytest.approx(200.0)
+    # The position grows by a rounding of 1e-6 of itself through the spring's reaction.
+    assert found["x_motor"][0] == pytest.approx(0.0 if master == FMPY else -moved, rel=1e-5)
+
+
+class Refused(Axis):
+    """An axis with a position gain that the drive refuses."""
+
+    def of_drive(self) -> dict[str, float]:
+        return {**super().of_drive(), "K_v": -1.0}
+
+
+@pytest.mark.parametrize("master", [FMPY, ECOS, LIBCOSIM])
+def test_what_the_drive_refuses_is_told_also_where_the_master_goes_on(
+    master: str, fmus: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = ssp.write_ssp(tmp_path / "refused.ssp", Refused(), fmus)
+    reason = "K_v = -1.0 1/s is out of range: it must be finite and at least 0"
+    if master == "ecos":
+        assert not command.run_in(master, file, 4 * STEP, STEP)["x_motor"].any()
+        assert reason in capsys.readouterr().err
+    else:
+        with pytest.raises(CommandError, match=re.escape(reason)):
+            command.run_in(master, file, 4 * STEP, STEP)
+
+
+def test_the_file_is_a_valid_ssp_with_the_same_numbers_in_both_places(axis_file: Path) -> None:
+    description = read_ssd(str(axis_file), validate=True)
+    read_ssv(str(axis_file), "parameters.ssv", validate=True)
+    wires = {
+        (each.startElement, each.startConnector, each.endElement, each.endConnector)
+        for each in description.system.connections
+    }
+    assert wires == {
+        ("drive", "v", "table", "v"),
+        ("table", "F", "drive", "F"),
+        ("table", "x", "drive", "x"),
+    }
+    with zipfile.ZipFile(axis_file) as archive:
+        system = ElementTree.fromstring(archive.read("parameters.ssv"))
+        structure = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
+    inside = {
+        f"{component.get('name')}.{name}": value
+        for component in structure.iter()
+        if component.tag.endswith("}Component")
+        for name, value in parameters(component).items()
+    }
+    assert inside == parameters(system)
+    assert inside.pop("drive.on_table") == ("Integer", "1")
+    # libcosim drops a Real that is written as an Integer.
+    assert {kind for kind, _ in inside.values()} == {"Real"}
+
+
+def parameters(tree: ElementTree.Element) -> dict[str, tuple[str, str]]:
+    """Return type and value of every parameter by name."""
+    return {
+        str(each.get("name")): (each[0].tag.removeprefix(SSV), str(each[0].get("value")))
+        for each in tree.iter(f"{SSV}Parameter")
+    }

@@ -1,0 +1,288 @@
+"""The servo drive: motion of its motor, filters, set point, controller, and its FMU."""
+
+import json
+import math
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from scipy.signal import freqz
+
+from examples.feed_axis import ssp
+from examples.feed_axis.axis import Axis
+from examples.feed_axis.build import build_drive
+from examples.feed_axis.servo_drive import filters
+from examples.feed_axis.servo_drive.model import ServoDrive
+from examples.feed_axis.servo_drive.motion import Inertia, Place, Pull
+from examples.feed_axis.servo_drive.setpoint import SetPoint
+from examples.feed_axis.servo_drive.table import Settings
+from fmukit.model import ModelError
+from tests.driver import Host, play
+
+from .coupled import make_drive
+
+LONGEST = [(0.5, 0.0), (0.0, 0.5), (0.4, 0.18)]
+"""Frequency and damping at the bound T_s (delta + sqrt(delta^2 + w^2)) = 1/2, where T_s is 1."""
+
+
+@pytest.mark.parametrize(
+    ("w", "d", "lag"),
+    [(w, d, 0.0) for w, d in LONGEST]
+    + [(0.4, 0.18, lag) for lag in (1e-300, 1e-6, 0.1, 0.499, 1.0, 1.001, 3.0, 1e6, 1e300)],
+)
+def test_a_sample_as_long_as_may_be_is_solved_to_rounding_with_any_lag(
+    w: float, d: float, lag: float
+) -> None:
+    # Units in which a sample and the inertia are 1.
+    place = Place(0.25, -1.0, 4.0 if lag else 1.5)
+    pull = Pull(1.5, 0.5, 0.75)
+    found = Inertia(1.0, d, w * w, lag, 0.0).moved(1.0, place, pull)
+    # State: way, speed, motor's force, time, 1. Shorter lags are over at once.
+    rates = np.zeros((5, 5))
+    rates[0, 1] = rates[3, 4] = 1.0
+    rates[1] = -w * w, -d, 1.0, w * w * pull.speed, -pull.at_zero
+    fall = 1.0 / max(lag, 1e-8) if lag else 0.0
+    rates[2, [2, 4]] = -fall, pull.command * fall
+    x, v, F_motor, *_ = expm(rates) @ np.array([*place, 0.0, 1.0])
+    # Rounding of some numbers around 1, and that of a matrix whose largest entry is 4 / lag.
+    assert found == pytest.approx((x, v, F_motor), abs=1e-13 + 4e-15 * fall)
+
+
+@pytest.mark.parametrize(
+    ("d", "lag", "v", "command"),
+    [
+        (0.0, 0.0, 0.3, 2.0),
+        (0.18, 0.05, 0.3, -2.0),
+        (0.0, 0.7, 0.3, 0.9),
+        (0.18, 0.7, -0.3, 2.0),
+        (0.0, 0.05, -0.3, 0.9),
+        (0.18, 0.0, -0.3, -2.0),
+        (0.0, 0.7, 0.0, -2.0),
+        (0.18, 0.05, 0.0, 2.0),
+        (0.0, 0.0, 0.0, 0.9),
+    ],
+)
+def test_dry_friction_stops_holds_and_turns_as_friction_that_rises_steeply(
+    d: float, lag: float, v: float, command: float
+) -> None:
+    k, dry, steep = 0.16, 1.0, 1e-7
+    start = Place(0.25, v, 4.0 if lag else command)
+    pull = Pull(command, -0.5, -2.0)
+
+    def rates(t: float, y: NDArray[np.float64]) -> list[float]:
+        x, speed, F_motor = y
+        force = F_motor - pull.at_zero - k * (x - pull.speed * t) - d * speed
+        fall = (command - F_motor) / lag if lag else 0.0
+        return [speed, force - dry * math.tanh(speed / steep), fall]
+
+    exact, place, parts = Inertia(1.0, d, k, lag, dry), start, 4
+    # The parts of a sample, each from where the one before ended: no state beside the place.
+    for part in range(parts):
+        later = pull._replace(at_zero=pull.at_zero - k * pull.speed * part / parts)
+        place = exact.moved(1.0 / parts, place, later)
+    end = solve_ivp(rates, (0.0, 1.0), start, "Radau", rtol=1e-9, atol=1e-12).y[:, -1]
+    # It creeps at some 1e-7 where the other holds, and is as late where the speed passes 0.
+    assert place == pytest.approx(tuple(end), abs=2e-6)
+
+
+def test_a_motor_at_rest_breaks_away_when_the_lag_lets_it() -> None:
+    lag = 0.3
+    place = Inertia(1.0, 0.0, 0.0, lag, 1.0).moved(1.0, Place(0.0, 0.0, 0.0), Pull(2.0, 0.0, 0.0))
+    # A force of twice the dry friction is told; from T ln 2 on v' = 1 - exp(-t / T).
+    left = 1.0 - lag * math.log(2.0)
+    assert place.v == pytest.approx(left - lag * (1.0 - math.exp(-left / lag)), abs=1e-14)
+
+
+def test_a_speed_that_would_dip_below_0_within_a_sample_stops_instead() -> None:
+    lag, dry = 0.05, 0.1
+    place, pull = Place(0.0, 0.1, -5.0), Pull(1.0, 0.0, 0.0)
+    free = Inertia(1.0, 0.0, 0.0, lag, 0.0)
+    without = [free.moved(t, place, pull).v - dry * t for t in np.linspace(0.0, 1.0, 101)]
+    assert min(without) < 0.0 < without[-1]
+    inertia = Inertia(1.0, 0.0, 0.0, lag, dry)
+    found = inertia.moved(1.0, place, pull)
+    for _ in range(1000):
+        place = inertia.moved(1e-3, place, pull)
+    # Rounding of 1000 parts.
+    assert found == pytest.approx(place, abs=1e-12)
+    assert found.v > 0.5
+
+
+@pytest.mark.parametrize("frequency", [20.0, 300.0, 1900.0])
+def test_a_filter_does_at_its_frequency_what_the_continuous_one_does(frequency: float) -> None:
+    T_s = 250e-6
+    for each, left in (
+        (filters.low_pass(frequency, 0.0, T_s), math.sqrt(0.5)),
+        (filters.low_pass(frequency, 0.8, T_s), 1.0 / 1.6),
+        (filters.notch(frequency, 0.4, 0.15, T_s), 0.15),
+        (filters.notch(frequency, 0.4, 1.0, T_s), 1.0),
+    ):
+        above, below = (each.b0, each.b1, each.b2), (1.0, each.a1, each.a2)
+        _, gain = freqz(above, below, [0.0, frequency], fs=1.0 / T_s)
+        # All the force at rest. Rounding, and poles near 1: 1/(w T_s)^2 = 1e3 of it.
+        assert np.abs(gain) == pytest.approx([1.0, left], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("feed", "distance", "end"),
+    [
+        (5e-3, 0.01, 0.01),
+        (-5e-3, 0.01, -0.01),
+        # Too short to reach the feed.
+        (5e-3, 1e-4, 1e-4),
+        # For ever.
+        (5e-3, 0.0, 5e-3 * (3.0 - 0.025)),
+    ],
+)
+def test_a_move_is_the_integral_of_its_speed_and_ends_where_it_should(
+    feed: float, distance: float, end: float
+) -> None:
+    set_point = SetPoint(feed, 0.1, distance)
+    position, speed = np.array([set_point.at(time) for time in np.linspace(0.0, 3.0, 30001)]).T
+    # The trapezoidal rule is exact but at the four corners, each off by a h^2 / 8 at most.
+    integral = np.concatenate(([0.0], np.cumsum(0.5e-4 * (speed[1:] + speed[:-1]))))
+    assert np.max(np.abs(integral - position)) < 4 * 0.1 * 1e-8 / 8 + 1e-15
+    assert set_point.at(3.0) == pytest.approx((end, 0.0 if distance else feed), rel=1e-15)
+    assert np.max(np.abs(speed)) <= 5e-3 * (1 + 1e-15)
+    assert np.max(np.abs(np.diff(speed))) <= 0.1 * 1e-4 * (1 + 1e-9)
+
+
+def test_the_integral_does_not_wind_up_beyond_the_limit() -> None:
+    axis = Axis(F_max=500.0, mu_s=1.0, mu_k=0.9)
+    drive, controller = make_drive(axis)
+    for _ in range(4000):
+        drive.advance(axis.T_s, 600.0, 0.0)
+    assert abs(drive.F_motor) == 500.0
+    assert abs(controller.integral) <= 500.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"dead_time": 0.26}, r"dead_time = 0\.26 s .* at most 1000 T_s, 0\.25 s"),
+        ({"low_pass": 2000.0}, r"low_pass = 2000\.0 Hz .* below 1/\(2 T_s\), 2000 Hz"),
+        ({"notch": 2500.0, "notch_damping": 0.5}, r"notch = 2500\.0 Hz .* 2000 Hz"),
+        ({"notch": 200.0}, r"notch_damping = 0\.0 is out of range: above 0"),
+        ({"notch_depth": 1.5}, r"notch_depth = 1\.5 is out of range: .*at most 1"),
+        ({"lag": -1.0}, r"lag = -1\.0"),
+        ({"dry": -1.0}, r"dry = -1\.0"),
+        ({"K_v": -1.0}, r"K_v = -1\.0 is out of range: finite and at least 0"),
+        # Samples too long for the motion, by spring and by friction.
+        ({"T_s": 3.86e-3, "d": 0.0}, r"T_s = 0\.00386 s .* at most 0\.00385 s with k = 4e\+07"),
+        ({"d": 1e9}, r"T_s = 0\.00025 s is out of range.*d = 1e\+09"),
+        ({"pitch": 1e-300}, r"m_d = .* is out of range"),
+    ],
+)
+def test_axis_and_fmu_refuse_what_cannot_be(changes: dict[str, float], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        Axis(**changes)  # type: ignore[arg-type]
+    settings = Settings.at_start()
+    outside = [name for name in changes if Settings.table.by_name[name].objection(changes[name])]
+    if not outside:
+        for name, value in changes.items():
+            settings = settings.changed(name, value)
+        with pytest.raises(ModelError, match=words):
+            ServoDrive(settings)
+
+
+def test_the_longest_sample_and_a_drive_without_resonance_are_allowed() -> None:
+    Axis(T_s=3.84e-3, d=0.0)
+    # It holds the force.
+    assert Axis(k=1e12, follow=False).of_drive()["k"] == 0.0
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"K_v": 60.0, "distance": 1e-4},
+        {
+            "lag": 1e-4,
+            "dead_time": 7e-4,
+            "low_pass": 500.0,
+            "low_pass_damping": 0.7,
+            "notch": 200.0,
+            "notch_damping": 0.4,
+            "dry": 50.0,
+        },
+    ],
+)
+def test_a_state_of_the_drive_goes_on_to_the_bit(changes: dict[str, float]) -> None:
+    def go_on(model: ServoDrive) -> list[tuple[float, ...]]:
+        shown = []
+        for step in range(1, 40):
+            model.set("F", 10.0 * step)
+            model.set("x", 1e-7 * step)
+            model.advance(0.0, 1.7e-4 * step)
+            shown.append((model.drive.output, model.drive.x, model.x_command, *model.drive.memory))
+        return shown
+
+    settings = Settings.at_start()
+    for name, value in changes.items():
+        settings = settings.changed(name, value)
+    model = ServoDrive(settings)
+    go_on(model)
+    frozen, saved = model.freeze(), json.loads(json.dumps(model.save()))
+    expected = go_on(model)
+    assert go_on(model) != expected
+    thawed, restored = (ServoDrive(Settings.at_start()) for _ in range(2))
+    thawed.thaw(frozen)
+    restored.restore(saved)
+    assert go_on(thawed) == go_on(restored) == expected
+    for bad in ({}, {**saved, "time": None}, {**saved, "memory": saved["memory"][1:]}):
+        with pytest.raises(ModelError):
+            restored.restore(bad)
+
+
+def test_the_fmu_starts_as_the_axis_is_and_has_no_findings(fmus: Path) -> None:
+    file = str(fmus / "ServoDrive.fmu")
+    assert validate_fmu(file) == []
+    description = fmpy.read_model_description(file)
+    starts = {
+        each.name: float(each.start)
+        for each in description.modelVariables
+        if each.causality == "parameter"
+    }
+    assert starts == Axis().of_drive()
+    assert float(description.defaultExperiment.stepSize) == Axis().T_s
+    assert not description.coSimulation.needsExecutionTool
+    assert len(description.outputs) == 6
+    assert all(each.dependencies == [] for each in description.outputs)
+    assert all(each.unit for each in description.modelVariables if each.type == "Real")
+
+
+def test_two_builds_are_the_same_bytes(fmus: Path, tmp_path: Path) -> None:
+    again = build_drive(tmp_path)
+    assert again.read_bytes() == (fmus / "ServoDrive.fmu").read_bytes()
+    files = [ssp.write_ssp(tmp_path / f"{name}.ssp", Axis(), fmus) for name in ("one", "two")]
+    assert files[0].read_bytes() == files[1].read_bytes()
+    for file in (again, files[0]):
+        with zipfile.ZipFile(file) as archive:
+            # No entry tells when it was made.
+            assert {each.date_time for each in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+
+
+REFUSED: list[tuple[list[list[Any]], str]] = [
+    ([["set", {"T_s": 0.0}]], "T_s = 0.0 s is out of range: it must be finite and above 0"),
+    ([["set", {"K_v": -1.0}]], "K_v = -1.0 1/s is out of range: it must be finite and at least 0"),
+    ([["set", {"F": math.nan}]], "F = nan N is out of range"),
+    ([["start"], ["set", {"K_v": 1.0}]], "K_v is fixed: it cannot change after initialization"),
+    ([["start", {"k": 1e12}]], "T_s = 0.00025 s is out of range: it must be at most 2.43e-05 s"),
+    ([["values", "Get", "Real", [1000], [0.0]]], "no variable with value reference 1000"),
+    ([["values", "Set", "Boolean", [0], [True]]], "J is of type Real, not Boolean"),
+]
+
+
+def test_the_fmu_refuses_with_a_reason_and_lives_on(fmus: Path, host: Host) -> None:
+    for script, words in REFUSED * 20:
+        *_, answer = host.call(play, fmus / "ServoDrive.fmu", script)
+        assert words in " ".join(answer["messages"]), script
+    # A new instance is none the worse, and a step may have the last digits of an importer.
+    script = [["start"], ["step", 0.00999999999999979], ["get", "x_command"]]
+    assert host.call(play, fmus / "ServoDrive.fmu", script)[-1][0] > 0.0

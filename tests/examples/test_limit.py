@@ -1,0 +1,165 @@
+"""What the design tool computes of an axis, and the whole loop in time."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from examples.feed_axis import study
+from examples.feed_axis.axis import Axis
+from examples.feed_axis.designed import designed
+from examples.feed_axis.monolithic import solve
+from stickslip_design.levers import END, cures
+from stickslip_design.loop.jumps import limit_of_jumps
+from stickslip_design.loop.stability import swing
+
+from .coupled import EXACT, couple, last_jump, random_axis, velocity_loop
+
+AXIS = Axis(**EXACT)
+FAST = velocity_loop(600.0)
+ALL: dict[str, Any] = {
+    "lag": 3e-4,
+    "dead_time": 4e-4,
+    "low_pass": 500.0,
+    "low_pass_damping": 0.7,
+    "notch": 200.0,
+    "notch_damping": 0.4,
+    "notch_depth": 0.1,
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({}, 1.550),
+        ({"K_v": 50.0}, 2.427),
+        (FAST, 4.198),
+        ({"T_s": 1e-3}, 1.40),
+        ({"T_s": 5e-5}, 1.60),
+        ({"dead_time": 2.5e-4}, 1.468),
+        ({"dead_time": 2.5e-4, "K_v": 50.0}, 2.29),
+        ({"dead_time": 2.5e-4, **FAST}, 4.47),
+    ],
+)
+def test_the_search_ends_at_the_last_jump_of_the_whole_loop_with_the_feed_raised_over_120_s(
+    changes: dict[str, Any], expected: float
+) -> None:
+    limit = limit_of_jumps(designed(replace(AXIS, **changes))).feed
+    # The last digits; the search ends within 0.05 %.
+    assert 1e3 * limit == pytest.approx(expected, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        pytest.param({**ALL, "on_table": False, "T_s": 5e-4}, marks=pytest.mark.gate),
+        # The motor stops while the table sticks: with a lag, and without one between two samples.
+        pytest.param({**ALL, "dry": 600.0, "J": 1e-3}, marks=pytest.mark.soak),
+        pytest.param({"dead_time": 4e-4, "dry": 600.0, "J": 1e-3}, marks=pytest.mark.soak),
+    ],
+)
+def test_the_search_knows_what_is_between_a_sample_and_the_motion(changes: dict[str, Any]) -> None:
+    axis = replace(AXIS, **changes)
+    limit = limit_of_jumps(designed(axis)).feed
+    # The feed rises by 0.02 % or so in a jump; the search ends within 0.05 %.
+    assert last_jump(axis, limit, 5.0, 0.02) == pytest.approx(limit, rel=5e-3)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("seed", range(50))
+def test_the_search_ends_where_a_random_axis_stops_jumping(seed: int) -> None:
+    axis = random_axis(seed)
+    limit = limit_of_jumps(designed(axis)).feed
+    # The feed rises faster than above.
+    assert last_jump(axis, limit, 8.0, 0.03) == pytest.approx(limit, rel=0.01)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("changes", [{}, {"K_v": 50.0}, FAST])
+def test_encoder_counts_which_the_tool_leaves_out_do_not_move_the_limit(
+    changes: dict[str, Any],
+) -> None:
+    axis = replace(Axis(), **changes)
+    limit = limit_of_jumps(designed(axis)).feed
+    top, duration = 1.15 * limit, 20.0
+    rising = replace(axis, feed=top, acceleration=top / duration)
+    last, _ = solve(rising, duration).jumps[-1]
+    # The feed rises by 0.1 % or so in a jump.
+    assert last * rising.acceleration == pytest.approx(limit, rel=0.01)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("number", ["mu_s", "c", "mass", "K_v"])
+def test_a_cure_ends_the_jumps_of_drive_and_block_at_the_feed(number: str) -> None:
+    feed, duration = 1.2e-3, 60.0
+    (cure,) = (
+        each
+        for each in cures(designed(AXIS), feed)
+        if each.number == number and each.then is not None and each.aim == END
+    )
+    top = 1.1 * feed
+    changes: dict[str, Any] = {"m" if number == "mass" else number: cure.then}
+    cured = replace(AXIS, feed=top, acceleration=top / duration, **changes)
+    motion = couple(cured, [cured.T_s] * round(duration / cured.T_s))
+    rests = np.flatnonzero(np.diff(motion.x) == 0.0)
+    # The feed rises by 0.05 % or so in a jump.
+    assert top * motion.time[rests[-1]] / duration == pytest.approx(feed, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("changes", "grows"),
+    [
+        ({}, False),
+        ({"K_v": 75.0}, True),
+        (velocity_loop(690.0), False),
+        (velocity_loop(740.0), True),
+        ({"K_v": 75.0, "on_table": False}, False),
+        ({"T_n": 0.0}, False),
+    ],
+)
+def test_what_a_ramp_leaves_of_oscillation_decays_or_grows_by_the_damping_ratio(
+    changes: dict[str, Any], grows: bool
+) -> None:
+    # Fast enough for the table to slide all the time.
+    axis = replace(AXIS, feed=0.05, acceleration=1.0, **changes)
+    mode = swing(designed(axis))
+    assert (mode.damping < 0.0) == grows
+    x_dot = solve(axis, 0.5).column("x_dot", axis)
+    assert x_dot[40:].min() > 0.0
+    # All else has decayed by exp(-25 * 0.2) = 7e-3 or more by now, and is smooth: of that a second
+    # difference over half a period, 11 ms, leaves (25 * 0.011)^2 = 8 %, 5e-4 in all.
+    late = x_dot[1000:]
+    half = round(np.pi / (mode.w * axis.T_s))
+    left = late[2 * half :] - 2.0 * late[half:-half] + late[: -2 * half]
+    # A pair z, z* obeys y[n+2] = 2 Re(z) y[n+1] - |z|^2 y[n].
+    before, now, after = left[:-2], left[1:-1], left[2:]
+    (_, square), *_ = np.linalg.lstsq(np.column_stack((now, -before)), after)
+    found = -0.5 * np.log(square) / (mode.w * axis.T_s)
+    assert found == pytest.approx(mode.damping, abs=5e-4)
+
+
+def test_without_control_the_slideway_damps_alone() -> None:
+    axis = Axis(omega_v=0.0, K_v=0.0, T_n=0.0, d=0.0)
+    w = np.sqrt(axis.k / axis.m + axis.k / axis.m_d)
+    mode = swing(designed(axis))
+    # Drive and table against each other; the next terms are smaller by the damping ratio's square
+    # and by the masses'.
+    assert mode.w == pytest.approx(w, rel=1e-3)
+    share = axis.m_d / (axis.m + axis.m_d)
+    assert mode.damping == pytest.approx(0.5 * axis.c * share / (axis.m * w), rel=5e-3)
+
+
+def test_without_a_gap_the_axis_comes_to_rest_below_a_count_of_the_scale() -> None:
+    axis = replace(Axis(mu_s=0.15), **study.MOVE)
+    jumps = solve(axis, 5.0).jumps
+    assert all(time < 4.0 for time, _ in jumps)
+    assert abs(jumps[-1][1]) < axis.resolution_table
+
+
+def test_gravity_is_one_number_of_table_design_tool_and_whole_loop() -> None:
+    axis = Axis(g=4.905)
+    assert axis.of_table()["g"] == designed(axis).g == 4.905
+    # Half the weight breaks away at half the force, to what a sample adds.
+    F, x = (solve(axis, 0.15).column(name, axis) for name in ("F", "x"))
+    assert float(F[x == 0.0].max()) == pytest.approx(0.5 * 981.0, rel=1e-2)
