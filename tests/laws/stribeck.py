@@ -14,6 +14,8 @@ from tests.fmu.blocks import Segment, draw, log_uniform
 SPEC = spec_of(STRIBECK)
 Points = list[tuple[float, float]]
 
+FALLS_TWICE: Points = [(0.0, 0.5), (0.02, 0.3), (0.15, 0.45), (0.4, 0.2), (0.6, 0.25)]
+
 drive = functools.partial(blocks.drive, spec=SPEC)
 
 

@@ -1,0 +1,1 @@
+"""Facts of the physics, tried on the block, the native FMU, the reference and the truth."""

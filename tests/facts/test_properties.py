@@ -1,0 +1,261 @@
+"""What holds on every side and under every friction law, on random settings and changes."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from random import Random
+from typing import NamedTuple
+
+import pytest
+
+from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
+from stickslip_verification.truth import friction_law
+from tests.facts.sides import BLOCK, QUICK, REFERENCE, TRUTH, Row, Setting, Side, each_side
+from tests.fmu.blocks import (
+    Draw,
+    Segment,
+    block_of,
+    draw,
+    draw_ageing,
+    outputs,
+    spec_named,
+    uneven,
+)
+from tests.laws.stribeck import curve, draw_curve, draw_smooth
+
+pytestmark = pytest.mark.filterwarnings("ignore::stickslip_ref.FrictionClampWarning")
+
+
+class Case(NamedTuple):
+    """A side under a friction law: how its settings are drawn, how often, and what may differ.
+
+    The block's errors are roundings; the reference's those of its integration over some slips, at
+    the conditioning of a shallow stop, theory (17); the truth carries fifty digits.
+    """
+
+    side: Side
+    law: str
+    draw: Draw
+    times: int
+    tolerance: float
+
+    def settings(self, seed: str) -> Iterator[tuple[Random, Setting]]:
+        """Draw settings; those of the slow sides are short."""
+        for n in range(self.times):
+            generator = Random(f"{seed} {n}")
+            values, segments = self.draw(generator)
+            if self.side is not BLOCK:
+                segments = segments[:4]
+                for segment in segments:
+                    longest = 10.0 * math.sqrt(values["m"] / values["k"])
+                    segment.length = min(segment.length, longest)
+                segments[0].changes.pop("k", None)
+            yield generator, Setting(values, segments, self.law)
+
+
+CASES = {
+    "block, constant": Case(BLOCK, "coulomb", draw, 100, 1e-12),
+    "block, growing": Case(BLOCK, "coulomb", draw_ageing, 100, 1e-12),
+    "block, smooth": Case(BLOCK, "stribeck", draw_smooth, 20, 1e-12),
+    "block, curve": Case(BLOCK, "stribeck", draw_curve, 40, 1e-12),
+    "reference, growing": Case(REFERENCE, "coulomb", draw_ageing, 10, 1e-8),
+    "reference, curve": Case(REFERENCE, "stribeck", draw_curve, 2, 1e-8),
+    "truth, growing": Case(TRUTH, "coulomb", draw_ageing, 10, 1e-40),
+}
+
+EXTREMES: list[dict[str, float]] = [
+    {"v_s": 1e-9},
+    {"v_s": 1e-9, "delta": 1.0},
+    {"v_s": 1e-9, "shape": 2},
+    {"v_s": 1e3, "delta": 1.3},
+    {"v_s": 1e9, "shape": 2},
+    {"delta": 1e300},
+    {"mu_k": 0.499999},
+    {"v": 0.0, "z_start": 0.02, "c": 200.0, "delta": 1.0},
+    {"v": 0.0, "z_start": 0.02, "c": 2000.0, "delta": 1.5},
+    {"v": -0.02, "x_dot_start": 0.05},
+    {"v": 0.02, "x_dot_start": -0.05, "delta": 1.4},
+    {"v": 0.02, "x_dot_start": 1e-9, "delta": 1.4},
+    {"v": 0.02, "x_dot_start": 5.0, "shape": 2},
+    {"k": 1e8, "m": 1e-3, "v": 1e-6},
+    {"k": 1.0, "m": 1e4, "v": 10.0},
+]
+"""Settings of Stribeck's law; ten turns of each."""
+
+
+@pytest.fixture(params=CASES)
+def case(request: pytest.FixtureRequest) -> Case:
+    return CASES[request.param]
+
+
+def assert_same_motion(one: Sequence[Row], other: Sequence[Row], tolerance: float) -> None:
+    scale = max(max(abs(row["z"]), abs(row["x"])) for row in one)
+    for a, b in zip(one, other, strict=True):
+        assert all(abs(a[name] - b[name]) <= tolerance * scale for name in ("x", "z", "x_pull"))
+        assert a["n_slips"] == b["n_slips"]
+
+
+def cut(setting: Setting, generator: Random, most: int = 40) -> tuple[Setting, list[int]]:
+    """Return a setting in random steps, tiny ones among them, and which of them end a segment."""
+    split, segments, ends = uneven(generator, most), [], []
+    for segment in setting.segments:
+        first, *others = split(segment.length)
+        segments += [Segment(first, segment.changes), *map(Segment, others)]
+        ends.append(len(segments) - 1)
+    return replace(setting, segments=segments), ends
+
+
+def test_the_step_does_not_matter(case: Case) -> None:
+    for generator, setting in case.settings("steps"):
+        fine, ends = cut(setting, generator)
+        rows = case.side.rows(fine)
+        # The steps add up to the length but for a rounding.
+        tolerance = max(case.tolerance, 1e-12)
+        assert_same_motion(case.side.rows(setting), [rows[n] for n in ends], tolerance)
+
+
+@pytest.mark.parametrize("own", EXTREMES, ids=str)
+def test_extreme_settings_do_not_depend_on_the_step(own: dict[str, float]) -> None:
+    turns = 60.0 * math.sqrt(own.get("m", 1.0) / own.get("k", 1000.0))
+    whole = Setting({"v_s": 0.01, **own}, [Segment(turns)], "stribeck")
+    fine, _ = cut(whole, Random(5))
+    assert_same_motion(BLOCK.rows(whole), BLOCK.rows(fine)[-1:], 1e-12)
+
+
+def test_energy_is_kept_and_heat_never_falls(case: Case) -> None:
+    for generator, drawn in case.settings("energy"):
+        setting, _ = cut(drawn, generator, 4)
+        k, m = setting.values["k"], setting.values["m"]
+        x_dot, z = setting.values["x_dot_start"], setting.values["z_start"]
+        start = 0.5 * m * x_dot**2 + 0.5 * k * z**2
+        largest, external, x, work, heat = start, 0.0, 0.0, 0.0, 0.0
+        for segment, row in zip(setting.segments, case.side.rows(setting), strict=True):
+            external = segment.changes.get("F_ext", external)
+            k = segment.changes.get("k", k)
+            work, x = work + external * (row["x"] - x), row["x"]
+            stored = (m * row["x_dot"] ** 2 + k * row["z"] ** 2) / 2
+            largest = max(largest, stored, abs(row["W_pull"]), row["Q_friction"], abs(work))
+            gap = start + work + row["W_pull"] + row["W_k"] - row["Q_friction"] - stored
+            # `start` is a double.
+            assert abs(gap) <= max(case.tolerance, 1e-15) * largest
+            assert row["Q_friction"] >= heat - case.tolerance * largest
+            heat = row["Q_friction"]
+
+
+@pytest.mark.parametrize("symmetry", [MIRROR, HEAVIER, QUICKER], ids=lambda each: each.name)
+def test_mirror_and_scaling_change_no_digit(case: Case, symmetry: Symmetry) -> None:
+    own = friction_law(case.law).parameters
+    for _, drawn in case.settings("symmetry"):
+        setting = replace(drawn, values={"g": 9.81, **drawn.values})
+        segments = [
+            Segment(each.length * symmetry.pace, symmetry.scaled(each.changes, own))
+            for each in setting.segments
+        ]
+        other = replace(setting, values=symmetry.scaled(setting.values, own), segments=segments)
+        for one, two in zip(case.side.rows(setting), case.side.rows(other), strict=True):
+            for name in symmetry.outputs.keys() & one.keys():
+                off = abs(two[name] - symmetry.outputs[name] * one[name])
+                assert off <= (1e-40 * abs(one[name]) if case.side is TRUTH else 0.0), name
+
+
+def test_stick_keeps_the_mass_to_the_bit_and_slip_shows_its_friction(case: Case) -> None:
+    for generator, drawn in case.settings("stick"):
+        setting, _ = cut(drawn, generator, 6)
+        values = {**setting.values}
+        before: Row | None = None
+        for segment, row in zip(setting.segments, case.side.rows(setting), strict=True):
+            values |= segment.changes
+            assert row["x_pull"] == pytest.approx(row["x"] + row["z"], rel=1e-15, abs=1e-300)
+            assert row["F"] == values["k"] * row["z"]
+            if row["mode"] == 0:
+                assert row["x_dot"] == 0
+                assert row["F_friction"] == pytest.approx(
+                    -(row["F"] + values.get("F_ext", 0.0)), rel=1e-15
+                )
+            else:
+                assert row["mode"] * row["x_dot"] >= 0
+                assert row["mode"] * row["F_friction"] <= 0
+            if (
+                before
+                and before["mode"] == row["mode"] == 0
+                and before["n_slips"] == row["n_slips"]
+            ):
+                assert row["x"] == before["x"]
+            before = row
+
+
+SHAPES: dict[str, dict[str, float]] = {
+    "whole": {"shape": 1, "v_s": 0.05},
+    "not whole": {"shape": 1, "v_s": 0.05, "delta": 1.5},
+    "hyperbolic": {"shape": 2, "v_s": 0.05},
+    "curve": curve([(0.0, 0.5), (0.03, 0.35), (0.2, 0.3)]),
+}
+COEFFICIENTS: dict[str, Callable[[float], float]] = {
+    "whole": lambda u: 0.3 + 0.2 * math.exp(-((u / 0.05) ** 2)),
+    "not whole": lambda u: 0.3 + 0.2 * math.exp(-((u / 0.05) ** 1.5)),
+    "hyperbolic": lambda u: 0.3 + 0.2 / (1.0 + u / 0.05),
+    "curve": lambda u: 0.5 - 5.0 * u if u < 0.03 else max(0.3, 0.35 - (u - 0.03) * 0.05 / 0.17),
+}
+CHANGES = {"v": 0.06, "load": 3.0, "F_ext": 0.5, "k": 700.0, "c": 2.0}
+SMOOTH = {"mu_s": 0.6, "mu_k": 0.2, "v_s": 0.08}
+
+
+@pytest.mark.parametrize("side", each_side())
+@pytest.mark.parametrize("shape", SHAPES)
+def test_friction_in_slip_is_that_of_its_speed(side: Side, shape: str) -> None:
+    for start in (-1e-4, 0.01, 0.029, 0.031, -0.08, 0.5):
+        values = {**SHAPES[shape], "c": 2.0, "x_dot_start": start}
+        (row,) = side.rows(Setting(values, [Segment(1e-9)], "stribeck"))
+        u = float(row["x_dot"])
+        expected = -math.copysign(9.81 * COEFFICIENTS[shape](abs(u)), u) - 2.0 * u
+        assert float(row["F_friction"]) == pytest.approx(expected, rel=1e-14)
+
+
+@pytest.mark.parametrize("side", each_side(QUICK))
+@pytest.mark.parametrize(
+    ("shape", "name", "new"),
+    [
+        *(
+            (shape, name, new)
+            for shape in SHAPES
+            for name, new in (CHANGES if shape == "curve" else {**CHANGES, **SMOOTH}).items()
+        ),
+        ("whole", "delta", 3.0),
+        ("not whole", "delta", 3.0),
+    ],
+)
+def test_a_change_in_slip_gives_the_slip_that_begins_so(
+    side: Side, shape: str, name: str, new: float
+) -> None:
+    own = SHAPES[shape]
+    steps = [Segment(0.27), Segment(0.004, {name: new})]
+    before, changed = side.rows(Setting(own, steps, "stribeck"))
+    assert before["mode"] == 1
+    starts = {f"{each}_start": float(before[each]) for each in ("x", "x_dot", "z")}
+    fresh = Setting({**own, **starts, name: new}, [Segment(0.004)], "stribeck")
+    (expected,) = side.rows(fresh)
+    for output in ("x", "x_dot", "z", "F_friction"):
+        # What 50 steps of an integration leave, or some hundred roundings.
+        assert changed[output] == pytest.approx(expected[output], rel=1e-11), output
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if name.startswith("block")])
+def test_a_state_through_json_or_frozen_repeats_every_output(name: str) -> None:
+    case = CASES[name]
+    spec = spec_named(case.law)
+    for _, setting in case.settings("state"):
+        block = block_of(spec, setting.values)
+        for segment in setting.segments:
+            for changed, value in segment.changes.items():
+                block.set(changed, value)
+            other, third = block_of(spec, {}), block_of(spec, {})
+            saved = json.loads(json.dumps(block.save()))
+            assert saved == block.save()
+            other.restore(saved)
+            third.thaw(block.freeze())
+            for each in (block, other, third):
+                each.advance(1.0, segment.length)
+            assert outputs(block) == outputs(other) == outputs(third)

@@ -1,0 +1,291 @@
+"""Friction laws of one's own, in reference and truth: what each answer does to the motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+import stickslip_ref as ref
+from stickslip_fmu.laws import named as block
+from stickslip_ref import Bound, OwnParameter, Parameters, simulate
+from stickslip_verification import truth
+from stickslip_verification.truth import Kind, Number, Numbers, Parameter, Series, Step
+from tests.facts.closed import MP, Real
+
+Row = Mapping[str, Any]
+
+
+class Ageing(ref.Coulomb):
+    """Static friction ``mu_s N (1 + growth age)``."""
+
+    parameters: Mapping[str, OwnParameter] = {
+        "growth": OwnParameter(0.5, Bound("1/s", 0.0), tunable=False)
+    }
+
+    def ages(self, p: Parameters) -> bool:
+        return True
+
+    def break_away_force(self, p: Parameters, age: float = 0.0, state: ref.State = ()) -> float:
+        return float(p.F_s) * (1.0 + p.own["growth"] * age)
+
+
+class ExactAgeing(truth.Coulomb):
+    parameters = (Parameter("growth", "1/s", 0.5, Kind.FIXED, low=0.0),)
+
+    def ages(self, n: Numbers) -> bool:
+        return True
+
+    def hold(self, n: Numbers, age: Series, state: Sequence[Number]) -> Series:
+        hold: Series = (age * n.own["growth"] + 1) * n.F_s
+        return hold
+
+    def gap(self, n: Numbers, hold: Number, sliding: Number) -> Number:
+        return hold - sliding
+
+
+class Wearing(ref.Coulomb):
+    """Kinetic friction that falls by 100 N/m along the way; at rest it recovers in 0.1 s."""
+
+    constant_in_slip = False
+
+    def slip_friction(self, p: Parameters, speed: float, state: ref.State = ()) -> float:
+        return float(p.mu_k_used * p.N) - 100.0 * state[0]
+
+    def state_start(self, p: Parameters) -> ref.State:
+        return (0.0,)
+
+    def state_scale(self, p: Parameters) -> ref.State:
+        return (1e-3,)
+
+    def rates(self, p: Parameters, speed: float, state: ref.State) -> ref.State:
+        return (speed,)
+
+    def rested(self, p: Parameters, duration: float, state: ref.State) -> ref.State:
+        return (state[0] * math.exp(-duration / 0.1),)
+
+
+class ExactWearing(truth.FrictionLaw):
+    def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
+        friction: Series = state[0] * -100 + n.F_k
+        return friction
+
+    def state_start(self, n: Numbers) -> tuple[Number, ...]:
+        return (0 * n.F_k,)
+
+    def rates(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Sequence[Series]:
+        return (speed,)
+
+    def rested(self, n: Numbers, duration: Number, state: tuple[Number, ...]) -> tuple[Number, ...]:
+        return (state[0] * MP.exp(-10 * duration),)
+
+
+class Lagging(ref.FrictionLaw):
+    """A drag of 20 N.s/m on a velocity that lags by 1/16 s; the mass never sticks."""
+
+    sticks = False
+
+    def break_away_force(self, p: Parameters, age: float = 0.0, state: ref.State = ()) -> float:
+        return 0.0
+
+    def slip_friction(self, p: Parameters, speed: float, state: ref.State = ()) -> float:
+        return 20.0 * state[0]
+
+    def state_start(self, p: Parameters) -> ref.State:
+        return (0.0,)
+
+    def state_scale(self, p: Parameters) -> ref.State:
+        return (0.01,)
+
+    def rates(self, p: Parameters, speed: float, state: ref.State) -> ref.State:
+        return ((speed - state[0]) * 16.0,)
+
+
+class ExactLagging(truth.FrictionLaw):
+    sticks = False
+
+    def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
+        return state[0] * 20
+
+    def state_start(self, n: Numbers) -> tuple[Number, ...]:
+        return (0 * n.F_k,)
+
+    def rates(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Sequence[Series]:
+        return ((speed - state[0]) * 16,)
+
+
+class Quadratic(ref.Coulomb):
+    """Kinetic friction mu_k N and a drag of 2 kg/m times the square of the speed."""
+
+    constant_in_slip = False
+
+    def slip_friction(self, p: Parameters, speed: float, state: ref.State = ()) -> float:
+        return float(p.mu_k_used * p.N) + 2.0 * speed * speed
+
+
+class ExactQuadratic(truth.FrictionLaw):
+    def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
+        friction: Series = speed**2 * 2 + n.F_k
+        return friction
+
+
+LAWS: dict[str, tuple[ref.FrictionLaw, truth.FrictionLaw]] = {
+    "ageing": (Ageing(), ExactAgeing()),
+    "wearing": (Wearing(), ExactWearing()),
+    "lagging": (Lagging(), ExactLagging()),
+    "quadratic": (Quadratic(), ExactQuadratic()),
+}
+NO_LAW = SimpleNamespace(block="math:pi", reference="math:pi", truth="math:pi")
+NAMESAKE = SimpleNamespace(block="stickslip_fmu.laws.coulomb.law:COULOMB")
+
+
+def _reference(law: str, values: Mapping[str, float], times: Sequence[float]) -> list[Row]:
+    run = simulate(Parameters(**values), times[-1], times=times, law=LAWS[law][0])
+    names = (*("x", "x_dot", "z", "mode", "F_friction", "F_s"), *("t_stick", "x_dot_peak"))
+    return [
+        {**{name: getattr(run, name)[n] for name in names}, "events": run.events}
+        for n in range(len(times))
+    ]
+
+
+def _truth(law: str, values: Mapping[str, float], times: Sequence[float]) -> list[Row]:
+    steps = [Step(b - a) for a, b in zip([0.0, *times], times, strict=False)]
+    run = truth.run(values, steps, law=LAWS[law][1])
+    return [{**sample, "events": run.events} for sample in run.samples]
+
+
+@pytest.fixture(params=[(_reference, 1e-11), (_truth, 1e-40)], ids=["reference", "truth"])
+def side(
+    request: pytest.FixtureRequest,
+) -> tuple[Callable[[str, Mapping[str, float], Sequence[float]], list[Row]], float]:
+    """Give what runs a law, and its relative error: of an integration, of 50 digits."""
+    made: tuple[Callable[..., list[Row]], float] = request.param
+    return made
+
+
+Runner = tuple[Callable[[str, Mapping[str, float], Sequence[float]], list[Row]], float]
+
+
+def close(one: Real, other: Real, tolerance: float) -> bool:
+    return bool(abs(one - other) <= tolerance * abs(other))
+
+
+def test_friction_that_grows_at_rest_prolongs_the_stick(side: Runner) -> None:
+    run, error = side
+    F_s, growth = MP.mpf(0.5) * MP.mpf(9.81), MP.mpf(0.5)
+    wait = F_s / (1000 * MP.mpf(0.02) - growth * F_s)
+    held, _, slipping = run("ageing", {}, [0.125, 0.25, 0.34375])
+    assert close(slipping["t_stick"], wait, error)
+    assert close(slipping["events"][0].time, wait, error)
+    assert close(held["F_s"], F_s * (1 + growth / 8), error)
+    assert close(slipping["F_s"], F_s, error)
+
+
+def test_friction_that_outgrows_the_pull_holds_for_ever() -> None:
+    assert not simulate(Parameters(), 5.0, law=Ageing(), own={"growth": 5.0}).events
+
+
+def test_own_state_follows_slip_and_recovers_at_rest(side: Runner) -> None:
+    run, error = side
+    early, now, *_ = run("wearing", {}, [0.28125, 0.3125, 1.0])
+    # m y_ddot = gap + k v t - (k - loss) y for the way y since break-away.
+    N, v = MP.mpf(9.81), MP.mpf(0.02)
+    gap = (MP.mpf(0.5) - MP.mpf(0.3)) * N
+    w = MP.sqrt(900)
+    for row, time in ((early, 0.28125), (now, 0.3125)):
+        t = time - MP.mpf(0.5) * N / (1000 * v)
+        y = (gap * (1 - MP.cos(w * t)) + 1000 * v * (t - MP.sin(w * t) / w)) / 900
+        # The slip is young: its way goes with the square of its age.
+        assert close(row["x"], y, 30 * error)
+        assert close(row["F_friction"], 100 * y - MP.mpf(0.3) * N, 30 * error)
+    first, second, third = run("wearing", {}, [0.75])[0]["events"][:3]
+    left = 100 * (second.x - first.x) * MP.exp(-10 * (third.time - second.time))
+    later = float(third.time) + 2.0**-40
+    (after,) = run("wearing", {}, [later])
+    assert left > 0.02
+    # In 2^-40 s the mass moves by less than 1e-24 m.
+    assert close(after["F_friction"], left - MP.mpf(0.3) * N, max(error, 1e-20))
+
+
+def test_a_law_without_a_stick_is_followed_whole(side: Runner) -> None:
+    run, error = side
+    times = [0.0625 * n for n in range(1, 17)]
+    rows = run("lagging", {"x_dot_start": -0.0625, "F_ext": 1.0}, times)
+    system = MP.matrix([[0, -1, 0, MP.mpf(0.02)], [1000, 0, -20, 1], [0, 16, -16, 0], [0, 0, 0, 0]])
+    for row, time in zip(rows, times, strict=True):
+        z, x_dot, lagged, _ = MP.expm(system * time) * MP.matrix([0, MP.mpf(-0.0625), 0, 1])
+        # Against the amplitudes of a motion that passes zero.
+        assert abs(row["z"] - z) <= 0.01 * error
+        assert abs(row["x_dot"] - x_dot) <= 10 * error
+        assert abs(row["F_friction"] + 20 * lagged) <= 10 * error
+        assert row["mode"] == MP.sign(x_dot)
+        assert not row["events"]
+    assert {row["mode"] for row in rows} == {-1, 1}
+
+
+def test_quadratic_drag_is_linear_in_the_square_of_the_speed(side: Runner) -> None:
+    run, error = side
+    # With v = 0 and y = x_dot^2 along the way: y' = a - b x - d y.
+    N = MP.mpf(9.81)
+    d, b, a = MP.mpf(4), MP.mpf(2000), 2 * (1000 * MP.mpf(0.03125) - N / 4)
+
+    def square(x: Real) -> Real:
+        return (a + b / d) / d * (1 - MP.exp(-d * x)) - b * x / d
+
+    values = {"v": 0.0, "z_start": 0.03125, "mu_k": 0.25}
+    moving, _ = run("quadratic", values, [0.0625, 0.5])
+    assert close(moving["x_dot"] ** 2, square(MP.convert(moving["x"])), 10 * error)
+    stop = MP.findroot(square, (MP.mpf("0.04"), MP.mpf("0.07")), solver="anderson")
+    assert close(moving["events"][0].x + moving["events"][1].x, stop, error)
+    top = MP.log(1 + a * d / b) / d
+    (after,) = run("quadratic", values, [float(moving["events"][1].time) + 1e-9])
+    assert close(after["x_dot_peak"] ** 2, square(top), 10 * error)
+
+
+def test_what_stops_a_slip_does_not_throw_it_back() -> None:
+    class Grabbing(ref.Coulomb):
+        def break_away_force(self, p: Parameters, age: float = 0.0, state: ref.State = ()) -> float:
+            return 3.0
+
+        def slip_friction(self, p: Parameters, speed: float, state: ref.State = ()) -> float:
+            return 5.0
+
+    p = Parameters(v=0.0, z_start=0.004, x_dot_start=0.01)
+    assert [event.kind for event in simulate(p, 0.5, law=Grabbing()).events] == ["re-stick"]
+
+
+FINDERS = [
+    (block.friction_law, "block"),
+    (ref.friction_law, "reference"),
+    (truth.friction_law, "truth"),
+]
+
+
+@pytest.mark.parametrize(
+    ("find", "side"), FINDERS, ids=lambda each: each if type(each) is str else ""
+)
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("falling", "'falling' is no friction law: 'coulomb', 'stribeck', or .*module:NAME"),
+        ("no_such_module:LAW", r"'no_such_module:LAW' was not found \(No module named"),
+        ("math:LAW", r"'math:LAW' was not found \(module 'math' has no attribute 'LAW'\)"),
+        ("math:pi", "'math:pi' has no attribute '{side}'"),
+        (f"{__name__}:NO_LAW", "'math:pi' is a float; the .* friction law"),
+    ],
+)
+def test_a_name_that_leads_to_no_law_is_refused_with_an_example(
+    find: Callable[[str], object], side: str, name: str, words: str
+) -> None:
+    with pytest.raises(ValueError, match=words.replace("{side}", side)):
+        find(name)
+
+
+def test_laws_that_come_along_have_names() -> None:
+    assert ref.friction_law("coulomb") is ref.COULOMB
+    assert truth.friction_law("coulomb") is truth.COULOMB
+    assert ref.friction_law("stribeck") is ref.STRIBECK
+    assert truth.friction_law("stribeck") is truth.STRIBECK

@@ -1,0 +1,194 @@
+"""Stribeck's law in the exact block: published values, limits, long sliding, what it says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+from fmukit.model import ModelError
+from stickslip_verification import truth
+from tests.conftest import built, kinds
+from tests.driver import loaded
+from tests.fmu.blocks import outputs
+from tests.laws.stribeck import SPEC, curve, make_block
+
+W = math.sqrt(1000.0)
+LEINE = {"m": 1.0, "g": 1.0, "k": 1.0, "mu_s": 1.0, "mu_k": 0.0, "shape": 2, "v_s": 1.0 / 3.0}
+"""F = F_s/(1 + 3 |u|): Leine et al., Nonlinear Dynamics 16 (1998) 41, 10.1023/A:1008289604683."""
+COULOMB_SLIP = 2.0 / W * (math.pi - math.atan(W * 0.2 * 9.81 / 1000.0 / 0.02))
+
+
+def test_leine_s_cycle_has_the_published_displacement() -> None:
+    block = make_block(**LEINE, v=0.2)
+    block.advance(0.0, 6.0)
+    nearest, largest = 1.0, 0.0
+    while block.meter.n_slips < 2:
+        block.advance(0.0, 2.0**-7)
+        found = outputs(block)
+        acceleration, lack = found["F"] + found["F_friction"], 0.2 - found["x_dot"]
+        if block.mode == 1 and acceleration > 0.0 and abs(lack) < nearest:
+            # z is largest where the mass is as fast as the pull; z_ddot = -x_ddot.
+            nearest, largest = abs(lack), found["z"] + 0.5 * lack * lack / acceleration
+    # The published digits; the parabola is right to the cube of a step of 2^-7.
+    assert largest == pytest.approx(1.133944669704, abs=2e-7)
+
+
+def test_leine_s_slip_at_a_fast_pull_reverses_at_once() -> None:
+    block = make_block(**LEINE, v=1.0)
+    modes = [0]
+    while len(modes) < 3:
+        block.advance(0.0, 2.0**-6)
+        modes += [block.mode] * (block.mode != modes[-1])
+    assert modes == [0, 1, -1]
+
+
+def slip_time(**values: float) -> float:
+    """Return the length of the first slip [s]."""
+    p = {"mu_s": 0.5, "v": 0.02, "v_s": 0.01, **values}
+    block = make_block(**p)
+    block.advance(0.0, p["mu_s"] * 9.81 / (1000.0 * p["v"]) + 0.25)
+    assert block.meter.n_slips >= 1
+    return float(outputs(block)["t_slip"])
+
+
+@pytest.mark.parametrize(("delta", "order"), [(2.0, 2.0 / 3.0), (3.0, 0.6), (1.5, 0.75)])
+def test_a_fast_fall_is_coulombs_law_with_its_rate(delta: float, order: float) -> None:
+    # From rest m u' = k V t + D (u/v_s)^delta: both are alike at t ~ v_s^(delta/(2 delta - 1)).
+    errors = [abs(slip_time(v_s=v_s, delta=delta) - COULOMB_SLIP) for v_s in (2e-12, 1e-12)]
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.02)
+
+
+def test_a_fast_exponential_fall_is_coulombs_law_with_its_rate() -> None:
+    # The slip grows as exp(D t/(m v_s)): the rate is v_s ln(1/v_s).
+    errors = [abs(slip_time(v_s=v, delta=1.0) - COULOMB_SLIP) / v for v in (1e-6, 1e-8, 1e-10)]
+    assert errors[2] - errors[1] == pytest.approx(errors[1] - errors[0], rel=0.02)
+
+
+def test_the_error_of_a_curve_falls_as_the_square_of_its_spacing() -> None:
+    smooth = slip_time(shape=2, v_s=0.1, v=0.05)
+
+    def error(count: int) -> float:
+        speeds = [0.2 * n / (count - 1) for n in range(count)]
+        points = [(u, 0.3 + 0.2 / (1.0 + u / 0.1)) for u in speeds]
+        return slip_time(**curve(points), v=0.05) - smooth
+
+    assert error(6) / error(11) == pytest.approx(4.0, rel=0.1)
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("own", [{"shape": 2}, {"delta": 1.0}, {"delta": 2.7}], ids=str)
+def test_a_slip_with_hardly_a_fall_of_friction_keeps_its_digits(own: dict[str, float]) -> None:
+    # lambda = 1e-6: the slip ends at a least speed of -5e-13 v.
+    values = {"mu_k": 0.5 - 1e-6 * 0.02 * W / 9.81, "v_s": 1e-3, **own}
+    run = truth.run(values, [truth.Step(0.45)], digits=30, law="stribeck")
+    expected = run.samples[-1]
+    block = make_block(**values)
+    block.advance(0.0, 0.45)
+    found = outputs(block)
+    assert found["n_slips"] == expected["n_slips"] == 1
+    # An error of 1e-16 v in the speed is one of 1e-10 in the root, were it not for its closed form.
+    assert found["t_slip"] == pytest.approx(float(expected["t_slip"]), rel=1e-12)
+    assert found["delta_x"] == pytest.approx(float(expected["delta_x"]), rel=1e-13)
+
+
+@pytest.mark.parametrize("own", [{"c": 30.0}, {"c": 20.0, "shape": 2}, {"c": 60.0, "delta": 1.3}])
+def test_stable_sliding_is_kept_for_ever_at_once(own: dict[str, float]) -> None:
+    fall = 0.25 if own.get("shape") else math.exp(-(3.0 ** own.get("delta", 2.0)))
+    force = 9.81 * (0.3 + 0.2 * fall) + own["c"] * 0.03
+    values = {"v_s": 0.01, **own, "v": 0.03, "z_start": force / 1000.0, "x_dot_start": 0.027}
+    block = make_block(**values)
+    block.advance(0.0, 30.0)
+    block.advance(30.0, 1e9)
+    found = outputs(block)
+    assert found["x_dot"] == pytest.approx(0.03, rel=1e-14)
+    assert found["F"] == pytest.approx(force, rel=1e-14)
+
+
+def test_unstable_sliding_grows_to_a_stop_from_any_small_swing() -> None:
+    # A swing of 1e-9 v grows at N (mu_s - mu_k)/(v_s 2 m) / (1 + v/v_s)^2.
+    growth, force = 0.2 * 9.81 / 0.1 / 9.0 / 2.0, 9.81 * (0.3 + 0.2 / 3.0)
+    start = {"z_start": force / 1000.0, "x_dot_start": 0.2 * (1.0 + 1e-9)}
+    block = make_block(shape=2, v=0.2, v_s=0.1, **start)
+    block.advance(0.0, 0.9 * math.log(1e9) / growth)
+    assert block.meter.n_slips == 0
+    block.advance(0.0, 0.3 * math.log(1e9) / growth)
+    assert block.meter.n_slips >= 1
+
+
+def test_a_stop_that_grazes_is_decided_to_a_relative_1e_12() -> None:
+    def stops(c: float) -> bool:
+        block = make_block(v=0.1, v_s=0.05, c=c)
+        block.advance(0.0, 0.0491)
+        block.advance(0.0, 2.0)
+        return bool(block.meter.n_slips >= 1)
+
+    low, high = 0.0, 40.0
+    for _ in range(54):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if stops(middle) else (low, middle)
+    assert 0.1 < low < 39.0
+    for lack in (1e-4, 1e-8, 1e-12):
+        assert stops(low * (1.0 - lack))
+        assert not stops(low * (1.0 + lack))
+
+
+@pytest.mark.parametrize("distance", [-1e-9, 1e-9, -1e-7, 1e-7])
+def test_a_corner_touched_is_no_event_and_a_corner_passed_is_one(distance: float) -> None:
+    v, swing = 0.05, 0.02
+    corner = (v + swing) * (1.0 - distance)
+    # Constant below the corner and steep above, so a crossing shows in the swing.
+    points = [(0.0, 0.3), (corner, 0.3), (2.0 * corner, 1.3)]
+    start = {"z_start": 0.3 * 9.81 / 1000.0, "x_dot_start": v + swing}
+    block = make_block(**curve(points), v=v, **start)
+    block.advance(0.0, 2.0 * math.pi / W)
+    lost = 1.0 - (outputs(block)["x_dot"] - v) / swing
+    # Above the corner the speed is a parabola, `beyond` high and 2 t long; the slope damps it.
+    beyond = max(distance, 0.0) * (v + swing)
+    t = math.sqrt(2.0 * beyond / swing) / W
+    expected = 9.81 / corner * (4.0 / 3.0) * beyond * t / swing
+    assert lost == pytest.approx(expected, rel=5e-3, abs=1e-14)
+    assert block.meter.n_slips == 0
+
+
+def test_what_is_ignored_is_named_in_one_warning() -> None:
+    two = curve([(0.0, 0.5), (0.1, 0.3)])
+    assert make_block(**two).warning() is None
+    said = make_block(**two, mu_k=0.2, u_12=7.0).warning() or ""
+    assert "mu_k = 0.2 is ignored" in said
+    assert "u_12 = 7.0 is ignored: n_points = 2" in said
+    assert "is clamped" in str(make_block(**{**two, "shape": 1}, mu_k=0.6).warning())
+
+
+def test_a_rate_beyond_the_range_is_refused() -> None:
+    with pytest.raises(ModelError, match="v_s = 1e-307 m/s is out of range: its rate"):
+        make_block(v_s=1e-307, m=0.01, load=1e3)
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("kind", kinds("python-2", "python-3", "native-2", "native-3"))
+@pytest.mark.parametrize(
+    "values", [{}, {"shape": 2, "c": 1.0}, {"shape": 3, "n_points": 3, "mu_2": 0.4}], ids=str
+)
+def test_the_fmu_is_named_by_the_law_and_gives_the_blocks_bits(
+    kind: str, values: dict[str, float]
+) -> None:
+    fmu = loaded(built(kind, "stribeck"))
+    assert fmu.identifier == "StickSlipStribeck"
+    instance, block = fmu.started(**values), make_block(**values)
+    for n in range(8):
+        instance.step(0.125)
+        block.advance(0.125 * n, 0.125)
+        found: Callable[[str], float] = outputs(block).__getitem__
+        names = ("x", "z", "F_friction", "Q_friction", "t_slip", "mu_k_used")
+        assert instance.get(*names) == [found(name) for name in names]
+    instance.free()
+
+
+def test_what_both_models_have_keeps_number_and_name_and_own_rows_follow() -> None:
+    numbers = {row.name: row.number for row in SPEC.table.rows}
+    first = ("m", "v", "x", "mode", "Q_friction", "mu_k_used")
+    assert [numbers[name] for name in first] == [0, 9, 12, 20, 32, 33]
+    own = ("shape", "v_s", "delta", "n_points", "mu_1", "u_2", "mu_2", "u_12", "mu_12")
+    assert [numbers[name] for name in own] == [34, 35, 36, 37, 38, 39, 40, 59, 60]
