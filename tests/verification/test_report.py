@@ -79,15 +79,8 @@ def test_a_table_whose_rows_do_not_fit_its_head_is_refused() -> None:
         Table("Counts", "", ("what", "c = 0"), [["load"]])
 
 
-def written(verdict: Verdict, file: Path) -> dict[str, Any]:
-    """Return what a program reads that knows neither NaN nor Infinity."""
-
-    def refuse(constant: str) -> None:
-        raise AssertionError(f"{constant} is not JSON")
-
-    write_json(verdict, file)
-    read: dict[str, Any] = json.loads(file.read_text("utf-8"), parse_constant=refuse)
-    return read
+def refuse(constant: str) -> None:
+    raise AssertionError(f"{constant} is not JSON")
 
 
 def test_all_that_stands_behind_a_verdict_is_in_the_file(tmp_path: Path) -> None:
@@ -96,7 +89,9 @@ def test_all_that_stands_behind_a_verdict_is_in_the_file(tmp_path: Path) -> None
     kills = KillMatrix(("T-exact", "idle"), (caught,), {"idle": "it guards the interface"})
     table = Table("Counts", "What was tried.", ("what", "c = 0"), [("load", 3), ("v", math.inf)])
     verdict = Verdict([*RESULTS, CRASHED], {"git": None}, (), [order], kills, PHYSICS, [table])
-    report = written(verdict, tmp_path / "new" / "report.json")
+    file = tmp_path / "new" / "report.json"
+    write_json(verdict, file)
+    report = json.loads(file.read_text("utf-8"), parse_constant=refuse)
     counts = {"passed": 1, "failed": 3, "noted": 1, "not_applicable": 1}
     assert report["summary"] == report["by_kind"]["closed_form"] == counts
     assert report["passed"] is False
@@ -105,7 +100,6 @@ def test_all_that_stands_behind_a_verdict_is_in_the_file(tmp_path: Path) -> None
     assert {row[each] for each in ("expected", "got")} == {0.1}
     assert (row["error"], row["tolerance"], row["because"]) == (0.0, 1e-12, "rounding")
     assert row["second"] == {"accepted": 0.1, "got": 0.2, "drift": 1.0, "tolerance": 1e-9}
-    assert row["because"] == "rounding"
     assert report["checks"][5]["because"].startswith("FmuError: it refused")
     # What is not finite is null.
     assert (report["checks"][5]["got"], report["checks"][5]["error"]) == (None, None)
@@ -115,15 +109,6 @@ def test_all_that_stands_behind_a_verdict_is_in_the_file(tmp_path: Path) -> None
     assert report["kills"]["rows"][0]["failing"] == {"T-exact": 3}
     assert report["contract"] == {"name": "physics", "why": "--contract physics"}
     assert report["provenance"] == {"git": None}
-
-
-def test_a_report_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
-    file = tmp_path / "report.json"
-    file.write_text("old", encoding="utf-8")
-    with pytest.raises(TypeError):
-        write_json(Verdict([result()], {"versions": {1, 2}}), file)
-    assert file.read_text(encoding="utf-8") == "old"
-    assert list(tmp_path.iterdir()) == [file]
 
 
 def test_the_provenance_names_the_bytes_that_were_judged(foreign_fmu: Path) -> None:

@@ -301,9 +301,9 @@ def test_a_table_of_the_verdict_is_a_section() -> None:
 
 
 def test_the_files_are_written_together_or_not_at_all(tmp_path: Path) -> None:
-    write_report(full_verdict(), tmp_path / "report", drawn=DRAWN)
-    names = {file.name for file in (tmp_path / "report").iterdir()}
-    assert names == {"index.html", "junit.xml", "report.json"}
+    write_report(full_verdict(), tmp_path, drawn=DRAWN)
+    before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+    assert set(before) == {"index.html", "junit.xml", "report.json"}
     with pytest.raises(TypeError):
-        write_report(full_verdict(versions={"a": {1, 2}}), tmp_path / "other", drawn=DRAWN)
-    assert not (tmp_path / "other").exists()
+        write_report(full_verdict(versions={"a": {1, 2}}), tmp_path, drawn=DRAWN)
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before
