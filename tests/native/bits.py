@@ -3,10 +3,10 @@
 import math
 import random
 import struct
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from fmukit.model import ModelError, Spec
+from fmukit.model import ModelError
 from stickslip_fmu.block import Block
 from tests.native.core import ACCEPTED, Core, NativeBlock
 
@@ -15,8 +15,6 @@ _ORDER = ("m", "g", "k", "c", "mu_s", "mu_k", "load", "v", "F_ext")
 _CHANGING = _ORDER[2:]
 _DWELL = ("tau_s", "B", "t_0", "age_start")
 _SIGNED = ("x_start", "x_dot_start", "z_start", "v", "F_ext")
-
-Draw = Callable[[random.Random, str, Mapping[str, float]], float]
 
 
 def spread(random_: random.Random, low: float, high: float) -> float:
@@ -58,15 +56,14 @@ def draw(random_: random.Random, name: str, values: Mapping[str, float]) -> floa
 
 
 _POINTS = range(2, 13)
-STRIBECK = (
+_STRIBECK = (
     *("shape", "v_s", "delta", "n_points", "mu_1"),
     *(f"{name}_{point}" for point in _POINTS for name in ("u", "mu")),
 )
-"""Own parameters of Stribeck's law."""
 
 
-def draw_stribeck(random_: random.Random, name: str, values: Mapping[str, float]) -> float:
-    """Return a value of a setting under Stribeck's law; its speeds are about those of the motion.
+def _draw_stribeck(random_: random.Random, name: str, values: Mapping[str, float]) -> float:
+    """Return a value of a parameter of Stribeck's law; its speeds are about those of the motion.
 
     Now and then neighbouring lines of a curve have one slope, and a line is level.
     """
@@ -84,59 +81,42 @@ def draw_stribeck(random_: random.Random, name: str, values: Mapping[str, float]
     if name == "mu_1":
         low = random_.uniform(0.0, 1.0) * values["mu_s"]
         return random_.choice((values["mu_s"], low, 0.3, 0.0))
-    if kind == "mu" and number.isdecimal():
+    if kind == "mu":
         before = values[f"mu_{int(number) - 1}"]
         return random_.choice((before, 0.3, random_.uniform(0.0, 1.0)))
-    if kind == "u":
-        before = 0.0 if name == "u_2" else values[f"u_{int(number) - 1}"]
-        return before + fast * random_.choice((0.1, spread(random_, 1e-3, 1.0)))
-    return draw(random_, name, values)
+    before = 0.0 if name == "u_2" else values[f"u_{int(number) - 1}"]
+    return before + fast * random_.choice((0.1, spread(random_, 1e-3, 1.0)))
 
 
-def bits(values: list[float]) -> bytes:
+def bits(values: list[float] | None) -> bytes | None:
     """Return the bytes of doubles."""
-    return struct.pack(f"<{len(values)}d", *values)
+    return None if values is None else struct.pack(f"<{len(values)}d", *values)
 
 
-def sequence(
-    core: Core, spec: Spec, seed: int, draw: Draw = draw, own: tuple[str, ...] = ()
-) -> Iterator[tuple[list[float] | None, list[float] | None]]:
-    """Run one sequence in both blocks; where the law has ageing sticks, they age in half of them.
+def sequence(core: Core, seed: int) -> Iterator[tuple[list[float] | None, list[float] | None]]:
+    """Run one random sequence in both blocks: their outputs after each step, None where refused.
 
-    Parameters
-    ----------
-    core, spec
-        The compiled core, and the block in Python.
-    seed
-        Of the random numbers.
-    draw
-        Draws a value.
-    own
-        Parameters of the friction law that no other law has.
-
-    Yields
-    ------
-    tuple
-        All outputs of both after a step, None where a block refused.
+    Where the law has sticks that age, they age in half of the sequences.
     """
     random_ = random.Random(seed)
-    values = spec.table.start_values()
+    rows = core.spec.table.by_name
+    values = core.spec.table.start_values()
     ages = random_.random() < 0.5
     dwell = [name for name in _DWELL if ages and name in values]
-    rows = spec.table.by_name
-    tunable = [each for each in own if rows[each].variability == "tunable"]
+    own = [name for name in _STRIBECK if name in values]
+    tunable = [name for name in own if rows[name].variability == "tunable"]
     changing = (*_CHANGING, *dwell[:-1], *tunable)
     for name in (*_ORDER, "x_start", "x_dot_start", "z_start", *dwell, *own):
-        values[name] = draw(random_, name, values)
+        values[name] = _draw_any(random_, name, values)
     time = random_.choice((0.0, 1e3, -5.0))
     native = NativeBlock(core, values, time)
     try:
-        block = spec.model(spec.values(values), time)
+        block = core.spec.model(core.spec.values(values), time)
         assert isinstance(block, Block)
         for _ in range(STEPS):
             if random_.random() < 0.4:
                 for name in random_.sample(changing, random_.choice((1, 1, 2, 3))):
-                    values[name] = draw(random_, name, values)
+                    values[name] = _draw_any(random_, name, values)
                     block.set(name, values[name])
                     native.set(name, values[name])
                 block.check()
@@ -146,7 +126,7 @@ def sequence(
             native.advance(time, step)
             given = native.outputs()
             block.advance(time, step)
-            expected = _outputs(core, block)
+            expected = outputs(core, block)
             yield expected, given if native.refused == ACCEPTED else None
             time += step
             if random_.random() < 0.2:
@@ -157,13 +137,18 @@ def sequence(
         yield None, None if native.refused != ACCEPTED else []
 
 
-def _outputs(core: Core, block: Block) -> list[float]:
+def _draw_any(random_: random.Random, name: str, values: Mapping[str, float]) -> float:
+    return (_draw_stribeck if name in _STRIBECK else draw)(random_, name, values)
+
+
+def outputs(core: Core, block: Any) -> list[float]:
+    """Return the outputs of a block in Python, in the order of their numbers."""
     if block.stale:
         block.refresh()
     found = []
     for reference in core.outputs:
-        value: Any = block
-        for name in core.table.rows[reference].attribute.split("."):
+        value = block
+        for name in core.spec.table.rows[reference].attribute.split("."):
             value = getattr(value, name)
         found.append(float(value))
     return found

@@ -5,15 +5,13 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from tests.conftest import built
-
 FLAGS = ("-std=c99", "-D_GNU_SOURCE", "-O1", "-ffp-contract=off", "-fPIC")
 
 
-def run(*command: object) -> str:
+def run(*command: object, cwd: Path | None = None) -> str:
     """Run a program to its end and return what it prints."""
     words = [str(each) for each in command]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=cwd)
     assert done.returncode == 0, done.stderr[-2000:]
     return done.stdout
 
@@ -26,9 +24,9 @@ def written(sources: Mapping[str, bytes], folder: Path) -> list[Path]:
     return [folder / name for name in sorted(sources) if name.endswith(".c")]
 
 
-def with_library(kind: str, law: str, library: Path, target: Path) -> Path:
-    """Write the FMU of a kind with another library, and return it."""
-    with zipfile.ZipFile(built(kind, law)) as source, zipfile.ZipFile(target, "w") as archive:
+def with_library(healthy: Path, library: Path, target: Path) -> Path:
+    """Write an FMU with another library, and return it."""
+    with zipfile.ZipFile(healthy) as source, zipfile.ZipFile(target, "w") as archive:
         for name in source.namelist():
             if name.startswith("binaries/"):
                 archive.write(library, name)

@@ -1,49 +1,44 @@
 """Lines and branches of the C sources that the suite and the tests run.
 
 ``python -m tests.native.coverage`` compiles the native FMU with gcc's counters, tries it on the
-cases and random sequences of the suite, on random calls, damaged states and the sequences of the
-bits, and prints what gcov counted. It exits with 1 where block and friction law stay below 95 %.
+cases and random sequences of the suite, on the tests of calls, messages, states and lives, and on
+the sequences of the bits, and prints what gcov counted. It exits with 1 where block and friction
+law stay below 95 %.
 """
 
 import gzip
 import json
-import re
-import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
-import fmpy
+import pytest
 
-from fmukit.model import Spec
-from stickslip_fmu.spec import SPEC
-from stickslip_native.named import HOME, native_law
+from stickslip_native.named import HOME
 from stickslip_native.packer import build, sources_of
-from stickslip_native.table import table_files
 from stickslip_verification import load_cases, verify
 from stickslip_verification.suite.sequences import COUNT
-from tests.native.bits import STRIBECK, draw_stribeck, sequence
-from tests.native.core import ACCEPTED, CORE, Core
-from tests.native.fuzz.damage import taken
-from tests.native.fuzz.player import findings, opened
-from tests.native.planting import pack
-from tests.native.suite import Suite
-from tests.native.test_native_limits import (
-    MOST_SLIPS,
-    beyond_the_numbers,
-    refused_of_itself,
-    shown_after_a_long_step,
-    slips_after_the_most,
-)
+from tests.conftest import KINDS
+from tests.native.bits import sequence
+from tests.native.compiling import run, with_library, written
+from tests.native.core import Core, NativeBlock, sources
+from tests.sharing import made_once
 
 LEAST = 95.0
 """Part of the lines and of the branches of block and friction law that must be run [%]."""
+SEQUENCES = {"coulomb": 3_000, "stribeck": 2_000}
+TESTS = (
+    *(f"tests/native/test_native_{name}.py" for name in ("calls", "messages", "states")),
+    "tests/fmu/lives",
+)
 
 _FLAGS = ("-std=c99", "-O0", "--coverage", "-ffp-contract=off", "-fPIC")
+_LINK = ("--coverage", "-shared", "-Wl,-Bsymbolic")
 _WRITE = """\
 void __gcov_dump(void);
 void __gcov_reset(void);
@@ -76,144 +71,116 @@ class Counts:
     lines: Counter[int] = field(default_factory=Counter)
     branches: Counter[tuple[int, int]] = field(default_factory=Counter)
 
-    def add(self, other: "Counts") -> None:
-        """Add the counts of another run."""
-        self.lines.update(other.lines)
-        self.branches.update(other.branches)
 
-
-def _run(*command: str | Path, cwd: Path) -> None:
-    subprocess.run(list(map(str, command)), cwd=cwd, check=True, stdout=subprocess.DEVNULL)
-
-
-def _instrumented(folder: Path, sources: Mapping[str, bytes]) -> Path:
-    """Compile sources in a folder, as that of an unpacked FMU; return the library."""
-    binary: Path = folder / "binaries" / fmpy.platform / "StickSlip.so"
-    binary.parent.mkdir(parents=True)
-    helpers = {"write.c": _WRITE}
-    link = ["--coverage", "-shared", "-Wl,-Bsymbolic"]
-    if "instance.c" in sources:
+def counting(folder: Path, texts: dict[str, bytes]) -> Path:
+    """Compile sources in a folder with counters; return the library."""
+    for file in written(texts, folder):
+        run("gcc", *_FLAGS, "-c", file, "-o", file.with_suffix(".o"))
+    helpers, link = {"write.c": _WRITE}, list(_LINK)
+    if "instance.c" in texts:
         helpers["at_end.c"] = _WRITE_AT_END
         link.append("-Wl,--wrap=instance_free")
-    for name, content in sources.items():
-        (folder / name).write_bytes(content)
-    for name in sources:
-        if name.endswith(".c"):
-            _run("gcc", *_FLAGS, "-c", name, cwd=folder)
-    for name, text in helpers.items():
-        (folder / name).write_text(text)
-        _run("gcc", "-std=c99", "-fPIC", "-c", name, cwd=folder)
-    _run("gcc", *link, *sorted(folder.glob("*.o")), "-o", binary, "-lm", cwd=folder)
-    return binary
+    for file in written({name: text.encode() for name, text in helpers.items()}, folder):
+        run("gcc", "-std=c99", "-fPIC", "-c", file, "-o", file.with_suffix(".o"))
+    run("gcc", *link, *sorted(folder.glob("*.o")), "-o", folder / "counting.so", "-lm")
+    return folder / "counting.so"
 
 
-def _core(spec: Spec, law: Iterable[Path]) -> dict[str, bytes]:
-    """Return the sources of the block without faces, with the files of a law."""
-    files = [*CORE.glob("*.[ch]"), *law]
-    made = {name: text.encode() for name, text in table_files(spec).items()}
-    return made | {file.name: file.read_bytes() for file in files}
+class Instrumented:
+    """A plugin of pytest: the native FMUs of this run have counters."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def pytest_sessionstart(self) -> None:
+        """Make the FMUs before a test asks for them."""
+        for kind in (each for each in KINDS if each.startswith("native")):
+            for law in SEQUENCES:
+                made_once(f"{kind}-{law}", partial(self.pack, kind, law))
+
+    def pack(self, kind: str, law: str, target: Path) -> None:
+        """Build an FMU with counters into a folder."""
+        version: Literal[2, 3] = 3 if kind == "native-3" else 2
+        with tempfile.TemporaryDirectory() as name:
+            sound = build(Path(name), face=version, this_machine=True, law=law)
+            library = counting(self.folder / f"{kind}-{law}", sources_of(version, law))
+            with_library(sound, library, target / sound.name)
 
 
-def _counted(folder: Path) -> dict[str, Counts]:
-    """Return the counts by source."""
-    found: dict[str, Counts] = {}
+def try_core(folder: Path, law: str) -> None:
+    """Run the sequences of the bits, and a block without FMI beyond the numbers."""
+    core = Core(counting(folder, sources(law)), law)
+    for seed in range(SEQUENCES[law]):
+        for _ in sequence(core, seed):
+            pass
+    beyond = {"mu_s": 1e300, "k": 1e-10, "v": 1e300}
+    block = NativeBlock(core, {**core.spec.table.start_values(), **beyond})
+    block.advance(0.0, 1e9)
+    block.outputs()
+    core.calls.write_counters()
+
+
+def counted(folder: Path, found: dict[str, Counts]) -> None:
+    """Add what was run of the sources in a folder."""
     for data in sorted(folder.glob("*.gcda")):
-        _run("gcov", "--json-format", "--branch-probabilities", data.name, cwd=folder)
+        run("gcov", "--json-format", "--branch-probabilities", data.name, cwd=folder)
     for file in folder.glob("*.gcov.json.gz"):
         for source in json.loads(gzip.decompress(file.read_bytes()))["files"]:
-            counts = found.setdefault(source["file"], Counts())
+            counts = found.setdefault(Path(source["file"]).name, Counts())
             for line in source["lines"]:
                 number = line["line_number"]
                 counts.lines[number] += line["count"]
                 for n, branch in enumerate(line["branches"]):
                     counts.branches[number, n] += branch["count"]
-    return found
 
 
-def _try_suite(folder: Path, library: Path) -> None:
-    fmu = pack(build(folder, this_machine=True), library, folder / "counting.fmu")
-    verdict = verify(fmu, load_cases(), sequences=COUNT)
-    assert verdict.passed, "the FMU with counters fails the suite"
-
-
-def _try_calls(folder: Path) -> None:
-    identity = re.search(r'"(.*)"', (folder / "identity.h").read_text())
-    assert identity is not None
-    raw = opened(folder, identity[1])
-    assert not findings(raw, range(1_000), Counter())
-    assert not taken(raw)
-    assert slips_after_the_most(raw) == MOST_SLIPS
-    shown_after_a_long_step(raw)
-    beyond_the_numbers(raw)
-
-
-def _try_bits(library: Path, spec: Spec, count: int, *how: Any) -> None:
-    core = Core(library, spec)
-    for seed in range(count):
-        for _ in sequence(core, spec, seed, *how):
-            pass
-    core.calls.write_counters()
-
-
-def _run_all() -> dict[str, Counts]:
+def run_all() -> dict[str, Counts]:
     """Run everything; return the counts by source."""
     together: dict[str, Counts] = {}
     with tempfile.TemporaryDirectory(prefix="coverage-") as name:
-        folder = Path(name, "fmu")
-        library = _instrumented(folder, sources_of(2))
-        _try_suite(folder, library)
-        _try_calls(folder)
-        assert refused_of_itself(Core(library, SPEC)) != ACCEPTED
-        _try_bits(library, SPEC, 3_000)
-        # In FMI 3.0 the first step tells the start time.
-        folder = Path(name, "fmi3")
-        library = _instrumented(folder, sources_of(3))
-        fmu = pack(build(folder, face=3, this_machine=True), library, folder / "counting.fmu")
-        with Suite() as suite:
-            assert not suite.failing(fmu, "starts-at-start-time", "")
-        spec, files = native_law("stribeck")
-        library = _instrumented(Path(name, "stribeck"), _core(spec, files))
-        _try_bits(library, spec, 2_000, draw_stribeck, STRIBECK)
-        for folder in Path(name).iterdir():
-            for source, counts in _counted(folder).items():
-                together.setdefault(source, Counts()).add(counts)
+        folder = Path(name)
+        for law in SEQUENCES:
+            try_core(folder / f"core-{law}", law)
+        plugin = Instrumented(folder)
+        for version in (2, 3):
+            plugin.pack(f"native-{version}", "coulomb", folder)
+        cases = load_cases()
+        assert verify(folder / "StickSlip_native.fmu", cases, sequences=COUNT).passed
+        assert verify(folder / "StickSlip_native_fmi3.fmu", cases[:1]).passed
+        options = ["--gate", "-q", "-p", "no:cacheprovider", "-k", "native"]
+        assert pytest.main([*options, *TESTS], plugins=[plugin]) == 0
+        for place in folder.iterdir():
+            counted(place, together)
     return together
 
 
 def main(say: Callable[[str], None] = print) -> int:
     """Run everything and print the table; return 1 where too little is run."""
-    together = _run_all()
+    together = run_all()
     rooms = {file.name: file.parent for file in HOME.rglob("*.c")}
     total, lacking = Counter[str](), []
     say(f"{'source':28}{'lines':>12}{'branches':>14}")
-    for source in sorted(together, key=lambda each: (str(rooms.get(each, "")), each)):
-        if source not in rooms:
-            continue
-        counts = together[source]
-        parts = {
-            "lines": list(counts.lines.values()),
-            "branches": list(counts.branches.values()),
-        }
+    for source in sorted(together.keys() & rooms.keys(), key=lambda each: (str(rooms[each]), each)):
+        counts, room = together[source], rooms[source]
+        parts = {"lines": list(counts.lines.values()), "branches": list(counts.branches.values())}
         told = [f"{sum(map(bool, part)):5} of {len(part):3}" for part in parts.values()]
-        say(f"{rooms[source].name + '/' + source:28}{told[0]:>12}{told[1]:>14}")
-        if rooms[source].name == "face":
+        say(f"{room.name + '/' + source:28}{told[0]:>12}{told[1]:>14}")
+        if room.name == "face":
             continue
         for what, part in parts.items():
             total[f"{what} run"] += sum(map(bool, part))
             total[what] += len(part)
-        code = rooms[source].joinpath(source).read_text().splitlines()
+        code = (room / source).read_text().splitlines()
         missed = {line for line, times in counts.lines.items() if not times}
         missed |= {line for (line, _), times in counts.branches.items() if not times}
         lacking += [f"{source}:{line}: {code[line - 1].strip()}" for line in sorted(missed)]
     say("\nNot run whole, of block and friction law:")
     for line in lacking:
         say(f"  {line}")
-    enough = True
-    for what in ("lines", "branches"):
-        percent = 100.0 * total[f"{what} run"] / total[what]
-        enough = enough and percent >= LEAST
+    percents = {what: 100.0 * total[f"{what} run"] / total[what] for what in ("lines", "branches")}
+    for what, percent in percents.items():
         say(f"{percent:.1f} % of {total[what]} {what}")
-    return 0 if enough else 1
+    return 0 if min(percents.values()) >= LEAST else 1
 
 
 if __name__ == "__main__":

@@ -1,62 +1,216 @@
 """The native block and the Python block are the same arithmetic."""
 
+import math
+import random
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
-from fmukit.model import Spec
-from stickslip_fmu.spec import SPEC
-from stickslip_native.named import native_law, native_laws
-from tests.native.bits import STRIBECK, Draw, bits, draw, draw_stribeck, sequence
-from tests.native.core import Core, compile_core
+from fmukit.model import ModelError
+from stickslip_native import batch
+from stickslip_native.batch import FirstSlips, Numbers, first_slips
+from stickslip_native.compiler import CompilerError
+from stickslip_native.named import native_law
+from tests.conftest import Sized, built
+from tests.driver import Refused, loaded
+from tests.native.bits import bits, outputs, sequence
+from tests.native.core import ACCEPTED, Core, NativeBlock, compile_core
 from tests.needs import needs
+from tests.sharing import made_once
 
-pytestmark = needs("cc")
+SEQUENCES = {"coulomb": 20_000, "stribeck": 6_000}
+"""Number of random sequences at full size."""
+RUNS = 200
+
+needs_cc = needs("cc")
+each_law = pytest.mark.parametrize("law", ["coulomb", "stribeck"])
 
 
-def equal_values(
-    core: Core, spec: Spec, count: int, draw: Draw = draw, own: tuple[str, ...] = ()
-) -> tuple[int, int]:
-    """Return how many outputs were equal in `count` sequences, and how often both refused.
+def core_under(law: str) -> Core:
+    def make(folder: Path) -> None:
+        compile_core(folder, law)
 
-    Fails where an output differs in a bit, or one block refuses and the other does not.
-    """
-    compared = refused = 0
+    return Core(made_once(f"core-{law}", make) / "core.so", law)
+
+
+@needs_cc
+@each_law
+def test_all_outputs_are_equal_to_the_bit_after_every_step(law: str, sized: Sized) -> None:
+    core, compared, refused = core_under(law), 0, 0
+    count = sized(SEQUENCES[law])
     for seed in range(count):
-        for number, (expected, given) in enumerate(sequence(core, spec, seed, draw, own)):
-            if expected is None or given is None:
-                assert expected is given is None, (seed, number, expected, given)
-                refused += 1
-                continue
+        for number, (expected, given) in enumerate(sequence(core, seed)):
             assert bits(expected) == bits(given), (seed, number, expected, given)
-            compared += len(given)
-    return compared, refused
+            compared += expected is not None
+            refused += expected is None
+    assert compared > 8 * count
+    assert 0.02 * count < refused < 0.4 * count
 
 
-def test_both_blocks_show_the_same_bits(tmp_path: Path) -> None:
-    """After every step of 5,000 random sequences all outputs of both are equal to the bit."""
-    compared, refused = equal_values(Core(compile_core(tmp_path)), SPEC, 5_000)
-    assert compared > 1_000_000
-    assert 100 < refused < 1_500
+@needs_cc
+def test_a_step_may_hold_thousands_of_transitions() -> None:
+    core = core_under("coulomb")
+    values = core.spec.table.start_values()
+    block: Any = core.spec.model(core.spec.values(values), 0.0)
+    native = NativeBlock(core, values)
+    for each in (block, native):
+        each.advance(0.0, 3e3)
+    assert block.meter.n_slips > 9_000
+    assert native.outputs() == outputs(core, block)
 
 
-def test_friction_over_speed_shows_the_same_bits_too(
-    tmp_path: Path, sized: Callable[[int], int]
+@needs_cc
+@pytest.mark.parametrize("kind", ["native-2", "native-3"])
+def test_a_step_that_would_take_minutes_is_refused(kind: str) -> None:
+    words = "holds more than 16777216 transitions"
+    with pytest.raises(Refused, match=words):
+        loaded(built(kind)).started().step(1e17)
+    spec = native_law().spec
+    with pytest.raises(ModelError, match=words):
+        spec.model(spec.values(spec.table.start_values())).advance(0.0, 1e17)
+
+
+BEYOND = {"mu_s": 1e300, "k": 1e-10, "v": 1e300}
+FAST = {"mu_s": 1e200, "k": 1.0, "v": 1e160}
+
+
+@needs_cc
+@pytest.mark.parametrize(
+    ("settings", "step", "change", "output", "is_x_shown"),
+    [
+        # The pull passes the largest number in a stick.
+        (BEYOND, 1e9, {}, "x", False),
+        # The motion is finite, the work infinite.
+        (FAST, 1.0, {}, "W_pull", True),
+        (FAST, 1.0, {"k": 2.0}, "W_k", True),
+    ],
+)
+def test_an_output_beyond_the_numbers_is_refused_where_it_is_read(
+    settings: dict[str, float], step: float, change: dict[str, float], output: str,
+    is_x_shown: bool,
+) -> None:  # fmt: skip
+    instance = loaded(built("native-2")).started(**settings)
+    instance.step(step)
+    instance.set(**change)
+    instance.step(step)
+    if is_x_shown:
+        assert math.isfinite(instance.get("x")[0])
+    with pytest.raises(Refused, match="leave the range of double-precision numbers"):
+        instance.get(output)
+
+
+@needs_cc
+def test_the_block_without_fmi_refuses_such_an_output_by_itself() -> None:
+    core = core_under("coulomb")
+    block = NativeBlock(core, {**core.spec.table.start_values(), **BEYOND})
+    block.advance(0.0, 1e9)
+    assert block.refused == ACCEPTED
+    block.outputs()
+    assert block.refused != ACCEPTED
+
+
+def runs(law: str) -> dict[str, list[float]]:
+    """Return random settings whose first slip mostly ends."""
+    chance = random.Random(2)
+
+    def of_a_run() -> dict[str, float]:
+        values = {
+            "m": chance.uniform(0.1, 10.0),
+            "k": math.exp(chance.uniform(2.0, 12.0)),
+            "v": chance.choice((-1.0, 1.0)) * math.exp(chance.uniform(-9.0, -2.0)),
+            "mu_s": chance.uniform(0.3, 0.6),
+            "mu_k": chance.uniform(0.1, 0.3),
+        }
+        if law == "stribeck":
+            values |= {
+                "shape": chance.choice((1, 2, 3)),
+                "v_s": math.exp(chance.uniform(-8.0, 0.0)),
+                "delta": chance.choice((1.0, 2.0, 3.0, chance.uniform(1.0, 3.0))),
+                "n_points": chance.choice((2, 3, 12)),
+                "mu_1": values["mu_s"] * chance.choice((1.0, 0.9)),
+            }
+        return values
+
+    drawn = [of_a_run() for _ in range(RUNS)]
+    return {name: [each[name] for each in drawn] for name in drawn[0]}
+
+
+@needs_cc
+@each_law
+def test_a_first_slip_of_a_batch_is_that_of_the_python_block_to_the_bit(law: str) -> None:
+    settings = runs(law)
+    found = zip(*first_slips(settings, law), strict=True)
+    spec = native_law(law).spec
+    for number, given in enumerate(found):
+        values = {name: each[number] for name, each in settings.items()}
+        block: Any = spec.model(spec.values({**spec.table.start_values(), **values}))
+        t_stick, t_slip = given[:2]
+        if t_slip == math.inf:
+            block.advance(0.0, t_stick + 10.0)
+            assert (block.meter.t_stick, block.meter.n_slips) == (t_stick, 0)
+        else:
+            block.advance(0.0, (t_stick + t_slip) * (1.0 + 1e-9))
+            assert block.meter.n_slips == 1
+            assert list(given) == [getattr(block.meter, name) for name in FirstSlips._fields]
+
+
+@needs_cc
+def test_what_lasts_for_ever_is_infinite() -> None:
+    at_rest, sliding = first_slips({"v": 0.0}), first_slips({"c": 3.0, "mu_k": 0.5})
+    assert (at_rest.t_stick[0], sliding.t_slip[0]) == (math.inf, math.inf)
+    assert math.isnan(at_rest.t_slip[0])
+    assert math.isnan(sliding.delta_x[0])
+
+
+@needs_cc
+def test_a_swing_that_grows_from_a_start_in_motion_turns_more_than_once_before_it_stops() -> None:
+    fall = {"v_s": 0.1, "mu_s": 0.5, "mu_k": 0.3, "shape": 1.0, "delta": 1.0}
+    start = {"x_dot_start": 0.055, "z_start": (0.3 + 0.2 * math.exp(-0.5)) * 9.81 / 1000.0}
+    found = first_slips({"v": [0.05], "c": 0.0, **fall, **start}, "stribeck")
+    assert 2.0 < found.t_slip[0] / (2.0 * math.pi / math.sqrt(1000.0)) < 3.0
+
+
+@needs_cc
+def test_a_number_is_for_all_runs_of_a_batch_and_an_array_has_one_for_each() -> None:
+    found = first_slips({"m": np.array([1.0, 2.0]), "v": [0.02, 0.03], "k": 1000, "c": 1.0})
+    single = first_slips({"m": 2.0, "v": 0.03, "c": 1.0})
+    assert [each[1] for each in found] == [each[0] for each in single]
+    assert [len(each) for each in first_slips({"m": []})] == [0] * 5
+
+
+@needs_cc
+@pytest.mark.parametrize(
+    ("values", "law", "words"),
+    [
+        ({"mu": 0.1}, "coulomb", "'mu' is no parameter or input of the block"),
+        ({"x": 0.1}, "coulomb", "'x' is no parameter or input of the block"),
+        ({"shape": 2}, "coulomb", "'shape' is no parameter or input of the block"),
+        ({"m": [1.0, 2.0], "k": [1.0]}, "coulomb", "differ in length: m has 2, k has 1"),
+        ({"k": [1.0, 0.0]}, "coulomb", "run 1: k = 0.0 N/m is out of range: it must be finite"),
+        ({"c": [1.0, math.nan, 0.0]}, "coulomb", "run 1: c = nan N.s/m is out of range"),
+        ({"load": [0.0, 0.0, -20.0]}, "coulomb", "run 2: load = -20.0 N is out of range"),
+        ({"shape": [1, 4]}, "stribeck", "run 1: shape = 4.0 is out of range"),
+        ({"shape": [1.0, 1.5]}, "stribeck", "run 1: shape = 1.5 is no whole number"),
+        ({"shape": 3, "mu_1": [0.4, 0.6]}, "stribeck", "run 1: mu_1 = 0.6 is out of range: .* 0.5"),
+        ({}, "viscous", "viscous"),
+    ],
+)  # fmt: skip
+def test_a_wrong_value_of_a_batch_is_refused_with_its_run(
+    values: dict[str, float | Numbers], law: str, words: str
 ) -> None:
-    """Curves and smooth shapes, whole exponents and others: 6,000 random sequences."""
-    spec = native_law("stribeck").spec
-    library = compile_core(tmp_path, spec=spec, law=native_laws()["stribeck"])
-    compared, refused = equal_values(
-        Core(library, spec), spec, sized(6_000), draw_stribeck, STRIBECK
-    )
-    assert compared > sized(1_000_000)
-    assert refused > sized(200)
+    with pytest.raises(ValueError, match=words):
+        first_slips(values, law)
 
 
-@pytest.mark.parametrize("law", ["coulomb", "stribeck"])
-def test_the_compiler_finds_nothing_to_say(tmp_path: Path, law: str) -> None:
-    """Warnings and the static analyser are errors here, and there is none."""
-    strict = ("-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wpedantic", "-fanalyzer")
-    flags = (*strict, "-Werror", "-fvisibility=hidden")
-    compile_core(tmp_path, flags, spec=native_law(law).spec, law=native_laws()[law])
+def test_without_a_compiler_the_batch_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(this_machine: bool) -> None:
+        raise CompilerError("there is none")
+
+    monkeypatch.setattr(batch, "compiler_for", none)
+    clear: Callable[[], None] = batch._function.cache_clear
+    clear()
+    with pytest.raises(CompilerError, match=r"install gcc or clang .* pip install"):
+        first_slips({})

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from _pytest.mark import ParameterSet
 
 from stickslip_native.packer import sources_of
 from stickslip_verification.drive import workers
@@ -61,7 +62,7 @@ def faulty(edit: list[str], folder: Path) -> Path:
     run("cc", *FLAGS, f"-I{healthy}", "-c", folder / file, "-o", planted)
     others = [each for each in healthy.glob("*.o") if each.stem != Path(file).stem]
     run("cc", "-shared", "-Wl,-Bsymbolic", planted, *others, "-o", folder / "a.so", "-lm")
-    return with_library(kind, law, folder / "a.so", folder / "faulty.fmu")
+    return with_library(built(kind, law), folder / "a.so", folder / "faulty.fmu")
 
 
 @cache
@@ -96,7 +97,13 @@ def failing(pool: workers.Pool, where: str) -> list[str]:
     return [f"{where}: {result.failure or result.got}" for result in results if result.failed]
 
 
-@pytest.mark.parametrize("name", FAULTS)
+def tiers() -> list[ParameterSet]:
+    """Return the names of faults; the exact motion of friction over speed takes its time."""
+    soak = {name for name, fault in FAULTS.items() if fault["edit"][0] in STRIBECK}
+    return [pytest.param(name, marks=pytest.mark.soak if name in soak else ()) for name in FAULTS]
+
+
+@pytest.mark.parametrize("name", tiers())
 def test_a_fault_fails_the_check_that_fits(name: str, tmp_path: Path) -> None:
     fault = FAULTS[name]
     with workers.Pool(1, fmu=faulty(fault["edit"], tmp_path)) as pool:
@@ -104,7 +111,12 @@ def test_a_fault_fails_the_check_that_fits(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "law"), [("native-2", "coulomb"), ("native-3", "coulomb"), ("native-2", "stribeck")]
+    ("kind", "law"),
+    [
+        ("native-2", "coulomb"),
+        ("native-3", "coulomb"),
+        pytest.param("native-2", "stribeck", marks=pytest.mark.soak),
+    ],
 )
 def test_the_sound_fmu_passes_all_of_them(kind: str, law: str) -> None:
     wanted = {each["check"] for each in FAULTS.values() if kind_of(each["edit"][0]) == (kind, law)}

@@ -1,399 +1,284 @@
 """States of the native FMU: handles, and bytes that are never trusted."""
 
-import ctypes
+import ctypes as c
 import math
 import random
 import struct
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from typing import Any
 
 import pytest
 
-from tests.native.conftest import EACH, LAWS, Native
-from tests.native.library import ERROR, OK, REFERENCE, Library
+from stickslip_native.named import native_law
+from tests.conftest import Sized, built
+from tests.driver import Instance, Refused, loaded
+from tests.native.saved import changed, checked, decoded, encoded, fields
 from tests.needs import needs
 
 pytestmark = needs("cc")
 
-DAMAGED = 100_000
-_FIELDS = 24
-_COMMON = {"c": 3.0, "v": -0.04, "mu_s": 0.4, "mu_k": 0.25, "F_ext": 0.3}
+Kind = tuple[str, str]
+KINDS = [(kind, law) for law in ("coulomb", "stribeck") for kind in ("native-2", "native-3")]
+each_kind = pytest.mark.parametrize("kind", KINDS, ids="-".join)
+each_law = pytest.mark.parametrize("law", ["coulomb", "stribeck"])
+
+DAMAGED = 40_000
+MOST_SLIPS = 2**31 - 1
+RUN = {"c": 3.0, "v": -0.04, "mu_s": 0.4, "mu_k": 0.25, "F_ext": 0.3}
 # A curve that falls and rises again, so that a slip is a chain of arcs.
-_CURVE = {"shape": 3, "n_points": 4, "mu_1": 0.35, "u_2": 0.02, "mu_2": 0.2, "u_3": 0.05}
-_CURVE |= {"mu_3": 0.15, "u_4": 0.1, "mu_4": 0.2, "mu_k": 0.3}
-_RUNNING: dict[str, dict[str, float]] = {
-    "StickSlip": _COMMON,
-    "StickSlipStribeck": {**_COMMON, **_CURVE},
-}
+CURVE = {"shape": 3, "n_points": 4, "mu_1": 0.35, "u_2": 0.02, "mu_2": 0.2, "u_3": 0.05}
+CURVE |= {"mu_3": 0.15, "u_4": 0.1, "mu_4": 0.2, "mu_k": 0.3}
 
 
-def _settable(library: Library) -> int:
-    """Return how many settings there are: their bytes stand three times in a state."""
-    return sum(row.settable for row in library.table.rows)
-
-
-def _holding(library: Library) -> int:
-    """Return where the settings that hold stand: behind those that are wanted."""
-    return _FIELDS + 8 * _settable(library)
-
-
-def _values(library: Library) -> int:
-    """Return where the values of the instance stand, from the end: before time and phase."""
-    return -8 - 1 - 4 - 8 - 8 * _settable(library)
-
-
-def _slips(library: Library) -> int:
-    """Return where n_slips stands: behind the start of the arc, five sums and seven quantities."""
-    return _holding(library) + 8 * _settable(library) + 5 + 8 * 8 + 8 * 10 + 8 * 7
-
-
-@pytest.fixture(scope="module", params=EACH, ids=lambda each: f"{each[1]}-{each[0]}")
-def library(
-    request: pytest.FixtureRequest, native: Native, tmp_path_factory: pytest.TempPathFactory
-) -> Library:
-    """Give the library of each face and law."""
-    return Library(native(*request.param), tmp_path_factory.mktemp("library"))
-
-
-def _started(library: Library, steps: int = 40, **values: float) -> ctypes.c_void_p:
-    """Return an instance in mid-run."""
-    instance = library.instantiate()
-    assert library.start(instance, 1.0, **{**_RUNNING[library.path.stem], **values}) == OK
-    for number in range(steps):
-        assert library.step(instance, 1.0 + 0.07 * number, 0.07) == OK
+def running(kind: Kind, steps: int = 40, **values: float) -> Instance:
+    settings = {**RUN, **(CURVE if kind[1] == "stribeck" else {}), **values}
+    instance = loaded(built(*kind)).started(1.0, **settings)
+    instance.step(0.07, steps)
     return instance
 
 
-def _following(library: Library, instance: ctypes.c_void_p) -> list[bytes]:
-    """Return the bits of all outputs of the steps that follow."""
+def course(instance: Instance) -> list[dict[str, Any]]:
+    """Return all values of the steps that follow."""
     shown = []
-    for number in range(30):
-        status, values = library.get(instance)
-        assert status == OK
-        shown.append(struct.pack(f"<{len(values)}d", *values))
-        if number % 10 == 9:
-            assert library.set(instance, {"v": 0.01 * number, "load": float(number)}) == OK
-        assert library.step(instance, 0.1 * number, 0.1) == OK
+    for number in range(12):
+        if number % 4 == 3:
+            instance.set(v=0.01 * number, load=float(number))
+        instance.step(0.2)
+        shown.append(instance.everything())
     return shown
 
 
-def _checked(content: bytes) -> bytes:
-    """Return bytes with the checksum that fits them: FNV-1a of 64 bits."""
-    value = 14695981039346656037
-    for byte in content[:-8]:
-        value = (value ^ byte) * 1099511628211 % 2**64
-    return content[:-8] + struct.pack("<Q", value)
+def table_of(kind: Kind) -> Any:
+    return native_law(kind[1]).spec.table
 
 
-def test_the_checksum_of_these_tests_is_that_of_the_fmu(library: Library) -> None:
-    """What _checked repairs is whole again."""
-    content = library.packed(_started(library))
-    assert _checked(content[:-8] + bytes(8)) == content
+def refusal(instance: Instance, data: bytes) -> str:
+    """Return why bytes are no state; the instance is as new then."""
+    with pytest.raises(Refused) as refused:
+        instance.unpack(data)
+    instance.reset()
+    return refused.value.messages[-1]
 
 
-def test_a_state_brings_back_the_motion_to_the_bit(library: Library) -> None:
-    """A handle, and the bytes of a state on a new instance, go on as the run itself.
-
-    States are taken along a run whose input changes within slips.
-    """
-    instance, other = _started(library, 30), library.instantiate()
-    for number in range(80):
-        assert library.set(instance, {"v": -0.04 - 0.001 * (number % 3)}) == OK
-        assert library.step(instance, 0.02 * number, 0.02) == OK
-        content = library.packed(instance)
-        status, state = library.take(instance)
-        assert status == OK
-        expected = _following(library, instance)
-        read, unpacked = library.unpacked(other, content)
-        assert (read, library.put(other, unpacked)) == (OK, OK)
-        assert library.packed(other) == content
-        assert _following(library, other) == expected
-        assert library.put(instance, state) == OK
-        assert _following(library, instance) == expected
-        assert library.put(instance, state) == OK
-        assert [library.free(other, each) for each in (state, unpacked)] == [OK, OK]
+@each_kind
+def test_a_state_is_magic_version_length_fields_little_endian_and_a_checksum(kind: Kind) -> None:
+    instance = running(kind, m=2.0, k=1234.5)
+    data = instance.pack()
+    found = decoded(data, table_of(kind))
+    assert (found["magic"], found["version"], found["length"]) == (b"slipstat", 1, len(data))
+    assert encoded(found, table_of(kind)) == data
+    settings = [row.name for row in table_of(kind).rows if row.settable]
+    for group in ("wanted", "settings", "values"):
+        assert [found[f"{group}.{name}"] for name in settings] == instance.get(*settings)
+    assert found["n_slips"] == instance.get("n_slips")[0] > 2
+    instance.free()
 
 
-def test_a_state_before_the_start_keeps_what_was_set(library: Library) -> None:
-    """A state of the initialization brings back the values, also those not shown yet."""
-    instance = library.instantiate()
-    assert library.set(instance, {"z_start": 0.002, "x_start": 5.0}) == OK
-    content = library.packed(instance)
-    # They are checked as those of a block are.
-    other = library.instantiate()
-    at = _values(library)
-    changed = content[:at] + struct.pack("<d", -1.0) + content[at + 8 :]
-    assert library.unpacked(other, _checked(changed))[0] == ERROR
-    assert library.told[-1][3].startswith("m = -1.0 kg is out of range")
-    other = library.instantiate()
-    read, state = library.unpacked(other, content)
-    assert (read, library.put(other, state)) == (OK, OK)
-    assert library.get(other, [6, 8, 12, 15]) == (OK, [5.0, 0.002, 5.0, 0.002])
-    assert library.start(other) == OK
+@each_law
+def test_the_bytes_mean_the_same_in_both_versions_of_fmi(law: str) -> None:
+    one = running(("native-2", law))
+    data = one.pack()
+    two = loaded(built("native-3", law)).instance()
+    two.resume(data)
+    assert two.pack() == data
+    two.time = one.time
+    assert course(two) == course(one)
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_both_faces_read_the_same_bytes(native: Native, tmp_path: Path, law: str) -> None:
-    """The bytes of a state mean the same in FMI 2.0 and 3.0."""
-    two = Library(native(2, law), tmp_path / "2")
-    three = Library(native(3, law), tmp_path / "3")
-    instance = _started(two)
-    content = two.packed(instance)
-    other = three.instantiate()
-    read, state = three.unpacked(other, content)
-    assert (read, three.put(other, state)) == (OK, OK)
-    assert three.packed(other) == content
-    assert _following(three, other) == _following(two, instance)
-
-
-def test_the_bytes_are_the_same_on_every_machine(library: Library) -> None:
-    """Magic, version, length and the settings stand where the format says, little-endian."""
-    instance = library.instantiate()
-    assert library.start(instance, m=2.0, k=1234.5) == OK
-    content = library.packed(instance)
-    assert content[:8] == b"slipstat"
-    assert struct.unpack("<II", content[8:16]) == (1, len(content))
-    names = [row.name for row in library.table.rows if row.settable]
-    settings = struct.unpack_from(f"<{len(names)}d", content, _FIELDS)
-    expected = {**library.table.start_values(), "m": 2.0, "k": 1234.5}
-    assert settings == tuple(expected[name] for name in names)
-
-
-def test_the_bytes_of_one_law_are_none_of_another(native: Native, tmp_path: Path) -> None:
-    """A state tells the friction law by the names of its settings, or already by its length."""
-    ours = Library(native(2), tmp_path / "ours")
-    theirs = Library(native(2, "stribeck"), tmp_path / "theirs")
-    instance = theirs.instantiate()
-    assert theirs.unpacked(instance, ours.packed(ours.instantiate()))[0] == ERROR
-    assert theirs.told[-1][3].startswith("a state has ")
-
-
-def test_a_whole_number_in_a_state_is_whole(native: Native, tmp_path: Path) -> None:
-    """Bytes whose shape lies between two shapes, or beyond them, hold no state."""
-    library = Library(native(2, "stribeck"), tmp_path)
-    settable = [row.name for row in library.table.rows if row.settable]
-    at = _FIELDS + 8 * settable.index("shape")
-    instance = library.instantiate()
-    content = library.packed(instance)
-    for shape, said in ((1.5, "shape = 1.5 is out of range"), (4.0, "shape = 4 is out of range")):
-        changed = content[:at] + struct.pack("<d", shape) + content[at + 8 :]
-        assert library.unpacked(instance, _checked(changed))[0] == ERROR
-        assert library.told[-1][3].startswith(said)
-        assert library.call("Reset", instance) == OK
-
-
-def test_every_flipped_bit_is_refused(library: Library) -> None:
-    """Bytes with one changed bit are no state."""
-    instance = _started(library)
-    content = library.packed(instance)
-    for bit in range(8 * len(content)):
-        damaged = bytearray(content)
+@each_kind
+def test_a_flipped_bit_or_another_length_is_no_state(kind: Kind) -> None:
+    instance = running(kind)
+    data = instance.pack()
+    for bit in range(8 * len(data)):
+        damaged = bytearray(data)
         damaged[bit // 8] ^= 1 << bit % 8
-        status, state = library.unpacked(instance, bytes(damaged))
-        assert (status, state.value) == (ERROR, None), bit
-        assert library.call("Reset", instance) == OK
+        assert refusal(instance, bytes(damaged))
+    for length in (*range(len(data)), len(data) + 1, 2 * len(data)):
+        cut = (data + data)[:length]
+        assert refusal(instance, cut)
+        assert refusal(instance, checked(cut[:-8]))
 
 
-def test_every_other_length_is_refused(library: Library) -> None:
-    """Bytes that were cut or have a tail are no state, whatever their checksum."""
-    instance = _started(library)
-    content = library.packed(instance)
-    for length in (*range(len(content)), len(content) + 1, 2 * len(content)):
-        cut = (content + content)[:length]
-        for given in (cut, _checked(cut) if length >= 16 else cut):
-            status, _ = library.unpacked(instance, given)
-            assert status == ERROR, length
-            assert library.call("Reset", instance) == OK
+BELOW_ZERO = {"age", "elapsed.high", "t_slip", "t_stick", "T", "Q_friction.high"}
+IMPOSSIBLE: dict[str, list[Any]] = {
+    "version": [0, 2],
+    "length": [0, 2**32 - 1],
+    "names": [0],
+    "mode": [-2, 2, MOST_SLIPS],
+    "n_slips": [-1],
+    "fmi_phase": [-1, 4, MOST_SLIPS],
+}
+
+
+@each_kind
+def test_no_field_is_taken_with_a_value_that_no_block_reaches(kind: Kind) -> None:
+    table = table_of(kind)
+    instance = running(kind)
+    data = instance.pack()
+    for name, form in fields(table):
+        bad = list(IMPOSSIBLE.get(name, []))
+        group, _, last = name.partition(".")
+        if form == "d":
+            bounded = group in ("wanted", "settings", "values") and last in table.by_name
+            low = table.by_name[last].minimum if bounded else None
+            bad += [math.nan, math.inf]
+            bad += [-1.0] if low is not None or name in BELOW_ZERO else []
+            bad += [1.0] if last == "low" else []
+        for value in bad:
+            assert refusal(instance, changed(data, table, {name: value})), (name, value)
+        if form == "?":
+            at = struct.calcsize("<" + "".join(f for _, f in fields(table)).partition("?")[0])
+            assert refusal(instance, checked(data[:at] + b"\2" + data[at + 1 : -8]))
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("changes", "words"),
     [
-        (lambda bytes_: b"SLIPSTAT" + bytes_[8:], "the bytes hold no state"),
-        (lambda bytes_: bytes_[:8] + struct.pack("<I", 2) + bytes_[12:], "than version 1"),
-        (lambda bytes_: bytes_[:16] + bytes(8) + bytes_[24:], "of another friction law"),
-        (lambda bytes_: bytes_[:12] + struct.pack("<I", 1) + bytes_[16:], "friction law"),
-        (lambda bytes_: bytes_ + b"a", " bytes, and these are "),
-        (lambda bytes_: bytes_[:24] + struct.pack("<d", math.nan) + bytes_[32:], "structure"),
-        (lambda bytes_: bytes_[:24] + struct.pack("<d", -1.0) + bytes_[32:], "m = -1.0 kg is out"),
-        (lambda bytes_: bytes_[:-9] + b"\2" + bytes_[-8:], "no block reaches"),
-        (lambda bytes_: bytes_[:24] + struct.pack("<d", 5.0) + bytes_[32:], "no block reaches"),
+        ({"magic": b"SLIPSTAT"}, "the bytes hold no state"),
+        ({"version": 2}, "in another format than version 1"),
+        ({"names": 0}, "of another friction law"),
+        ({"length": 1}, "of another friction law"),
+        ({"wanted.m": math.nan}, "has not the structure of a state"),
+        ({"wanted.m": -1.0}, "m = -1.0 kg is out of range"),
+        ({"settings.m": -1.0}, "m = -1.0 kg is out of range"),
+        ({"settings.load": -1e6}, "or the mass lifts off"),
+        ({"wanted.m": 5.0}, "no block reaches"),
+        ({"mode": 1, "known": False}, "no block reaches"),
+        ({"z": 1.7e308, "x_start.high": 1.7e308, "x_start.low": 0.0}, "leave the range of"),
     ],
 )
-def test_a_refused_state_is_explained(
-    library: Library, change: Callable[[bytes], bytes], said: str
+@each_kind
+def test_a_refused_state_is_explained(kind: Kind, changes: dict[str, Any], words: str) -> None:
+    instance = running(kind)
+    data = changed(instance.pack(), table_of(kind), changes)
+    assert words in refusal(instance, data)
+
+
+@pytest.mark.parametrize(("shape", "words"), [(1.5, "shape = 1.5 is out"), (4.0, "shape = 4 is")])
+def test_a_whole_number_in_a_state_is_whole(shape: float, words: str) -> None:
+    instance = loaded(built("native-2", "stribeck")).instance()
+    table = table_of(("native-2", "stribeck"))
+    data = changed(instance.pack(), table, {"wanted.shape": shape})
+    assert refusal(instance, data).startswith(words)
+
+
+def test_a_state_of_another_law_or_fmu_is_refused() -> None:
+    two, three, other = (
+        loaded(built(kind, law)).instance()
+        for kind, law in (
+            ("native-2", "coulomb"),
+            ("native-3", "coulomb"),
+            ("native-2", "stribeck"),
+        )
+    )
+    assert refusal(other, two.pack()).startswith("a state has ")
+    state = two.save()
+    for call in (three.restore, three.forget):
+        with pytest.raises(Refused, match="is none that this FMU handed out"):
+            call(state)
+        three.reset()
+    two.forget(state)
+
+
+@each_kind
+def test_bytes_with_a_fitting_checksum_are_refused_or_a_state_that_runs(
+    kind: Kind, sized: Sized
 ) -> None:
-    """The log says what is wrong with bytes whose checksum fits."""
-    instance = _started(library)
-    content = library.packed(instance)
-    library.told.clear()
-    changed = change(content)
-    if len(changed) == len(content):
-        changed = _checked(changed)
-    status, _ = library.unpacked(instance, changed)
-    assert status == ERROR
-    assert said in library.told[-1][3]
-
-
-def test_settings_that_hold_are_checked_as_those_that_are_wanted(library: Library) -> None:
-    """A mass below zero among them is told with its value."""
-    instance, at = _started(library), _holding(library)
-    content = library.packed(instance)
-    changed = content[:at] + struct.pack("<d", -1.0) + content[at + 8 :]
-    assert library.unpacked(instance, _checked(changed))[0] == ERROR
-    assert library.told[-1][3].startswith("m = -1.0 kg is out")
-
-
-def _damaged(content: bytes, random_: random.Random) -> bytes:
-    """Return bytes with other fields and a checksum that fits."""
-    damaged = bytearray(content)
-    for _ in range(random_.choice((1, 1, 1, 2, 4))):
-        at = random_.randrange(_FIELDS, len(content) - 8)
-        kind = random_.randrange(4)
-        if kind == 0:
-            damaged[at] = random_.choice((0, 1, 2, 3, 127, 128, 255))
-        elif kind == 1:
-            whole = random_.choice((-2, -1, 0, 1, 2, 4, 2**31 - 1, -(2**31)))
-            damaged[at : at + 4] = struct.pack("<i", whole)
-        else:
-            # Fields of 8 bytes lie 0, 4, 5 and 6 bytes off multiples of 8.
-            at = _FIELDS + 8 * random_.randrange((len(content) - _FIELDS - 8) // 8)
-            at += random_.choice((0, 0, 4, 5, 1, 6, 2))
-            size = 10.0 ** random_.choice((-300, -20, -3, 0, 3, 20, 300))
-            value = random_.choice((-1.0, 0.0, 1.0, random_.uniform(-1.0, 1.0))) * size
-            if kind == 3:
-                value = random_.choice((math.nan, math.inf, -math.inf, 5e-324, -0.0, 1.8e308))
-            damaged[at : at + 8] = struct.pack("<d", value)
-    return _checked(bytes(damaged[: len(content)]))
-
-
-def _contents(library: Library) -> Iterator[bytes]:
-    """Give states in all phases and modes."""
-    fresh = library.instantiate()
-    yield library.packed(fresh)
-    yield from (library.packed(_started(library, steps)) for steps in (0, 1, 3, 17, 40))
-    yield library.packed(_started(library, 5, c=0.0, v=0.05))
-    ended = _started(library, 9)
-    library.call("Terminate", ended)
-    yield library.packed(ended)
-
-
-def test_changed_bytes_are_refused_or_hold_a_state_that_runs(
-    library: Library, sized: Callable[[int], int]
-) -> None:
-    """Where the checksum was made to fit, no value is trusted: what is taken runs on, or says no.
-
-    A state that is taken comes back with the same bytes.
-    """
-    random_ = random.Random(library.face)
-    contents = list(_contents(library))
-    instance = library.instantiate()
-    taken = 0
+    # Whatever is taken comes back as the same bytes, and runs on in finite numbers or says no.
+    chance = random.Random(len(kind[1]))
+    fresh, ended = loaded(built(*kind)).instance(), running(kind, 9)
+    ended.terminate()
+    runs = [running(kind, steps) for steps in (0, 1, 3, 17, 40)]
+    whole = [each.pack() for each in (fresh, ended, *runs, running(kind, 5, c=0.0, v=0.05))]
+    instance, taken = loaded(built(*kind)).instance(), 0
     for _ in range(sized(DAMAGED)):
-        damaged = _damaged(random_.choice(contents), random_)
-        status, state = library.unpacked(instance, damaged)
-        if status == OK:
-            taken += 1
-            assert library.put(instance, state) == OK
-            assert library.packed(instance) == damaged
+        damaged = _damaged(chance.choice(whole), chance)
+        try:
+            state = instance.unpack(damaged)
+        except Refused:
+            instance.reset()
+            continue
+        taken += 1
+        instance.restore(state)
+        assert instance.pack() == damaged
+        instance.forget(state)
+        try:
             for number in range(3):
-                status, values = library.get(instance)
-                if status == OK:
-                    assert all(map(math.isfinite, values)), damaged.hex()
-                library.set(instance, {"v": 0.01 * number})
-                library.step(instance, 0.1 * number, random_.choice((1e-3, 0.1, 2.0)))
-            assert library.free(instance, state) == OK
-        assert library.call("Reset", instance) == OK
+                values = instance.everything().values()
+                assert all(map(math.isfinite, values)), damaged.hex()
+                instance.set(v=0.01 * number)
+                instance.step(chance.choice((1e-3, 0.1, 2.0)))
+        except Refused:
+            pass
+        instance.reset()
     # Most fields may have other values, so the test meets what is taken as well.
     assert 0.2 < taken / sized(DAMAGED) < 0.8
 
 
-def test_a_get_into_a_state_overwrites_it(library: Library) -> None:
-    """As FMI says: no second state is made where there is one."""
-    instance = _started(library)
-    _, state = library.take(instance)
+def _damaged(data: bytes, chance: random.Random) -> bytes:
+    """Return a state with other bytes, whole numbers or doubles behind its head."""
+    body, head = bytearray(data[:-8]), 24
+    for _ in range(chance.choice((1, 1, 1, 2, 4))):
+        kind, at = chance.randrange(4), chance.randrange(head, len(body))
+        if kind == 0:
+            new = bytes([chance.choice((0, 1, 2, 3, 127, 128, 255))])
+        elif kind == 1:
+            new = struct.pack("<i", chance.choice((-2, -1, 0, 1, 2, 4, MOST_SLIPS, -(2**31))))
+        else:
+            # Fields of 8 bytes lie 0, 4, 5 and 6 bytes off multiples of 8.
+            at = head + 8 * chance.randrange((len(body) - head) // 8)
+            at += chance.choice((0, 0, 4, 5, 1, 6, 2))
+            size = 10.0 ** chance.choice((-300, -20, -3, 0, 3, 20, 300))
+            value = chance.choice((-1.0, 0.0, 1.0, chance.uniform(-1.0, 1.0))) * size
+            if kind == 3:
+                value = chance.choice((math.nan, math.inf, -math.inf, 5e-324, -0.0, 1.8e308))
+            new = struct.pack("<d", value)
+        body[at : at + len(new)] = new[: len(body) - at]
+    return checked(bytes(body))
+
+
+@each_kind
+def test_a_get_into_a_state_overwrites_it(kind: Kind) -> None:
+    instance = running(kind)
+    state = instance.save()
     address = state.value
-    expected = library.get(instance)
-    assert library.step(instance, 5.0, 0.3) == OK
-    later = library.get(instance)
-    assert later != expected
-    status, _ = library.take(instance, into=state)
-    assert (status, state.value) == (OK, address)
-    assert library.step(instance, 5.3, 0.3) == OK
-    assert library.put(instance, state) == OK
-    assert library.get(instance) == later
+    instance.step(0.3)
+    later = instance.everything()
+    instance.call("GetFMUstate" if kind[0] == "native-2" else "GetFMUState", c.byref(state))
+    assert state.value == address
+    instance.step(0.3)
+    instance.restore(state)
+    assert instance.everything() == later
 
 
-def test_a_state_outlives_its_instance(library: Library) -> None:
-    """A state is set on another instance after its own was freed, and freed there."""
-    instance = _started(library)
-    expected = library.get(instance)
-    _, state = library.take(instance)
-    getattr(library.calls, f"fmi{library.face}FreeInstance")(instance)
-    other = library.instantiate()
-    assert library.put(other, state) == OK
-    assert library.get(other) == expected
-    assert (library.free(other, state), state.value) == (OK, None)
-    assert library.free(other, state) == OK
-
-
-def test_a_freed_state_is_seen(library: Library) -> None:
-    """A second free does nothing; a freed state is neither set nor written out."""
-    instance = _started(library)
-    _, state = library.take(instance)
-    kept = ctypes.c_void_p(state.value)
-    again = ctypes.c_void_p(state.value)
-    assert library.free(instance, state) == OK
-    # States of other instances and a few frees later it is still known.
+@each_kind
+def test_a_freed_state_is_known_as_such(kind: Kind) -> None:
+    instance = running(kind)
+    state = instance.save()
+    copy, again = c.c_void_p(state.value), c.c_void_p(state.value)
+    instance.forget(state)
+    assert state.value is None
     for _ in range(31):
-        _, more = library.take(instance, into=ctypes.c_void_p())
-        assert more.value != kept.value
-        assert library.free(instance, more) == OK
-    assert (library.free(instance, again), again.value) == (OK, None)
-    assert library.put(instance, kept) == ERROR
-    assert library.told[-1][3] == "the state to set is none that this FMU handed out"
-    assert library.call("Reset", instance) == OK
-    size = ctypes.c_size_t()
-    name = f"SerializedFMU{'state' if library.face == 2 else 'State'}Size"
-    assert library.call(name, instance, kept, ctypes.byref(size)) == ERROR
-    assert library.call("Reset", instance) == OK
-    # A get into it makes another state.
-    status, _ = library.take(instance, into=again)
-    assert (status, library.put(instance, again)) == (OK, OK)
+        other = instance.save()
+        assert other.value != copy.value
+        instance.forget(other)
+    instance.forget(again)
+    assert again.value is None
+    with pytest.raises(Refused, match="the state to set is none that this FMU handed out"):
+        instance.restore(copy)
 
 
-def test_a_state_of_another_fmu_is_refused(native: Native, tmp_path: Path) -> None:
-    """The handle of an FMU with another identity is none of this one."""
-    two, three = (Library(native(face), tmp_path / str(face)) for face in (2, 3))
-    first, second = two.instantiate(), three.instantiate()
-    _, state = two.take(first)
-    assert three.put(second, state) == ERROR
-    assert three.call("Reset", second) == OK
-    assert three.free(second, state) == ERROR
-    assert two.free(first, state) == OK
+@each_kind
+def test_after_the_largest_count_of_slips_the_count_stays(kind: Kind) -> None:
+    instance = running(kind)
+    instance.resume(changed(instance.pack(), table_of(kind), {"n_slips": MOST_SLIPS}))
+    before = instance.get("t_event")
+    instance.step(5.0)
+    assert instance.get("n_slips") == [MOST_SLIPS]
+    assert instance.get("t_event") > before
 
 
-def test_a_step_to_the_end_of_numbers_leaves_a_state(native: Native, tmp_path: Path) -> None:
-    """Where the time leaves the numbers, the state can still be written and read back."""
-    library = Library(native(2), tmp_path)
-    instance = library.instantiate()
-    assert library.start(instance, 0.0, v=0.0) == OK
-    assert library.step(instance, 1.5e308, 1e308) == OK
-    assert library.unpacked(instance, library.packed(instance))[0] == OK
-
-
-def test_the_count_of_slips_stays_at_the_largest_integer(library: Library) -> None:
-    """A block that has slipped 2^31 - 1 times slips on, and the count stays where it is."""
-    instance = _started(library)
-    content = library.packed(instance)
-    count = {2: "Integer", 3: "Int32"}[library.face]
-    read = library.lists("Get", count, instance, [REFERENCE["n_slips"]], [0])
-    assert read == (OK, list(struct.unpack_from("<i", content, _slips(library))))
-    assert read[1][0] > 2
-    at = _slips(library)
-    full = content[:at] + struct.pack("<i", 2**31 - 1) + content[at + 4 :]
-    status, state = library.unpacked(instance, _checked(full))
-    assert (status, library.put(instance, state)) == (OK, OK)
-    assert library.step(instance, 4.0, 5.0) == OK
-    full_still = library.lists("Get", count, instance, [REFERENCE["n_slips"]], [0])
-    assert full_still == (OK, [2**31 - 1])
+def test_a_step_to_the_end_of_numbers_leaves_a_state() -> None:
+    instance = loaded(built("native-2")).started(v=0.0)
+    instance.time = 1.5e308
+    instance.step(1e308)
+    instance.resume(instance.pack())

@@ -4,21 +4,19 @@ import ctypes
 import math
 import random
 import struct
-import subprocess
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
-from stickslip_fmu.spec import SPEC
-from stickslip_native.compiler import FLAGS
-from stickslip_native.named import HOME, LAWS
-from stickslip_native.table import table_files
+from stickslip_native.named import HOME
+from tests.conftest import Sized
+from tests.native.compiling import FLAGS, run, written
+from tests.native.core import sources
 from tests.needs import needs
 
-Text = Callable[[float], str]
-
-COUNT = 1_000_000
+COUNT = 300_000
+"""Number of random numbers at full size."""
 
 # A C library whose locale has a decimal comma, for text.c alone.
 COMMA = r"""
@@ -50,49 +48,37 @@ double comma_strtod(const char *text, char **end)
 """
 
 
-def _compiled(folder: Path, comma: bool = False) -> Text:
-    """Return number_text of the native FMU, compiled."""
-    for name, content in table_files(SPEC).items():
-        (folder / name).write_text(content)
-    folders = (HOME / "core", LAWS / "coulomb", LAWS / "shared", folder)
-    compile_: list[str | Path] = ["cc", *FLAGS, "-fvisibility=default"]
-    compile_ += [f"-I{each}" for each in folders]
+def number_text(folder: Path, comma: bool) -> Callable[[float], str]:
+    """Return the function that writes numbers, compiled."""
+    text = {file.name: file.read_bytes() for file in HOME.glob("face/text.[ch]")}
+    written(sources("coulomb") | text | {"comma.c": COMMA.encode()}, folder)
     renamed = ["-Dsnprintf=comma_snprintf", "-Dstrtod=comma_strtod"] if comma else []
-    words = [*compile_, *renamed, "-c", HOME / "face" / "text.c", "-o", folder / "text.o"]
-    subprocess.run(words, check=True)
-    (folder / "law.c").write_text('#include "law.h"\nconst struct law LAW = {0};\n')
-    sources = [folder / "text.o", folder / "table.c", folder / "law.c"]
-    if comma:
-        sources.append(folder / "comma.c")
-        sources[-1].write_text(COMMA)
-    library = folder / "text.so"
-    subprocess.run([*compile_, "-shared", *sources, "-o", library, "-lm"], check=True)
-    number_text = ctypes.CDLL(str(library)).number_text
-    number_text.argtypes = [ctypes.c_double, ctypes.c_char_p]
-    number_text.restype = None
+    run("cc", *FLAGS, *renamed, "-c", folder / "text.c", "-o", folder / "text.o")
+    symbols = run("nm", folder / "text.o")
+    assert [f"U comma_{name}" in symbols for name in ("snprintf", "strtod")] == [comma, comma]
+    others = [each for each in folder.glob("*.c") if each.name != "text.c"]
+    run("cc", *FLAGS, "-shared", folder / "text.o", *others, "-o", folder / "text.so", "-lm")
+    function = ctypes.CDLL(str(folder / "text.so")).number_text
+    function.argtypes = [ctypes.c_double, ctypes.c_char_p]
+    function.restype = None
     buffer = ctypes.create_string_buffer(64)
 
-    def text(value: float) -> str:
-        number_text(value, buffer)
+    def text_of(value: float) -> str:
+        function(value, buffer)
         return buffer.value.decode()
 
-    return text
+    return text_of
 
 
-def _neighbours(value: float) -> Iterator[float]:
-    """Give a number and those beside it, of both signs."""
-    for each in (math.nextafter(value, -math.inf), value, math.nextafter(value, math.inf)):
-        yield from (each, -each)
-
-
-def _hard() -> Iterator[float]:
-    """Give numbers at which a way to the shortest text goes wrong."""
+def hard() -> Iterator[float]:
+    """Yield numbers at which a way to the shortest text goes wrong."""
     yield from (0.0, -0.0, math.inf, -math.inf, math.nan)
     # Gaps change at powers of two, texts at powers of ten; the exponent begins at 1e16 and 1e-4.
-    for power in range(-1074, 1024):
-        yield from _neighbours(math.ldexp(1.0, power))
-    for power in range(-323, 309):
-        yield from _neighbours(float(f"1e{power}"))
+    powers = [math.ldexp(1.0, power) for power in range(-1074, 1024)]
+    powers += [float(f"1e{power}") for power in range(-323, 309)]
+    for value in powers:
+        for near in (math.nextafter(value, -math.inf), value, math.nextafter(value, math.inf)):
+            yield from (near, -near)
     # Halfway between decimals of one digit less, and between doubles as texts.
     for power in range(49, 64):
         yield from (float(2**power + odd) for odd in range(1, 64, 2))
@@ -101,49 +87,26 @@ def _hard() -> Iterator[float]:
     yield from (9007199254740993.0, 2.0**-44, 8.41e21, 2.2250738585072014e-308, 1e23, 4.35, 0.1)
 
 
-def _random(count: int) -> Iterator[float]:
-    """Give numbers with all bits at random, and with few digits."""
-    random_ = random.Random(14)
+def at_random(count: int) -> Iterator[float]:
+    """Yield numbers with all bits at random, and with few digits."""
+    chance = random.Random(14)
     for _ in range(count):
-        kind = random_.random()
+        kind = chance.random()
         if kind < 0.6:
-            yield struct.unpack("<d", random_.randbytes(8))[0]
+            yield struct.unpack("<d", chance.randbytes(8))[0]
         elif kind < 0.7:
-            yield struct.unpack("<d", struct.pack("<Q", random_.getrandbits(52)))[0]
+            yield struct.unpack("<d", struct.pack("<Q", chance.getrandbits(52)))[0]
         elif kind < 0.8:
-            yield random_.uniform(-1e3, 1e3)
+            yield chance.uniform(-1e3, 1e3)
         else:
-            digits = random_.randint(1, 10 ** random_.randint(1, 17))
-            yield float(f"{digits}e{random_.randint(-30, 30)}")
+            digits = chance.randint(1, 10 ** chance.randint(1, 17))
+            yield float(f"{digits}e{chance.randint(-30, 30)}")
 
 
-def _check(text: Text, numbers: Iterable[float]) -> None:
+@needs("cc")
+@pytest.mark.parametrize("comma", [False, True], ids=["point", "comma in the locale"])
+def test_a_number_is_written_as_repr_writes_it(comma: bool, tmp_path: Path, sized: Sized) -> None:
+    text = number_text(tmp_path, comma)
+    numbers = [*hard(), *at_random(sized(COUNT) if not comma else 5_000)]
     wrong = [(repr(each), text(each)) for each in numbers if text(each) != repr(each)]
     assert not wrong, (len(wrong), wrong[:5])
-
-
-@needs("cc")
-def test_a_number_is_written_as_repr_writes_it(tmp_path: Path, sized: Callable[[int], int]) -> None:
-    """The text is that of Python's repr, for a million numbers and for all that are hard."""
-    text = _compiled(tmp_path)
-    _check(text, _hard())
-    _check(text, _random(sized(COUNT)))
-
-
-@needs("cc")
-def test_no_text_depends_on_the_decimal_point_of_the_locale(tmp_path: Path) -> None:
-    """A C library whose locale has a decimal comma gives the same texts."""
-    text = _compiled(tmp_path, comma=True)
-    _check(text, _hard())
-    _check(text, _random(5_000))
-
-
-@needs("cc")
-@pytest.mark.parametrize("symbol", ["snprintf", "strtod"])
-def test_the_stub_of_the_locale_acts(tmp_path: Path, symbol: str) -> None:
-    """The C library with a decimal comma is the one that text.c calls."""
-    _compiled(tmp_path, comma=True)
-    listed = subprocess.run(
-        ["nm", tmp_path / "text.o"], capture_output=True, text=True, check=True
-    ).stdout
-    assert f"U comma_{symbol}" in listed

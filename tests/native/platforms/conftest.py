@@ -1,27 +1,28 @@
-"""What the tests of the platforms share: one FMU of each FMI version, for all platforms.
-
-What they measure is printed at the end of the run.
-"""
+"""What the tests of the platforms share: the FMU for all of them, and lines printed at the end."""
 
 from pathlib import Path
+from typing import Literal
 
 import pytest
 
 from stickslip_native import packer
+from tests.sharing import made_once
 
 LINES = pytest.StashKey[list[str]]()
 
 
-@pytest.fixture(scope="session")
-def all_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the native FMU 2.0 for all platforms."""
-    return packer.build(tmp_path_factory.mktemp("all"))
+def for_all(version: Literal[2, 3] = 2) -> Path:
+    """Return the native FMU of an FMI version for all platforms, built once."""
+
+    def make(folder: Path) -> None:
+        packer.build(folder, face=version)
+
+    return next(made_once(f"all-platforms-{version}", make).glob("*.fmu"))
 
 
-@pytest.fixture(scope="session")
-def all3_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the native FMU 3.0 for all platforms."""
-    return packer.build(tmp_path_factory.mktemp("all3"), face=3)
+def pytest_configure(config: pytest.Config) -> None:
+    """Run the tests of this folder, which are of the gate, when it is named."""
+    config.option.gate = True
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import fmpy
 
@@ -35,11 +35,7 @@ other carry the difference on."""
 _HERE = Path(__file__).parent
 # The headers of the standard, which FMPy brings.
 _HEADERS = Path(fmpy.__file__).parent / "c-code"
-_EMULATORS = {
-    LINUX: (),
-    ARM: ("qemu-aarch64", "-L", ARM_LIBRARIES),
-    WINDOWS: (WINE,),
-}
+_EMULATORS = {LINUX: (), ARM: ("qemu-aarch64", "-L", ARM_LIBRARIES), WINDOWS: (WINE,)}
 _LIMIT = 600.0
 """Seconds after which a process counts as hung; the longest takes 30."""
 _FIXED = ("x_start", "x_dot_start", "z_start", "age_start")
@@ -48,8 +44,7 @@ _SET_AT_START = ("m", "g", *_CHANGING, *_FIXED)
 _START_STATE = {str(TABLE.by_name[name].number) for name in ("x_dot_start", "z_start")}
 
 
-@dataclass(frozen=True)
-class Answer:
+class Answer(NamedTuple):
     """The answer to a call: status and what was read as texts, and the messages before it."""
 
     status: int
@@ -59,15 +54,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Machine:
-    """A platform on which calls can be made.
-
-    Attributes
-    ----------
-    command
-        The host with the FMU's library, and the emulator before it where there is one.
-    environment
-        Its environment variables.
-    """
+    """The host on a platform with the FMU's library; an emulator before it where there is one."""
 
     command: tuple[str, ...]
     environment: Mapping[str, str]
@@ -75,14 +62,9 @@ class Machine:
     def answers(self, script: Sequence[str]) -> list[Answer]:
         """Make the calls in a new instance of the FMU, and return the answer to each."""
         done = subprocess.run(
-            self.command,
-            input="\n".join(script) + "\n",
-            env=self.environment,
-            capture_output=True,
-            text=True,
-            timeout=_LIMIT,
-            check=False,
-        )
+            self.command, input="\n".join(script) + "\n", env=self.environment,
+            capture_output=True, text=True, timeout=_LIMIT, check=False,
+        )  # fmt: skip
         assert (done.stderr, done.returncode) == ("", 0)
         found, messages = [], []
         for line in done.stdout.splitlines():
@@ -97,18 +79,9 @@ class Machine:
 
 
 def machine(name: str, fmu: Path, folder: Path, environment: Mapping[str, str]) -> Machine:
-    """Compile the host for a platform, and return it with the FMU's library.
+    """Compile the host for LINUX, ARM or WINDOWS into an empty folder, and return it.
 
-    Parameters
-    ----------
-    name
-        LINUX, ARM or WINDOWS.
-    fmu
-        The native FMU for all platforms.
-    folder
-        An empty folder.
-    environment
-        What the emulator needs beside the environment of this process.
+    The emulator gets `environment` beside the variables of this process.
     """
     (platform,) = (each for each in PLATFORMS if each.fmi3 == name)
     fmpy.extract(str(fmu), str(folder))
@@ -149,9 +122,8 @@ def wine(folder: Path) -> Iterator[dict[str, str]]:
 
 def line(call: str, *words: object) -> str:
     """Return a call as the host takes it; numbers in hexadecimal, so that no digit is lost."""
-    return " ".join(
-        [call, *(each.hex() if isinstance(each, float) else str(each) for each in words)]
-    )
+    texts = (each.hex() if isinstance(each, float) else str(each) for each in words)
+    return " ".join([call, *texts])
 
 
 def set_values(values: Mapping[str, float]) -> str:
@@ -179,8 +151,7 @@ def start(values: Mapping[str, float], time: float) -> list[str]:
 def sequence(seed: int, steps: int = 12) -> list[list[str]]:
     """Return the calls of one random sequence: of the start, then of each step.
 
-    Settings and steps are of the kinds that the bits of both blocks are compared on; after each the
-    outputs are read. Steps differ in length by five powers of ten, and some are refused.
+    Steps differ in length by five powers of ten, some are refused; after each the outputs are read.
     """
     random_ = random.Random(seed)
     values: dict[str, float] = dict(TABLE.start_values())
@@ -232,21 +203,10 @@ def _moved(word: str, random_: random.Random) -> str:
 
 @dataclass
 class Differences:
-    """Values on one platform against those on another.
+    """Values on one platform against those on another: their number, and what differs by output.
 
-    Attributes
-    ----------
-    values
-        Number of values compared.
-    differing
-        Number of values with other bits, by output.
-    largest
-        Largest difference by output, as a part of the scale: the largest value till then, in the
-        same sequence, of the outputs with the same unit.
-    same_events
-        Whether all statuses, integers and truth values are the same.
-    same_messages
-        Whether all messages are the same.
+    `differing` is the number of values with other bits; `largest` the largest difference, as a part
+    of the scale: the largest value till then, in the same sequence, of the outputs with that unit.
     """
 
     values: int

@@ -1,1 +1,0 @@
-"""Random calls and damaged states on the native FMU, under sanitizers."""

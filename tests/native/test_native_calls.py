@@ -1,0 +1,277 @@
+"""What a careless host calls on the native FMU: a status and a message, and no crash.
+
+Random sequences of calls in every phase are tried on all kinds of FMU by tests/fmu/lives.
+"""
+
+import ctypes as c
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import pytest
+
+from tests.conftest import built
+from tests.driver import DISCARD, ERROR, OK, WARNING, Fmu, Instance, loaded
+from tests.needs import needs
+
+pytestmark = needs("cc")
+
+NATIVE = ["native-2", "native-3"]
+either = pytest.mark.parametrize("kind", NATIVE)
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+
+
+def words(text: str) -> list[str]:
+    return text.split()
+
+
+MODEL_EXCHANGE = words("""
+EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime
+SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates
+GetNominalsOfContinuousStates""")
+"""Functions of FMI 2.0 that a library has for model exchange alone."""
+TYPES = {
+    2: words("Real Integer Boolean String"),
+    3: words("""Float32 Float64 Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Boolean String
+    Binary"""),
+}
+NOT_OFFERED = {
+    2: words("""GetDirectionalDerivative SetRealInputDerivatives GetRealOutputDerivatives
+    CancelStep"""),
+    3: words("""GetNumberOfVariableDependencies GetVariableDependencies GetDirectionalDerivative
+    GetAdjointDerivative GetOutputDerivatives EnterConfigurationMode
+    ExitConfigurationMode"""),
+}
+OF_OTHER_MODES = words("""
+EnterEventMode EnterStepMode EnterContinuousTimeMode EvaluateDiscreteStates UpdateDiscreteStates
+GetClock SetClock GetIntervalDecimal GetIntervalFraction GetShiftDecimal GetShiftFraction
+SetIntervalDecimal SetIntervalFraction SetShiftDecimal SetShiftFraction SetTime
+CompletedIntegratorStep GetContinuousStates SetContinuousStates GetContinuousStateDerivatives
+GetNominalsOfContinuousStates GetEventIndicators GetNumberOfContinuousStates
+GetNumberOfEventIndicators ActivateModelPartition""")
+
+
+def standard(version: int) -> set[str]:
+    """Return the functions of the standard that a library for co-simulation has, bare of fmi2."""
+    text = (HEADERS / f"fmi{version}Functions.h").read_text(encoding="utf-8")
+    names = set(re.findall(rf"FMI{version}_Export fmi{version}\w+TYPE\s+fmi{version}(\w+);", text))
+    return names - set(MODEL_EXCHANGE) if version == 2 else names
+
+
+def stepping(kind: str) -> Instance:
+    instance = loaded(built(kind)).started()
+    instance.step(0.1)
+    return instance
+
+
+@either
+def test_a_null_instance_is_refused_by_every_function(kind: str) -> None:
+    fmu = loaded(built(kind))
+    names = standard(fmu.version)
+    assert len(names) > 30
+    free = {each for each in names if each.startswith(("GetVersion", "GetTypes", "Instantiate"))}
+    for name in names - free - {"FreeInstance"}:
+        assert fmu.call(name, None, *[None] * 10) == ERROR, name
+    fmu.library[f"fmi{fmu.version}FreeInstance"](None)
+
+
+def with_null(instance: Instance) -> dict[str, tuple[Any, ...]]:
+    """Return calls with one NULL where there must be something, or with lists that do not fit."""
+    version, size = instance.fmu.version, c.c_size_t
+    of_state = "FMUstate" if version == 2 else "FMUState"
+    read = f"DeSerialize{of_state}" if version == 2 else f"Deserialize{of_state}"
+    references, numbers = (c.c_uint32 * 2)(20, 20), (c.c_int64 * 2)()
+    data, state, slot = (c.c_ubyte * 2000)(), instance.save(), c.byref(c.c_void_p())
+    after = () if version == 2 else (size(2),)
+    calls: dict[str, tuple[Any, ...]] = {
+        "a place for a state": (f"Get{of_state}", None),
+        "a state to set": (f"Set{of_state}", None),
+        "a state to free": (f"Free{of_state}", None),
+        "the state of a size": (f"Serialized{of_state}Size", None, c.byref(size())),
+        "a place for a size": (f"Serialized{of_state}Size", state, None),
+        "a state to write": (f"Serialize{of_state}", None, data, size(2000)),
+        "a place for bytes": (f"Serialize{of_state}", state, None, size(2000)),
+        "too small a place": (f"Serialize{of_state}", state, data, size(100)),
+        "bytes": (read, None, size(617), slot),
+        "no bytes": (read, data, size(0), slot),
+        "a place for what is read": (read, data, size(617), None),
+        "categories": ("SetDebugLogging", 1, size(1), None),
+        "a category": ("SetDebugLogging", 1, size(1), (c.c_char_p * 1)()),
+    }
+    for name in (f"{verb}{each}" for verb in ("Get", "Set") for each in TYPES[version]):
+        sizes = (numbers,) if name.endswith("Binary") else ()
+        calls[f"{name}: references"] = (name, None, size(2), *sizes, numbers, *after)
+        calls[f"{name}: values"] = (name, references, size(2), *sizes, None, *after)
+    if version == 2:
+        calls["a place for a time"] = ("GetRealStatus", 2, None)
+        calls["a place for a truth"] = ("GetBooleanStatus", 3, None)
+        return calls
+    calls["a list of another length"] = ("GetFloat64", references, size(2), numbers, size(1))
+    for missing in range(4):
+        shown: list[Any] = [c.byref(c.c_double()) for _ in range(4)]
+        shown[missing] = None
+        calls[f"a place in a step: {missing}"] = ("DoStep", 0.1, 0.1, True, *shown)
+    return calls
+
+
+@either
+def test_a_null_argument_is_an_error_with_a_message_until_a_reset(kind: str) -> None:
+    instance = stepping(kind)
+    for what, call in with_null(instance).items():
+        instance.fmu.messages.clear()
+        assert instance.status(*call) == ERROR, what
+        ((status, category, text),) = instance.fmu.messages
+        assert (status, category) == (ERROR, "logStatusError"), what
+        assert text, what
+        assert instance.status("Terminate") == ERROR, what
+        assert instance.fmu.messages[1] == (ERROR, "logStatusError", text)
+        instance.reset()
+        instance.start()
+        instance.step(0.1)
+
+
+@either
+def test_what_is_not_offered_is_refused_and_changes_nothing(kind: str) -> None:
+    for instance in (stepping(kind), loaded(built(kind)).instance()):
+        for name in NOT_OFFERED[instance.fmu.version]:
+            before = instance.everything()
+            assert instance.status(name, *[None] * 8) == ERROR
+            full_name = f"fmi{instance.fmu.version}{name}"
+            assert instance.fmu.messages[-1][2] == f"FMI function not supported: {full_name}"
+            assert instance.everything() == before
+
+
+@pytest.mark.parametrize("name", OF_OTHER_MODES)
+def test_a_call_of_another_mode_fails_until_a_reset(name: str) -> None:
+    instance = stepping("native-3")
+    words = f"fmi3{name} is not allowed here: this is co-simulation without event mode"
+    for call in (name, "Terminate"):
+        assert instance.status(call, *[None] * 8) == ERROR
+        assert instance.fmu.messages[-1][2] == words
+
+
+def test_model_exchange_clocks_and_event_mode_are_not_instantiated() -> None:
+    fmu = loaded(built("native-3"))
+    no = c.c_bool(False)
+    for kind in ("ModelExchange", "ScheduledExecution"):
+        function = fmu.library[f"fmi3Instantiate{kind}"]
+        function.restype = c.c_void_p
+        for logger in (fmu.logger, None):
+            assert function(b"a", fmu.token, None, no, no, None, logger) is None
+        assert f"fmi3Instantiate{kind}: " in fmu.messages[-1][2]
+        assert "is not offered" in fmu.messages[-1][2]
+    fmu.instance().free()
+    make = fmu.library.fmi3InstantiateCoSimulation
+    for event_mode, count in ((True, 0), (False, 1)):
+        flags = (no, no, c.c_bool(event_mode), no, None, c.c_size_t(count), None)
+        for logger in (fmu.logger, None):
+            assert make(b"a", fmu.token, None, *flags, logger, None) is None
+        assert "event mode and intermediate update are not offered" in fmu.messages[-1][2]
+
+
+def test_fmi_2_tells_the_last_successful_time_and_that_no_step_ends_the_simulation() -> None:
+    def failed() -> Instance:
+        instance = stepping("native-2")
+        assert instance.status("DoStep", 0.1, -1.0, 1) == ERROR
+        return instance
+
+    new = loaded(built("native-2")).instance()
+    for instance, expected in ((new, 0.0), (stepping("native-2"), 0.1), (failed(), 0.1)):
+        time, ended = c.c_double(9.0), c.c_int(9)
+        assert instance.status("GetRealStatus", 2, c.byref(time)) == OK
+        assert instance.status("GetBooleanStatus", 3, c.byref(ended)) == OK
+        assert (time.value, ended.value) == (expected, 0)
+        for kind in (0, 1, 2, 3, 99, -1):
+            for of, own in (("", None), ("Integer", None), ("String", None), ("Real", 2),
+                            ("Boolean", 3)):  # fmt: skip
+                if kind != own:
+                    assert instance.status(f"Get{of}Status", kind, None) == DISCARD
+
+
+def test_fmi_3_tells_the_last_successful_time_of_a_refused_step() -> None:
+    instance = loaded(built("native-3")).started(5.0)
+    flags, reached = [c.byref(c.c_bool()) for _ in range(3)], c.c_double()
+    assert instance.status("DoStep", 5.0, -1.0, True, *flags, c.byref(reached)) == ERROR
+    assert reached.value == 5.0
+
+
+def refused(fmu: Fmu, **more: Any) -> str:
+    fmu.messages.clear()
+    assert fmu.instantiate(**more) is None
+    ((_, _, text),) = fmu.messages
+    return text
+
+
+@either
+def test_an_instance_of_another_fmu_or_kind_is_refused_with_a_message(kind: str) -> None:
+    fmu = loaded(built(kind))
+    assert "is {another}, and that of this FMU is {" in refused(fmu, token=b"{another}")
+    # The logger of FMI 2.0 reads a text as a printf format.
+    percent = "%%" if fmu.version == 2 else "%"
+    assert "%s%n%d".replace("%", percent) in refused(fmu, token=b"%s%n%d")
+    assert len(refused(fmu, token=b"x" * 100_000)) < 500
+    if fmu.version == 2:
+        for other in (0, 7):
+            assert "model exchange is not offered" in refused(fmu, kind=other)
+
+
+@either
+@pytest.mark.parametrize("name", ["", "x" * 1_000_000, "%s%n", "Stück"])
+def test_any_name_of_an_instance_is_taken(kind: str, name: str) -> None:
+    instance = loaded(built(kind)).instance(name)
+    instance.start()
+    instance.free()
+
+
+@pytest.mark.parametrize("name", [None, b"\xff\xfe"])
+@pytest.mark.parametrize("with_callbacks", [True, False])
+def test_fmi_2_needs_a_name_and_nothing_else_of_the_host(
+    name: bytes | None, with_callbacks: bool
+) -> None:
+    fmu = Fmu(built("native-2"))
+    no_callbacks = (c.c_void_p * 5)()
+    callbacks = c.byref(no_callbacks) if with_callbacks else None
+    make = fmu.library.fmi2Instantiate
+    make.restype = c.c_void_p
+    address = make(name, 1, fmu.token, None, callbacks, 0, 1)
+    assert (address is None) == (name is None)
+    if address is not None:
+        instance = fmu.instance()
+        instance.address = c.c_void_p(address)
+        instance.start(mu_k=0.9)
+        instance.step(1.0)
+        assert instance.status("DoStep", 1.0, -1.0, 1) == ERROR
+        instance.free()
+
+
+W, E = (WARNING, "logStatusWarning"), (ERROR, "logStatusError")
+
+
+@either
+@pytest.mark.parametrize(
+    ("on", "categories", "heard"),
+    [
+        (True, [], [W, E]),
+        (True, [b"logAll"], [W, E]),
+        (True, [b"logStatusWarning"], [W]),
+        (True, [b"another", b"logStatusError"], [E]),
+        (True, [b"another"], []),
+        (False, [], []),
+        (False, [b"logStatusError"], []),
+        (None, [], [W, E]),
+    ],
+)
+def test_categories_choose_what_is_logged(
+    kind: str, on: bool | None, categories: list[bytes], heard: list[tuple[int, str]]
+) -> None:
+    instance = loaded(built(kind)).instance()
+    instance.fmu.messages.clear()
+    if on is not None:
+        listed = (c.c_char_p * len(categories))(*categories)
+        instance.call("SetDebugLogging", on, c.c_size_t(len(categories)), listed)
+    instance.start(mu_k=0.9)
+    more: Callable[[], list[Any]] = lambda: [c.byref(c.c_double()) for _ in range(4)]  # noqa: E731
+    assert instance.status("DoStep", 0.0, -1.0, True, *more()) == ERROR
+    assert [each[:2] for each in instance.fmu.messages] == heard
