@@ -1,7 +1,5 @@
 """The processes that hold FMUs: what is left of them when others are killed."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal
@@ -9,34 +7,38 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
-import numpy as np
 import pytest
 
-from stickslip_design.sweeps.host import Host
-from stickslip_design.sweeps.study import prepare
-from tests.needs import ROOT
-
-HANGING = {
-    "stop_time": 1,
-    "step": 1,
-    "parameters": {"trouble": 1},
-    "outputs": {"y": "last"},
-}
-
-SWEEPING = """
-import sys
-from stickslip_design.sweeps.study import prepare
-prepare(sys.argv[1], {"stop_time": 1, "step": 1, "parameters": {"trouble": 1},
-                      "outputs": {"y": "last"}}).compute(0, 1)
-"""
+from stickslip_design.chunks import Progress, run
+from stickslip_design.sweeps.study import prepare, release
+from tests.conftest import built
+from tests.design.chunks.test_cluster import started
+from tests.needs import ROOT, needs
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="only Linux forks, and has /proc")
 
+HANGING: dict[str, Any] = {
+    "stop_time": 1, "step": 1, "parameters": {"trouble": 1}, "outputs": {"y": "last"}
+}  # fmt: skip
+SWEEPING = f"""
+import sys
+from stickslip_design.sweeps.study import prepare
+prepare(sys.argv[1], {HANGING}).compute(0, 1)
+"""
+Found = TypeVar("Found")
 
-WITHIN = 100.0
-"""Seconds in which a process has to begin or to end; on a busy machine it takes long."""
+
+def waited_for(look: Callable[[], Found]) -> Found:
+    """Look till there is something; a process takes long to begin or end on a busy machine."""
+    until = time.monotonic() + 100.0
+    while not (found := look()):
+        assert time.monotonic() < until
+        time.sleep(0.02)
+    return found
 
 
 def children_of(process: int) -> list[int]:
@@ -44,92 +46,89 @@ def children_of(process: int) -> list[int]:
     found = []
     with contextlib.suppress(OSError):
         for file in Path(f"/proc/{process}/task").glob("*/children"):
-            found += [int(child) for child in file.read_text().split()]
-    return [each for each in found if b"sweeps.child" in _command_of(each)]
+            for child in file.read_text().split():
+                if b"sweeps.child" in Path(f"/proc/{child}/cmdline").read_bytes():
+                    found.append(int(child))
+    return found
 
 
-def _command_of(process: int) -> bytes:
+def has_ended(process: int) -> bool:
+    """Tell whether a process has ended, waited for or not."""
     try:
-        return Path(f"/proc/{process}/cmdline").read_bytes()
-    except OSError:
-        return b""
-
-
-def child_of(process: int) -> int:
-    """Wait for the process for FMUs that a process starts, and return it."""
-    until = time.monotonic() + WITHIN
-    while not (its := children_of(process)):
-        assert time.monotonic() < until
-        time.sleep(0.02)
-    return its[0]
-
-
-def lives(process: int) -> bool:
-    """Tell whether a process has not ended; one that nobody has waited for yet has."""
-    try:
-        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
     except (FileNotFoundError, ProcessLookupError):
-        return False
-    return state != "Z"
-
-
-def end_of(process: int) -> None:
-    """Wait for the end of a process; fails after `WITHIN`."""
-    until = time.monotonic() + WITHIN
-    while lives(process):
-        assert time.monotonic() < until
-        time.sleep(0.02)
+        return True
 
 
 def hanging_in(folder: Path) -> int:
     """Wait till an FMU hangs, and return its process."""
-    until = time.monotonic() + WITHIN
-    while not (its := list(folder.glob("hangs-*"))):
-        assert time.monotonic() < until
-        time.sleep(0.02)
-    return int(its[0].name.removeprefix("hangs-"))
+    file = waited_for(lambda: next(folder.glob("hangs-*"), None))
+    assert file is not None
+    return int(file.name.removeprefix("hangs-"))
 
 
 @pytest.mark.parametrize("loaded", [True, False])
 def test_nothing_is_left_of_a_process_that_is_killed(
     troubled: Path, tmp_path: Path, loaded: bool
 ) -> None:
-    """Not the FMU, be it loaded yet or not, nor the process that watches it, nor their folder."""
     sweeping = subprocess.Popen(
         [sys.executable, "-c", SWEEPING, troubled],
         env={**os.environ, "TMPDIR": str(tmp_path), "PYTHONPATH": str(ROOT)},
     )
-    watching = child_of(sweeping.pid)
+    (watching,) = waited_for(lambda: children_of(sweeping.pid))
     # What starts other programs has a child before it has the one that loads.
-    hanging = hanging_in(tmp_path) if loaded else child_of(watching)
-    assert [each.name for each in tmp_path.glob("stickslip-fmu-*")]
+    fork = hanging_in(tmp_path) if loaded else waited_for(lambda: children_of(watching))[0]
+    assert list(tmp_path.glob("stickslip-fmu-*"))
     sweeping.kill()
     sweeping.wait()
-    end_of(watching)
-    end_of(hanging)
+    waited_for(lambda: has_ended(watching) and has_ended(fork))
     assert not list(tmp_path.glob("stickslip-fmu-*"))
 
 
-def test_an_fmu_ends_with_the_process_that_watches_it(
+def test_an_fmu_ends_with_the_process_that_watches_it_and_the_next_run_has_another(
     troubled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And its run is recorded as one that crashed; the next one has a process of its own."""
     monkeypatch.setenv("TMPDIR", str(tmp_path))
-    study = prepare(troubled, {**HANGING, "parameters": {"trouble": [1, 0]}})
-    host = Host(study.job, study.content, is_system=False, time_limit=2 * WITHIN)
+    plan = {**HANGING, "parameters": {"trouble": [1, 0]}, "time_limit": 300.0}
     killed: list[int] = []
 
     def kill() -> None:
-        watching = child_of(os.getpid())
         killed.append(hanging_in(tmp_path))
-        os.kill(watching, signal.SIGKILL)
+        os.kill(waited_for(lambda: children_of(os.getpid()))[0], signal.SIGKILL)
 
     thread = threading.Thread(target=kill)
     thread.start()
-    try:
-        outcomes = list(host.runs(np.array([[1.0], [0.0]])))
-    finally:
-        thread.join()
-        host.close()
-    assert [each.failure for each in outcomes] == ["crashed (SIGKILL)", ""]
-    end_of(killed[0])
+    failures = prepare(troubled, plan).compute(0, 2)["failure"].tolist()
+    thread.join()
+    release()
+    assert failures == ["crashed (SIGKILL)", ""]
+    waited_for(lambda: has_ended(killed[0]))
+
+
+@needs("cc", "cluster")
+def test_a_killed_worker_of_a_cluster_leaves_the_results_as_they_are(tmp_path: Path) -> None:
+    plan = {
+        "stop_time": "3 s", "step": "3 s", "outputs": {"delta_x": "last", "T": "last"},
+        "parameters": {"k": "500..3000 N/m log 200", "mu_s": "0.31..0.9 40", "c": 0.5},
+    }  # fmt: skip
+    study = prepare(built("native-2"), plan)
+    ended: list[int] = []
+    with started(tmp_path) as dask:
+        dask.add_worker()
+        dask.add_worker()
+
+        def disturb(progress: Progress) -> None:
+            victim = dask.workers[0]
+            if not ended and progress.done > 1000 and (its := children_of(victim.pid)):
+                ended.extend([*its, *children_of(its[0])])
+                victim.kill()
+
+        found = run(study, str(tmp_path / "study"), cluster=dask.address, progress=disturb).read()
+        assert dask.workers[0].wait(60.0) == -9
+    undisturbed = run(study, workers=1).read()
+    release()
+    assert not any(found["failure"])
+    for name in study.job.columns:
+        assert found[name].tobytes() == undisturbed[name].tobytes()
+    # What held its FMUs did not outlive it.
+    waited_for(lambda: all(map(has_ended, ended)))

@@ -1,0 +1,189 @@
+"""Sweeps over systems: an SSP file's FMUs side by side, wired as it says."""
+
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from examples.feed_axis.axis import Axis
+from examples.feed_axis.coupling import simulate
+from stickslip_design.sweeps import SweepError, read_model
+from stickslip_design.sweeps.study import prepare
+from tests.design.sweeps.test_runs import bits, results
+
+STRUCTURE = "SystemStructure.ssd"
+PLAN = {
+    "stop_time": "20 ms",
+    "step": "250 us",
+    "parameters": {"table": {"k": ["30 N/um", "40 N/um"]}, "drive.feed": "2 mm/s"},
+    "outputs": {"table.x": ["last", "max"], "drive.F_motor": "last"},
+}
+
+
+@dataclass(frozen=True)
+class _Axis(Axis):
+    """The axis whose table has another stiffness than its drive is told."""
+
+    k_of_table: float = 0.0
+
+    def of_table(self) -> dict[str, float]:
+        """Return the start values of the table."""
+        return {**super().of_table(), "k": self.k_of_table}
+
+
+def test_a_system_moves_to_the_bit_as_in_the_loop_of_the_example(feed_axis: Path) -> None:
+    columns = results(feed_axis, PLAN)
+    assert columns["failure"].tolist() == ["", ""]
+    for place, k in enumerate((3e7, 4e7)):
+        run = simulate(feed_axis.parent, _Axis(feed=2e-3, k_of_table=k), 0.02)
+        assert columns["table.x"][place] == run["x"][-1]
+        assert columns["table.x.max"][place] == np.max(run["x"])
+        assert columns["drive.F_motor"][place] == run["F_motor"][-1]
+    # A reset of its instances gives the bits of new ones.
+    assert bits(results(feed_axis, {**PLAN, "reset": False})) == bits(columns)
+
+
+def test_values_of_the_file_hold_unless_the_plan_has_others(
+    feed_axis: Path, tmp_path: Path
+) -> None:
+    job = prepare(feed_axis, PLAN).job
+    assert (job.fixed["table.m"], job.fixed["drive.feed"]) == (500.0, 2e-3)
+    assert "table.k" not in job.fixed
+    assert [wire.input for wire in job.wires] == ["table.v", "drive.F", "drive.x"]
+    points = tmp_path / "points.csv"
+    points.write_text("table.k [N/um], table.m [t]\n40, 0.5\n", encoding="utf-8")
+    plan = {**PLAN, "parameters": {}, "points": str(points)}
+    assert [each.tolist() for each in prepare(feed_axis, plan).values] == [[4e7], [500.0]]
+    with pytest.raises(SweepError, match=r"inputs\.table\.v is driven by drive\.v, and cannot"):
+        prepare(feed_axis, {**PLAN, "inputs": {"table.v": 0.02}})
+
+
+def component(name: str, inside: str) -> str:
+    """Return the element of an FMU in a system."""
+    kind = 'type="application/x-fmu-sharedlibrary" source="resources/a.fmu"'
+    return f'<ssd:Component name="{name}" {kind}>{inside}</ssd:Component>'
+
+
+def connector(name: str, kind: str) -> str:
+    """Return the list of a connector."""
+    inside = f'<ssd:Connector name="{name}" kind="{kind}"><ssc:Real/></ssd:Connector>'
+    return f"<ssd:Connectors>{inside}</ssd:Connectors>"
+
+
+def wire(ends: str, factor: int, offset: int) -> str:
+    """Return the list of a connection that scales."""
+    scaled = f'<ssc:LinearTransformation factor="{factor}" offset="{offset}"/>'
+    return f"<ssd:Connections><ssd:Connection {ends}>{scaled}</ssd:Connection></ssd:Connections>"
+
+
+def system(fmu: Path, file: Path, inside: str) -> Path:
+    """Write an SSP file with one FMU."""
+    common = "http://ssp-standard.org/SSP1/SystemStructure"
+    spaces = (("ssc", "Common"), ("ssd", "Description"), ("ssv", "ParameterValues"))
+    names = " ".join(f'xmlns:{short}="{common}{name}"' for short, name in spaces)
+    text = (
+        f'<ssd:SystemStructureDescription version="1.0" name="S" {names}><ssd:System name="S">'
+        f'{inside}</ssd:System><ssd:DefaultExperiment startTime="0" stopTime="1"/>'
+        "</ssd:SystemStructureDescription>"
+    )
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr(STRUCTURE, text)
+        archive.write(fmu, "resources/a.fmu")
+    return file
+
+
+def test_wires_carry_start_values_and_scale_them_through_a_system_inside(
+    troubled: Path, tmp_path: Path
+) -> None:
+    inner = (
+        connector("in", "input")
+        + f"<ssd:Elements>{component('b', connector('u', 'input'))}</ssd:Elements>"
+        + wire('startElement="b" startConnector="u" endConnector="in"', 10, 1)
+    )
+    a = component("a", connector("y", "output"))
+    ends = 'startElement="a" startConnector="y" endElement="inner" endConnector="in"'
+    inside = f'<ssd:Elements>{a}<ssd:System name="inner">{inner}</ssd:System></ssd:Elements>'
+    file = system(troubled, tmp_path / "chain.ssp", inside + wire(ends, 2, 5))
+    plan = {
+        "step": 0.5,
+        "parameters": {"a.y": [3.0, 4.0]},
+        "inputs": {"a.u": 1.0},
+        "outputs": {"inner.b.u_begun": "last", "inner.b.y": "last"},
+    }
+    columns = results(file, plan)
+    # u = 10 (2 y + 5) + 1, from the start on.
+    assert columns["inner.b.u_begun"].tolist() == [111.0, 131.0]
+    # b steps beside a, with what a gave at the beginning of each of two steps of 0.5 s.
+    assert columns["inner.b.y"].tolist() == [0.5 * (111 + 121), 0.5 * (131 + 141)]
+
+
+def alone(fmu: Path, folder: Path, name: str, value: str) -> Path:
+    """Write an SSP file of one FMU and a value."""
+    inside = f'<ssv:Parameter name="{name}">{value}</ssv:Parameter>'
+    for tag in (
+        "ssv:Parameters", 'ssv:ParameterSet version="1.0" name="p"', "ssd:ParameterValues",
+        "ssd:ParameterBinding", "ssd:ParameterBindings",
+    ):  # fmt: skip
+        inside = f"<{tag}>{inside}</{tag.partition(' ')[0]}>"
+    elements = f"<ssd:Elements>{component('a', inside)}</ssd:Elements>"
+    return system(fmu, folder / "alone.ssp", elements)
+
+
+@pytest.mark.parametrize(
+    ("value", "k"), [("2", 2.0), ('2" unit="N/m', 2.0), ('2" unit="kN/m', 2000.0)]
+)
+def test_a_value_of_the_file_has_its_unit(
+    fmu_path: Path, tmp_path: Path, value: str, k: float
+) -> None:
+    file = alone(fmu_path, tmp_path, "k", f'<ssv:Real value="{value}"/>')
+    assert read_model(file).bound == {"a.k": k}
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("k", '<ssv:Real value="2" unit="m/s"/>', "its value of a.k has the unit 'm/s', which is"),
+        ("F", '<ssv:Real value="2"/>', "gives a value to a.F, which is a continuous output, and"),
+        ("mode", '<ssv:Real value="2.7"/>', "gives a value to a.mode, which is a"),
+    ],
+)
+def test_a_value_that_the_file_cannot_give_is_refused(
+    fmu_path: Path, tmp_path: Path, name: str, value: str, reason: str
+) -> None:
+    with pytest.raises(SweepError, match=reason):
+        read_model(alone(fmu_path, tmp_path, name, value))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ('endConnector="x"', 'endConnector="y"', "drive has no connector y"),
+        ('source="resources/StickSlip.fmu"', 'source="resources/a.fmu"', "has no file resources/a"),
+        (' name="drive" type="application/x-fmu-sharedlibrary"', ' name="drive" type="text/x"',
+         "the component drive is no FMU, but text/x"),
+        ('name="k"', 'name="no_such"', "gives a value to table.no_such, which is no variable"),
+        ("<ssd:System ", "<ssd:Systematics ", "not an SSP file ("),
+        # A value of the system holds in place of the component's own.
+        ('<ssv:Real value="40000000.0" />', '<ssv:Real value="70000000.0" />', None),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_no_system_is_refused_with_the_reason(
+    feed_axis: Path, tmp_path: Path, old: str, new: str, reason: str | None
+) -> None:
+    file = tmp_path / "other.ssp"
+    with zipfile.ZipFile(feed_axis) as source, zipfile.ZipFile(file, "w") as target:
+        for entry in source.infolist():
+            content = source.read(entry)
+            if entry.filename == STRUCTURE:
+                assert old.encode() in content
+                content = content.replace(old.encode(), new.encode(), 1)
+            target.writestr(entry, content)
+    if reason is None:
+        assert read_model(file).bound["table.k"] == 4e7
+        return
+    with pytest.raises(SweepError) as refused:
+        read_model(file)
+    assert str(refused.value).startswith(f"{file}: {reason}")
+    assert "\n" not in str(refused.value)
