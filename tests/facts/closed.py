@@ -65,18 +65,23 @@ class Exact:
         gap = (self.mu_s - self.mu_k) * share
         return self.N * (gap + self.B * MP.log1p(age / self.t_0))
 
+    def growing(self, age: Real) -> Real:
+        """Return the rate of the growth [N/s]."""
+        rate = MP.exp(-age / self.tau_s) / self.tau_s if self.tau_s else 0
+        return self.N * ((self.mu_s - self.mu_k) * rate + self.B / (self.t_0 + age))
+
     def stick(self, begin: Real, age: Real = 0) -> Real:
         """Return how long a stick lasts from a force `begin` along the pull [N] and an age [s].
 
         The last root of a concave function, by Newton from beyond it.
         """
-
-        def lack(t: Real) -> Real:
-            return self.F_k + self.growth(age + t) - begin - self.k * abs(self.v) * t
-
-        t = (self.N * (1 + self.mu_s + self.B) + abs(begin)) / (self.k * abs(self.v)) * 9 + 10
+        pull = self.k * abs(self.v)
+        t = (self.N * (1 + self.mu_s + 99 * self.B) + abs(begin)) / pull * 9 + 10
         while True:
-            less = t - lack(t) / MP.diff(lack, t)
+            lack = self.F_k + self.growth(age + t) - begin - pull * t
+            less = t - lack / (self.growing(age + t) - pull)
+            if less < MP.mpf(10) ** -30:
+                return MP.zero
             if not less < t * (1 - MP.mpf(10) ** -45):
                 return t
             t = less

@@ -27,7 +27,7 @@ GROWTHS: dict[str, dict[str, float]] = {
 def _magnified(p: Exact, age: Real) -> float:
     """Return by what the growth at the end of a stick magnifies its rounding."""
     pull = p.k * abs(p.v)
-    return float(pull / (pull - MP.diff(p.growth, age)))
+    return float(pull / (pull - p.growing(age)))
 
 
 def _later(p: Exact) -> dict[str, Real]:

@@ -1,132 +1,59 @@
-"""The time of break-away under growing static friction, as a root: found, exact, and soon."""
+"""The first stick under growing static friction is exact wherever its end lies."""
 
-from __future__ import annotations
-
-import math
 import random
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable
 
-import mpmath
-import pytest
+from tests.facts.closed import MP, Exact
 
-from stickslip_fmu.laws.coulomb.dwell import Dwell, load_up
+from .blocks import log_uniform, make_block
 
-from .blocks import log_uniform
-
-# A halving for each bit of a double, and some steps before.
-MOST_STEPS = 64
+SLOW = {"m": 1e6, "g": 1e-6, "k": 1.0}
+"""N = 1 N, k = 1 N/m, and a slip of an hour: the first stick is what the meter shows."""
 
 
-class Counted(Dwell):
-    """A growth that counts how often Newton's method asks for a tangent."""
-
-    __slots__ = ("count",)
-
-    def __init__(self, *values: float) -> None:
-        super().__init__(*values)
-        self.count = 0
-
-    def tangent(self, age: float) -> tuple[float, float]:
-        """Return the tangent, and count."""
-        self.count += 1
-        return super().tangent(age)
-
-
-@pytest.fixture(autouse=True)
-def _high_precision() -> Iterator[None]:
-    # Newton's steps of the exact root start up to 1e300 times beyond it.
-    with mpmath.workdps(330):
-        yield
+def drawn(generator: random.Random) -> dict[str, float]:
+    """Draw growth and pull; in half of them near the pull at which the stick vanishes."""
+    values = {
+        **SLOW,
+        "mu_k": 0.5,
+        "mu_s": 0.5 + generator.choice([0.0, log_uniform(generator, 1e-9, 1e3)]),
+        "tau_s": log_uniform(generator, 1e-6, 1e6),
+        "B": generator.choice([0.0, 0.1, log_uniform(generator, 1e-9, 1e3)]),
+        "t_0": log_uniform(generator, 1e-6, 1e6),
+        "v": log_uniform(generator, 1e-6, 1e6),
+        "z_start": 0.5 - generator.choice([0.0, 1e-5, log_uniform(generator, 1e-12, 0.5)]),
+    }
+    rate = (values["mu_s"] - 0.5) / values["tau_s"] + values["B"] / values["t_0"]
+    if rate and generator.random() < 0.5:
+        off = generator.choice([-1.0, 1.0]) * log_uniform(generator, 1e-9, 1.0)
+        values["v"] = rate * (1.0 + 0.999 * off)
+    return values
 
 
-def random_load_up(generator: random.Random) -> tuple[float, float, Counted] | None:
-    """Draw reach, pull and growth; near the pull at which the stick vanishes in half of them."""
-
-    def some(low: float, high: float) -> float:
-        extreme = generator.random() < 0.2
-        return log_uniform(generator, *((1e-290, 1e290) if extreme else (low, high)))
-
-    tau_s, t_0 = some(1e-6, 1e6), some(1e-6, 1e6)
-    rise = generator.choice([0.0, 1.0, log_uniform(generator, 1e-12, 1e6)])
-    strength = generator.choice([0.0, 0.1, log_uniform(generator, 1e-12, 1e6)])
-    reach = generator.choice([0.0, 1e-5, some(1e-20, 1e3)])
-    pull = log_uniform(generator, 1e-6, 1e6)
-    if generator.random() < 0.5:
-        off = generator.choice([-1.0, 1.0]) * log_uniform(generator, 1e-16, 1.0)
-        pull = (rise / tau_s + generator.choice([0.0, strength / t_0])) * (1.0 + off)
-    if not (rise + strength > 0.0 and 1e-250 < pull < 1e250):
-        return None
-    return reach, pull, Counted(rise, tau_s, strength, t_0)
-
-
-def exact(reach: float, pull: float, dwell: Dwell) -> tuple[Any, Any]:
-    """Return the root, and the rate at which the pull passes the growth there, by the pull."""
-    a, v = mpmath.mpf(reach), mpmath.mpf(pull)
-    rise, tau_s = mpmath.mpf(dwell.rise), mpmath.mpf(dwell.tau_s)
-    strength, t_0 = mpmath.mpf(dwell.strength), mpmath.mpf(dwell.t_0)
-
-    def lack(t: Any) -> Any:
-        return a - rise * mpmath.expm1(-t / tau_s) + strength * mpmath.log1p(t / t_0) - v * t
-
-    def slope(t: Any) -> Any:
-        return rise / tau_s * mpmath.exp(-t / tau_s) + strength / (t_0 + t) - v
-
-    if a == 0 and slope(mpmath.mpf(0)) <= 0:
-        return mpmath.mpf(0), -slope(mpmath.mpf(0)) / v
-    guess = (a + rise + strength) / v + strength / v * 2000
-    while True:
-        following = guess - lack(guess) / slope(guess)
-        if not following < guess * (1 - mpmath.mpf(10) ** -30):
-            return guess, -slope(guess) / v
-        guess = following
-
-
-def test_the_root_is_exact_wherever_it_lies(sized: Callable[[int], int]) -> None:
-    """Its relative error is rounding, times the pull by the rate at which it passes the growth."""
-    generator = random.Random(65)
-    seen = 0
+def test_the_first_stick_is_exact_wherever_it_ends(sized: Callable[[int], int]) -> None:
+    generator, seen = random.Random(65), 0
     while seen < sized(2_000):
-        drawn = random_load_up(generator)
-        if drawn is None:
-            continue
-        found = load_up(*drawn)
-        root, passing = exact(*drawn)
-        assert drawn[2].count <= MOST_STEPS
-        assert found >= 0.0
-        if not 1e-280 < root < 1e280:
+        values = drawn(generator)
+        p = Exact(values)
+        N = MP.mpf(1e6) * MP.mpf(1e-6)
+        assert p.N == N
+        stick = p.stick(p.z_start)
+        if not 1e-9 < stick < 1e9:
             continue
         seen += 1
-        # Beside a double root the data decide: 4 roundings of pull or rate are its whole value.
-        assert abs(mpmath.mpf(found) - root) <= 1e-15 * root / max(passing, mpmath.mpf(1e-15))
+        passing = 1 - p.growing(stick) / p.v
+        # Forces of 1 N are rounded, and the rate at which the pull passes the growth turns them
+        # into time; beside a double root four roundings of the rate are its whole value.
+        error = 4e-15 * ((1 + p.z_start + p.growth(stick)) / p.v + stick) / max(passing, 1e-15)
+        block = make_block(**values)
+        block.advance(0.0, float(stick + error) + min(1e-3 * float(stick), 100.0))
+        assert abs(block.meter.t_stick - stick) <= error, values
 
 
-def test_a_double_root_at_the_start_is_no_stick() -> None:
-    """A pull just as fast as the growth at the start, or faster, breaks away at once."""
-    for pull in (2.0, math.nextafter(2.0, 3.0), 1e9):
-        assert load_up(0.0, pull, Dwell(1.0, 1.0, 0.5, 0.5)) == 0.0
-    assert load_up(0.0, 1.999, Dwell(1.0, 1.0, 0.5, 0.5)) > 0.0
-
-
-def test_the_slowest_roots_need_a_bounded_number_of_steps() -> None:
-    """Towards the double root each step only halves the way, so 64 are enough for all digits."""
-    for ulps in range(-40, 40):
-        for dwell in (Counted(1.0, 1.0, 0.0, 1.0), Counted(0.0, 0.0, 1.0, 1.0)):
-            assert load_up(0.0, 1.0 + ulps * 2.0**-52, dwell) >= 0.0
-            assert dwell.count <= MOST_STEPS
-    for power in range(-320, 0):
-        for dwell in (Counted(1.0, 0.7, 0.0, 1.0), Counted(0.0, 0.0, 1.0, 0.7)):
-            assert load_up(10.0**power, 1.0 / 0.7, dwell) > 0.0
-            assert dwell.count <= MOST_STEPS
-
-
-def test_without_growth_left_it_is_the_plain_load_up() -> None:
-    """A stick so old that nothing grows any more breaks away after reach/pull."""
-    old = Dwell(1.0, 0.1, 0.0, 1.0).extension(1e6, 1.0)
-    assert load_up(0.3, 0.7, old) == 0.3 / 0.7
-
-
-def test_a_pull_too_slow_for_any_time_never_breaks_away() -> None:
-    """Where the time is beyond all numbers the stick has no end."""
-    assert load_up(1.0, 5e-324, Dwell(0.0, 0.0, 1.0, 1.0)) == math.inf
-    assert load_up(1.0, 1e-310, Dwell(1.0, 1.0, 0.0, 1.0)) == math.inf
+def test_a_pull_just_as_fast_as_the_growth_breaks_away_at_once() -> None:
+    # From what a fresh stop holds, friction grows by 2 N/s at first.
+    values = {**SLOW, "mu_k": 0.5, "mu_s": 1.5, "tau_s": 1.0, "B": 0.5, "t_0": 0.5, "z_start": 0.5}
+    for v, sticks in ((2.0, False), (2.0 + 2.0**-51, False), (1e9, False), (1.999, True)):
+        block = make_block(**values, v=v)
+        block.advance(0.0, 1e-5)
+        assert (block.mode == 0) is sticks

@@ -1,212 +1,232 @@
-"""The simulation against the closed form, and against itself under the symmetries."""
+"""The reference's simulation: no cycle missed, samples and events in their places, refusals."""
 
+from __future__ import annotations
+
+import itertools
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+import warnings
+from collections.abc import Callable, Mapping
+from random import Random
 
 import numpy as np
 import pytest
 
-from stickslip_ref import Change, MeasuredCycle, Parameters, Trajectory, simulate, steady_cycle
-
-Draw = Callable[..., Iterator[Parameters]]
+from stickslip_ref import (
+    Change,
+    Coulomb,
+    FrictionClampWarning,
+    Parameters,
+    State,
+    Trajectory,
+    simulate,
+    steady_cycle,
+)
+from tests.ref.test_ref_cycle import machine, of_lambda
 
 INTEGRATION = 3e-13
 """Relative error of an integrated slip: 50 steps of rtol 3e-14, with room for another SciPy."""
 
 
-def _cycles(p: Parameters, count: int) -> tuple[MeasuredCycle, ...]:
-    """Simulate long enough for ``count`` cycles after the first load-up, and no more."""
-    first = abs(float(p.F_s) / (float(p.k) * float(p.v)))
-    T = float(steady_cycle(p).T)
-    return simulate(p, first + (count + 0.3) * T, times=[]).cycles
-
-
-def _assert_closed_form(p: Parameters, cycles: tuple[MeasuredCycle, ...], tangency: float) -> None:
-    """Compare with the closed form, times the conditioning of docs/theory.md (17)."""
+def cycles_of(values: Mapping[str, float], count: int) -> None:
+    """Assert that a run has its cycles, each the closed form: docs/theory.md (17)."""
+    p = Parameters(**values)
     exact = steady_cycle(p)
-    lambda_ = float(exact.lambda_)
-    gap = float(p.mu_s / (p.mu_s - p.mu_k))
+    first = abs(float(p.F_s) / float(p.k) / float(p.v))
+    measured = simulate(p, first + (count + 0.3) * float(exact.T), times=[]).cycles
+    assert len(measured) == count, values
+    L, gap = float(exact.lambda_), values["mu_s"] / (values["mu_s"] - values["mu_k"])
+    shallow = 1.0 + 1.0 / L**2
     conditioning = {
-        "T": 1.0,
-        "delta_x": 1.0,
-        "x_dot_peak": 1.0,
-        "t_slip": 1.0 + 1.0 / lambda_,
-        "t_stick": 1.0 + 1.0 / lambda_**2,
-        "spring_drop": 1.0 + 1.0 / lambda_**2,
+        **dict.fromkeys(("T", "delta_x", "x_dot_peak"), 1.0),
+        "t_slip": 1.0 + 1.0 / L,
+        **dict.fromkeys(("t_stick", "spring_drop"), shallow),
     }
-    for cycle in cycles:
-        for name, factor in conditioning.items():
-            error = abs(getattr(cycle, name) / getattr(exact, name) - 1.0)
-            assert error < INTEGRATION * gap * factor * tangency, (name, p)
-        assert cycle.delta_x == pytest.approx(p.v * cycle.T, rel=INTEGRATION * gap)
+    for cycle, (name, factor) in itertools.product(measured, conditioning.items()):
+        error = abs(getattr(cycle, name) / getattr(exact, name) - 1.0)
+        assert error < INTEGRATION * gap * factor, (name, values)
 
 
-@pytest.mark.parametrize(
-    ("count", "seed", "lambda_range"),
-    [(500, 20240, None), (100, 20241, (1e-3, 1e-1))],
-    ids=["machines of all sizes", "grazing re-sticks"],
-)
+@pytest.mark.parametrize(("low", "high"), [(1e-2, 1e2), (1e-3, 1e-1)])
 def test_no_cycle_is_missed_and_each_is_the_closed_form(
-    undamped_points: Draw,
-    sized: Callable[[int], int],
-    count: int,
-    seed: int,
-    lambda_range: tuple[float, float] | None,
+    sized: Callable[[int], int], low: float, high: float
 ) -> None:
-    """From lambda = 1e-3 on every re-stick is found, however shallow, and is where it belongs."""
-    for p in undamped_points(sized(count), seed, lambda_range):
-        cycles = _cycles(p, 2)
-        assert len(cycles) == 2, p
-        _assert_closed_form(p, cycles, tangency=1.0)
+    for n in range(sized(250)):
+        draw = Random(f"cycles {low} {n}")
+        lambda_ = low * (high / low) ** draw.random()
+        cycles_of(of_lambda(machine(draw), lambda_), 2)
 
 
-def test_damped_slips_end_if_and_only_if_the_cycle_exists(
-    damped_points: Callable[[int, int], Iterator[tuple[Parameters, float]]],
-) -> None:
-    """Above lambda_c each slip ends as the closed form says, below none ends."""
-    ends = 0
-    for p, d in damped_points(100, 20242):
-        if d > 0.0:
-            cycles = _cycles(p, 1)
-            assert len(cycles) == 1, (p, d)
-            _assert_closed_form(p, cycles, tangency=1.0 + 1.0 / math.sqrt(d))
-            ends += 1
-        else:
-            first = float(p.F_s) / (float(p.k) * float(p.v))
-            run = simulate(p, first + 30.0 / float(p.w), times=[])
-            assert [event.kind for event in run.events] == ["break-away"], (p, d)
-    assert ends > 30
-
-
-def test_first_load_up_and_steady_state_of_the_default_block() -> None:
-    """The default block breaks away first at mu_s m g / (k v) and then every T."""
-    p = Parameters()
-    run, exact = simulate(p, 10.0), steady_cycle(p)
-    breaks = [event.time for event in run.events if event.kind == "break-away"]
-    assert len(run.cycles) == 30
-    expected = 0.24525 + float(exact.T) * np.arange(len(breaks))
-    # Times add up: thirty cycles of INTEGRATION each, of a run of 10 s.
-    np.testing.assert_allclose(breaks, expected, rtol=0.0, atol=30 * INTEGRATION)
+def test_without_kinetic_friction_every_slip_still_ends_in_stick() -> None:
+    # It relieves the spring to -F_s, where equality sticks, at any lambda: theory (4).
+    for n in range(30):
+        draw = Random(f"whole gap {n}")
+        values = of_lambda({**machine(draw), "mu_k": 0.0}, 10.0 ** draw.uniform(-3.0, 3.0))
+        cycles_of(values, 2)
 
 
 def test_a_long_run_repeats_itself() -> None:
-    """The two hundredth cycle is the second: nothing drifts from cycle to cycle."""
-    cycles = simulate(Parameters(), 64.0, times=[]).cycles
-    assert len(cycles) > 200
-    assert cycles[200].t_stick == pytest.approx(cycles[1].t_stick, rel=2e-15 * 200)
-    assert cycles[200].t_slip == pytest.approx(cycles[1].t_slip, rel=2e-15 * 200)
-
-
-def test_a_sticking_mass_does_not_move_by_a_bit() -> None:
-    """In stick x is one number and x_dot is zero, at every sample."""
-    run = simulate(Parameters(), 3.0)
-    for n in range(int(run.n_slips[-1]) + 1):
-        stuck = run.sticking & (run.n_slips == n)
-        assert np.unique(run.x[stuck]).size <= 1
-    assert np.all(run.x_dot[run.sticking] == 0.0)
-
-
-def test_the_mirror_mirrors_the_motion() -> None:
-    """Pull, force and start negated, the motion is negated, equal as numbers."""
-    p = Parameters(c=0.3, F_ext=0.7, x_start=0.1, x_dot_start=0.4, z_start=0.002)
-    q = replace(p, v=-0.02, F_ext=-0.7, x_start=-0.1, x_dot_start=-0.4, z_start=-0.002)
-    times = np.linspace(0.0, 3.0, 301)
-    change, mirrored = Change(1.0, {"F_ext": -5.0}), Change(1.0, {"F_ext": 5.0})
-    a = simulate(p, 3.0, times=times, changes=[change])
-    b = simulate(q, 3.0, times=times, changes=[mirrored])
-    for name in ("x", "x_dot", "x_pull", "z", "F", "F_friction", "mode", "delta_x", "x_dot_peak"):
-        np.testing.assert_array_equal(getattr(a, name), -getattr(b, name))
-    for name in ("W_pull", "Q_friction", "t_stick", "t_slip", "T", "n_slips", "t_event"):
-        np.testing.assert_array_equal(getattr(a, name), getattr(b, name))
-
-
-def test_mass_stiffness_damping_and_forces_scale_together() -> None:
-    """m, k, c, load and F_ext times 4 leave the motion as it is, bit for bit."""
-    p = Parameters(c=0.3, load=2.0, F_ext=0.7)
-    q = replace(p, m=4.0, k=4000.0, c=1.2, load=8.0, F_ext=2.8)
-    _assert_same_motion(simulate(p, 3.0), simulate(q, 3.0))
-
-
-def test_time_scales_with_stiffness_and_gravity() -> None:
-    """k, g, load, F_ext times 4, v, c, x_dot times 2: the same positions in half the time."""
-    p = Parameters(c=0.3, load=2.0, F_ext=0.7, x_dot_start=0.1)
-    q = replace(p, k=4000.0, g=4 * 9.81, load=8.0, F_ext=2.8, v=0.04, c=0.6, x_dot_start=0.2)
-    slow, fast = simulate(p, 3.0), simulate(q, 1.5)
-    _assert_same_motion(slow, fast)
-    np.testing.assert_array_equal(slow.t, 2.0 * fast.t)
-
-
-def _assert_same_motion(a: Trajectory, b: Trajectory) -> None:
-    for name in ("x", "z", "x_pull", "mode", "delta_x", "spring_drop", "n_slips"):
-        np.testing.assert_array_equal(getattr(a, name), getattr(b, name), err_msg=name)
-
-
-def test_without_a_gap_the_mass_touches_rest_once_a_period() -> None:
-    """With mu_s = mu_k and no damping, t_stick is 0 and t_slip 2 pi / w, cycle after cycle."""
-    p = Parameters(mu_s=0.3)
-    cycles = simulate(p, 2.0, times=[]).cycles
-    assert len(cycles) == 9
-    for cycle in cycles:
-        assert cycle.t_stick == 0.0
-        # The turn of a velocity is where its slope is zero: known as well as the slope is.
-        assert cycle.t_slip == pytest.approx(2.0 * math.pi / p.w, rel=INTEGRATION)
-
-
-@pytest.mark.parametrize(
-    "values", [{"mu_s": 0.3, "c": 4.0}, {"c": 200.0}, {"c": 1e4}, {"c": 9.0, "v": 1.0}]
-)
-def test_a_slip_without_end_settles_to_the_pull(values: dict[str, float]) -> None:
-    """Where no cycle exists the mass breaks away once and ends up sliding at v."""
-    p = Parameters(**values)
-    run = simulate(p, 30.0)
-    assert [event.kind for event in run.events] == ["break-away"]
-    assert run.n_slips[-1] == 0
-    # The slowest of these, zeta = 158, decays by exp(-w t / (2 zeta)) = exp(-3).
-    assert run.x_dot[-1] == pytest.approx(p.v, rel=1e-12 if p.zeta < 10.0 else 0.06)
-
-
-def test_steady_sliding_persists_without_damping() -> None:
-    """A velocity disturbance below v neither decays nor ends the slip when c = 0."""
-    z_slide = 0.3 * 9.81 / 1000.0
-    run = simulate(Parameters(x_dot_start=0.015, z_start=z_slide), 20.0)
-    assert run.events == ()
-    late = run.x_dot[run.t > 15.0]
-    # A sampled sinusoid misses its peak by (w h)^2 / 8 of its amplitude at steps h = 20 ms: 5 %.
-    assert np.ptp(late) == pytest.approx(0.01, rel=0.05)
-
-
-def test_a_disturbance_above_the_pull_ends_in_the_cycle() -> None:
-    """A sliding mass disturbed by more than v sticks, and is in the steady cycle from then on."""
-    p = Parameters(x_dot_start=0.05, z_start=0.3 * 9.81 / 1000.0)
-    run = simulate(p, 2.0)
-    period = float(steady_cycle(p).T)
-    assert period == pytest.approx(run.cycles[-1].T, rel=INTEGRATION * 2.5)
+    cycles = simulate(Parameters(), 20.0, times=[]).cycles
+    assert len(cycles) > 60
+    for name in ("t_stick", "t_slip"):
+        assert getattr(cycles[60], name) == pytest.approx(getattr(cycles[1], name), rel=2e-15 * 60)
 
 
 def test_samples_are_where_they_are_asked_for() -> None:
-    """The state at given times is that of the default grid's motion."""
     times = [0.0, 0.1, 0.3, 0.3, 0.36, 1.0]
-    run = simulate(Parameters(), 1.0, times=times)
+    run, fine = simulate(Parameters(), 1.0, times=times), simulate(Parameters(), 1.0)
     np.testing.assert_array_equal(run.t, times)
-    fine = simulate(Parameters(), 1.0)
     # Linear interpolation on 32 intervals of a slip: (w h)^2 / 8 of the jump, h = 3.7 ms.
     np.testing.assert_allclose(run.x, np.interp(times, fine.t, fine.x), atol=2e-3 * 6.3e-3)
     assert np.all(np.diff(fine.t) > 0.0)
     assert {event.time for event in fine.events} <= set(fine.t)
+    assert all(fine.x_dot[fine.sticking] == 0.0)
 
 
-def test_the_start_time_dates_the_events_and_nothing_else() -> None:
-    """The same run a thousand seconds later is the same run."""
-    early, late = simulate(Parameters(), 2.0), simulate(Parameters(), 1002.0, start_time=1000.0)
-    np.testing.assert_array_equal(early.x, late.x)
-    np.testing.assert_array_equal(early.t_stick, late.t_stick)
-    np.testing.assert_allclose(early.t + 1000.0, late.t, atol=2e-13)  # an ulp of 1000
-    assert late.t_event[0] == 1000.0
+def test_no_sample_is_lost_at_the_end_of_a_run_or_at_a_change() -> None:
+    draw = Random(5)
+    for _ in range(60):
+        p = Parameters(c=100.0, v=draw.uniform(0.015, 0.08), z_start=draw.uniform(0.0, 0.0049))
+        start = draw.choice([0.0, draw.uniform(0.0, 50.0)])
+        stop = start + draw.uniform(0.01, 1.0)
+        changes = [
+            Change(draw.uniform(start, stop), {"v": draw.uniform(0.01, 0.05)}) for _ in range(2)
+        ]
+        times = np.sort([*np.linspace(start, stop, 20), *(each.time for each in changes)])
+        run = simulate(p, stop, start_time=start, times=times, changes=changes, rtol=1e-6)
+        assert len(run.x) == len(times) == len(run.T), (p, start, stop)
+    # Begin and length of the last arc add up to less than the stop time here.
+    times = np.linspace(0.0, 0.965, 98)
+    assert len(simulate(Parameters(c=100.0, v=0.0157), 0.965, times=times).x) == 98
+
+
+def test_a_sample_at_a_change_shows_the_state_before_it() -> None:
+    draw = Random(6)
+    for _ in range(30):
+        p = Parameters(v=draw.uniform(0.015, 0.08), c=draw.choice([0.0, 100.0]))
+        time = draw.uniform(0.01, 0.6)
+        change = Change(time, {"load": 30.0, "F_ext": -3.0, "k": 1500.0})
+        changed = simulate(p, 0.7, times=[time], changes=[change], rtol=1e-6)
+        plain = simulate(p, time, times=[time], rtol=1e-6)
+        for name in ("x", "x_dot", "z", "F", "F_friction", "F_s", "W_pull", "W_k", "Q_friction"):
+            np.testing.assert_array_equal(getattr(changed, name), getattr(plain, name))
+
+
+@pytest.mark.parametrize("values", [{}, {"v": -0.02}, {"mu_s": 0.0, "mu_k": 0.0}])
+def test_no_force_is_not_a_negative_one(values: dict[str, float]) -> None:
+    run = simulate(Parameters(**values), 0.1, times=[0.0])
+    for name in ("F", "F_friction", "x", "z", "W_pull", "Q_friction"):
+        first = getattr(run, name)[0]
+        assert first != 0.0 or math.copysign(1.0, first) == 1.0, name
+
+
+def test_changes_at_one_time_act_as_their_last_at_the_start_as_a_start_at_the_end_not() -> None:
+    for time in (0.0, 0.1):
+        pulse = [Change(time, {"F_ext": 20.0, "k": 2e3}), Change(time, {"F_ext": 0.0, "k": 1e3})]
+        run = simulate(Parameters(z_start=1e-3), 0.15, changes=pulse)
+        assert (run.events, run.W_k[-1]) == ((), 0.0)
+    a = simulate(Parameters(), 0.5, changes=[Change(0.0, {"k": 2000.0, "v": 0.03})])
+    b = simulate(Parameters(k=2000.0, v=0.03), 0.5)
+    late = simulate(Parameters(k=2000.0, v=0.03), 0.5, changes=[Change(0.5, {"v": 5.0})])
+    for run in (a, late):
+        np.testing.assert_array_equal(run.x, b.x)
+        np.testing.assert_array_equal(run.W_k, 0.0)
+
+
+def test_a_pull_taken_off_at_the_instant_of_break_away_moves_nothing() -> None:
+    draw, broken = Random(8), 0
+    for _ in range(60):
+        cut = Change(draw.uniform(0.01, 0.24), {"v": draw.uniform(0.01, 0.05)})
+        away = simulate(Parameters(), 1.0, changes=[cut], times=[], rtol=1e-6).events[0].time
+        off = Change(away, {"F_ext": -3.0})
+        run = simulate(Parameters(), away + 0.01, changes=[cut, off], rtol=1e-6)
+        # Whether the break-away was counted before the change or not.
+        assert [event.kind for event in run.events] in ([], ["break-away", "re-stick"])
+        assert (run.x[-1], run.mode[-1]) == (0.0, 0)
+        broken += bool(run.events)
+    assert broken > 0
+
+
+def test_the_meter_measures_what_events_and_samples_show() -> None:
+    changes = [
+        Change(0.1, {"F_ext": 7.0}),
+        Change(0.16, {"F_ext": -9.0, "c": 1.5}),
+        Change(0.31, {"F_ext": 0.0, "k": 1700.0}),
+        Change(0.6, {"v": -0.05, "load": 4.0}),
+    ]
+    run = simulate(Parameters(), 1.2, changes=changes)
+    assert {"break-away", "re-stick", "reversal"} == {event.kind for event in run.events}
+    for begin, end in itertools.pairwise(run.events):
+        sample = int(np.searchsorted(run.t, end.time))
+        if end.kind == "break-away":
+            assert run.t_stick[sample] == pytest.approx(end.time - begin.time, abs=1e-14)
+            continue
+        # Differences of positions up to 0.1 m, rounded and integrated.
+        assert run.delta_x[sample] == pytest.approx(end.x - begin.x, abs=1e-14)
+        assert run.spring_drop[sample] == pytest.approx(begin.z - end.z, abs=1e-14)
+        assert run.t_slip[sample] == pytest.approx(end.time - begin.time, abs=1e-14)
+        inside = (run.t >= begin.time) & (run.t <= end.time)
+        fastest, peak = float(np.max(np.abs(run.x_dot[inside]))), abs(run.x_dot_peak[sample])
+        # Samples stand at most 1/32 of a slip apart: (pi / 64)^2 / 2 below the peak.
+        assert peak * (1.0 - 5e-3) <= fastest <= peak * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("c", [0.0, 20.0, 400.0, 4000.0])
+def test_energy_is_accounted_for_with_any_damping(c: float) -> None:
+    run = simulate(Parameters(c=c, F_ext=1.0), 2.0)
+    stored = 0.5 * (1000.0 * run.z**2 + run.x_dot**2)
+    # Each term is integrated to rtol over some slips; Radau to 1e-11 from zeta = 30 on.
+    assert imbalance(run, stored) < (1e-12 if c < 1000.0 else 1e-8)
+
+
+def imbalance(run: Trajectory, stored: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
+    given = run.W_pull + run.W_k + run.W_ext - run.Q_friction
+    scale = max(np.abs(run.W_pull).max(), run.Q_friction.max(), stored.max())
+    return float(np.abs(given - (stored - stored[0])).max() / scale)
+
+
+def test_a_stiff_slip_is_the_overdamped_solution_at_little_cost() -> None:
+    class Counted(Coulomb):
+        constant_in_slip = False
+        calls = 0
+
+        def slip_friction(self, p: Parameters, speed: float, state: State = ()) -> float:
+            Counted.calls += 1
+            return 0.3 * 9.81
+
+    p = Parameters(c=200.0 * math.sqrt(1000.0), z_start=0.02, v=0.02)
+    times = [0.001, 0.01, 0.1, 1.0, 3.0]
+    run = simulate(p, 3.0, times=times, law=Counted())
+    alpha, w2 = 0.5 * float(p.c), 1000.0
+    r1 = alpha + math.sqrt(alpha * alpha - w2)
+    r2, a = w2 / r1, 0.02 * 1000.0 - 0.3 * 9.81
+    fast, slow = -(a - r2 * 0.02) / (r1 - r2), (a - r1 * 0.02) / (r1 - r2)
+    for t, x_dot in zip(times, run.x_dot, strict=True):
+        exact = 0.02 + fast * math.exp(-r1 * t) + slow * math.exp(-r2 * t)
+        # The implicit method's tolerance of 1e-11 a step, over some hundred steps.
+        assert x_dot == pytest.approx(exact, rel=1e-9)
+    # An explicit method needs a dozen for each 3 / (2 zeta w): 25,000.
+    assert Counted.calls < 20_000
+
+
+def test_a_large_constant_force_does_not_blur_a_small_gap() -> None:
+    p = Parameters(mu_k=0.5 * (1.0 - 1e-3), F_ext=1e7, v=0.001, z_start=-1e4)
+    run, exact = simulate(p, 6.0, times=[]), steady_cycle(p)
+    assert run.cycles
+    for name in ("t_slip", "x_dot_peak"):
+        expected = float(getattr(exact, name))
+        # Over a gap of 1e-3 and lambda of 0.3.
+        assert getattr(run.cycles[0], name) == pytest.approx(expected, rel=INTEGRATION * 1e3)
+
+
+def test_the_clamp_warns_where_the_friction_changes_and_once() -> None:
+    changes = [Change(0.1, {"mu_k": 0.7}), Change(0.2, {"v": 0.03}), Change(0.3, {"load": 1.0})]
+    with pytest.warns(FrictionClampWarning, match=r"mu_k = 0\.7 exceeds mu_s = 0\.5") as caught:
+        simulate(Parameters(), 0.35, changes=changes)
+    assert len(caught) == 1
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    ("arguments", "words"),
     [
         ({"stop_time": -1.0}, "stop_time = -1.0 s is out of range"),
         ({"stop_time": math.nan}, "stop_time = nan s is out of range"),
@@ -214,15 +234,20 @@ def test_the_start_time_dates_the_events_and_nothing_else() -> None:
         ({"times": [0.5, 0.2]}, r"times\[1\] = 0.2 s is less"),
         ({"times": [0.5, 2.0]}, "must lie within the run, 0.0 to 1.0 s"),
         ({"p": Parameters(k=np.array([1.0, 2.0]))}, r"the fields broadcast to \(2,\)"),
+        ({"changes": [Change(-0.1, {"v": 1.0})]}, "a change at -0.1 s lies before the start"),
+        ({"own": {"slope": 1.0}}, "slope = 1.0 is no parameter of the friction law"),
     ],
 )
-def test_bad_runs_are_refused(arguments: dict[str, object], message: str) -> None:
-    """A run that makes no sense is refused with what is wrong and what would be right."""
-    with pytest.raises(ValueError, match=message):
+def test_bad_runs_are_refused(arguments: dict[str, object], words: str) -> None:
+    with warnings.catch_warnings(), pytest.raises(ValueError, match=words):
         simulate(**({"p": Parameters(), "stop_time": 1.0} | arguments))  # type: ignore[arg-type]  # wrong types are the point
 
 
+def test_a_change_to_no_number_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"v = nan at 0\.1 s must be a finite number"):
+        Change(0.1, {"v": math.nan})
+
+
 def test_too_many_events_end_the_run_with_their_number() -> None:
-    """A run that would not end in reasonable time says how many events it has had."""
     with pytest.raises(RuntimeError, match=r"11 events by t = .* more than max_events = 10"):
         simulate(Parameters(), 10.0, max_events=10)

@@ -1,0 +1,1 @@
+"""What only the reference has: fields, samples, limits."""
