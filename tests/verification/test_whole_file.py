@@ -2,7 +2,6 @@
 
 import errno
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -10,10 +9,10 @@ import pytest
 
 from stickslip_verification import replacing
 from stickslip_verification.model.whole_file import write_all
+from tests.python import python
 
 
-def test_an_interrupted_write_leaves_the_old_file(tmp_path: Path) -> None:
-    """Where the block fails the file is as it was, and nothing else is left beside it."""
+def test_an_interrupted_write_leaves_the_old_file_and_nothing_beside_it(tmp_path: Path) -> None:
     file = tmp_path / "report.json"
     file.write_bytes(b"old")
 
@@ -29,7 +28,6 @@ def test_an_interrupted_write_leaves_the_old_file(tmp_path: Path) -> None:
 
 
 def test_a_replaced_file_has_the_permissions_of_a_new_one(tmp_path: Path) -> None:
-    """Who may read it is what the process's mask says, whatever temporary files are."""
     file = tmp_path / "report.json"
     before = os.umask(0o027)
     try:
@@ -42,8 +40,7 @@ def test_a_replaced_file_has_the_permissions_of_a_new_one(tmp_path: Path) -> Non
     assert file.stat().st_mode & 0o777 == 0o640
 
 
-def test_files_are_written_all_or_none(tmp_path: Path) -> None:
-    """Where the second file cannot be written, the first is as it was; the error names it."""
+def test_a_file_that_cannot_take_its_place_is_named_and_no_part_is_left(tmp_path: Path) -> None:
     first, second = tmp_path / "first", tmp_path / "folder"
     first.write_bytes(b"old")
     second.mkdir()
@@ -69,12 +66,8 @@ except OSError as error:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="files have no largest size there")
-def test_a_file_that_does_not_fit_is_named(tmp_path: Path) -> None:
-    """A file that grows too large is named, and none of those written with it is left."""
+def test_of_files_that_do_not_fit_none_is_left(tmp_path: Path) -> None:
     (tmp_path / "a").write_bytes(b"old")
-    run = subprocess.run(
-        [sys.executable, "-c", FILLING, tmp_path], capture_output=True, text=True, check=True
-    )
-    assert run.stdout == f"b {os.strerror(errno.EFBIG)}\n"
+    assert python("-c", FILLING, tmp_path).stdout == f"b {os.strerror(errno.EFBIG)}\n"
     assert list(tmp_path.iterdir()) == [tmp_path / "a"]
     assert (tmp_path / "a").read_bytes() == b"old"
