@@ -90,24 +90,14 @@ def test_options_change_what_they_name_and_nothing_else(monkeypatch: pytest.Monk
     assert axis_with(nothing, True) == replace(other, T_n=4.0 / 200.0)
 
 
-def test_of_a_long_run_each_nth_row_and_the_last_stay() -> None:
-    rows = np.arange(90_000.0).reshape(-1, 1)
-    left = command.thinned(rows)
-    assert len(left) <= command.MOST_ROWS
-    assert (left[0], left[-1]) == (rows[0], rows[-1])
-    assert set(np.diff(left[:-1, 0])) == {5.0}
-    assert np.array_equal(command.thinned(rows[:4001]), rows[:4001])
-
-
 def test_a_master_that_is_missing_is_told_with_what_installs_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
     command.check_master(command.Master.FMPY)
-    with pytest.raises(CommandError, match="python -m pip install ecospy, and of Deb"):
-        command.check_master(command.Master.ECOS)
-    with pytest.raises(CommandError, match="python -m pip install libcosimpy"):
-        command.check_master(command.Master.LIBCOSIM)
+    for master, package in (("ecos", "ecospy, and of Deb"), ("libcosim", "libcosimpy")):
+        with pytest.raises(CommandError, match=f"python -m pip install {package}"):
+            command.check_master(command.Master(master))
 
 
 @pytest.fixture(scope="module")

@@ -12,12 +12,10 @@ from examples.feed_axis.designed import designed
 from examples.feed_axis.document import TOLERANCE
 from stickslip_design.critical import estimated_critical_feed
 from stickslip_design.loop.hunting import hunting
-from stickslip_design.loop.jumps import limit_of_jumps
 from stickslip_design.loop.stability import swing
 
 from .coupled import TEXT, velocity_loop
 
-FLOWING = " ".join(TEXT.split())
 CREEP = study.rows_of(TEXT, "creep")
 HUNTING = study.rows_of(TEXT, "hunting")
 BASE = "as it is"
@@ -28,13 +26,6 @@ def test_the_row_of_the_axis_as_it_is_is_that_of_a_run(fmus: Path) -> None:
     # `make docs-check` runs every variant, and those that hunt for 20 s.
     row = study.creep_row(fmus, study.VARIANTS[0])
     assert study.differences(CREEP[BASE], row, TOLERANCE) == []
-
-
-def test_a_number_that_is_off_by_more_than_its_last_digit_is_found() -> None:
-    told = ["a", "18.4", "no"]
-    assert study.differences(told, ["a", "18.5", "no"], 0.02) == []
-    for other in (["a", "19.1", "no"], ["a", "18.4", "yes"]):
-        assert len(study.differences(told, other, 0.02)) == 1
 
 
 @pytest.mark.parametrize("variant", CREEP)
@@ -91,43 +82,25 @@ def test_what_takes_the_wind_up_away_ends_hunting_and_leaves_an_error() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ([{"on_table": False, "K_v": K_v} for K_v in (25.0, 50.0, 75.0)], "1.09, 1.00, 0.93 mm/s"),
-        ([velocity_loop(220.0)], "lowest at 220 1/s, 1.44 mm/s"),
-        ([velocity_loop(100.0)], "At 100 1/s jumping goes on to 1.83 mm/s"),
+    ("changes", "percent"),
+    [({}, 6.6), ({"K_v": 50.0}, 3.7), (velocity_loop(600.0), 1.4)]
+    + [
+        ({"K_v": K_v, "on_table": False}, p) for K_v, p in ((25.0, 9.1), (50.0, 10.0), (75.0, 11.1))
     ],
 )
-def test_the_limits_of_other_drives_are_to_the_digit(
-    changes: list[dict[str, Any]], words: str
-) -> None:
-    limits = [1e3 * limit_of_jumps(designed(replace(Axis(), **each))).feed for each in changes]
-    assert ", ".join(f"{limit:.2f}" for limit in limits) in words
-    assert words in FLOWING
-
-
-def test_the_damping_ratios_are_to_the_digit() -> None:
-    drives: list[dict[str, Any]] = [{}, {"K_v": 50.0}, velocity_loop(600.0)]
-    drives += [{"K_v": K_v, "on_table": False} for K_v in (25.0, 50.0, 75.0)]
-    ratios = [100.0 * swing(designed(replace(Axis(), **each))).damping for each in drives]
-    assert [f"{ratio:.1f}" for ratio in ratios] == ["6.6", "3.7", "1.4", "9.1", "10.0", "11.1"]
-    for words in (
-        "is damped by 6.6 %",
-        "leave hardly any damping, 3.7 % and 1.4 %",
-        "25, 50, 75 1/s give 9.1, 10.0, 11.1 %",
-    ):
-        assert words in FLOWING
+def test_the_table_that_slides_is_damped_as_told(changes: dict[str, Any], percent: float) -> None:
+    ratio = swing(designed(replace(Axis(), **changes))).damping
+    # The last digit.
+    assert 100.0 * ratio == pytest.approx(percent, abs=0.05)
+    assert f"{percent} %" in TEXT or f" {percent}, " in TEXT
 
 
 def test_the_damping_ratio_estimates_the_limit_within_7_percent_but_for_two_variants() -> None:
-    estimates = {
-        each.name: 1e3 * estimated_critical_feed(designed(each.axis)) for each in study.CREEPING
+    off = {
+        each.name: 1e3 * estimated_critical_feed(designed(each.axis)) / float(CREEP[each.name][8])
+        for each in study.CREEPING
     }
-    off = {name: limit / float(CREEP[name][8]) - 1.0 for name, limit in estimates.items()}
     # The table has two digits.
-    assert off.pop("stiffer, k = 100 N/µm") == pytest.approx(0.20, abs=0.01)
-    assert off.pop("position on the motor") == pytest.approx(0.16, abs=0.01)
-    assert max(map(abs, off.values())) < 0.07
-    told = f"{estimates[BASE]:.2f} mm/s as it is, {estimates['K_v = 50 1/s']:.2f} mm/s with K_v"
-    for words in (told, "20 % too high", "and 16 %"):
-        assert words in FLOWING
+    assert off.pop("stiffer, k = 100 N/µm") == pytest.approx(1.20, abs=0.01)
+    assert off.pop("position on the motor") == pytest.approx(1.16, abs=0.01)
+    assert list(off.values()) == pytest.approx([1.0] * len(off), abs=0.07)

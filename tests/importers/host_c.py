@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from stickslip.errors import CommandError
-from stickslip.host.launch import ask, find_library, prepare
+from stickslip.host.launch import prepare
 from stickslip_fmu.spec import TABLE
 from tests.importers.cases import Case
 from tests.importers.running import Rows
@@ -25,7 +23,6 @@ _BARE = {"PATH": "/usr/local/bin:/usr/bin:/bin", "PYTHONNOUSERSITE": "1"}
 
 
 def compile_host(folder: Path, *options: str) -> Path:
-    """Compile the host into a folder and return the program."""
     program = folder / "host"
     command = ["cc", *(options or STRICT), "-o", str(program), str(SOURCE), "-ldl"]
     subprocess.run(command, check=True)
@@ -33,20 +30,9 @@ def compile_host(folder: Path, *options: str) -> Path:
 
 
 def unpack(fmu: Path, folder: Path) -> Path:
-    """Unzip the FMU into a folder and return it."""
     with zipfile.ZipFile(fmu) as archive:
         archive.extractall(folder)
     return folder
-
-
-def interpreters() -> list[str]:
-    """Return this interpreter, and the system's if it is another one with a shared library."""
-    system = "/usr/bin/python3"
-    try:
-        find_library(ask(system))
-    except CommandError:
-        return [sys.executable]
-    return [sys.executable] if Path(system).samefile(sys.executable) else [sys.executable, system]
 
 
 @dataclass(frozen=True)
@@ -58,7 +44,6 @@ class Host:
     environment: Mapping[str, str]
 
     def __call__(self, script: str) -> subprocess.CompletedProcess[str]:
-        """Run a script."""
         return subprocess.run(
             [self.program, self.fmu, "-"],
             input=script,
@@ -76,7 +61,6 @@ class Host:
         return [[float(value) for value in line.split(",")] for line in done.stdout.splitlines()]
 
     def run(self, case: Case) -> Rows:
-        """Run a case."""
         shown = self.answers(f"{script_of(case)}terminate\n")
         times = tuple(number * case.step for number in range(case.steps + 1))
         return Rows(times, dict(zip(OUTPUTS, zip(*shown, strict=True), strict=True)))

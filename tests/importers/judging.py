@@ -11,8 +11,6 @@ from stickslip_verification.truth import run as exact_run
 from tests.importers.cases import CASES, Case
 from tests.importers.running import Rows
 
-_DIGITS = 30
-"""Of the exact solution: twice those of a double."""
 _RELATIVE = ("t_stick", "t_slip", "T", "f", "mu_k_used")
 EXACT = ("mode", "sticking", "n_slips")
 """Outputs that must not differ at all."""
@@ -69,7 +67,7 @@ def _exact(name: str, times: tuple[float, ...], pushed: tuple[float, ...] | None
         if pushed is not None:
             changes["F_ext"] = pushed[number]
         steps.append(Step(end - begin, changes))
-    run = exact_run(case.start, steps, digits=_DIGITS)
+    run = exact_run(case.start, steps, digits=30)
     # The importers' times differ by some 1e-13 s: rounding must not put an event on the other side
     # of a communication point. An event that a change causes stands at the point itself.
     assert run.margin > 1e-6

@@ -11,7 +11,13 @@ ALONE = ("block",)
 PAIR = ("a", "b")
 LINK = (("a", "F"), ("b", "F_ext"))
 """Of two blocks the spring force of the first pushes the second."""
-PROBES = ("inputs", "parameters", "several", "resets", "any_step", "state", "serialize", "units")
+PROBES = {
+    "state": "save|restore|state",
+    "serialize": "serial|export",
+    "units": "unit",
+    **dict.fromkeys(("inputs", "parameters", "several", "resets", "any_step")),
+}
+"""Names of probes, and what one looks for among the calls of an importer that has no such probe."""
 
 
 class NotOfferedError(Exception):
@@ -19,24 +25,16 @@ class NotOfferedError(Exception):
 
 
 class Simulation:
-    """Blocks in an importer, from the start on; each importer has a subclass.
-
-    Attributes
-    ----------
-    time
-        Where the simulation stands [s].
-    shows_start
-        Whether outputs can be read before the first step.
-    offering
-        Classes of the importer, among whose methods one looks for what they offer.
-    errors
-        What the importer raises where it cannot do something, or the FMU refuses it.
-    """
+    """Blocks in an importer, from the start on; each importer has a subclass."""
 
     time: float
+    """Where the simulation stands [s]."""
     shows_start = True
+    """Whether outputs can be read before the first step."""
     offering: tuple[type, ...] = ()
+    """Classes of the importer, among whose methods one looks for what they offer."""
     errors: tuple[type[Exception], ...] = (NotOfferedError,)
+    """What the importer raises where it cannot do something, or the FMU refuses it."""
 
     def __init__(
         self,
@@ -130,7 +128,10 @@ class Simulation:
 
         `kinds` has for kinds of variables an FMU with one, and a value to set.
         """
-        probes: dict[str, tuple[Any, ...]] = {name: (getattr(cls, name), fmu) for name in PROBES}
+        probes: dict[str, tuple[Any, ...]] = {
+            name: (getattr(cls, name), fmu) if hasattr(cls, name) else (cls.offers, words)
+            for name, words in PROBES.items()
+        }
         probes |= {kind: (cls.echoes, *given) for kind, given in kinds.items()}
         found = {}
         for name, (probe, *given) in probes.items():
@@ -187,18 +188,6 @@ class Simulation:
             simulation.step(STEP)
             simulation.step(0.037)
             return bool(abs(simulation.get("x_pull") - 0.02 * 0.047) < 1e-15)
-
-    @classmethod
-    def state(cls, _: str) -> bool:
-        return cls.offers("save|restore|state")
-
-    @classmethod
-    def serialize(cls, _: str) -> bool:
-        return cls.offers("serial|export")
-
-    @classmethod
-    def units(cls, _: str) -> bool:
-        return cls.offers("unit")
 
     @classmethod
     def offers(cls, words: str) -> bool:
