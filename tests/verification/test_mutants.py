@@ -97,11 +97,12 @@ def test_a_fault_of_the_suite_changes_the_described_files_and_the_names_of_the_f
 ) -> None:
     originals = {law: built("python-2", law) for law in {mutant.law for mutant in INSIDE}}
     known = {law: opened(fmu) for law, fmu in originals.items()}
-    names = [each[1:] for each in known.values()]
+    names: list[tuple[str, ...]] = [each[1:] for each in known.values()]
     for mutant in INSIDE:
         texts, *own = opened(plant(originals[mutant.law], mutant, tmp_path))
         changed = dict(texts.items() - known[mutant.law][0].items())
-        described = {each.file for each in (*mutant.substitutions, *mutant.additions)}
+        described = {change.file for change in mutant.substitutions}
+        described |= {addition.file for addition in mutant.additions}
         described |= {f"{each.module.rpartition('.')[2]}.py" for each in mutant.overrides}
         assert {Path(name).name for name in changed} == {Path(each).name for each in described}
         for name, text in changed.items():

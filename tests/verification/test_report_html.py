@@ -290,7 +290,10 @@ def test_markup_in_a_message_of_an_fmu_is_shown_and_not_obeyed() -> None:
 
 
 def test_a_table_of_the_verdict_is_a_section() -> None:
-    rows = [("load in stick", 12), ("load at v = 0", "no stick <ends>")]
+    rows: list[tuple[str, str | int]] = [
+        ("load in stick", 12),
+        ("load at v = 0", "no stick <ends>"),
+    ]
     table = Table("Coverage", "Where things changed.", ("change", "c = 0"), rows, "Seed 1.")
     page = Page(render(verdict_of(result(), tables=[table])))
     assert {"href": "#table-0"} in page.all("a")
