@@ -1,4 +1,4 @@
-"""What the tests of the page share: the page as a file, and a window on it."""
+"""What the tests of the page share: the page as a file, and one window on it."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from stickslip.page import page as page_text
-from tests.page.browser import opened
+from tests.page.window import SIZE, Window
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Browser
 
 
 @pytest.fixture(scope="session")
@@ -23,8 +23,20 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
+@pytest.fixture(scope="session")
+def only_window(browser: Browser, page_file: Path) -> Iterator[Window]:
+    """Give the window that all tests share: one of its own would cost a second each."""
+    with browser.new_context(
+        viewport=SIZE, permissions=["clipboard-read", "clipboard-write"]
+    ) as it:
+        yield Window(it, page_file)
+
+
 @pytest.fixture
-def page(browser: Browser, page_file: Path) -> Iterator[Page]:
-    """Give the page in a fresh window of 1280 x 800; it must end without an error."""
-    with opened(browser, page_file) as page:
-        yield page
+def window(only_window: Window) -> Iterator[Window]:
+    """Give the page freshly loaded, 1280 x 800, nothing moving; it must end without an error."""
+    only_window.errors.clear()
+    only_window.open()
+    only_window.page.mouse.move(0, 0)
+    yield only_window
+    assert not only_window.errors, f"errors of the page: {only_window.errors}"

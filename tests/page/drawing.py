@@ -1,14 +1,12 @@
 """Reads the charts back: what their paths, bands, axes and cursors say, in seconds and SI."""
 
-from __future__ import annotations
-
+import math
 import re
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-if TYPE_CHECKING:
-    from playwright.sync_api import Page
+from tests.page.window import Window
 
 PIXEL = 0.02
 """How far a coordinate may be off [px]: it is written to a fiftieth, so 0.01 is rounding; the time
@@ -20,30 +18,40 @@ SIZES = {
     **{f"{prefix}N": size for prefix, size in {"T": 1e12, "k": 1e3, "": 1.0, "m": 1e-3}.items()},
     **{f"{prefix}m/s": size for prefix, size in {"": 1.0, "m": 1e-3, "µ": 1e-6}.items()},
     **{f"{prefix}s": size for prefix, size in {"": 1.0, "m": 1e-3, "µ": 1e-6}.items()},
+    "nm": 1e-9,
+    "kHz": 1e3,
+    "Hz": 1.0,
+    "%": 0.01,
+    "": 1.0,
     "years": 31557600.0,
     "days": 86400.0,
 }
-"""SI size of the units that the tests meet on an axis."""
+"""SI size of the units that the tests meet on the page."""
 
 Point = tuple[float, float]
+Kind = Literal["stick", "slip"]
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece of a path between two points [px]; straight, or curved with two controls."""
+    """A piece of a path, straight or cubic: its points [px], controls included."""
 
-    kind: Literal["line", "cubic"]
-    start: Point
-    end: Point
+    points: tuple[Point, ...]
 
+    @property
+    def is_line(self) -> bool:
+        """Tell whether it is straight."""
+        return len(self.points) == 2
 
-@dataclass(frozen=True)
-class Phase:
-    """A stick or a slip as the page's numbers have it, cut to what is seen [s]."""
+    @property
+    def start(self) -> Point:
+        """Return where it begins."""
+        return self.points[0]
 
-    kind: Literal["stick", "slip"]
-    start: float
-    end: float
+    @property
+    def end(self) -> Point:
+        """Return where it ends."""
+        return self.points[-1]
 
 
 @dataclass(frozen=True)
@@ -57,108 +65,118 @@ class TimeAxis:
 
     @property
     def span(self) -> float:
-        """Length of the view [s]."""
+        """Return the length of the view [s]."""
         return self.end - self.start
 
     def place(self, t: float) -> float:
-        """Give the pixel of a time [s]."""
+        """Return the pixel of a time [s]."""
         return self.left + (t - self.start) / self.span * self.width
 
     def time(self, place: float) -> float:
-        """Give the time [s] of a pixel."""
+        """Return the time [s] of a pixel."""
         return self.start + (place - self.left) / self.width * self.span
 
 
-def time_axis(page: Page, chart: str = "x-chart") -> TimeAxis:
-    """Give the time axis of a chart, from its clipping rectangle and the page's view."""
-    clip = page.locator(f"#{chart} clipPath rect")
-    left, width = (float(clip.get_attribute(name) or "") for name in ("x", "width"))
-    view = page.evaluate("window.stickslip.view")
-    return TimeAxis(left, width, float(view["from"]), float(view["to"]))
+def time_axis(window: Window, chart: str = "x-chart") -> TimeAxis:
+    """Return the time axis of a chart, from its clipping rectangle and the page's view."""
+    left, width = (float(window.part(f"#{chart} clipPath rect", name)) for name in ("x", "width"))
+    return TimeAxis(left, width, *window.view)
 
 
-def phases(page: Page) -> list[Phase]:
-    """Give the sticks and slips that are seen, from the page's own events and states."""
-    found = page.evaluate(
-        """() => {
-          const { from, to } = window.stickslip.view;
-          const dates = window.stickslip.events(from, to).map(event => event.t);
-          const edges = [from, ...dates.filter(t => t > from && t < to), to];
-          return edges.slice(1).map((end, i) => {
-            const { mode } = window.stickslip.at(0.5 * (edges[i] + end));
-            return { kind: mode === 0 ? "stick" : "slip", start: edges[i], end };
-          });
-        }"""
-    )
-    return [Phase(each["kind"], float(each["start"]), float(each["end"])) for each in found]
+def place(window: Window, chart: str, t: float) -> Point:
+    """Return where on the screen a time [s] lies, in the middle of a chart's height."""
+    window.page.locator(f"#{chart}").scroll_into_view_if_needed()
+    left, top, _, height = window.box(f"#{chart}")
+    return left + time_axis(window, chart).place(t), top + 0.5 * height
 
 
-def pieces(path: str) -> list[Piece]:
-    """Take the data of a path apart; pieces without length are left out."""
+def choose(window: Window, chart: str, start: float, end: float) -> None:
+    """Drag over a chart from one time [s] to another."""
+    (left, top), (right, _) = (place(window, chart, t) for t in (start, end))
+    window.pull(left, top, right - left, 0.0)
+
+
+def phases(window: Window) -> list[tuple[Kind, float, float]]:
+    """Return kind, start and end [s] of the sticks and slips seen, from the page's own numbers."""
+    start, end = window.view
+    dates = [each["t"] for each in window.js("v => stickslip.events(v[0], v[1])", [start, end])]
+    edges = [start, *(t for t in dates if start < t < end), end]
+    states = window.states([0.5 * (a + b) for a, b in pairwise(edges)])
+    kinds: list[Kind] = ["stick" if each["mode"] == 0 else "slip" for each in states]
+    return [(kind, a, b) for kind, (a, b) in zip(kinds, pairwise(edges), strict=True)]
+
+
+def curve(window: Window, selector: str) -> list[Piece]:
+    """Return the pieces of one drawn curve; those without length are left out."""
     found: list[Piece] = []
-    here: Point | None = None
-    for command, numbers in re.findall(r"([MLC])([^MLC]*)", path):
+    here: tuple[Point, ...] = ()
+    for command, numbers in re.findall(r"([MLC])([^MLC]*)", window.part(selector, "d")):
         values = [float(each) for each in numbers.split()]
-        end = (values[-2], values[-1])
-        if here is not None and command != "M" and (end != here or command == "C"):
-            found.append(Piece("line" if command == "L" else "cubic", here, end))
-        here = end
+        points = tuple(zip(values[::2], values[1::2], strict=True))
+        if command == "C" or (command == "L" and points != here):
+            found.append(Piece((*here, *points)))
+        here = points[-1:]
     return found
 
 
-def curve(page: Page, selector: str) -> list[Piece]:
-    """Give the pieces of one drawn curve."""
-    return pieces(page.get_attribute(selector, "d") or "")
+def lines(window: Window, selector: str) -> list[Piece]:
+    """Return the straight pieces of one drawn curve."""
+    return [each for each in curve(window, selector) if each.is_line]
 
 
-def lines(found: list[Piece]) -> list[Piece]:
-    """Give the straight pieces."""
-    return [each for each in found if each.kind == "line"]
-
-
-def bands(page: Page, chart: str, kind: Literal["stick", "slip"]) -> list[Point]:
-    """Give left and right edge [px] of each shaded band."""
+def bands(window: Window, chart: str, kind: Kind) -> list[Point]:
+    """Return left and right edge [px] of each shaded band."""
     shade = ".stick-band" if kind == "stick" else "path[fill^='url']"
-    path = page.get_attribute(f"#{chart} {shade}", "d") or ""
+    path = window.part(f"#{chart} {shade}", "d")
     return [(float(a), float(b)) for a, b in re.findall(r"M(\S+) \S+?H([^VHZM]+)V", path)]
 
 
-def height_of(page: Page, selector: str) -> float:
-    """Give the height [px] of a level line."""
-    match = re.match(r"M\S+ ([\d.]+)H", page.get_attribute(selector, "d") or "")
-    assert match
-    return float(match[1])
+def start_of(window: Window, selector: str) -> Point:
+    """Return where a drawn line begins [px], such as a level or the cursor."""
+    left, top = re.findall(r"-?[\d.]+", window.part(selector, "d"))[:2]
+    return float(left), float(top)
 
 
-def cursor(page: Page, chart: str) -> float:
-    """Give the place [px] of a chart's cursor line."""
-    match = re.match(r"M([\d.]+) ", page.get_attribute(f"#{chart} .cursor", "d") or "")
-    assert match
-    return float(match[1])
+def cursor(window: Window) -> float:
+    """Return the place [px] of the cursor line, the same on both charts."""
+    places = {start_of(window, f"#{chart} .cursor")[0] for chart in ("x-chart", "F-chart")}
+    assert len(places) == 1
+    return places.pop()
 
 
-def dot(page: Page, chart: str) -> Point:
-    """Give the place [px] of the mark of the mass."""
-    mark = page.locator(f"#{chart} .dot:not(.pull)")
-    return float(mark.get_attribute("cx") or ""), float(mark.get_attribute("cy") or "")
+def dot(window: Window, chart: str) -> Point:
+    """Return the place [px] of the mark of the mass."""
+    mark = f"#{chart} .dot:not(.pull)"
+    return float(window.part(mark, "cx")), float(window.part(mark, "cy"))
 
 
-def value_at(page: Page, chart: str, axis: Literal["x", "y"], place: float) -> tuple[float, float]:
+def value_at(window: Window, chart: str, axis: Literal["x", "y"], at: float) -> tuple[float, float]:
     """Read a value [SI] off an axis by its labels, as an eye does, and what 0.05 px are worth."""
     anchor, side, back = ("middle", "end", 0.0) if axis == "x" else ("end", "start", 4.0)
-    labels = page.eval_on_selector_all(
-        f"#{chart} .ticks text[text-anchor='{anchor}']",
-        "(labels, axis) => labels.map(l => [l.textContent, +l.getAttribute(axis)])",
-        axis,
+    marks = window.js(
+        "([where, axis]) => [...document.querySelectorAll(where)]"
+        ".map(each => [each.textContent.replace('−', '-'), +each.getAttribute(axis)])",
+        [f"#{chart} .ticks text[text-anchor='{anchor}']", axis],
     )
-    title = page.text_content(f"#{chart} .axis[text-anchor='{side}']") or ""
-    unit = title.split(" in ")[1]
-    marks = [(float(text.replace("−", "-")), at - back) for text, at in labels]
-    (low, first), (high, last) = marks[0], marks[-1]
-    per_pixel = SIZES[unit] * (high - low) / (last - first)
-    return SIZES[unit] * low + (place - first) * per_pixel, abs(0.05 * per_pixel)
+    title = window.page.text_content(f"#{chart} .axis[text-anchor='{side}']") or ""
+    size = SIZES[title.split(" in ")[1]]
+    low, high = float(marks[0][0]), float(marks[-1][0])
+    per_pixel = size * (high - low) / (marks[-1][1] - marks[0][1])
+    return size * low + (at - marks[0][1] + back) * per_pixel, abs(0.05 * per_pixel)
 
 
-def corners(seen: list[Phase]) -> list[float]:
-    """Give the times [s] at which one phase ends and the next begins."""
-    return [before.end for before, _ in pairwise(seen)]
+def quantity(words: str, pattern: str) -> tuple[float, float]:
+    """Return a quantity in a text [SI] and half of its last digit.
+
+    The first group of the pattern stands before it.
+    """
+    match = re.search(pattern + r"(−?[\d.]+)\s?([^\s,:;)]*)", words.replace("\u00a0", " "))
+    assert match, (pattern, words)
+    size = SIZES[match[2].rstrip(".")]
+    half = 0.5 * 10.0 ** -len(match[1].rstrip(".").partition(".")[2]) * size
+    return float(match[1].replace("−", "-").rstrip(".")) * size, 1.001 * half
+
+
+def is_even(places: list[float], step: float) -> bool:
+    """Tell whether places [px] are one step apart."""
+    return all(math.isclose(b - a, step, abs_tol=3 * PIXEL) for a, b in pairwise(places))

@@ -1,21 +1,20 @@
 """Random settings of the page, and settings far outside its sliders. All values SI."""
 
-from __future__ import annotations
-
 import math
 import tomllib
+import warnings
 from collections.abc import Iterator, Mapping
 from importlib.resources import files
 from random import Random
 from typing import Any
 
-from stickslip_ref import Parameters, critical_lambda
+from stickslip_ref import FrictionClampWarning, Parameters, critical_lambda
 
 NAMES = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
 Setting = Mapping[str, float]
 
 
-def batch(seed: str, undamped: int, damped: int, critical: int) -> Iterator[Setting]:
+def batch(seed: str, undamped: int, damped: int, critical: int) -> Iterator[dict[str, float]]:
     """Draw so many settings of each kind; the seed names them for ever."""
     draw = Random(seed)
     for count, kind in ((undamped, block), (damped, with_damping), (critical, near_critical)):
@@ -26,6 +25,7 @@ def batch(seed: str, undamped: int, damped: int, critical: int) -> Iterator[Sett
 def block(draw: Random) -> dict[str, float]:
     """Draw what the sliders reach, undamped; mu_k below, at and above mu_s."""
     mu_s = draw.uniform(0.02, 1.5)
+    gap = log_uniform(draw, 1e-3, 1.0)
     return {
         "m": log_uniform(draw, 0.01, 100.0),
         "g": draw.uniform(1.0, 30.0),
@@ -33,15 +33,10 @@ def block(draw: Random) -> dict[str, float]:
         "k": log_uniform(draw, 10.0, 1e4),
         "c": 0.0,
         "mu_s": mu_s,
-        "mu_k": kinetic(draw, mu_s),
+        # Sometimes no gap, or a coefficient that will be clamped.
+        "mu_k": mu_s * (1.0 - draw.choice([gap] * 17 + [0.0, -gap, -gap])),
         "v": log_uniform(draw, 1e-4, 0.2),
     }
-
-
-def kinetic(draw: Random, mu_s: float) -> float:
-    """Draw a gap of 1e-3 to 1 of mu_s; sometimes none, or a coefficient that will be clamped."""
-    gap = log_uniform(draw, 1e-3, 1.0)
-    return mu_s * (1.0 - draw.choice([gap] * 17 + [0.0, -gap, -gap]))
 
 
 def with_damping(draw: Random) -> dict[str, float]:
@@ -54,10 +49,8 @@ def near_critical(draw: Random) -> dict[str, float]:
 
     The slip then ends in a grazing stop, or just fails to.
     """
-    zeta = log_uniform(draw, 1e-4, 0.9)
-    p = block(draw)
+    p = damped_by(log_uniform(draw, 1e-4, 0.9), block(draw))
     p["mu_k"] = p["mu_s"] * (1.0 - log_uniform(draw, 1e-3, 1.0))
-    p = damped_by(zeta, p)
     distance = draw.choice((1.0, -1.0)) * log_uniform(draw, 2e-9, 0.9)
     own = Parameters(**p)
     p["v"] = float(own.w * own.Delta / critical_lambda(own.zeta)) / (1.0 + distance)
@@ -81,19 +74,30 @@ def wide(draw: Random) -> dict[str, float]:
     return damped_by(log_uniform(draw, 1e-6, 30.0), p) if draw.random() < 0.5 else p
 
 
-def presets() -> dict[str, Setting]:
-    """Give the settings that the page offers by name."""
-    rows = table("applications")["application"]
-    return {row["id"]: {name: row[name] for name in NAMES} for row in rows}
+def damped_by(zeta: float, p: Setting) -> dict[str, float]:
+    """Return the same setting with the damping c [N.s/m] of a damping ratio."""
+    return {**p, "c": 2.0 * zeta * math.sqrt(p["k"] * p["m"])}
 
 
-def table(section: str) -> dict[str, Any]:
-    """Give the table of a section of the page, such as its applications, as it is written down."""
+def log_uniform(draw: Random, lowest: float, highest: float) -> float:
+    """Draw between two positive bounds, each decade alike."""
+    return math.exp(draw.uniform(math.log(lowest), math.log(highest)))
+
+
+def table(section: str, rows: str) -> list[dict[str, Any]]:
+    """Return the table of a section of the page, such as its applications, as it is written."""
     file = files("stickslip.page") / section / f"{section}.toml"
-    return tomllib.loads(file.read_text(encoding="utf-8"))
+    found: list[dict[str, Any]] = tomllib.loads(file.read_text(encoding="utf-8"))[rows]
+    return found
 
 
-CORNERS: Mapping[str, Setting] = {
+PRESETS = {
+    row["id"]: {name: float(row[name]) for name in NAMES}
+    for row in table("applications", "application")
+}
+START = PRESETS["default"]
+
+CORNERS = {
     "frictionless": {"mu_s": 0.0, "mu_k": 0.0},
     "clamped to no gap": {"mu_s": 0.0, "mu_k": 0.3},
     "clamped to 0": {"mu_s": 0.005, "mu_k": 0.3},
@@ -111,20 +115,11 @@ CORNERS: Mapping[str, Setting] = {
     "fastest": {"v": 1e3},
 }
 """Settings where a formula takes another branch or comes to its end; the rest as the FMU starts."""
+CORNERS = {name: {**START, **values} for name, values in CORNERS.items()}
 
 
-def corner(name: str) -> Setting:
-    """Give a corner with all of its values."""
-    start = Parameters()
-    complete = {each: float(getattr(start, each)) for each in NAMES}
-    return {**complete, **CORNERS[name]}
-
-
-def damped_by(zeta: float, p: Setting) -> dict[str, float]:
-    """Give the same setting with the damping c [N.s/m] of a damping ratio."""
-    return {**p, "c": 2.0 * zeta * math.sqrt(p["k"] * p["m"])}
-
-
-def log_uniform(draw: Random, lowest: float, highest: float) -> float:
-    """Draw between two positive bounds, each decade alike."""
-    return math.exp(draw.uniform(math.log(lowest), math.log(highest)))
+def parameters(p: Setting) -> Parameters:
+    """Return a setting for the reference, mu_k clamped without a word."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FrictionClampWarning)
+        return Parameters(**p)

@@ -1,238 +1,270 @@
-"""The stage: block, teeth, spring, force bar, marks, and the curve of the setting before."""
+"""The block and the cursor: what is drawn and read at a time is the state at that time."""
 
-from __future__ import annotations
-
-import re
-from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any, Literal
 
 import pytest
 
-from stickslip_ref import Parameters
 from tests.page import drawing
-from tests.page.drawing import PIXEL, SIZES
-from tests.page.settings import CORNERS, corner, presets
-from tests.page.using import drawn, look, pause, set_values, setting
+from tests.page.drawing import PIXEL, SIZES, place, quantity
+from tests.page.settings import CORNERS, PRESETS
+from tests.page.window import Window
 
-if TYPE_CHECKING:
-    from playwright.sync_api import Page
+READ = {"x": ("#x-now", "^x "), "x_pull": ("#x-now", "pulled end "), "F": ("#F-now", "F ")} | {
+    "x_dot": ("#z-now", "^ẋ "),
+    "z": ("#z-now", "z "),
+}
+"""Where each part of the state is read, and what stands before it."""
+SPOKEN = {"t": "^", "x": "mass at ", "x_pull": "pulled end at ", "F": "spring force "} | {
+    "x_dot": "velocity "
+}
+"""How each part of the state is told to who cannot see it."""
 
 _STAGE = """
 shares => {
   const scrub = document.querySelector("#scrub");
   const schematic = document.querySelector("#schematic");
   const part = (selector, name) => schematic.querySelector(selector).getAttribute(name);
+  const number = (selector, name) => Number(part(selector, name).match(/-?[\\d.]+/)[0]);
   const { from, to } = window.stickslip.view;
   return shares.map(share => {
     scrub.value = 1000 * share;
     scrub.dispatchEvent(new Event("input", { bubbles: true }));
-    const state = window.stickslip.at(from + scrub.value / 1000 * (to - from));
     const points = part(".spring", "points").split(" ").map(each => Number(each.split(",")[0]));
     return {
-      state,
-      block: Number(part(".mass", "transform").match(/[(]([-\\d.]+)/)[1]),
-      wide: Number(part(".mass rect", "width")),
-      spring: [points[0], points.at(-1)],
-      gauge: Number(part(".gauge", "transform").match(/[(]([-\\d.]+)/)[1]),
-      bar: [Number(part(".bar", "x")), Number(part(".bar", "width"))],
-      limit: Number(part(".limit", "d").match(/M([-\\d.]+)/)[1]),
+      state: window.stickslip.at(from + scrub.value / 1000 * (to - from)),
+      block: number(".mass", "transform"), wide: number(".mass rect", "width"),
+      spring: [points[0], points.at(-1)], gauge: number(".gauge", "transform"),
+      bar: [number(".bar", "x"), number(".bar", "width")], limit: number(".limit", "d"),
       places: (part(".places", "d").match(/M[-\\d.]+/g) ?? []).map(each => Number(each.slice(1))),
-      teeth: part(".mass path.body", "d"),
+      teeth: number(".mass path.body", "d"),
+      word: schematic.querySelector(".mass text").textContent,
+      lifted: part(".mass g", "transform") !== "translate(0 0)", streaks: part(".streaks", "d"),
     };
   });
 }
 """
-SHARES = [n / 40 for n in range(40)]
 
 
-def stage(page: Page) -> list[dict[str, Any]]:
-    """Give state and drawing at 40 moments of the view."""
-    found: list[dict[str, Any]] = page.evaluate(_STAGE, SHARES)
+def stage(window: Window, shares: list[float] | None = None) -> list[dict[str, Any]]:
+    """Return state and drawing at some moments of the view."""
+    found: list[dict[str, Any]] = window.js(_STAGE, shares or [n / 40 for n in range(40)])
     return found
 
 
 def scale(moments: list[dict[str, Any]]) -> float:
-    """Give pixels per metre of the stage, from two places of the block in one window."""
+    """Return pixels per metre of the stage, from two places of the block in one window."""
     first, last = moments[0], moments[-1]
     return float((last["block"] - first["block"]) / (last["state"]["x"] - first["state"]["x"]))
 
 
-def test_the_block_stands_where_the_motion_has_it(page: Page) -> None:
-    """In every preset block, spring and pulled end are drawn to one scale over the whole view."""
-    pause(page)
-    for name in presets():
-        page.click(f"[data-preset={name}]")
-        drawn(page)
-        moments = stage(page)
-        per_metre = scale(moments)
-        origin = moments[0]
+def test_block_spring_force_bar_and_ruler_are_drawn_to_one_scale(window: Window) -> None:
+    for name in PRESETS:
+        window.preset(name)
+        moments = stage(window)
+        per_metre, origin = scale(moments), moments[0]
+        longest = window.cycle["F_s"] / window.setting["k"]
         for each in moments:
             state = each["state"]
-            moved = per_metre * (state["x"] - origin["state"]["x"])
-            assert each["block"] - origin["block"] == pytest.approx(moved, abs=2 * PIXEL)
+            for part, x in (("block", "x"), ("spring", "x_pull")):
+                moved = per_metre * (state[x] - origin["state"][x])
+                found = [m["spring"][1] if part == "spring" else m["block"] for m in (each, origin)]
+                assert found[0] - found[1] == pytest.approx(moved, abs=3 * PIXEL), name
             assert each["spring"][0] == pytest.approx(each["block"] + each["wide"], abs=2 * PIXEL)
-            pulled = per_metre * (state["x_pull"] - origin["state"]["x_pull"])
-            assert each["spring"][1] - origin["spring"][1] == pytest.approx(pulled, abs=3 * PIXEL)
-
-
-def test_the_teeth_give_where_the_bar_meets_its_mark(page: Page) -> None:
-    """The force bar ends at the pulled end; it reaches the mark F_s exactly at break-away."""
-    pause(page)
-    for each in stage(page):
-        end = each["gauge"] + each["bar"][0] + each["bar"][1]
-        assert end == pytest.approx(each["spring"][1], abs=3 * PIXEL)
-    start, end = (page.evaluate("window.stickslip.view")[side] for side in ("from", "to"))
-    events = page.evaluate("([a, b]) => window.stickslip.events(a, b)", [start, end])
-    t = next(each["t"] for each in events if each["kind"] == "break-away")
-    look(page, t, t + 1.0)
-    moment = stage(page)[0]
-    assert moment["state"]["t"] == t
-    assert sum(moment["bar"]) == pytest.approx(moment["limit"], abs=2 * PIXEL)
-
-
-def test_the_bar_ends_at_the_pulled_end_in_every_preset(page: Page) -> None:
-    """Bar and spring have one scale, also where the picture begins at a spring that is not relaxed.
-
-    Its mark lies ahead of its end by the extension that is missing to break-away.
-    """
-    pause(page)
-    cut = set()
-    for name in presets():
-        page.click(f"[data-preset={name}]")
-        drawn(page)
-        moments = stage(page)
-        per_metre = scale(moments)
-        longest = page.evaluate("window.stickslip.cycle.F_s / window.stickslip.setting.k")
-        for each in moments:
             # A pushed spring has its bar on the other side of no force.
-            end = each["bar"][0] + (each["bar"][1] if each["state"]["z"] > 0.0 else 0.0)
+            end = each["bar"][0] + (each["bar"][1] if state["z"] > 0.0 else 0.0)
             assert each["gauge"] + end == pytest.approx(each["spring"][1], abs=3 * PIXEL), name
-            missing = per_metre * (longest - each["state"]["z"])
+            # The mark F_s is ahead by the extension that is missing to break-away.
+            missing = per_metre * (longest - state["z"])
             assert each["limit"] - end == pytest.approx(missing, abs=4 * PIXEL), name
-        relaxed = moments[0]["spring"][1] - per_metre * moments[0]["state"]["z"]
-        if relaxed < moments[0]["block"] + moments[0]["wide"]:
-            cut.add(name)
-    assert cut
-    assert cut != set(presets())
+        unit = SIZES[window.page.text_content("#schematic .ruler .unit") or ""]
+        (moment,) = stage(window, [0.45])
+        labels = window.js(
+            "[...document.querySelectorAll('#schematic .ruler text:not(.unit)')]"
+            ".map(each => [each.textContent.replace('−', '-'), +each.getAttribute('x')])"
+        )
+        text, at = next(each for each in labels if each[0])
+        pointer = moment["block"] + 0.5 * moment["wide"]
+        read = unit * float(text) + (pointer - at) / per_metre
+        assert read == pytest.approx(moment["state"]["x"], abs=3 * PIXEL / per_metre), name
 
 
-def test_the_ruler_reads_the_position_of_the_mass(page: Page) -> None:
-    """The pointer below the middle of the block stands at x on the ruler, in every window."""
-    pause(page)
-    for name in presets():
-        page.click(f"[data-preset={name}]")
-        drawn(page)
-        unit = SIZES[page.text_content("#schematic .ruler .unit") or ""]
-        per_metre = scale(stage(page))
-        for step in (0, 450, 999):
-            page.fill("#scrub", str(step))
-            (moment,) = page.evaluate(_STAGE, [step / 1000])
-            pointer = moment["block"] + 0.5 * moment["wide"]
-            labels = page.eval_on_selector_all(
-                "#schematic .ruler text:not(.unit)",
-                "all => all.map(each => [each.textContent, +each.getAttribute('x')])",
-            )
-            text, at = next(each for each in labels if each[0])
-            read = unit * float(text.replace("−", "-")) + (pointer - at) / per_metre
-            slack = 3 * PIXEL / per_metre
-            assert read == pytest.approx(moment["state"]["x"], abs=slack), (name, step)
-
-
-def test_the_centre_of_the_portrait_is_steady_sliding(page: Page) -> None:
-    """There the mass moves with the pull, and the spring holds friction and damping."""
-    pause(page)
-    for values in ({}, {"c": 20.0}, {"c": 20.0, "v": 0.3}):
-        set_values(page, **values)
-        p = Parameters(**setting(page))
-        path = page.get_attribute("#phase-chart .centre", "d") or ""
-        left, top = (float(each) for each in re.findall(r"[\d.]+", path)[:2])
-        z, slack = drawing.value_at(page, "phase-chart", "x", left + 5.0)
-        assert z == pytest.approx((float(p.mu_k_used * p.N) + p.c * p.v) / p.k, abs=slack)
-        x_dot, slack = drawing.value_at(page, "phase-chart", "y", top)
-        assert x_dot == pytest.approx(p.v, abs=slack)
-
-
-def test_the_marks_are_the_places_where_the_mass_stood(page: Page) -> None:
-    """Each outline is a whole jump from the next, all behind the block, none in front of it."""
-    pause(page)
-    moments = stage(page)
-    jump = scale(moments) * page.evaluate("window.stickslip.cycle.delta_x")
-    most = 0
+def test_stick_and_slip_are_told_apart_and_the_marks_are_whole_jumps_behind(
+    window: Window,
+) -> None:
+    moments = stage(window)
+    jump = scale(moments) * window.cycle["delta_x"]
     for each in moments:
-        behind = [*each["places"], each["block"]] if each["state"]["mode"] == 0 else each["places"]
-        gaps = [b - a for a, b in pairwise(behind)]
-        assert gaps == pytest.approx([jump] * len(gaps), abs=3 * PIXEL)
-        assert all(place < each["block"] for place in each["places"])
-        most = max(most, len(each["places"]))
-    assert most == 6
-
-
-def test_in_stick_the_teeth_of_the_block_stand_in_those_of_the_ground(page: Page) -> None:
-    """Wherever the block stops, its teeth begin where a tooth of the ground does."""
-    pause(page)
-    for each in stage(page):
-        if each["state"]["mode"] != 0:
-            continue
-        begin = float(re.match(r"M([-\d.]+)", each["teeth"])[1])  # type: ignore[index]
-        place = (each["block"] + begin) / 8.0
-        assert place == pytest.approx(round(place), abs=0.01)
-
-
-def test_the_stage_lives_at_the_corners(page: Page) -> None:
-    """Without friction, without a gap, without a cycle: every number drawn is a number."""
-    pause(page)
-    for name in CORNERS:
-        set_values(page, **corner(name))
-        for each in stage(page):
-            assert "NaN" not in str(each), name
+        sticks = each["state"]["mode"] == 0
+        # By a word, by the teeth, by streaks: without colour.
+        assert each["word"] == ("STICK" if sticks else "SLIP")
+        assert (each["lifted"], bool(each["streaks"])) == (not sticks, not sticks)
+        behind = [*each["places"], each["block"]] if sticks else each["places"]
+        assert drawing.is_even(behind, jump)
+        assert all(mark < each["block"] for mark in each["places"])
+        if sticks:
+            tooth = (each["block"] + each["teeth"]) / 8.0
+            assert tooth == pytest.approx(round(tooth), abs=0.01)
+    assert max(len(each["places"]) for each in moments) == 6
+    for name, values in CORNERS.items():
+        window.set(**values)
+        for each in stage(window, [0.0, 0.3, 0.9]):
             assert -1e4 < each["block"] < 1e4, name
 
 
-def test_the_first_frame_is_not_before_the_start(page: Page) -> None:
-    """A frame whose stamp lies before Play was pressed shows the start, not a time before it."""
-    pause(page)
-    page.fill("#scrub", "0")
-    earliest = page.evaluate(
-        """() => new Promise(done => {
+def check_readings(window: Window, t: float) -> dict[str, Any]:
+    """Hold what is read and told at the cursor against the state there, to its last digit."""
+    (exact,) = window.states([t])
+    word = "sticks" if exact["mode"] == 0 else "slips"
+    for name, (selector, before) in READ.items():
+        found, half = quantity(window.page.inner_text(selector), before)
+        assert found == pytest.approx(exact[name], abs=half), name
+    assert word in window.page.inner_text("#now")
+    spoken = window.part("#scrub", "aria-valuetext")
+    for name, before in SPOKEN.items():
+        found, half = quantity(spoken, before)
+        assert found == pytest.approx(exact[name], abs=half, rel=1e-12), name
+    assert word in spoken
+    return exact
+
+
+def test_the_cursor_reads_the_state_in_every_preset(window: Window) -> None:
+    for name in PRESETS:
+        window.preset(name)
+        readings = set()
+        for step in (0, 137, 500, 611, 1000):
+            window.page.fill("#scrub", str(step))
+            axis = drawing.time_axis(window)
+            check_readings(window, axis.start + step / 1000 * axis.span)
+            readings.add(window.text("#x-now") + window.text("#now"))
+        assert len(readings) == 5, name
+    # A key moves it by a step; a new value changes at once what is told of the same time.
+    window.set(**PRESETS["default"])
+    window.look(0.0, 10.0)
+    window.page.fill("#scrub", "600")
+    window.page.press("#scrub", "ArrowRight")
+    check_readings(window, 6.01)
+    window.type("v", "25")
+    check_readings(window, 6.01)
+    window.page.press("#scrub", "Home")
+    check_readings(window, 0.0)
+
+
+def test_pointed_at_on_one_chart_a_time_is_marked_on_all(window: Window) -> None:
+    window.look(3.0, 4.0)
+    marks: list[tuple[str, Literal["x", "y"], str]] = [
+        ("x-chart", "y", "x"),
+        ("F-chart", "y", "F"),
+        ("phase-chart", "x", "z"),
+        ("phase-chart", "y", "x_dot"),
+    ]
+    for chart, t in (("x-chart", 3.1), ("F-chart", 3.37), ("F-chart", 3.55), ("x-chart", 3.8)):
+        left, top = place(window, chart, t)
+        # The pointer stands on a whole pixel.
+        window.page.mouse.move(round(left), top)
+        pointed = drawing.time_axis(window).time(round(left) - window.box(f"#{chart}")[0])
+        assert drawing.cursor(window) == drawing.dot(window, "x-chart")[0]
+        assert abs(drawing.cursor(window) - drawing.time_axis(window).place(pointed)) <= PIXEL
+        exact = check_readings(window, pointed)
+        for where, axis, name in marks:
+            spot = drawing.dot(window, where)["xy".index(axis)]
+            found, slack = drawing.value_at(window, where, axis, spot)
+            assert found == pytest.approx(exact[name], abs=slack), (where, name)
+    # Where the picture changes under a resting pointer, the cursor stays.
+    before = drawing.cursor(window)
+    for name in ("fault-block", "violin-bow"):
+        window.js(f"document.querySelector('[data-preset={name}]').click()")
+        window.drawn()
+        assert abs(drawing.cursor(window) - before) <= PIXEL
+
+
+MOVES = "d => document.querySelector('#x-chart .cursor').getAttribute('d') !== d"
+
+
+def test_the_cursor_plays_by_itself_stops_and_is_held_by_a_pointer(window: Window) -> None:
+    def now() -> str:
+        return window.part("#x-chart .cursor", "d")
+
+    # Who wants less motion gets none until it is asked for.
+    before = now()
+    window.drawn()
+    assert (now(), window.page.inner_text("#play")) == (before, "Play")
+    window.page.click("#play")
+    window.until(MOVES, before)
+    window.open(motion="no-preference")
+    assert window.page.inner_text("#play") == "Pause"
+    window.until(MOVES, now())
+    window.page.mouse.move(*place(window, "x-chart", drawing.time_axis(window).time(300.0)))
+    window.drawn()
+    held = now()
+    window.drawn()
+    assert now() == held
+    window.page.mouse.move(2, 2)
+    window.until(MOVES, held)
+    window.page.press("#play", "Space")
+    stopped = now()
+    assert window.page.inner_text("#play") == "Play"
+    window.drawn()
+    assert now() == stopped
+    window.page.press("#play", "Enter")
+    window.until(MOVES, stopped)
+    window.look(0.0, 10.0)
+    window.page.fill("#scrub", "732")
+    window.drawn()
+    assert window.page.inner_text("#play") == "Play"
+    check_readings(window, 7.32)
+
+
+def test_the_speed_is_as_it_says(window: Window) -> None:
+    window.look(0.0, 2.5)
+    moved = window.js(
+        """async speeds => {
           const ask = window.requestAnimationFrame;
-          window.requestAnimationFrame = act => ask(stamp => act(stamp - 40));
-          const cursor = document.querySelector("#x-chart .cursor");
-          const left = () => Number(cursor.getAttribute("d").match(/M([-\\d.]+)/)[1]);
-          let least = left();
-          document.querySelector("#play").click();
-          const look = frames => ask(() => {
-            least = Math.min(least, left());
-            if (frames) look(frames - 1); else done(least);
-          });
-          look(5);
-        })"""
+          let acts = [], stamp = performance.now();
+          // Frames of 16 ms, of which the first is stamped before Play was pressed.
+          window.requestAnimationFrame = act => acts.push(act);
+          window.cancelAnimationFrame = () => (acts = []);
+          const scrub = document.querySelector("#scrub"), found = [];
+          for (const each of speeds) {
+            document.querySelector("#speed").value = each;
+            scrub.value = 0;
+            scrub.dispatchEvent(new Event("input"));
+            document.querySelector("#play").click();
+            stamp = performance.now() - 16;
+            for (let n = 0; n <= 63; n++, stamp += 16) acts.splice(0).forEach(act => act(stamp));
+            const { from, to } = window.stickslip.view;
+            const clip = document.querySelector("#x-chart clipPath rect");
+            const [left, width] = ["x", "width"].map(name => Number(clip.getAttribute(name)));
+            const d = document.querySelector("#x-chart .cursor").getAttribute("d");
+            found.push((Number(d.match(/M([\\d.]+)/)[1]) - left) / width * (to - from));
+            document.querySelector("#play").click();
+          }
+          window.requestAnimationFrame = ask;
+          return found;
+        }""",
+        ["1", "0.25", "0.01", "view"],
     )
-    assert earliest >= float(page.get_attribute("#x-chart clipPath rect", "x") or "")
-    assert page.text_content("#play") == "Pause"
+    # 62 frames of 16 ms, one more or less; a pixel is a 700th of the span.
+    for seconds, expected in zip(moved, (1.0, 0.25, 0.01, 0.25), strict=True):
+        assert seconds == pytest.approx(0.992 * expected, abs=0.034 * expected + 0.02 * 2.5 / 700)
 
 
-def test_the_setting_before_stays_as_a_ghost_until_it_is_removed(page: Page) -> None:
-    """A preset's countermeasure leaves the old curves: the very paths, from the same corner on."""
-    pause(page)
-    before = page.evaluate("window.stickslip.cycle")
-    page.evaluate("window.stickslip.compare({ k: 2000 })")
-    drawn(page)
-    ghost = drawing.curve(page, "#x-chart .curve.ghost")
-    axis = drawing.time_axis(page)
-    cycle = page.evaluate("window.stickslip.cycle")
-    assert page.is_visible("#forget")
-    start = axis.start
-    # The first stick of the ghost begins with that of the curve and lasts as long as it did.
-    (first, *_) = drawing.lines(ghost)
-    assert first.start[0] == pytest.approx(axis.place(start), abs=PIXEL)
-    assert first.end[0] == pytest.approx(axis.place(start + before["t_stick"]), abs=PIXEL)
-    rise = first.start[1] - drawing.lines(ghost)[1].start[1]
-    (own, next_own, *_) = drawing.lines(drawing.curve(page, "#x-chart .curve.mass"))
-    jump = before["delta_x"] / cycle["delta_x"]
-    assert rise / (own.start[1] - next_own.start[1]) == pytest.approx(jump, abs=0.01)
-    # Of both some cycles are seen.
+def test_the_setting_before_stays_as_a_ghost_until_it_is_removed(window: Window) -> None:
+    before = window.cycle
+    window.js("stickslip.compare({ k: 2000 })")
+    window.drawn()
+    first, second, *_ = drawing.lines(window, "#x-chart .curve.ghost")
+    own, next_own, *_ = drawing.lines(window, "#x-chart .curve.mass")
+    axis = drawing.time_axis(window)
+    # Its first stick begins with that of the curve and lasts as long as it did.
+    edges = [axis.start, axis.start + before["t_stick"]]
+    found = [first.start[0], first.end[0]]
+    assert found == pytest.approx([axis.place(t) for t in edges], abs=PIXEL)
+    rises = [a.start[1] - b.start[1] for a, b in ((first, second), (own, next_own))]
+    ratio = before["delta_x"] / window.cycle["delta_x"]
+    # Of two rises of 30 px or more, each to a fiftieth.
+    assert rises[0] / rises[1] == pytest.approx(ratio, abs=0.01)
     assert axis.span >= 5.9 * before["T"]
-    page.click("#forget")
-    drawn(page)
-    assert not page.is_visible("#forget")
-    assert drawing.curve(page, "#x-chart .curve.ghost") == []
+    window.page.click("#forget")
+    window.drawn()
+    assert not window.page.is_visible("#forget")
+    assert drawing.curve(window, "#x-chart .curve.ghost") == []

@@ -1,23 +1,18 @@
 """The numbers in the page's texts: those of its own model, in the digits and units it shows."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.resources import files
 from random import Random
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from stickslip.page.script import joined
 from stickslip.page.texts import Numbers, filled, quantity
-from tests.page.exchange import ask
-from tests.page.settings import log_uniform, presets, table
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Page
+from tests.page.settings import PRESETS, START, log_uniform, table
+from tests.page.window import Window
 
 KINDS = ("length", "velocity", "mass", "stiffness", "damping", "force", "time", "frequency")
 
@@ -38,53 +33,53 @@ settings => settings.map(([each, curve]) => {
 })
 """
 
-
 Curve = Sequence[Sequence[float]] | None
+Known = Mapping[str, Mapping[str, float]]
 
 
-def texts() -> Iterator[tuple[str, Mapping[str, Mapping[str, float]], str, Curve]]:
+def texts() -> Iterator[tuple[str, Known, str, Curve]]:
     """Give each text with a number, the settings it speaks of, its place in the page, its curve."""
-    steps = [complete(row) for row in table("story")["step"]]
-    for n, (row, now) in enumerate(zip(table("story")["step"], steps, strict=True), 1):
-        known: dict[str, Mapping[str, float]] = {"now": now, "tried": now | row.get("tried", {})}
+    rows = table("story", "step")
+    steps = [complete(row) for row in rows]
+    for n, (row, now) in enumerate(zip(rows, steps, strict=True), 1):
+        known = {"now": now, "tried": now | row.get("tried", {})}
         if "over" in row:
             known["over"] = steps[row["over"] - 1]
         for name in ("text", "try", "see"):
             yield row[name], known, f"[id='step={n}']", row.get("curve")
-    for row in table("applications")["application"]:
-        own = dict(presets()[row["id"]])
-        entry = f"#application-{row['id']}"
+    for row in table("applications", "application"):
+        own, entry = PRESETS[row["id"]], f"#application-{row['id']}"
         for text in (row["about"], row["source"], row["noticed"], *row["stands"].values()):
             yield text, {"now": own}, entry, None
         for cure in row.get("cures", ()):
             known = {"now": own | cure.get("set", {}), "over": own}
             yield cure["what"], known, entry, None
             yield cure.get("button", ""), known, entry, None
-    for row in table("questions")["question"]:
+    for row in table("questions", "question"):
         yield row["answer"], {"now": complete(row)}, "#questions", None
 
 
 def complete(row: Mapping[str, Any]) -> dict[str, float]:
-    """Give the setting of a row: its preset or the start values, with its own values."""
-    return {**presets()[row.get("preset", "default")], **row.get("set", {})}
+    """Return the setting of a row: its preset or the start values, with its own values."""
+    return {**PRESETS[row.get("preset", "default")], **row.get("set", {})}
 
 
-def test_every_number_in_a_text_is_the_one_that_the_page_computes(page: Page) -> None:
-    """The texts, filled again with what the page's own model gives, are those that stand there.
+def from_page(numbers: Mapping[str, Any]) -> SimpleNamespace:
+    """Make what the page computes look like the reference's numbers."""
+    return SimpleNamespace(**{**numbers, "simple": SimpleNamespace(**numbers["simple"])})
 
-    Numbers and texts come from two models: the reference fills the texts when the page is
-    assembled, the page solves each setting in the browser.
-    """
-    wanted = [each for each in texts() if "{" in each[0]]
-    assert len(wanted) > 60
-    known = [(setting, curve) for _, settings, _, curve in wanted for setting in settings.values()]
-    found = iter(ask(page, NUMBERS_OF_THE_PAGE, known))
+
+def test_every_number_in_a_text_is_the_one_that_the_page_computes(window: Window) -> None:
+    # The reference fills the texts when the page is assembled, the page solves each setting.
+    asked = [each for each in texts() if "{" in each[0]]
+    assert len(asked) > 60
+    known = [[setting, curve] for _, each, _, curve in asked for setting in each.values()]
+    found = iter(window.js(NUMBERS_OF_THE_PAGE, known))
     expected = [
-        (where, filled(text, {name: from_page(next(found)) for name in settings}))
-        for text, settings, where, _ in wanted
+        [where, filled(text, {name: from_page(next(found)) for name in each})]
+        for text, each, where, _ in asked
     ]
-    missing = ask(
-        page,
+    missing = window.js(
         """texts => texts.filter(([where, text]) => {
           const own = document.createElement("p");
           own.innerHTML = text;
@@ -95,16 +90,7 @@ def test_every_number_in_a_text_is_the_one_that_the_page_computes(page: Page) ->
     assert missing == []
 
 
-def from_page(numbers: Mapping[str, Any]) -> SimpleNamespace:
-    """Make what the page computes look like the reference's numbers."""
-    return SimpleNamespace(**{**numbers, "simple": SimpleNamespace(**numbers["simple"])})
-
-
-def test_a_quantity_is_written_as_the_page_writes_it(page: Page) -> None:
-    """Python and the page's script choose the same unit and the same four digits.
-
-    What the script can write with an exponent only, Python refuses.
-    """
+def test_python_and_script_write_a_quantity_alike(window: Window) -> None:
     draw = Random("quantities")
     asked = [
         (kind, draw.choice((1.0, -1.0)) * log_uniform(draw, 1e-9, 1e12))
@@ -116,8 +102,8 @@ def test_a_quantity_is_written_as_the_page_writes_it(page: Page) -> None:
     asked += [(kind, 0.0) for kind in (*KINDS, "number")]
     source = (files("stickslip.page") / "view" / "units.js").read_text(encoding="utf-8")
     script = joined({"units.js": source}, "units.js")
-    written = ask(
-        page, f"asked => {{ {script} return asked.map(([k, v]) => quantity(v, k)); }}", asked
+    written = window.js(
+        f"asked => {{ {script} return asked.map(([k, v]) => quantity(v, k)); }}", asked
     )
     for (kind, value), text in zip(asked, written, strict=True):
         if "e" in text.partition("\u00a0")[0]:
@@ -128,8 +114,7 @@ def test_a_quantity_is_written_as_the_page_writes_it(page: Page) -> None:
 
 
 def test_a_text_cannot_tell_of_a_cycle_that_does_not_exist() -> None:
-    """A jump above the critical velocity, or a name that there is not, ends the assembly."""
-    sliding = Numbers({**presets()["default"], "c": 20.0})
+    sliding = Numbers({**START, "c": 20.0})
     assert math.isnan(sliding.__dict__["delta_x"])
     with pytest.raises(ValueError, match="asks for a length that is nan: It jumps"):
         filled("It jumps {{ now.delta_x | length }}.", {"now": sliding})

@@ -1,0 +1,253 @@
+"""What Python says of a setting, and the page's error in units of what it may be."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from itertools import pairwise
+from typing import Any
+
+from mpmath import mp, mpf
+
+from stickslip_ref import coulomb_limit, simplified, steady_cycle
+from stickslip_verification import truth
+from tests.page.settings import Setting, parameters
+
+DIGITS = 30
+CYCLES = 3
+WITHIN = (1e-6, 0.02, 0.31, 0.5, 0.77, 0.98, 1.0 - 1e-6)
+"""Where in each slip and stick the states are compared: its inside, and close to either event."""
+
+BOUND = 1e-12
+"""Largest relative error of a read-out or a date, largest error of a state over its scale."""
+
+ROUNDING = 2.0**-53
+"""Largest relative error of one operation in doubles."""
+
+DECIDABLE = 1e-9
+"""|lambda/lambda_c - 1| below which nobody is asked whether the cycle exists."""
+
+Answer = Mapping[str, Any]
+Ratios = dict[str, float]
+
+
+class Exact:
+    """A setting, its closed forms in doubles by the reference, and its motion in high precision.
+
+    Attributes
+    ----------
+    p, cycle, v_c
+        Parameters, cycle and critical velocity of the reference.
+    distance
+        lambda/lambda_c - 1 = v_c/v - 1 of these very doubles; infinite without damping, -1 where
+        damping leaves no cycle at any speed.
+    times, samples, events
+        Times [s], every output there, and all transitions up to the last, in high precision.
+    """
+
+    def __init__(self, setting: Setting) -> None:
+        self.setting = setting
+        self.p = parameters(setting)
+        self.cycle = steady_cycle(self.p)
+        self.v_c = float(coulomb_limit(self.p))
+        self.exact_v_c = exact_critical_velocity(setting)
+        self.distance = float(self.exact_v_c / setting["v"] - 1)
+        self.times = on_a_grid(_instants(self))
+        steps = [truth.Step(b - a) for a, b in pairwise([0.0, *self.times])]
+        run = truth.run(setting, steps, digits=DIGITS)
+        self.samples, self.events = run.samples, run.events
+
+
+def is_decidable(setting: Setting) -> bool:
+    """Tell whether a rounding of the setting cannot change that it has, or lacks, a cycle."""
+    return abs(float(exact_critical_velocity(setting) / setting["v"] - 1)) > DECIDABLE
+
+
+def exact_critical_velocity(setting: Setting) -> Any:
+    """Return the speed [m/s] above which there is no cycle, of the setting as it is in doubles."""
+    if setting["c"] == 0.0:
+        return mpf("inf")
+    with mp.workdps(DIGITS + 10):
+        k, m = (mpf(setting[name]) for name in "km")
+        w = mp.sqrt(k / m)
+        critical = truth.critical_lambda(mpf(setting["c"]) / (2 * m * w), digits=DIGITS)
+        gap = mpf(setting["mu_s"]) - mpf(float(parameters(setting).mu_k_used))
+        return w * gap * (m * mpf(setting["g"]) + mpf(setting["load"])) / k / critical
+
+
+def on_a_grid(times: Sequence[float]) -> list[float]:
+    """Move the times to multiples of one unit, so that their differences are exact doubles."""
+    unit = math.ulp(max(times))
+    return [n * unit for n in sorted({round(t / unit) for t in times}) if n > 0]
+
+
+def _instants(exact: Exact) -> list[float]:
+    """Return times [s] in the first load-up and in three cycles, or in a slip without end."""
+    p, cycle = exact.p, exact.cycle
+    first = float(p.F_s / (p.k * p.v))
+    phases = [(0.0, first)]
+    if cycle.exists:
+        for n in range(CYCLES):
+            begin = first + n * float(cycle.T)
+            phases.append((begin, float(cycle.t_slip)))
+            phases.append((begin + float(cycle.t_slip), float(cycle.t_stick)))
+    else:
+        # Three turns, and three times the slower rate's time where damping is strong.
+        phases.append((first, 3.0 * (2.0 * math.pi + 2.0 * float(p.zeta)) / float(p.w)))
+    times = [begin + part * length for begin, length in phases for part in WITHIN if length > 0.0]
+    # The run ends well inside a phase, where nobody can doubt which events it has had.
+    return times[:-1]
+
+
+ASK = """questions => questions.map(([values, times]) => {
+  const page = window.stickslip;
+  page.set(values, null);
+  const { setting, cycle, simplified, criticalVelocity } = page;
+  const states = times.map(t => page.at(t));
+  const events = page.events(0, times.at(-1));
+  return { setting, cycle, simplified, criticalVelocity, states, events };
+})"""
+"""Sets one setting after another in the page and reads everything back, unrounded."""
+
+
+def ratios(answer: Answer, exact: Exact) -> Ratios:
+    """Return the largest error of each quantity over its bound; infinite where wrong in kind."""
+    return {
+        **_numbers(answer, exact),
+        **_cycle(answer["cycle"], exact),
+        **_simplified(answer["simplified"], exact),
+        **_events(answer["events"], exact),
+        **_states(answer["states"], exact),
+    }
+
+
+def relative(got: float, expected: float) -> float:
+    """Return error over size; 0 where both are equal or both are no number."""
+    if got == expected or (math.isnan(got) and math.isnan(expected)):
+        return 0.0
+    if math.isnan(got) or math.isnan(expected) or math.isinf(expected) or expected == 0.0:
+        return math.inf
+    return abs(got - expected) / abs(expected)
+
+
+def _grazing(exact: Exact) -> float:
+    """Return the growth of a relative error of state in t_slip, 1 + 1/sqrt(d): design.md, 2.
+
+    Near a grazing stop the speed is a parabola whose least is about -v d: the stop lies about
+    sqrt(d)/w before that, and an error of d moves it by 1/sqrt(d) as much. As the mass hardly moves
+    there, T and delta_x = v T do not take part: what the slip gains, the stick loses.
+    """
+    return 1.0 + 1.0 / math.sqrt(exact.distance) if exact.distance > 0.0 else 1.0
+
+
+def _numbers(answer: Answer, exact: Exact) -> Ratios:
+    p, v_c, zeta = exact.p, answer["criticalVelocity"], float(exact.p.zeta)
+    used = {**exact.setting, "mu_k": float(p.mu_k_used)}
+    found = {
+        "setting": 0.0 if answer["setting"] == used else math.inf,
+        "w": relative(answer["cycle"]["w"], float(p.w)) / BOUND,
+        "zeta": relative(answer["cycle"]["zeta"], zeta) / BOUND,
+        "v_c": relative(v_c, exact.v_c) / BOUND,
+    }
+    if 0.0 < zeta < 1.0:
+        # Zeta is rounded three times, and ln lambda_c grows steeply towards zeta = 1: theory (13).
+        steepness = 0.5 + zeta * (math.pi + math.acos(zeta)) / (1.0 - zeta**2) ** 1.5
+        bound = BOUND + 3 * ROUNDING * steepness
+        found["v_c, exactly"] = relative(v_c, float(exact.exact_v_c)) / bound
+    return found
+
+
+def _cycle(got: Mapping[str, Any], exact: Exact) -> Ratios:
+    """Hold the read-outs against the reference and against the exact cycle."""
+    formulas = asdict(exact.cycle)
+    exists = bool(formulas.pop("exists"))
+    own = truth.steady_cycle(exact.setting, digits=DIGITS)
+    found = {"exists": 0.0 if got["exists"] is exists is (own is not None) else math.inf}
+    formulas["share"] = exact.cycle.t_stick / exact.cycle.T
+    for label, cycle in (("", formulas), (", exactly", own or {})):
+        for name, expected in cycle.items():
+            grazes = name in ("t_slip", "t_stick", "spring_drop", "share")
+            bound = BOUND * (_grazing(exact) if grazes else 1.0)
+            found[name + label] = relative(got[name], float(expected)) / bound
+    return found
+
+
+def _simplified(got: Mapping[str, Any], exact: Exact) -> Ratios:
+    expected = asdict(simplified(exact.p))
+    expected["share"] = expected["t_stick"] / expected["T"]
+    return {
+        f"simplified {name}": relative(got[name], float(value)) / BOUND
+        for name, value in expected.items()
+    }
+
+
+def _events(got: Sequence[Mapping[str, Any]], exact: Exact) -> Ratios:
+    if [each["kind"] for each in got] != [each.kind for each in exact.events]:
+        return {"kinds of events": math.inf}
+    worst = {"time of break-away": 0.0, "time of re-stick": 0.0}
+    for each, event in zip(got, exact.events, strict=True):
+        bound = BOUND * event.time
+        if event.kind == "re-stick":
+            bound += BOUND * (_grazing(exact) - 1.0) * float(exact.cycle.t_slip)
+        error = abs(each["t"] - event.time)
+        name = f"time of {event.kind}"
+        worst[name] = max(worst[name], float(error / bound) if error else 0.0)
+    return worst
+
+
+def _dating(exact: Exact, t: float) -> float:
+    """Return how well doubles date the last break-away before a time [s].
+
+    The first one is a quotient of products and is known to twice the digits, and so is a stick
+    without damping; a slip is rounded with w, lambda, atan and their quotient, four times. With
+    damping a period holds an exponential, whose logarithm is the difference of two numbers below
+    ln(1 + lambda) that take five operations; eight more make it, with w, Delta, lambda and the sum.
+    This adds up over the periods that have passed: the error that design.md, 2, gives for T.
+    """
+    if not exact.cycle.exists:
+        return 0.0
+    past = max(t - float(exact.events[0].time), 0.0)
+    if exact.p.c == 0.0:
+        slips = math.ceil(past / float(exact.cycle.T))
+        return ROUNDING * 4.0 * slips * float(exact.cycle.t_slip)
+    return ROUNDING * (8.0 + 2.5 * math.log1p(float(exact.p.lambda_))) * past
+
+
+def _states(got: Sequence[Mapping[str, Any]], exact: Exact) -> Ratios:
+    parts = _sizes(exact)
+    worst = dict.fromkeys((*parts, "mode"), 0.0)
+    for t, state, sample in zip(exact.times, got, exact.samples, strict=True):
+        uncertain = _dating(exact, t)
+        # There the mode changes and friction jumps: on which side t lies is not known in doubles.
+        at_an_event = any(abs(event.time - t) <= uncertain for event in exact.events)
+        if state["mode"] != sample["mode"] and not at_an_event:
+            worst["mode"] = math.inf
+        for name, (scale, swiftness) in parts.items():
+            if name == "F_friction" and at_an_event:
+                continue
+            error = float(abs(state[name] - sample[name]))
+            bound = BOUND * scale + uncertain * swiftness
+            worst[name] = max(worst[name], error / bound if error else 0.0)
+    return worst
+
+
+def _sizes(exact: Exact) -> dict[str, tuple[float, float]]:
+    """Return scale and swiftness of each part of the state: its largest size and rate in the run.
+
+    Forces are held against F_s at least. The rates are those of the equation of motion.
+    """
+    p = exact.p
+
+    def largest(*names: str) -> float:
+        return max(float(abs(sum(sample[n] for n in names))) for sample in exact.samples)
+
+    F_s, k, v, speed = float(p.F_s), float(p.k), float(p.v), largest("x_dot")
+    # Sharpest at the break-away itself, where it is (mu_s - mu_k) N/m, or on the way.
+    x_ddot = max(float(p.w**2 * p.Delta), largest("F", "F_friction") / float(p.m))
+    return {
+        "x": (largest("x"), speed),
+        "x_dot": (speed, x_ddot),
+        "x_pull": (largest("x_pull"), v),
+        "z": (largest("z"), v + speed),
+        "F": (max(largest("F"), F_s), k * (v + speed)),
+        "F_friction": (max(largest("F_friction"), F_s), max(k * v, float(p.c) * x_ddot)),
+    }
