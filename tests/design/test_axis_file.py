@@ -128,7 +128,6 @@ def test_the_template_is_read_and_has_an_example_of_every_key() -> None:
         ('stiffness = ["80 N/um", "50 N/um"]', "stiffest", 8e7),
         ('zeta = "5 %"\nstiffness = ["80 N/um", "50 N/um"]', "c", 0.1 * math.sqrt(25e9)),
         ('load = "-1 kN"', "normal_force", 3905.0),
-        ('force_along = "-300 N"', "along", -300.0),
         ('F_s = "981 N"\nF_k = "490.5 N"\nload = "4905 N"', "friction.mu_k", 0.05),
         ('F_s = "1 N m"\nF_k = "0.8 Nm"', "F_s", PER_TURN),
         ('F_s = "8 %"\nF_k = "6 %"', "F_k", 0.06 * 11.0 * PER_TURN),
@@ -137,29 +136,17 @@ def test_the_template_is_read_and_has_an_example_of_every_key() -> None:
          {"shape": 2.0, "v_s": 0.005}),
         ('B = 0.01\nt_0 = "1 ms"', "friction.own", {"B": 0.01, "t_0": 0.001}),
         ('inertia = "2400 kg"', "drive.inertia", 2400.0),
-        ('viscous_friction = "1 kN s/m"', "drive.d", 1000.0),
         ('viscous_friction = "2 mN m s/rad"', "drive.d", 0.002 * PER_TURN**2),
         ('dry_friction = "100 Ncm"', "drive.dry", PER_TURN),
-        ('K_v = "1.5 m/min/mm"', "drive.K_v", 25.0),
         ('bandwidth = "48 Hz"', "drive.bandwidth", 96.0 * math.pi),
         ('velocity_gain = "1.8 N m s/rad"', "drive.bandwidth", 300.0),
-        ('velocity_gain = "3000 N s/m"\ninertia = "1000 kg"', "drive.bandwidth", 3.0),
-        ('bandwidth = "400 1/s"', "drive.T_n", 0.01),
-        ('integral_time = "0 s"', "drive.T_n", 0.0),
         ('encoder = "1000000 counts/turn"', "drive.resolution_motor", 1e-8),
         ('encoder = "2500 lines/turn"', "drive.resolution_motor", 1e-6),
-        ('position = "motor"', "drive.on_table", False),
         ('limit = "19 N m"', "drive.F_max", 19.0 * PER_TURN),
-        ('friction_feedforward = "1 N m"', "drive.friction_feedforward", PER_TURN),
         ('kind = "rigid"', "drive", None),
         ('feeds = ["2 mm/s", "30 mm/min"]', "demand.feeds", (0.0005, 0.002)),
-        ('feeds = "30 mm/min"', "demand.feeds", (0.0005,)),
-        ('largest_jump = "2 um"', "demand.largest_jump", 2e-6),
         ('mass = "500 kg ± 5 %"', "spread", {"axis.mass": 25.0}),
-        ('mass = "500 +/- 25 kg"', "spread", {"axis.mass": 25.0}),
         ('mu_s = "0.25 +- 0.02"', "spread", {"friction.mu_s": 0.02}),
-        ('zeta = "5 % ± 1 %"', "spread", {"axis.zeta": 0.01}),
-        ('load = "-1 kN ± 10 %"', "spread", {"axis.load": 100.0}),
         ('stiffness = ["50 N/um ± 10 %", "80 N/um"]', "spread", {"axis.stiffness[1]": 5e6}),
     ],
 )  # fmt: skip
@@ -226,51 +213,37 @@ def test_a_changed_number_leaves_alone_what_the_file_states_beside_it() -> None:
 FILTER = "[[drive.filter]]\nkind = "
 
 REFUSALS = [
-    # What is changed; the line that is named; words of the message.
+    # What is changed, or a file from its first section on; the line that is named; words.
     ('mass = "5 N"', 2, "is a force; expected a mass in kg, above 0"),
-    ('mass = "500 kilo"', 2, "unknown unit 'kilo'"),
-    ("mass = 500", 2, "has no unit; expected a mass in kg, above 0; write the unit, such as mass"),
     ("feeds = [2]", 14, "demand.feeds[1] = 2 has no unit"),
     ('mass = "0 kg"', 2, "out of range; expected a mass in kg, above 0"),
     ('mass = "500 kg ± 500 kg"', 2, "out of range with its ±"),
-    ('mass = "500 kg ± -5 kg"', 2, "negative ±"),
     ('mass = "500 kg ± 5 N"', 2, "is a force"),
-    ('mass = "500 kg ± 1 kg ± 1 kg"', 2, "more than one ±"),
     ('pitch = "10 mm ± 1 mm"', 8, "a ±, which is not allowed"),
     ('mass = "1,5 kg"', 2, "a comma where the decimal point"),
     ('mass = "nan kg"', 2, "not a finite number"),
-    ('mass = "1e999 kg"', 2, "larger than a double"),
-    ("mass = true", 2, "axis.mass = true is not a number"),
     ("mu_s = -0.1", 5, "out of range"),
-    ("mu_s = inf", 5, "not a finite number"),
-    ('mu_s = "0.2 N"', 5, "is a force; expected a plain number"),
     ("mu_k = 0.3", 6, "friction.mu_k = 0.3 is above static friction; expected at most 0.25"),
-    ('F_s = "700 N"\nF_k = "981 N"', 6, "above static friction; expected at most 700"),
-    ('F_s = "8"\nF_k = "6 %"', 5, "no unit; expected a force in N or a torque in N.m or percent"),
     ('F_s = "8 %"\nF_k = "6 %"\n-rated_torque', 7, "drive.rated_torque is missing"),
-    ('stiffness = ["1 N/um", "2 N/um", "3 N/um"]', 3, "3 values; expected one or two"),
     ('load = "-5 kN"', 4, "lifts the table off its guideway"),
     ('c = "4 kN s/m"\nzeta = 0.05', 4, "stands beside zeta, which says the same"),
     ('F_s = "981 N"\nmu_s = 0.25', 7, "stands beside F_s, which says the same"),
-    ('velocity_gain = "1 N m s"\nbandwidth = "3 1/s"', 13, "stands beside velocity_gain"),
     ("-mass", 1, "axis.mass is missing; expected a mass in kg, above 0; write such as mass ="),
     ("-mu_k", 4, "friction.mu_k is missing, or F_k or curve in its place"),
     ('law = "stribeck"', 4, "friction.v_s is missing"),
     ('v_s = "5 mm/s"', 7, 'goes with law = "stribeck" only'),
-    ('t_0 = "5 ms"', 7, "goes with B only"),
     ('law = "Stribek"', 7, 'expected one of "coulomb", "stribeck"; "stribeck" is the nearest'),
-    ('name = " "', 4, "is not a text"),
     ('K_v = "25 Hz"', 10, 'drive.K_v = "25 Hz" is an angular frequency'),
-    ('kind = "rack"', 13, "is not computed yet"),
     ('curve = "none.csv"', 5, "is no friction curve: none.csv: no such file"),
     ('mass = "1e-300 kg"\nstiffness = "1e300 N/m"', 1, "numbers that do not go together"),
     (f'{FILTER}"notch"\nfrequency = "400 Hz"', 14, "drive.filter[1].damping is missing, or width"),
     (f'{FILTER}"low pass"\nfrequency = "2 kHz"', 16, "expected below 2000 Hz, half the sampling"),
-    (f'{FILTER}"low pass"\nfrequency = "400 1/s"', 16, "is a rate; expected a frequency in Hz"),
-    ("[drive.filter]", 14, "write [[drive.filter]] on a line"),
     ("[drives]", 14, "expected [axis], [friction], [drive], [demand]; [drive] is the nearest"),
     ("feed = 1", 14, "demand.feed is an unknown key; nearest: feeds"),
-    ("[extra]\n", 14, "extra is no section of an axis file"),
+    ("[axis]\nmass = 500 kg\n", 2, "is not TOML: "),
+    ("[friction]\nmu_s = 0,2\n", 2, "a number has a decimal point, such as mu_s = 0.2"),
+    ("[axis]\nM = 5\n", 2, "nearest: mass"),
+    ("[drive]\nKp = 5\n", 2, "nearest: velocity_gain"),
 ]
 
 
@@ -278,40 +251,13 @@ REFUSALS = [
 def test_what_is_wrong_is_named_in_one_line_with_its_place(
     changes: str, line: int, words: str
 ) -> None:
+    is_file = changes.startswith(("[axis]", "[friction]", "[drive]"))
     with pytest.raises(AxisError) as refused:
-        axis_of(written(changes), "shop/x.toml")
+        axis_of(changes if is_file else written(changes), "shop/x.toml")
     assert str(refused.value).startswith(f"shop/x.toml: line {line}: ")
     assert words in str(refused.value)
     assert refused.value.line == line
     assert "\n" not in str(refused.value)
-
-
-@pytest.mark.parametrize(
-    ("text", "line", "words"),
-    [
-        ("", 1, "axis is missing; write a section [axis]"),
-        ("[axis]\nmass = 500 kg\n", 2, "is not TOML: "),
-        ('[axis]\nmass = "1 kg"\nmass = "2 kg"\n', 3, "is not TOML: "),
-        ("[friction]\nmu_s = 0,2\n", 2, "a number has a decimal point, such as mu_s = 0.2"),
-        ('mass = "5 kg"\n', 1, "stands outside a section; write it below [axis]"),
-        ("\naxis = 5\n", 2, "axis = 5 is no section"),
-        ("[axis]\nM = 5\n", 2, "nearest: mass"),
-        ("[axis]\nk = 5\n", 2, "nearest: stiffness"),
-        ("[drive]\nT_n = 5\n", 2, "nearest: integral_time"),
-        ("[drive]\nKp = 5\n", 2, "nearest: velocity_gain"),
-        ("[drive]\nlead = 5\n", 2, "nearest: pitch"),
-        ("[drive]\nJ = 5\n", 2, "nearest: inertia"),
-        ("[drive]\nkv = 5\n", 2, "nearest: K_v"),
-        ('axis.mass = "5 N"\n', 1, "is a force"),
-    ],
-)
-def test_what_is_wrong_with_a_text_is_named_with_the_right_key(
-    text: str, line: int, words: str
-) -> None:
-    with pytest.raises(AxisError) as refused:
-        axis_of(text)
-    assert words in str(refused.value)
-    assert refused.value.line == line
 
 
 @pytest.mark.parametrize(
@@ -326,9 +272,3 @@ def test_a_file_that_cannot_be_read_is_named(
         file.write_bytes(content)
     with pytest.raises(AxisError, match=rf"x\.toml: .*{words}"):
         read_axis(file)
-
-
-def test_a_byte_order_mark_is_no_part_of_a_file(tmp_path: Path) -> None:
-    file = tmp_path / "x.toml"
-    file.write_text("\ufeff" + written(), encoding="utf-8")
-    assert read_axis(file).name == "x"

@@ -135,16 +135,3 @@ def test_a_pull_the_other_way_is_the_mirror_image() -> None:
 def test_a_block_without_cycle_needs_no_cure(p: Parameters) -> None:
     assert cures(p).cures == ()
     assert math.isnan(cures(p).jump)
-
-
-def test_a_block_without_gap_is_cured_by_any_damping_or_four_times_the_stiffness() -> None:
-    found = {cure.name: cure for cure in cures(Parameters(mu_k=0.5)).cures}
-    assert found["damping"].end == 0.0
-    halving = [found[name].halve for name in ("stiffer", "lighter", "slower")]
-    assert halving == pytest.approx([4000.0, 0.25, 0.01], rel=1e-14)  # roundings
-    assert found["gap"].halve is None
-
-
-def test_arrays_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"one block, not parameters of shape \(2,\)"):
-        cures(Parameters(v=np.array([0.01, 0.02])))

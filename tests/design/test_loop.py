@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from stickslip_design.loop.motion import Motion, Point, walk
 from stickslip_design.loop.response import open_loop
 from stickslip_design.loop.rest import Start
 from stickslip_design.loop.stability import gain_limits, is_stable, swing
-from stickslip_design.loop.system import LAST, MOTOR, SPEED, TABLE, Mode, System
+from stickslip_design.loop.system import Mode, System
 from tests.design.axes import SERVO, driven
 
 FAST = {"bandwidth": 600.0, "T_n": 4.0 / 600.0}
@@ -69,14 +68,6 @@ def test_the_jump_at_half_a_millimetre_a_second_is_that_of_the_two_fmus(
     assert found.period == pytest.approx(period, abs=0.2e-3)
 
 
-def test_of_jumps_that_take_turns_the_longest_is_given() -> None:
-    found = limit_of_jumps(driven(bandwidth=100.0, T_n=0.04), highest=5e-4)
-    assert found.jump is not None
-    # 15.8, 16.5 and 21.1 um in the loop solved as one, to its digits.
-    assert found.jump.way == pytest.approx(21.1e-6, abs=0.1e-6)
-    assert found.rate == pytest.approx(5e-4 / 17.8e-6, rel=0.01)
-
-
 def test_above_the_limit_there_is_no_jump_and_just_below_it_the_table_hardly_stops() -> None:
     limit = limit_of_jumps(SERVO)
     assert limit.jump is not None
@@ -103,16 +94,6 @@ def test_a_drive_of_ten_million_tons_leaves_the_limit_of_a_rigid_one(
 ) -> None:
     axis = replace(driven(inertia=1e10, on_table=False), friction=friction)
     assert limit_of_jumps(axis).feed == pytest.approx(rigid_critical_feed(axis), rel=tolerance)
-
-
-def test_static_friction_that_grows_at_rest_shortens_the_jumps() -> None:
-    growing = replace(SERVO, friction=rubbing(tau_s=0.05))
-    limit = limit_of_jumps(growing).feed
-    assert 0.05e-3 < limit < 0.5e-3
-    grown, plain = jump_at(growing, 0.5 * limit), jump_at(SERVO, 0.5 * limit)
-    assert grown is not None
-    assert plain is not None
-    assert grown.way < plain.way
 
 
 @pytest.mark.parametrize(
@@ -178,14 +159,6 @@ def test_the_gain_margin_of_the_position_loop_is_that_of_its_gain() -> None:
     assert margin == pytest.approx(gain_limits(plain).K_v / 25.0, rel=1e-9)  # of both searches
 
 
-def test_the_delay_margin_of_the_force_is_the_dead_time_that_it_bears() -> None:
-    # A rest of a sample is no pure lag, so the dead time has whole samples.
-    T_s = 10e-6
-    samples = math.floor(open_loop(driven(T_s=T_s), "force").delay_margin / T_s)
-    assert swing(driven(T_s=T_s, dead_time=samples * T_s)).damping > 0.0
-    assert swing(driven(T_s=T_s, dead_time=(samples + 1) * T_s)).damping < 0.0
-
-
 @pytest.mark.parametrize("T_s", [250e-6, 1e-3])
 @pytest.mark.parametrize("each", [low_pass(150.0), low_pass(150.0, 0.7), notch(90.0, 0.5, 0.1)])
 def test_filters_are_those_of_scipy_bilinear_with_the_frequency_kept(
@@ -204,44 +177,6 @@ def test_filters_are_those_of_scipy_bilinear_with_the_frequency_kept(
     _, expected = signal.freqz(b, a, 64)
     _, found = signal.freqz([b0, b1, b2], [1.0, a1, a2], 64)
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-12)  # roundings near the notch
-
-
-@pytest.mark.parametrize(
-    "changed", [{"filters": (low_pass(1900.0),)}, {"lag": 1e-6}, {"dead_time": 1e-7}, {"dry": 3e2}]
-)
-def test_parts_that_do_next_to_nothing_change_next_to_nothing(changed: dict[str, Any]) -> None:
-    assert limit_of_jumps(driven(**changed)).feed == pytest.approx(1.550e-3, rel=0.03)
-
-
-def test_a_lag_of_a_tenth_of_a_millisecond_damps_as_a_dead_time_as_long() -> None:
-    lag = swing(driven(lag=1e-4)).damping
-    # Both turn the phase by w times it.
-    assert lag == pytest.approx(swing(driven(dead_time=1e-4)).damping, rel=0.02)
-    assert lag != pytest.approx(swing(SERVO).damping, rel=0.02)
-
-
-@pytest.mark.parametrize(
-    "changed",
-    [
-        {"velocity_feedforward": 0.0},
-        {"on_table": False, "velocity_feedforward": 0.5},
-        {"dry": 300.0, "friction_feedforward": 200.0, "lag": 1e-3},
-        {"dead_time": 0.4e-3, "filters": (low_pass(150.0, 0.7), notch(90.0, 0.5, 0.1))},
-    ],
-)
-def test_an_even_motion_stays_even_from_sample_to_sample(changed: dict[str, Any]) -> None:
-    feed, system = 2e-3, System(replace(driven(**changed), along=100.0))
-    axis, drive, command = system.axis, system.drive, system.layout.command
-    force = axis.F_k + axis.c * feed - axis.along
-    state = system.holding(force, feed)
-    state[SPEED] = feed
-    state[[MOTOR, LAST]] += force / axis.k
-    state[command] += 0.0 if drive.on_table else force / axis.k
-    change = system.from_sample_to_sample(system.sliding) @ state - state
-    expected = np.zeros_like(state)
-    expected[[MOTOR, TABLE, LAST, command]] = feed * drive.T_s
-    # Forces of 1e3 N over an inertia of 2e3 kg, in double precision.
-    assert change == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize("lag", [0.0, 1e-3])

@@ -1,4 +1,4 @@
-"""Verdicts made by hand: an axis that judders, a rigid one, a clean one, an unstable one."""
+"""Verdicts made by hand: an axis that judders, a rigid one, an unstable one."""
 
 import math
 from dataclasses import replace
@@ -99,19 +99,6 @@ def rigid() -> Verdict:
 
 
 @cache
-def clean() -> Verdict:
-    """Return an axis whose friction has no gap: it never jumps, on its drive."""
-    axis = replace(AXIS, name="Hydrostatic axis", friction=Friction(mu_s=0.001, mu_k=0.001))
-    return replace(
-        juddering(), axis=axis, critical_feed=0.0, critical_range=(0.0, 0.0),
-        rigid_critical_feed=0.0, estimated_critical_feed=0.0, simplified_critical_feed=0.0,
-        from_rest=0.0, hunting=None, cures=(), before=None, after=None,
-        points=tuple(point(feed, 0.0) for feed in FEEDS),
-        sentence="This axis never jumps: static and kinetic friction are the same.",
-    )  # fmt: skip
-
-
-@cache
 def unstable() -> Verdict:
     """Return an axis with more position gain than the 72.2 1/s that it bears."""
     axis = replace(AXIS, name="Axis, K_v = 100 1/s", drive=replace(DRIVE, K_v=100.0))
@@ -122,18 +109,6 @@ def unstable() -> Verdict:
         hunting=None, cures=(), before=None, after=None,
         responses=tuple(open_loop(axis, cut) for cut in ("force", "position")),
         sentence="The loop is unstable: K_v = 100 1/s is above the 72.2 1/s that it bears.",
-    )  # fmt: skip
-
-
-@cache
-def undamped() -> Verdict:
-    """Return a rigid axis without damping and without feeds: no feed ends its jumps."""
-    axis = replace(AXIS, name="Undamped", drive=None, c=0.0, demand=Demand(), spread={})
-    return replace(
-        rigid(), axis=axis, critical_feed=math.inf, critical_range=(math.inf, math.inf),
-        rigid_critical_feed=math.inf, simplified_critical_feed=math.inf, points=(),
-        cures=tuple(replace(each, then=None, effort=math.inf) for each in CURES[:2]),
-        sentence="Without damping this axis jumps at every feed.",
     )  # fmt: skip
 
 
@@ -155,4 +130,4 @@ def large() -> Verdict:
     )  # fmt: skip
 
 
-ALL = {each.__name__: each for each in (juddering, rigid, clean, unstable, undamped, large)}
+ALL = {each.__name__: each for each in (juddering, rigid, unstable, large)}

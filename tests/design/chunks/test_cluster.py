@@ -2,10 +2,8 @@
 
 import json
 import os
-import socket
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_design.chunks import Progress, StudyError, manifest, run
+from stickslip_design.chunks import Progress, StudyError, run
 from tests.design.chunks.toy import Toy, same, times_computed
 from tests.needs import ROOT, needs
 
@@ -91,25 +89,6 @@ def test_an_error_on_a_worker_ends_the_study_in_the_line_of_this_machine(cluster
         run(Toy(raises=70), cluster=cluster.address)
 
 
-def test_a_worker_of_other_versions_is_named_with_both(
-    cluster: Dask, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    there = manifest.versions_here()["numpy"]
-    ours = {**manifest.versions_here(), "numpy": "0.1"}
-    monkeypatch.setattr(manifest, "versions_here", lambda: ours)
-    with pytest.raises(
-        StudyError,
-        match=rf"the worker on .* \(process \d+\): has numpy {there}, and .* begun with 0\.1$",
-    ):
-        run(Toy(), cluster=cluster.address)
-
-
-def test_a_worker_that_does_not_see_the_folder_says_so(cluster: Dask) -> None:
-    # The memory of one process.
-    with pytest.raises(StudyError, match=r"the worker on .* does not see the study in memory://"):
-        run(Toy(), "memory://unseen", cluster=cluster.address)
-
-
 def test_a_killed_worker_leaves_the_results_as_they_are_and_costs_its_open_chunks(
     cluster: Dask, tmp_path: Path, marks: Path
 ) -> None:
@@ -163,26 +142,3 @@ def test_an_unreachable_scheduler_is_named_and_nothing_written(
     with pytest.raises(StudyError, match=words):
         run(Toy(), str(tmp_path / "study"), cluster=address)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("greeting", "words"),
-    [(b"", r"nothing comes within [\d.]+ s"), (b"HTTP/1.1 400 Bad", "another kind of server does")],
-)
-def test_another_kind_of_server_is_recognized(greeting: bytes, words: str) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        taken: list[socket.socket] = []
-
-        def greet() -> None:
-            connection, _ = server.accept()
-            connection.sendall(greeting)
-            taken.append(connection)
-
-        thread = threading.Thread(target=greet)
-        thread.start()
-        try:
-            with pytest.raises(StudyError, match=words):
-                run(Toy(), cluster="tcp://{}:{}".format(*server.getsockname()))
-        finally:
-            thread.join()
-            taken[0].close()

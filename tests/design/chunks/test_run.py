@@ -1,8 +1,6 @@
 """Studies in chunks: the same results however they are computed, and an end told in one line."""
 
-import gc
 import os
-import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -101,18 +99,6 @@ def test_a_short_study_is_computed_in_this_process(marks: Path) -> None:
     assert processes(marks) == {os.getpid()}
 
 
-def test_a_temporary_folder_lasts_as_long_as_the_results(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    results = run(Toy(20), workers=1)
-    assert results.read(19)["n"].tolist() == [4]
-    assert list(tmp_path.iterdir())
-    del results
-    gc.collect()
-    assert not list(tmp_path.iterdir())
-
-
 def test_progress_shows_points_failures_and_what_was_kept(tmp_path: Path) -> None:
     shown: list[Progress] = []
     for kept in (0, 1000):
@@ -158,21 +144,6 @@ def test_an_error_in_this_process_is_the_same_line(tmp_path: Path) -> None:
     assert list(tmp_path.glob("*.chunk"))
 
 
-def test_chunks_whose_files_are_gone_end_the_study(tmp_path: Path) -> None:
-    with pytest.raises(StudyError, match="are computed, and their file is not here"):
-        run(Toy(**LONG, loses=tmp_path), str(tmp_path), workers=2)
-
-
-def test_a_worker_that_reads_another_study_under_the_name_of_its_own_says_so(
-    tmp_path: Path,
-) -> None:
-    def exchange(_: Progress) -> None:
-        (tmp_path / "study.pickle").write_bytes(b"another")
-
-    with pytest.raises(StudyError, match="reads another study"):
-        run(Toy(**LONG), str(tmp_path), workers=2, progress=exchange)
-
-
 class Alone(Toy):
     """A study that notices when two threads compute it."""
 
@@ -195,15 +166,6 @@ def test_a_worker_of_several_threads_computes_one_chunk_at_a_time(tmp_path: Path
     with ThreadPoolExecutor(4) as threads:
         answers = list(threads.map(partial(work, job), chunks))
     assert [answer.chunk for answer in answers if isinstance(answer, Done)] == chunks
-
-
-@pytest.mark.parametrize("column", [np.zeros(3), np.zeros((8, 2)), np.array([None] * 8)])
-def test_a_column_that_is_no_number_or_text_a_point_is_refused(
-    monkeypatch: pytest.MonkeyPatch, column: Any
-) -> None:
-    monkeypatch.setattr(Toy, "compute", lambda *_: {"wrong": column})
-    with pytest.raises(StudyError, match=r"points 0 to 7: the column wrong has shape"):
-        run(Toy(8, 8), workers=1)
 
 
 @pytest.mark.parametrize(

@@ -20,22 +20,10 @@ from stickslip_design.chunks import Columns, Results
 class Toy:
     """A study of `count` points that depend on the seed.
 
-    Attributes
-    ----------
-    pace, pace_of_workers
-        Time of a point [s] in the process of the study and in those that it starts.
-    marks
-        Folder with a file for each chunk that was computed.
-    kills
-        How many chunks end their worker process by SIGKILL; they are counted in `marks`.
-    hangs
-        Whether worker processes take five minutes for a chunk.
-    raises
-        A point that raises an error.
-    largest
-        Bytes that a file may have in a worker process; None: no limit.
-    loses
-        A folder in which the files of all chunks are lost.
+    A point takes `pace` seconds in the process of the study, `pace_of_workers` in those that it
+    starts; `marks` is a folder with a file for each chunk that was computed. In worker processes
+    `kills` chunks end theirs by SIGKILL, a chunk `hangs` for five minutes, and a file has at most
+    `largest` bytes. The point `raises` raises an error.
     """
 
     count: int = 1000
@@ -48,7 +36,6 @@ class Toy:
     hangs: bool = False
     raises: int | None = None
     largest: int | None = None
-    loses: Path | None = None
 
     @property
     def identity(self) -> Mapping[str, Any]:
@@ -66,8 +53,6 @@ class Toy:
         )
         if self.marks is not None:
             (self.marks / f"{start}-{stop}-{os.getpid()}-{time.monotonic_ns()}").touch()
-        for file in self.loses.glob("*.chunk") if self.loses else ():
-            file.unlink()
         points = np.arange(start, stop)
         return {
             "x": np.sin(1.7 * points + self.seed),

@@ -182,20 +182,3 @@ def test_all_that_results_depend_on_is_an_input_and_what_is_only_shown_is_not(
     spans = {"v": "1..2 mm/s 3", "k": "1..2 kN/m 3"}
     other = study_of({**spans, **over}, values=values, **options)[0]
     assert (other.identity == study_of(spans, values={})[0].identity) is same
-
-
-@pytest.mark.parametrize(
-    ("law", "over", "held", "searched"),
-    [
-        ("coulomb", {"k": 2000, "c": 2000}, {}, True),
-        ("coulomb", {"v": 3, "tau_s": 2000}, {}, False),
-        ("stribeck", {"v": 2000, "k": 1000}, {}, True),
-        ("stribeck", {"v": 2, "k": 1001}, {}, False),
-    ],
-)
-def test_a_critical_velocity_is_searched_at_a_thousand_points_at_most(
-    law: str, over: dict[str, int], held: dict[str, float], searched: bool
-) -> None:
-    spans: dict[str, Any] = {name: np.linspace(1.0, 2.0, count) for name, count in over.items()}
-    source = study_of(spans, values=held, law=law)[0].source
-    assert ("v_c" in source.columns) == searched

@@ -1,7 +1,5 @@
 """Pictures of maps: slices, units, ticks, colours, and the page that holds them."""
 
-import base64
-import io
 import json
 import re
 from functools import cache
@@ -14,8 +12,7 @@ import pytest
 
 import stickslip_design
 from stickslip_design.maps.page import page, ticks
-from stickslip_design.maps.pictures import EVEN, picture
-from stickslip_design.maps.views import Side, Slice, Unit, View, colours, contours, unit_of
+from stickslip_design.maps.views import Side, Slice, Unit, View, contours, unit_of
 from tests.needs import needs
 
 if TYPE_CHECKING:
@@ -72,17 +69,6 @@ def test_ticks_are_round_numbers_and_few_values_have_one_each(
     assert all(a.at < b.at for a, b in pairwise(found))
 
 
-def test_colours_go_by_ratios_where_the_largest_is_fifty_times_the_smallest() -> None:
-    wide = colours("m", [np.array([1e-5, 1e-2]), np.array([np.nan, 0.0])])
-    assert (wide.low, wide.high, wide.log) == (pytest.approx(0.01), pytest.approx(10.0), True)
-    np.testing.assert_allclose(wide.part(np.array([1e-5, 1e-2])), [0.0, 1.0], atol=1e-12)
-    assert not colours("m", [np.array([1e-3, 1e-2])]).log
-    # A share of a period is not a ratio of shares.
-    assert not colours("1", [np.array([1e-3, 1.0])]).log
-    # A pull backward gives the jumps the other sign.
-    assert colours("m", [np.array([-1e-3, -1e-2])]) == colours("m", [np.array([1e-3, 1e-2])])
-
-
 @needs("studies")
 def test_a_slice_is_what_the_dataset_has_there() -> None:
     view, slices, _, _ = some_page()
@@ -133,35 +119,6 @@ def test_a_page_has_sixty_slices_at_most_and_says_how_many_values_it_left_out() 
     # It asks for nothing, and has words for its pictures.
     assert not re.search(r"(?:src|href)=[\"'](?!data:|#)|https?://|url\((?!#)", text)
     assert all("sticks and slips at" in each for each in data["told"])
-
-
-@needs("studies")
-def test_even_motion_has_its_own_colour_and_the_largest_jump_is_the_brightest() -> None:
-    from PIL import Image
-
-    _, slices, _, data = some_page()
-    encoded = data["pictures"]["delta_x"][-1].partition("base64,")[2]
-    image = np.asarray(Image.open(io.BytesIO(base64.b64decode(encoded))).convert("RGB"))[::-1]
-    even = slices[-1].columns["regime"] == 0
-    assert 0 < even.sum() < even.size
-    colour = [int(EVEN[n : n + 2], 16) for n in (1, 3, 5)]
-    np.testing.assert_array_equal(np.all(image == colour, axis=-1), even)
-    jump = np.where(even, 0.0, slices[-1].columns["delta_x"])
-    light = np.where(even, 0, image.sum(axis=-1, dtype=int))
-    assert light.ravel()[np.argmax(jump)] == light.max()
-
-
-@needs("studies")
-@pytest.mark.parametrize(
-    "over",
-    [{"k": "1..2 kN/m 2", "mu_k": [0.1, 0.6]}, {"v": [-0.02, 0.0, 0.02], "k": "1..2 kN/m 3"}],
-)
-def test_a_picture_is_drawn_of_any_two_parameters(over: dict[str, str | list[float]]) -> None:
-    # Without v, without a limit, and of two values by two.
-    view = View(stickslip_design.map_(over, values={"c": 2.0}, workers=1))
-    (part,), words = view.read([view.nearest()])
-    assert picture(view, part).startswith(b"\x89PNG")
-    assert '"counts": []' in page(view, [part], words).replace('"counts":[]', '"counts": []')
 
 
 @needs("studies")

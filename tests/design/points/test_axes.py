@@ -98,17 +98,6 @@ def test_an_unstable_loop_swings_and_its_jump_is_unknown() -> None:
     assert math.isnan(found["jump"][1])
 
 
-def test_feeds_are_one_or_one_of_each_variant_or_several_of_each() -> None:
-    file, changes = axis_file_of(ZETA), {"axis.mass": np.array([450.0, 550.0])}
-    several = axis_points(file, changes, np.array([[1e-3, 2e-3], [1e-3, 3e-3]]))["jump"]
-    assert_array_equal(several[:, 0], axis_points(file, changes, 1e-3)["jump"])
-    own = axis_points(file, changes, np.array([2e-3, 3e-3]))
-    assert_array_equal(several[:, 1], own["jump"])
-    limit = axis_points(file, changes)
-    assert set(limit) == {"critical_feed", "stable", "clamped"}
-    assert_array_equal(limit["critical_feed"], own["critical_feed"])
-
-
 @pytest.mark.parametrize("text", [FALLING, GROWING, example()], ids=["falling", "growing", "loop"])
 def test_regimes_alone_are_those_of_the_full_judgement(text: str) -> None:
     file, feeds = axis_file_of(text), np.array([[1e-4, 1e-3, 5e-3, 0.03]])
@@ -117,15 +106,6 @@ def test_regimes_alone_are_those_of_the_full_judgement(text: str) -> None:
     alone = axis_points(file, changes, feeds, regimes_only=True)
     assert len(set(full["regime"][0].tolist())) == 2
     assert_array_equal(alone["regime"], full["regime"])
-
-
-@pytest.mark.parametrize("regimes_only", [False, True])
-def test_a_loop_that_turns_back_between_jumps_sticks_without_one_jump(regimes_only: bool) -> None:
-    # With ten times the static friction.
-    changes = {"friction.mu_s": np.array([2.0])}
-    found = axis_points(axis_file_of(example()), changes, 1.5e-3, regimes_only=regimes_only)
-    assert found["regime"].tolist() == [STICKS]
-    assert math.isnan(found["jump"][0])
 
 
 def test_a_variant_that_cannot_be_computed_is_unknown_and_costs_no_other_one(

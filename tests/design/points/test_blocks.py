@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,9 +13,6 @@ from numpy.typing import NDArray
 import stickslip_ref
 from stickslip_design.points import slips
 from stickslip_design.points.blocks import Regime, block_points, critical_speeds
-from stickslip_fmu.block import Block
-from stickslip_fmu.laws.stribeck.law import STRIBECK
-from stickslip_fmu.spec import spec_of
 from tests.conftest import Sized
 from tests.needs import needs
 
@@ -162,14 +159,6 @@ def test_points_within_a_millionth_of_a_limit_are_marked_and_others_not(
         assert_array_equal(found["regime"] == Regime.STICKS, [True, True, False, False])
 
 
-def test_where_steady_sliding_becomes_stable_is_marked_too() -> None:
-    p = stickslip_ref.Parameters(c=3.0)
-    edge = stickslip_ref.critical_velocity(p, "stribeck", {"v_s": 0.05}).unstable[0].high
-    v = edge * np.array([0.999, 1.0, 1.001])
-    marked = block_points({"c": 3.0, "v_s": 0.05, "v": v}, "stribeck", limit=False)
-    assert_array_equal(marked["at_limit"], [False, True, False])
-
-
 @pytest.mark.parametrize(
     ("law", "points"), [("coulomb", coulomb), ("coulomb", dwelling), ("stribeck", falling)]
 )
@@ -219,29 +208,6 @@ def test_without_a_compiler_the_python_block_gives_the_same_bits_with_one_warnin
     assert str(warning.message).startswith("there is no compiler; the Python block computes")
 
 
-SWINGS = {
-    "m": 0.395, "k": 15686.0, "c": 7.63, "v": 0.04765, "mu_s": 0.426, "shape": 3.0, "n_points": 3.0,
-    "mu_1": 0.35, "u_2": 0.05, "mu_2": 0.17, "u_3": 0.2, "mu_3": 0.327,
-}  # fmt: skip
-"""Friction falls up to a speed just above that of the pull, and rises from there on."""
-
-
-def test_a_slip_that_is_given_up_has_no_end() -> None:
-    random = {name: column[:10] for name, column in falling(7, 100).items()}
-    runs = {name: np.append(column, SWINGS.get(name, 1.0)) for name, column in random.items()}
-    found = slips.first_slips(runs, "stribeck")
-    endless = np.flatnonzero(np.isinf(found.t_slip)).tolist()
-    assert 2 < len(endless) < 9
-    assert endless[-1] == 10
-    spec = spec_of(STRIBECK)
-    for number in endless:
-        values = {name: float(column[number]) for name, column in runs.items()}
-        block = cast(Block, spec.model(spec.values({**spec.table.start_values(), **values})))
-        turn = 2.0 * math.pi * math.sqrt(values["m"] / values["k"])
-        block.advance(0.0, float(found.t_stick[number]) + 40.0 * turn)
-        assert (block.mode, block.meter.n_slips) == (1, 0)
-
-
 @pytest.mark.parametrize("law", ["coulomb", "stribeck"])
 def test_without_a_pull_nothing_jumps(law: str) -> None:
     found = block_points({"v": np.array([0.0, 0.02])}, law, limit=False)
@@ -249,20 +215,6 @@ def test_without_a_pull_nothing_jumps(law: str) -> None:
     assert found["delta_x"][0] == found["stick_share"][0] == 0.0
     assert np.isnan(found["T"][0])
     assert not found["at_limit"].any()
-
-
-def test_the_simplified_jump_is_off_by_what_the_pull_adds() -> None:
-    found = block_points({})
-    # 3.924 mm at the start values, where the mass jumps 6.305 mm: docs/theory.md (12).
-    assert_allclose(found["delta_x_simplified"], 3.924e-3, rtol=1e-12)
-    assert_allclose(found["simplified_error"], 3.924e-3 / found["delta_x"] - 1.0, rtol=1e-12)
-    assert round(float(found["delta_x"]), 6) == 6.305e-3
-    assert found["v_c"] == math.inf
-
-
-def test_cycles_up_to_the_end_of_the_search_have_no_critical_velocity() -> None:
-    assert critical_speeds({"c": 0.0}, "stribeck") == math.inf
-    assert 0.0 < critical_speeds({"c": 5.0}, "stribeck") < math.inf
 
 
 @pytest.mark.parametrize(

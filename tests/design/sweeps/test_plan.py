@@ -1,19 +1,17 @@
 """Plans: what they say of a model, and what is refused."""
 
 import tomllib
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from stickslip_design.datasets import digest_of
 from stickslip_design.sweeps import SweepError, read_model
 from stickslip_design.sweeps.model import Model
 from stickslip_design.sweeps.study import Sweep, prepare
 from stickslip_design.sweeps.template import template
-from stickslip_design.sweeps.units import between, read_as
-from stickslip_verification import Unit
 
 HEAD = "stop_time = 2\nstep = 1\n"
 TAIL = '[outputs]\nx = "last"\n'
@@ -71,35 +69,24 @@ def test_steps_are_even_with_a_shorter_last_one(
     ("text", "reason"),
     [
         (f"stop_tim = 2\n{TAIL}", "line 1: stop_tim is an unknown key; nearest: stop_time"),
-        (f"{HEAD}parameters = 3\n{TAIL}", "line 3: parameters = 3 is no table"),
         (HEAD, "has no [outputs]"),
         (f"stop_time = 2,5\n{TAIL}", "line 1: is not TOML: "),
-        (f"step = 0\n{TAIL}", "line 1: step = 0 is out of range: above 0"),
         (f'step = "2 kg"\n{TAIL}', 'line 1: step = "2 kg" is a mass; expected a time in s'),
-        (f"stop_time = 0\n{TAIL}", "line 1: stop_time = 0 s is not after start_time = 0 s"),
         (f"{HEAD}settle = 2\n{TAIL}", "line 3: settle = 2 s is the whole run of 2 s or more"),
         (f"step = 1e-12\n{TAIL}", "line 1: step = 1e-12 s makes 1e+13 steps; at most 1e+08"),
-        (f"{HEAD}reset = 1\n{TAIL}", "line 3: reset = 1 is neither true nor false"),
         (f"{HEAD}[parameters]\nmu_S = 1\n{TAIL}",
          "line 4: parameters.mu_S is no variable of StickSlip.fmu; nearest: mu_s"),
         (f"{HEAD}[parameters]\nk = [1, inf]\n{TAIL}", "line 4: parameters.k = inf is not finite"),
-        (f"{HEAD}[parameters]\nk = []\n{TAIL}", "line 4: parameters.k = [] is empty"),
         (f'{HEAD}[parameters]\nk = "5..1 N/m 3"\n{TAIL}',
          "line 4: parameters.k = '5..1 N/m 3' runs backwards"),
-        (f'{HEAD}[parameters]\nk = ["1..5 N/m 3"]\n{TAIL}',
-         "line 4: parameters.k = '1..5 N/m 3' is a range in a list"),
         (f'{HEAD}[parameters]\nk = "3 kg"\n{TAIL}',
          "line 4: parameters.k = '3 kg' has the unit 'kg', which is no unit like the model's"),
         (f"{HEAD}[parameters]\nx = 1\n{TAIL}",
          "line 4: parameters.x is a continuous output, and cannot be set"),
         (f"{HEAD}[inputs]\nm = 1\n{TAIL}",
          "line 4: inputs.m is a fixed parameter, and cannot be set during a run"),
-        (f"{HEAD}[parameters]\nv = 1\n[inputs]\nv = 1\n{TAIL}",
-         "line 6: inputs.v stands in [parameters] too"),
         (f'{HEAD}[inputs]\nv = "v.csv"\n{TAIL}',
          "line 4: inputs.v = 'v.csv': v.csv: cannot be read: no such file"),
-        (f'{HEAD}[outputs]\nX_dot = "last"\n',
-         "line 4: outputs.X_dot is no variable of StickSlip.fmu; nearest: x_dot"),
         (f'{HEAD}[outputs]\nx = "maximum"\n',
          'line 4: outputs.x = "maximum" is no reduction; nearest: max'),
         (f'{HEAD}[parameters]\nk = [1, 2]\n[outputs]\nk = "last"\n',
@@ -176,39 +163,6 @@ def test_a_template_is_a_plan_of_one_run_and_every_line_of_it_may_stand(block: M
     assert len(prepare(block, plan).job.fixed) > 10
 
 
-def test_units_of_a_model_are_converted_with_factor_and_offset() -> None:
-    of_heat, of_way = (0, 0, 0, 0, 1, 0, 0, 0), (0, 1, 0, 0, 0, 0, 0, 0)
-    units = {
-        "K": Unit(Fraction(1), Fraction(0), of_heat),
-        "degC": Unit(Fraction(1), Fraction("273.15"), of_heat),
-        "mm": Unit(Fraction(1, 1000), Fraction(0), of_way),
-    }
-    assert read_as(units, "20 degC", "K") == 293.15
-    assert between(units, "degC", "K") == (1.0, 273.15)
-    assert between(units, "mm", "") == (1.0, 0.0)
-    with pytest.raises(ValueError, match=r"has the unit 'K', and what drives it 'mm'"):
-        between(units, "mm", "K")
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "reason"),
-    [
-        ("none.fmu", None, "no such file"),
-        ("text.fmu", b"no archive", "not an FMU (not a zip archive)"),
-        ("text.ssp", b"no archive", "not an SSP file (not a zip archive)"),
-    ],
-)
-def test_a_file_that_is_no_model_is_named(
-    tmp_path: Path, name: str, content: bytes | None, reason: str
-) -> None:
-    file = tmp_path / name
-    if content is not None:
-        file.write_bytes(content)
-    with pytest.raises(SweepError) as refused:
-        read_model(file)
-    assert str(refused.value) == f"{file}: {reason}"
-
-
 @pytest.mark.parametrize(
     ("old", "new"),
     [
@@ -233,16 +187,6 @@ def test_all_that_results_depend_on_is_an_input(
     identities = []
     for change in ((old, old), (old, old), (old, new)):
         (tmp_path / "v.csv").write_text(table.replace(*change), encoding="utf-8")
-        text = (HEAD + values + TAIL).replace(*change)
-        # The order of the axes decides which number a run has.
-        study = planned(text, block, tmp_path)
-        identities.append(repr(study.identity))
+        study = planned((HEAD + values + TAIL).replace(*change), block, tmp_path)
+        identities.append(digest_of(study.identity))
     assert identities[0] == identities[1] != identities[2]
-
-
-def test_the_bytes_of_the_model_are_an_input(fmu_path: Path, tmp_path: Path) -> None:
-    model = tmp_path / fmu_path.name
-    # Bytes before a zip archive are not of it.
-    model.write_bytes(b"\0" + fmu_path.read_bytes())
-    one, other = (planned(HEAD + TAIL, each, tmp_path).identity for each in (fmu_path, model))
-    assert one != other

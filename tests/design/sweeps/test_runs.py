@@ -123,7 +123,7 @@ def test_a_grid_has_dimensions_units_and_inputs_and_the_jumps_of_the_reference()
     names = ("x.jump", "x.period", "F.max", "k")
     assert [found[name].attrs["units"] for name in names] == ["m", "s", "N", "N/m"]
     assert found["F.max"].attrs["long_name"].endswith("greatest sample")
-    assert '"model": "StickSlip.fmu"' in found.attrs["inputs"]
+    assert '"model": "StickSlip_fmi3.fmu"' in found.attrs["inputs"]
     assert found.attrs["fixed"] == '{"v": "0.02 m/s"}'
     exact = steady_cycle(Parameters(k=np.array([500.0, 3000.0]), v=0.02))
     # By the FMU's meter to rounding; the mass does not move at rest, so that a jump needs no

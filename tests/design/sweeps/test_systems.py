@@ -119,43 +119,6 @@ def test_wires_carry_start_values_and_scale_them_through_a_system_inside(
     assert columns["inner.b.y"].tolist() == [0.5 * (111 + 121), 0.5 * (131 + 141)]
 
 
-def alone(fmu: Path, folder: Path, name: str, value: str) -> Path:
-    """Write an SSP file of one FMU and a value."""
-    inside = f'<ssv:Parameter name="{name}">{value}</ssv:Parameter>'
-    for tag in (
-        "ssv:Parameters", 'ssv:ParameterSet version="1.0" name="p"', "ssd:ParameterValues",
-        "ssd:ParameterBinding", "ssd:ParameterBindings",
-    ):  # fmt: skip
-        inside = f"<{tag}>{inside}</{tag.partition(' ')[0]}>"
-    elements = f"<ssd:Elements>{component('a', inside)}</ssd:Elements>"
-    return system(fmu, folder / "alone.ssp", elements)
-
-
-@pytest.mark.parametrize(
-    ("value", "k"), [("2", 2.0), ('2" unit="N/m', 2.0), ('2" unit="kN/m', 2000.0)]
-)
-def test_a_value_of_the_file_has_its_unit(
-    fmu_path: Path, tmp_path: Path, value: str, k: float
-) -> None:
-    file = alone(fmu_path, tmp_path, "k", f'<ssv:Real value="{value}"/>')
-    assert read_model(file).bound == {"a.k": k}
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "reason"),
-    [
-        ("k", '<ssv:Real value="2" unit="m/s"/>', "its value of a.k has the unit 'm/s', which is"),
-        ("F", '<ssv:Real value="2"/>', "gives a value to a.F, which is a continuous output, and"),
-        ("mode", '<ssv:Real value="2.7"/>', "gives a value to a.mode, which is a"),
-    ],
-)
-def test_a_value_that_the_file_cannot_give_is_refused(
-    fmu_path: Path, tmp_path: Path, name: str, value: str, reason: str
-) -> None:
-    with pytest.raises(SweepError, match=reason):
-        read_model(alone(fmu_path, tmp_path, name, value))
-
-
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [

@@ -3,7 +3,6 @@
 import json
 import math
 import pickle
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,15 +15,15 @@ from scipy.special import ndtri
 from stickslip_design.axis import AxisFile, axis_file_of, example
 from stickslip_design.chunks import Study, run
 from stickslip_design.critical import critical_feed
-from stickslip_design.points.axes import EVEN, STICKS, SWINGS, UNKNOWN
+from stickslip_design.datasets import digest_of
+from stickslip_design.points.axes import EVEN, STICKS
 from stickslip_design.tolerances.indices import Mixed, indices
 from stickslip_design.tolerances.nominal import Turns
 from stickslip_design.tolerances.probability import interval, probability
 from stickslip_design.tolerances.question import question
-from stickslip_design.tolerances.result import Scatter, outcome
+from stickslip_design.tolerances.result import Scatter
 from stickslip_design.tolerances.samples import Population, Samples
 from stickslip_design.tolerances.study import answer, scatter
-from stickslip_design.tolerances.words import sentences
 from tests.design.tolerances.series import MU_K, gap, series, share_that_jumps
 from tests.needs import needs
 
@@ -68,25 +67,6 @@ def test_correlation_changes_the_probability_as_the_closed_case_does(rho: float)
     assert jumps.value == pytest.approx(truth, abs=four_errors(truth, 1e5))
     assert jumps.low < jumps.value < jumps.high
     assert jumps.value + found.outcomes[0].even.value == pytest.approx(1.0, abs=1e-15)
-
-
-def test_machines_whose_kinetic_friction_is_above_static_are_counted_and_never_jump() -> None:
-    found = asked(vary=BOTH, samples=20_000)
-    above = found.columns["friction.mu_k"] > found.columns["friction.mu_s"]  # type: ignore[operator]
-    assert_array_equal(found.columns["clamped"], above)
-    assert np.all(found.columns["critical_feed"][above] == 0.0)
-    truth = 1.0 - share_that_jumps(0.0, (0.2, 0.02), (0.15, 0.015))
-    assert found.clamped / 20_000 == pytest.approx(truth, abs=four_errors(truth, 20_000))
-    assert any(f"in {found.clamped} of 20000 machines" in each for each in sentences(found))
-
-
-def test_only_machines_that_stick_jump_and_quantiles_are_theirs() -> None:
-    regime = np.array([STICKS, SWINGS, EVEN, UNKNOWN, STICKS, STICKS], dtype=np.int8)
-    jump = np.array([2e-6, 0.0, 0.0, math.nan, math.nan, 4e-6])
-    found = outcome(1e-3, regime, jump)
-    assert (found.jumps.value, found.even.value) == (3 / 6, 1 / 6)
-    assert (found.swings, found.unknown, found.unmeasured) == (1, 1, 1)
-    assert found.jump == pytest.approx((2.1e-6, 3e-6, 3.9e-6))
 
 
 def test_the_critical_feed_scatters_with_the_coefficients_as_its_formula_says() -> None:
@@ -133,22 +113,6 @@ def test_a_number_that_does_not_vary_is_solved_for_upwards() -> None:
     assert again.outcomes[0].even.value == pytest.approx(0.9, abs=2.0 / 5000)
 
 
-@pytest.mark.parametrize(
-    ("within", "words"),
-    [((0.19, 0.21), "no value in its range does it"), ((0.05, 0.1), "every value in its range")],
-)
-def test_a_share_that_cannot_be_reached_is_said_with_those_at_the_ends(
-    within: tuple[float, float], words: str
-) -> None:
-    feed = 0.03 / gap(1.0)
-    found = asked(samples=20_000, within=within, hold=(0.99, feed), solve="friction.mu_s")
-    assert found.solved is not None
-    assert math.isnan(found.solved.value)
-    truth = [1.0 - share_that_jumps(feed, (mu, 0.1 * mu)) for mu in within]
-    assert found.solved.at_ends == pytest.approx(truth, abs=four_errors(0.5, 20_000))
-    assert words in list(sentences(found))[-1]
-
-
 def test_studies_are_the_same_to_the_bit_in_any_chunks_and_from_any_process() -> None:
     population = question(series(), vary=BOTH, correlation={PAIR: 0.5}).population
     studies: list[Study] = [
@@ -171,28 +135,31 @@ def population(zeta: str = "0.05", **arguments: Any) -> Population:
     return question(series(zeta=zeta), **{**defaults, **arguments}).population
 
 
-@pytest.mark.parametrize(
-    "other",
-    [
-        lambda: Samples(population(zeta="0.06"), (1e-3,), 100),
-        lambda: Samples(population(vary={**BOTH, PAIR[0]: "normal 0.21 0.02"}), (1e-3,), 100),
-        lambda: Samples(population(vary={**BOTH, PAIR[0]: "uniform 0.2..0.21"}), (1e-3,), 100),
-        lambda: Samples(population(correlation={PAIR: 0.6}), (1e-3,), 100),
-        lambda: Samples(population(seed=2), (1e-3,), 100),
-        lambda: Samples(population(), (2e-3,), 100),
-        lambda: Samples(population(), (1e-3,), 101),
-        lambda: Samples(population(), (1e-3,), 100, regimes_only=True),
-        lambda: Mixed(population(), (1e-3,), 64),
-        lambda: Turns(population(), 1e-3, 100, "friction.mu_s", 0.1, 10.0),
-    ],
-)
-def test_all_that_results_depend_on_is_an_input(other: Callable[[], Study]) -> None:
-    study = Samples(population(), (1e-3,), 100)
-    assert study.identity == Samples(population(), (1e-3,), 100).identity
-    assert study.identity != other().identity
-    turns = Turns(population(), 1e-3, 100, "friction.mu_s", 0.1, 10.0)
-    for name, value in {"feed": 2e-3, "path": "axis.mass", "low": 0.2, "high": 5.0}.items():
-        assert replace(turns, **{name: value}).identity != turns.identity
+def test_all_that_results_depend_on_is_an_input() -> None:
+    machines = population()
+    samples = Samples(machines, (1e-3,), 100)
+    turns = Turns(machines, 1e-3, 100, "friction.mu_s", 0.1, 10.0)
+    others = [
+        samples,
+        *(
+            replace(samples, population=population(**changed))
+            for changed in (
+                {"zeta": "0.06"},
+                {"vary": {**BOTH, PAIR[0]: "normal 0.21 0.02"}},
+                {"correlation": {PAIR: 0.6}},
+                {"seed": 2},
+            )
+        ),
+        replace(samples, feeds=(2e-3,)),
+        replace(samples, count=101),
+        replace(samples, regimes_only=True),
+        Mixed(machines, (1e-3,), 64),
+        turns,
+        replace(turns, path="axis.mass"),
+        replace(turns, low=0.2),
+    ]
+    assert Samples(population(), (1e-3,), 100).identity == samples.identity
+    assert len({digest_of(study.identity) for study in others}) == len(others)
 
 
 def test_a_machine_on_a_servo_axis_is_judged_as_its_file_alone() -> None:

@@ -37,13 +37,6 @@ def test_shares_are_uniform_and_their_scores_have_the_correlation_asked_for(rho:
         assert stats.spearmanr(column[:-1], column[1:]).pvalue > 1e-3
 
 
-def test_three_pairs_are_correlated_at_once() -> None:
-    pairs = {("a", "b"): 0.5, ("b", "c"): -0.3, ("a", "c"): 0.2}
-    L = np.array([[*row, *(0.0,) * (3 - len(row))] for row in factor_of(NAMES, pairs)])
-    expected = [[1.0, 0.5, 0.2], [0.5, 1.0, -0.3], [0.2, -0.3, 1.0]]
-    assert_allclose(L @ L.T, expected, atol=1e-15)  # roundings
-
-
 @pytest.mark.parametrize(
     ("pairs", "message"),
     [
@@ -106,10 +99,3 @@ def test_indices_of_the_function_of_ishigami_are_known() -> None:
     assert found.total == pytest.approx([(V1 + V13) / V, V2 / V, V13 / V], abs=0.01)
     for value, ends in ((found.first, found.first_range), (found.total, found.total_range)):
         assert np.all((ends[:, 0] < value) & (value < ends[:, 1]))
-
-
-@pytest.mark.parametrize("value", [0.0, math.inf, math.nan])
-def test_what_is_the_same_at_all_points_or_not_finite_at_one_has_no_indices(value: float) -> None:
-    values = mixed(1, ROWS, 1, 0, 3 * ROWS)[:, 0].copy()
-    values[-1 if value else slice(None)] = value
-    assert indices(values, ROWS, 1) is None
