@@ -157,7 +157,6 @@ def test_the_installed_command_builds_verifies_simulates_and_scores(
     assert json.loads(installed.stickslip("score", "curve.csv", "--json"))["cause"] == "exact"
     installed.stickslip("page", "-o", "page.html")
     assert (installed.folder / "page.html").read_text("utf-8").rstrip().endswith("</html>")
-    installed.stickslip("lint")
 
 
 @needs("cc")

@@ -36,6 +36,22 @@ class Command:
         assert isinstance(code, int)
         return Answer(code, said.out, said.err)
 
+    def passes(self, *arguments: object) -> str:
+        """Return what a command prints, which must succeed."""
+        answer = self(*arguments)
+        assert answer.code == 0, answer.err + answer.out
+        return answer.out
+
+    def refuses(self, *arguments: object) -> str:
+        """Return the one line with which a command refuses what was typed, and does nothing."""
+        before = _files()
+        answer = self(*arguments)
+        assert (answer.code, answer.out) == (2, "")
+        assert answer.err.startswith("stickslip: ")
+        assert answer.err.count("\n") == 1
+        assert _files() == before
+        return answer.err
+
     def verify(self, *arguments: object) -> Answer:
         """Run `stickslip verify` in one process more: other tests work beside this one."""
         return self("verify", "--jobs", "1", *arguments)
@@ -54,3 +70,7 @@ class Command:
             check=False,
         )
         return Answer(done.returncode, done.stdout, done.stderr)
+
+
+def _files() -> dict[Path, bytes]:
+    return {file: file.read_bytes() for file in Path().rglob("*") if file.is_file()}

@@ -19,6 +19,7 @@ from stickslip_verification.drive.fmu.digest import content_digest
 
 from .running import Command
 
+pytestmark = pytest.mark.gate
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"
 MOST_BYTES = 420_000
 
@@ -38,14 +39,12 @@ def build(target: Path, *options: str) -> Path:
 
 
 def test_two_builds_are_the_same_bytes(built: Path, tmp_path: Path) -> None:
-    """Evidence and all: a second build gives the same file, and it is small."""
     again = build(tmp_path / "StickSlip.fmu")
     assert again.read_bytes() == built.read_bytes()
     assert built.stat().st_size < MOST_BYTES
 
 
 def test_the_report_names_the_content_it_judged(built: Path, tmp_path: Path) -> None:
-    """Its digest is that of the FMU without extra/, as the shell command in it computes it."""
     bare = build(tmp_path / "bare.fmu", "--bare")
     with zipfile.ZipFile(built) as archive:
         report = archive.read(FOLDER + "report.html").decode()
@@ -63,7 +62,6 @@ def test_the_report_names_the_content_it_judged(built: Path, tmp_path: Path) -> 
 
 
 def test_the_report_passes_and_carries_no_date(built: Path) -> None:
-    """It says pass, counts comparisons of each kind, and nothing of when or where."""
     with zipfile.ZipFile(built) as archive:
         report = archive.read(FOLDER + "report.html").decode()
     assert 'verification <span class="pass">pass</span>' in report
@@ -75,7 +73,6 @@ def test_the_report_passes_and_carries_no_date(built: Path) -> None:
 
 
 def test_the_manifest_describes_the_files(built: Path) -> None:
-    """Identity, roles and checksums are those of the draft, and every file is there."""
     with zipfile.ZipFile(built) as archive:
         names = set(archive.namelist())
         root = ElementTree.fromstring(archive.read(FOLDER + "fmi-ls-manifest.xml"))
@@ -102,7 +99,6 @@ def test_the_manifest_describes_the_files(built: Path) -> None:
 
 
 def test_the_experiment_gives_the_result(built: Path, tmp_path: Path) -> None:
-    """Run as the file says, the FMU gives the packed result to the last bit."""
     with zipfile.ZipFile(built) as archive:
         root = ElementTree.fromstring(archive.read(FOLDER + "default.experiments.xml"))
         (experiment,) = root
@@ -121,10 +117,6 @@ def test_the_experiment_gives_the_result(built: Path, tmp_path: Path) -> None:
 
 
 def test_no_sample_falls_on_an_event() -> None:
-    """The nearest event is further from any sample than an importer's clock can be off.
-
-    Ecos adds up a thousand steps to an error of 1.7e-13 s; 1e-6 s leaves room for any.
-    """
     events = np.array([event.time for event in simulate(Parameters(), 10.0).events])
     samples = 0.01 * np.arange(1001)
     assert np.min(np.abs(events[:, None] - samples[None, :])) > 1e-6

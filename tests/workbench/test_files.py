@@ -11,7 +11,6 @@ from stickslip.files import check_writable, writing
 
 
 def test_a_link_stays_a_link(tmp_path: Path) -> None:
-    """The file at the end of the link is replaced, from beside it; the link is left alone."""
     folder = tmp_path / "far"
     folder.mkdir()
     real, link = folder / "run.csv", tmp_path / "run.csv"
@@ -26,7 +25,6 @@ def test_a_link_stays_a_link(tmp_path: Path) -> None:
 
 
 def test_a_link_to_nothing_yet_makes_the_file(tmp_path: Path) -> None:
-    """What a dangling link names is made."""
     link = tmp_path / "run.csv"
     link.symlink_to(tmp_path / "real.csv")
     with writing(link, "--output-file") as stream:
@@ -36,7 +34,6 @@ def test_a_link_to_nothing_yet_makes_the_file(tmp_path: Path) -> None:
 
 
 def test_a_named_pipe_is_written_into(tmp_path: Path) -> None:
-    """A reader of the pipe gets the bytes, and the pipe is still one."""
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     got: list[bytes] = []
@@ -51,7 +48,6 @@ def test_a_named_pipe_is_written_into(tmp_path: Path) -> None:
 
 
 def test_a_redirected_output_goes_on_where_it_was(tmp_path: Path) -> None:
-    """A name like /dev/stdout is the open file itself: nothing before or after is overwritten."""
     link = tmp_path / "output"
     with (tmp_path / "log").open("wb", buffering=0) as log:
         link.symlink_to(f"/dev/fd/{log.fileno()}")
@@ -64,7 +60,6 @@ def test_a_redirected_output_goes_on_where_it_was(tmp_path: Path) -> None:
 
 
 def test_a_failing_write_names_the_option_and_the_path(tmp_path: Path) -> None:
-    """The temporary file is nobody's business, and it is gone."""
     target = tmp_path / "run.csv"
     target.write_bytes(b"old")
     with pytest.raises(CommandError) as refusal, writing(target, "--output-file") as stream:
@@ -75,7 +70,6 @@ def test_a_failing_write_names_the_option_and_the_path(tmp_path: Path) -> None:
 
 
 def test_a_circle_of_links_is_refused(tmp_path: Path) -> None:
-    """Links that never end are no file, and that is known before the run."""
     first, second = tmp_path / "a", tmp_path / "b"
     first.symlink_to(second)
     second.symlink_to(first)

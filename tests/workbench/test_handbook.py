@@ -16,6 +16,7 @@ from stickslip.handbook.icon import icon
 from stickslip.page import page
 from stickslip_fmu.spec import TABLE
 
+pytestmark = pytest.mark.gate
 Runtime = Mapping[str, tuple[str, bytes]]
 
 # Elements that end where they begin.
@@ -66,7 +67,6 @@ RUNTIME = {"start": ("Start of the libraries: MIT", b"All rights reversed")}
 def test_a_document_is_one_file_and_its_links_lead_somewhere(
     fmi_version: Literal[2, 3], name: str, runtime: Runtime | None
 ) -> None:
-    """Nothing is fetched; every link is an id of the page or a file of the FMU."""
     files = parts(fmi_version, runtime)
     text = files[name].decode()
     found = Reader(text)
@@ -96,7 +96,6 @@ def resolved(document: str, link: str) -> str:
 
 
 def test_the_interface_is_the_variable_table() -> None:
-    """Each variable stands in the documentation once, with its unit and what it is."""
     text = parts()["documentation/index.html"].decode()
     rows = re.findall(r'<tr><th scope="row"><code>(\w+)</code></th><td class="n">([^<]*)', text)
     assert sorted(name for name, _ in rows) == sorted(row.name for row in TABLE.rows)
@@ -108,12 +107,10 @@ def test_the_interface_is_the_variable_table() -> None:
 
 
 def test_the_page_lies_beside_the_documentation() -> None:
-    """What `stickslip page` writes is documentation/explore.html."""
     assert parts()["documentation/explore.html"].decode() == page()
 
 
 def test_licences_stand_where_each_standard_wants_them() -> None:
-    """Ours and the wrapper's, each with its text, behind one entry."""
     for files, folder, wrapper in (
         (parts(2), "licenses", "pythonfmu"),
         (parts(3), "documentation/licenses", "pythonfmu3"),
@@ -125,7 +122,6 @@ def test_licences_stand_where_each_standard_wants_them() -> None:
 
 
 def test_the_native_fmu_carries_the_licences_of_its_runtime_and_of_no_wrapper() -> None:
-    """Ours, and of each part of the compiler's runtime its own."""
     for files, folder in (
         (parts(2, RUNTIME), "licenses"),
         (parts(3, {}), "documentation/licenses"),
@@ -141,7 +137,6 @@ def test_the_native_fmu_carries_the_licences_of_its_runtime_and_of_no_wrapper() 
 
 
 def test_the_native_fmu_is_documented_without_python() -> None:
-    """What a simulator must bring for pythonfmu stands in the document of the Python FMU alone."""
     native = parts(3, {})["documentation/index.html"].decode()
     python = parts(3)["documentation/index.html"].decode()
     for word in ("libpython", "pythonfmu", "standard error", "LD_PRELOAD"):
@@ -151,7 +146,6 @@ def test_the_native_fmu_is_documented_without_python() -> None:
 
 
 def test_the_icon_is_a_small_square_picture() -> None:
-    """It is a PNG of 256 pixels square that shows more than one colour, the same at every call."""
     picture = icon()
     with matplotlib.rc_context({"savefig.bbox": "tight", "lines.linewidth": 9.0}):
         assert picture == icon()

@@ -19,7 +19,6 @@ MOTION = ClosedForm()
 
 
 def test_a_stick_is_drawn_flat_to_the_last_bit() -> None:
-    """Between re-stick and break-away the drawn mass has one position."""
     run = MOTION.run(sample_times(0.0, 2.0, 0.01))
     drawn = curve(run)
     phases = stick_phases(run)
@@ -30,7 +29,6 @@ def test_a_stick_is_drawn_flat_to_the_last_bit() -> None:
 
 
 def test_the_corners_are_drawn() -> None:
-    """The break-away point lies on the break-away line: no sampling cuts it off."""
     run = MOTION.run(sample_times(0.0, 2.0, 0.01))
     drawn = curve(run)
     for event in run.events:
@@ -42,7 +40,6 @@ def test_the_corners_are_drawn() -> None:
 
 
 def test_a_slip_is_drawn_smoothly() -> None:
-    """The cubic between samples stays within a thousandth of the jump of the exact motion."""
     run = MOTION.run(sample_times(0.0, 2.0, 0.01))
     drawn = curve(run)
     exact = MOTION.samples(drawn.t)
@@ -52,14 +49,12 @@ def test_a_slip_is_drawn_smoothly() -> None:
 
 
 def test_the_overshoot_is_explained_where_it_is_seen() -> None:
-    """At the default parameters F passes the break-away line by 2 %, and the plot says why."""
     page = figure(MOTION.run(sample_times(0.0, 2.0, 0.01)))
     notes = [text.get_text() for text in page.axes[1].texts]
     assert any("0.099 N" in note and "pulled end still moves" in note for note in notes)
 
 
 def test_what_the_samples_do_not_show_is_not_drawn() -> None:
-    """With hidden events there are points, the samples, unshaded and unjoined, and a note."""
     times = sample_times(0.0, 10.0, 0.5)
     samples = MOTION.samples(times)
     events, hidden = events_between(samples, 0.02)
@@ -81,7 +76,6 @@ def test_what_the_samples_do_not_show_is_not_drawn() -> None:
     ("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")]
 )
 def test_the_suffix_says_the_format(tmp_path: Path, suffix: str, start: bytes) -> None:
-    """A plot is PNG, SVG or PDF as its name says, and the same run gives the same bytes."""
     run = MOTION.run(sample_times(0.0, 1.0, 0.01))
     first, second = tmp_path / f"a{suffix}", tmp_path / f"b{suffix}"
     write_plot(run, first, "--plot")
@@ -92,7 +86,6 @@ def test_the_suffix_says_the_format(tmp_path: Path, suffix: str, start: bytes) -
 
 
 def test_an_unknown_format_is_refused(tmp_path: Path) -> None:
-    """The message names the file and the formats there are."""
     with pytest.raises(CommandError, match=r"unknown format '\.xyz'; expected \.png"):
         write_plot(MOTION.run(sample_times(0.0, 1.0, 0.1)), tmp_path / "a.xyz", "--plot")
     assert not list(tmp_path.iterdir())
@@ -102,6 +95,5 @@ def test_an_unknown_format_is_refused(tmp_path: Path) -> None:
     ("value", "unit"), [(0.0, "m"), (3.0, "m"), (-0.2, "mm"), (5e-6, "µm"), (1e-12, "nm")]
 )
 def test_a_length_is_shown_in_a_unit_a_person_reads(value: float, unit: str) -> None:
-    """The largest unit that the value fills at least once."""
     assert scale_for(value, LENGTHS).symbol == unit
     assert scale_for(4905.0, FORCES).symbol == "kN"

@@ -22,7 +22,6 @@ def rounding(time: float) -> float:
 
 @pytest.mark.parametrize("interval", [0.001, 0.01, 0.05, 0.13, 0.3, 0.31])
 def test_events_between_samples_are_exact(interval: float) -> None:
-    """Transitions are dated and placed from the meter to rounding, with two of them in a step."""
     run = MOTION.run(sample_times(0.0, 10.0, interval))
     found, hidden = events_between(run.samples, 0.02)
     assert hidden == 0
@@ -36,7 +35,6 @@ def test_events_between_samples_are_exact(interval: float) -> None:
 
 
 def test_intervals_with_more_than_two_events_are_counted() -> None:
-    """A step longer than a cycle hides events, and the run says in how many steps."""
     run = MOTION.run(sample_times(0.0, 10.0, 0.5))
     found, hidden = events_between(run.samples, 0.02)
     assert hidden > 0
@@ -45,7 +43,6 @@ def test_intervals_with_more_than_two_events_are_counted() -> None:
 
 @pytest.mark.parametrize("interval", [0.33, 0.4, 0.5, 0.7])
 def test_an_event_beside_a_hidden_one_is_placed_exactly_or_not_at_all(interval: float) -> None:
-    """No event is placed from one that the samples do not show."""
     run = MOTION.run(sample_times(0.0, 10.0, interval))
     found, _ = events_between(run.samples, 0.02)
     for event in found:
@@ -56,7 +53,6 @@ def test_an_event_beside_a_hidden_one_is_placed_exactly_or_not_at_all(interval: 
 
 
 def test_sample_times_are_whole_intervals_and_the_stop() -> None:
-    """The grid starts at the start, ends at the stop, and its last step may be shorter."""
     assert sample_times(1.0, 2.0, 0.4).tolist() == [1.0, 1.4, 1.8, 2.0]
     assert sample_times(0.0, 0.3, 0.1).tolist() == [0.0, 0.1, 0.2, 0.3]
     assert sample_times(0.0, 1.0, 5.0).tolist() == [0.0, 1.0]
@@ -64,7 +60,6 @@ def test_sample_times_are_whole_intervals_and_the_stop() -> None:
 
 @given(st.floats(-1e3, 1e3), st.floats(1e-3, 1e3), st.integers(1, 3000))
 def test_sample_times_rise(start: float, duration: float, count: int) -> None:
-    """No rounding makes a step of no length or one to the past."""
     times = sample_times(start, start + duration, duration / count)
     assert times[0] == start
     assert times[-1] == start + duration
@@ -74,7 +69,6 @@ def test_sample_times_rise(start: float, duration: float, count: int) -> None:
 
 @given(st.floats(1e-6, 1e9))
 def test_a_fitting_interval_gives_at_most_a_thousand_steps(duration: float) -> None:
-    """The step is doubled as often as needed and no more."""
     interval = fitting_interval(duration, 0.01)
     assert duration / interval <= 1000.0
     assert interval == 0.01 or duration / interval > 500.0

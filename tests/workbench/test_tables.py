@@ -1,4 +1,4 @@
-"""Tables on terminals of any width."""
+"""Tables on terminals of any width: names and numbers stay whole."""
 
 import io
 from dataclasses import replace
@@ -6,11 +6,15 @@ from dataclasses import replace
 import pytest
 from rich.console import Console, RenderableType
 
+from stickslip.show.critical_table import critical_table
 from stickslip.show.cycle_table import cycle_table
 from stickslip.show.random_test_table import random_test_table
+from stickslip.show.score_table import score_table
 from stickslip.show.verdict_table import verdict_table
 from stickslip.simulate.engines import experiment, reference_parameters, simulate_reference
 from stickslip_fmu.spec import TABLE
+from stickslip_ref import CriticalVelocity, Interval
+from stickslip_score import Cause, Compared, Score
 from stickslip_verification import CheckResult, RandomTestResult, Verdict
 from stickslip_verification.model.verdict import Kind
 
@@ -19,78 +23,100 @@ CHECK = CheckResult(
     unit="N.s/m", truth=Kind.CLOSED_FORM, side="fmu", expected=-1.23456e-08, got=-1.23456e-08,
     error=2.5e-13, tolerance=1e-12, because="rounding", passed=True,
 )  # fmt: skip
-CHECKS = (
-    CHECK,
-    replace(CHECK, side="reference", error=3.25e-10, tolerance=1e-7),
-    replace(CHECK, check="n_slips-course", error=0.0, tolerance=0.0),
-    replace(
-        CHECK, check="n_slips-course", error=1.0, tolerance=0.0, passed=False, side="reference"
-    ),
-)
+OTHER = replace(CHECK, check="n_slips-course", error=1.0, tolerance=0.0, passed=False)
+CHECKS = (CHECK, replace(CHECK, side="reference", error=3.25e-10, tolerance=1e-7), OTHER)
 PROOF = RandomTestResult(
     name="k, g, load, F_ext times 4, v, c, x_dot_start times 2, time halved", side="reference",
     bound="existence for |d| > 1e-9; 1e-12 times 1 for T and delta_x, 1 + 1/sqrt(d) for t_slip",
     seed=1, drawn=20000, judged=19990, left_out=10, refuted=0, worst=2.1e-05, where="",
     passed=True,
 )  # fmt: skip
+SCORE = Score(
+    period=Compared(0.315973, 0.315243, 0.00073, 2.4e-5),
+    t_stick=Compared(0.1965, 0.1962, 0.0003, 0.0005),
+    t_slip=Compared(None, 0.119043, None, None),
+    delta_x=Compared(0.00632, 0.00630486, 1.51e-05, 2e-10),
+    cause=Cause.FIXED_STEP,
+    explanation="fixed steps: the mass rests in stick, but events wait for the next step",
+    findings=("the figures come from one cycle only",),
+    cycles=1,
+)
+FOUND = CriticalVelocity(
+    unstable=(Interval(1e-3, 0.05, "none", "eigenvalue"),),
+    cycle=(Interval(1e-3, 0.04, "none", "grazing"), Interval(0.15, 0.38, "reversal", "fold")),
+    between=(1e-3, 2.0),
+    proven=False,
+)
+widths = pytest.mark.parametrize("width", [60, 80, 120, 200])
 
 
 def lines(table: RenderableType, width: int) -> list[str]:
-    """Return what a console of this width prints."""
     said = io.StringIO()
     Console(file=said, width=width, markup=False, highlight=False).print(table)
-    return said.getvalue().splitlines()
+    shown = said.getvalue().splitlines()
+    assert max(map(len, shown)) <= width
+    assert "…" not in said.getvalue()
+    return shown
 
 
-def assert_fits(shown: list[str], width: int) -> None:
-    """Nothing is cut, nothing is too long, and no line ends in blanks."""
-    assert all(len(line) <= width for line in shown)
-    assert all(line == line.rstrip() for line in shown)
-    assert "…" not in "".join(shown)
+def row(shown: list[str], *parts: str) -> str:
+    return next(line for line in shown if all(part in line for part in parts))
 
 
-@pytest.mark.parametrize("width", [60, 80, 120, 200])
-def test_a_verdict_keeps_its_names_and_numbers(width: int) -> None:
-    """Every case and check is named whole in one line with what it came to."""
+@widths
+def test_a_verdict(width: int) -> None:
     shown = lines(verdict_table(Verdict(CHECKS), width), width)
-    assert_fits(shown, width)
-    assert any(CHECK.case in line for line in shown)
-    row = next(line for line in shown if CHECK.check in line)
     numbers = ["-1.23456e-08", "2.5e-13", "1e-12"] if width == 200 else ["0.25", "0.0033"]
-    assert all(number in row for number in numbers)
-    assert "pass" in row
-    assert "FAIL" in next(line for line in shown if "n_slips-course" in line)
-    assert shown[-1] == "3 passed, 1 failed"
+    row(shown, CHECK.check, "pass", *numbers)
+    row(shown, "n_slips-course", "FAIL")
+    assert any(CHECK.case in line for line in shown)
+    assert shown[-1] == "2 passed, 1 failed"
 
 
-@pytest.mark.parametrize("width", [60, 80, 120, 200])
-def test_a_cycle_keeps_its_numbers(width: int) -> None:
-    """Measured, exact and simplified stand in one line; explanations and deviations give way."""
+@widths
+def test_a_cycle(width: int) -> None:
     run, _ = simulate_reference(experiment(TABLE.start_values(), 0.0, 2.0))
-    p = reference_parameters(run.parameters)
-    shown = lines(cycle_table(run, p), width)
-    assert_fits(shown, width)
-    jump = next(line for line in shown if "delta_x" in line)
+    jump = row(lines(cycle_table(run, reference_parameters(run.parameters)), width), "delta_x")
     assert jump.count("6.30536") == 2
     assert "3.924" in jump
-    assert ("-37.77 %" in jump) == (width > 80)
-    assert ("jump of the mass" in jump) == (width > 80)
-
-
-@pytest.mark.parametrize("width", [60, 80, 120, 200])
-def test_a_proof_keeps_its_words_and_numbers(width: int) -> None:
-    """Statement, bound and numbers are all there, the bound below the statement."""
-    shown = lines(random_test_table([PROOF]), width)
-    assert_fits(shown, width)
-    words = " ".join(shown).split()
-    for part in (*PROOF.name.split(), *PROOF.bound.split(), "20000", "10", "2.1e-05", "holds"):
-        assert part.strip(",;") in [word.strip(",;") for word in words]
-    first = next(n for n, line in enumerate(shown) if "k, g, load" in line)
-    assert any("existence for" in line for line in shown[first + 1 :])
+    assert ("-37.77 %" in jump) == ("jump of the mass" in jump) == (width > 80)
 
 
 def test_without_a_motion_nothing_simplified_is_explained() -> None:
-    """For v = 0 the simplified column is empty but for the break-away force: no footnote."""
     run, _ = simulate_reference(experiment({**TABLE.start_values(), "v": 0.0}, 0.0, 1.0))
-    p = reference_parameters(run.parameters)
-    assert not any("simplified:" in line for line in lines(cycle_table(run, p), 120))
+    table = cycle_table(run, reference_parameters(run.parameters))
+    assert "simplified:" not in " ".join(lines(table, 120))
+
+
+@widths
+def test_a_random_test(width: int) -> None:
+    words = [
+        word.strip(",;") for word in " ".join(lines(random_test_table([PROOF]), width)).split()
+    ]
+    for part in (*PROOF.name.split(), *PROOF.bound.split(), "20000", "10", "2.1e-05", "holds"):
+        assert part.strip(",;") in words
+
+
+@widths
+def test_a_score_in_units_that_people_read(width: int) -> None:
+    shown = lines(score_table(SCORE), width)
+    assert ("±0.2 nm" in row(shown, "jump", "6.32 mm", "+15.1 µm")) == (width > 60)
+    row(shown, "315.973 ms", "+730 µs")
+    assert "–" in row(shown, "t_slip")
+    text = " ".join(" ".join(shown).split())
+    assert text.index("delta_x") < text.index("fixed_step: the mass rests in stick, but events")
+    assert "note: the figures come from one cycle only" in text
+
+
+@pytest.mark.parametrize(
+    ("v", "told"),
+    [
+        (None, "a cycle with a stick exists 1 mm/s search 40 mm/s grazing"),
+        (None, "150 mm/s reversal 380 mm/s fold"),
+        (None, "steady sliding is unstable 1 mm/s search 50 mm/s eigenvalue"),
+        (-0.2, "at 200 mm/s: the mass sticks and slips, or by its start the mass slides evenly"),
+        (0.045, "at 45 mm/s: the mass swings and never sticks"),
+    ],
+)
+def test_critical_velocities(v: float | None, told: str) -> None:
+    assert told in [" ".join(line.split()) for line in lines(critical_table(FOUND, v), 120)]

@@ -46,19 +46,16 @@ UNITS = ("kg", "m", "s", "m/s", "m/s2", "N", "N/m", "N.s/m", "1")
     ],
 )
 def test_a_quantity_is_the_nearest_double_in_si(text: str, unit: str, value: float) -> None:
-    """What a person types with a unit is, to the last bit, what they would type in SI."""
     assert parse(text, unit, "--option") == value
 
 
 @given(st.floats(-1e300, 1e300), st.sampled_from(UNITS))
 def test_a_plain_number_is_si(value: float, unit: str) -> None:
-    """A number without a unit is taken as it is."""
     assert parse(repr(value), unit, "--option") == value
 
 
 @given(st.integers(), st.sampled_from([("mm", "e-3"), ("um", "e-6"), ("km", "e3")]))
 def test_a_prefix_is_a_power_of_ten_written_out(number: int, prefix: tuple[str, str]) -> None:
-    """20mm is the same double as 20e-3: scaling adds no rounding of its own."""
     unit, power = prefix
     assert parse(f"{number}{unit}", "m", "--option") == float(f"{number}{power}")
 
@@ -89,7 +86,6 @@ def test_a_prefix_is_a_power_of_ten_written_out(number: int, prefix: tuple[str, 
     ],
 )
 def test_what_is_no_such_quantity_is_refused(text: str, unit: str, reason: str) -> None:
-    """The refusal names option, value and what is expected, in one line."""
     with pytest.raises(CommandError) as refusal:
         parse(text, unit, "--option", "(above 0)")
     message = str(refusal.value)
@@ -99,13 +95,11 @@ def test_what_is_no_such_quantity_is_refused(text: str, unit: str, reason: str) 
 
 
 def test_a_number_too_small_for_a_double_is_zero() -> None:
-    """An exponent of a billion digits neither hangs nor overflows."""
     assert parse("1e-999999999mm", "m", "--option") == 0.0
 
 
 @given(st.text(max_size=20), st.sampled_from(UNITS))
 def test_no_text_gives_anything_but_a_number_or_a_refusal(text: str, unit: str) -> None:
-    """Whatever is typed, the answer is a finite double or a `CommandError`."""
     try:
         value = parse(text, unit, "--option")
     except CommandError:
@@ -115,5 +109,4 @@ def test_no_text_gives_anything_but_a_number_or_a_refusal(text: str, unit: str) 
 
 @pytest.mark.parametrize("unit", UNITS)
 def test_an_example_in_a_message_is_right(unit: str) -> None:
-    """The example that a message gives is accepted."""
     assert parse(KINDS[unit].example, unit, "--option") > 0.0

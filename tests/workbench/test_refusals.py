@@ -1,0 +1,263 @@
+"""Wrong use of every command: exit code 2, one line with name, value and range, no file touched."""
+
+import shlex
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tests.makers import SLIDER
+from tests.needs import needs
+from tests.workbench.running import Command
+
+AXIS = """
+[axis]
+mass = "500 kg ± 5 %"
+stiffness = "40 N/um"
+zeta = "5 %"
+[friction]
+mu_s = "0.20 ± 10 %"
+mu_k = "0.15 ± 20 %"
+[demand]
+feeds = ["2 mm/min", "1 mm/s"]
+"""
+PLAN = """\
+stop_time = "2 s"
+step = "2 s"
+[parameters]
+k = "500..2000 N/m log 3"
+[outputs]
+delta_x = "last"
+"""
+FILES = {
+    "axis.toml": AXIS,
+    "minus.toml": AXIS.replace('"500 kg', '"-5 kg'),
+    "plan.toml": PLAN,
+    "output.toml": PLAN.replace("delta_x", "delta_y"),
+    "nan.toml": PLAN.replace('"500..2000 N/m log 3"', "nan"),
+    "reversed.toml": PLAN.replace("500..2000", "2000..500"),
+    "many.toml": PLAN.replace('log 3"', 'log 1000000000"\nmu_s = [0.4, 0.5]'),
+    "mu.csv": "speed,mu\n0,0.42\n0.1,0.3\n",
+    "force.csv": "speed,force\n0,84\n0.1,60\n",
+    "text.fmu": "no archive",
+    "unknown.toml": 'springiness = "k"\n',
+    "broken.toml": "id = = 1\n",
+    "empty.csv": "",
+    "timeless.csv": "x,F\n0,0\n",
+    "gap.csv": "t,x\n0,0\n0.1,nan\n0.2,0\n",
+    "back.csv": "t,x\n0,0\n0.2,0\n0.1,0\n",
+    "word.csv": "t,x\n0,0\n0.1,much\n",
+    "blind.csv": "t,y\n0,0\n",
+}
+REFUSED = [
+    ("", "Missing command"),
+    ("fly", "fly"),
+    ("simulate --k -1", "--k '-1' | above 0"),
+    ("simulate --k nan", "--k 'nan' | above 0"),
+    ("simulate --m 0", "--m '0' | above 0"),
+    ("simulate --c -1", "--c '-1' | at least 0"),
+    ("simulate --mu-s abc", "--mu-s 'abc' | at least 0"),
+    ("simulate --v inf", "--v 'inf' | a velocity in m/s | finite"),
+    ("simulate --v '5 N'", "--v '5 N' is a force | a velocity in m/s"),
+    ("simulate --load -10", "load = -10.0 N | >= -m g = -9.81 N"),
+    ("simulate --stop-time -1", "--stop-time '-1' | > 0 s"),
+    ("simulate --start-time 2 --stop-time 1", "--stop-time '1' | > 2 s"),
+    ("simulate --output-interval 1e-12", "--output-interval '1e-12' | at least 1e-06 s"),
+    ("simulate --output-file missing/run.csv", "--output-file | no folder missing"),
+    ("simulate --output-file .", "--output-file | it is a folder"),
+    ("simulate --plot run.gif", "--plot run.gif | .png, .svg or .pdf"),
+    ("simulate --engine abaqus", "--engine | abaqus | fmu | reference"),
+    ("simulate --fmu none.fmu", "--fmu none.fmu: | no such file"),
+    ("simulate --fmu text.fmu --output-file axis.toml", "--fmu text.fmu: not an FMU"),
+    ("simulate --engine reference --fmu a.fmu", "--fmu | --engine fmu only"),
+    ("simulate --spring 1", "--spring"),
+    ("simulate --k", "--k"),
+    ("simulate --F_s 1", "--F_s"),
+    ("simulate --curve mu.csv --law coulomb", "--curve goes with --law stribeck, not with --law"),
+    ("page --v -5mm/s", "--v '-5mm/s' | 1e-15 to 1e+06 m/s"),
+    ("page --v 0", "--v '0' | 1e-15 to 1e+06 m/s"),
+    ("page --m '1e30 kg'", "--m | 1e-09 to 1e+18 kg"),
+    ("page --load '-20 N'", "--load '-20 N' | lift the mass | 9.81 N"),
+    ("page -o missing/a.html", "-o missing/a.html | no folder missing"),
+    ("page -o .", "-o . | it is a folder"),
+    ("critical --curve mu.csv --law a:B", "--curve goes with --law stribeck, not with --law a:B"),
+    ("critical --curve mu.csv --normal-force '200 N'", "--normal-force: --curve | coefficients"),
+    ("critical --curve force.csv", "line 1: has forces | --normal-force"),
+    ("critical --curve mu.csv --law-parameter u_2=1", "--law-parameter u_2: --curve | sets it"),
+    ("critical --law stribeck --from 10mm/s --to 20mm/s --v 30mm/s", "0.03 | 0.01 to 0.02 m/s"),
+    ("score none.csv", "none.csv: no such file"),
+    ("score empty.csv", "empty.csv | empty"),
+    ("score timeless.csv", "timeless.csv | time"),
+    ("score gap.csv", "gap.csv | line 3"),
+    ("score back.csv", "back.csv | line 4"),
+    ("score word.csv", "word.csv | line 3"),
+    ("score blind.csv", "blind.csv | x"),
+    ("design", "no axis file is named"),
+    ("design none.toml", "none.toml: cannot be read: no such file"),
+    ("design minus.toml --json axis.json", 'minus.toml: line 3: axis.mass = "-5 kg | is out of'),
+    ("design axis.toml -o no/report.html", "there is no folder no"),
+    ("design axis.toml -o axis.toml", "that is the axis file"),
+    ("design axis.toml --json ./axis.html", "the report goes there"),
+    ("design --template --example", "give one of them"),
+    ("design --template -o x.html", "without -o and --json"),
+    ("design --template axis.toml", "there is such a file already"),
+    ("names none.fmu", "none.fmu: | no such file"),
+    ("names {slider} -o none/names.toml", "-o none/names.toml: "),
+    ("names {slider} -o axis.toml", "it is there already, and may have been edited"),
+    ("verify --cases none", "no case matches 'none'"),
+    ("verify --fmu none.fmu", "--fmu none.fmu: | no such file"),
+    ("verify --fmu text.fmu", "not an FMU"),
+    ("verify --fmu {slider}", "has no variable m, k, mu_s, mu_k, v, x; map them with --names"),
+    ("verify --fmu {slider} --names none.toml", "none.toml: no such file"),
+    ("verify --fmu {slider} --names unknown.toml", "'springiness'"),
+    ("verify --fmu {slider} --pack", "is not the exact block"),
+    ("verify --fmu {slider} --names {names} --pack", "--pack does not go with --names"),
+    ("verify --fmu {slider} --names {names} --accept", "only the exact block is accepted"),
+    ("verify --names {names}", "--names goes with --fmu"),
+    ("verify --cases broken.toml", "broken.toml: line 1: "),
+    ("verify --cases one-step --pack", "--pack does not go with --cases"),
+    ("verify --baseline none.json", "none.json: no such file"),
+    ("verify --baseline text.fmu", "text.fmu: "),
+    ("verify --fault nothing", "--fault"),
+    ("verify --fault none.toml", "--fault none.toml: no such file"),
+    ("verify --fault 'state-*' --mutants", "--fault does not go with --mutants"),
+    ("verify --jobs 0", "--jobs"),
+    ("verify --time-limit -1", "--time-limit"),
+    ("verify --budget 0", "--budget 0.0: must be above 0 s"),
+    ("verify --memory nan", "--memory nan: must be 0.1 GB at least"),
+    ("verify --within 1", "--within 1: must be above 0 % and below 100 %, as 1% or as 0.01"),
+    ("verify --within nan", "--within 'nan' is not a finite number"),
+    ("verify --within '1 mm'", "--within '1 mm' is a length"),
+    ("verify --contract other", "'other' is not one of 'exact', 'physics'"),
+    ("verify --contract exact --strict", "--strict does not go with --contract"),
+    ("verify --contract exact --pack", "--pack does not go with --contract"),
+    ("verify -o text.fmu/report", "-o "),
+    ("sweep none.fmu plan.toml", "none.fmu: | no such file"),
+    ("sweep text.fmu plan.toml", "text.fmu: not an FMU (not a zip archive)"),
+    ("sweep text.fmu", "--template"),
+    ("sweep {fmu} plan.toml --template", "--template plan.toml: is there already; name a new file"),
+    ("sweep {fmu} output.toml -o out", "delta_y is no variable of StickSlip.fmu; nearest: delta_x"),
+    ("sweep {fmu} nan.toml -o out", "line 4: parameters.k = nan is not finite"),
+    ("sweep {fmu} reversed.toml -o out", "line 4: | runs backwards"),
+    ("sweep {fmu} many.toml -o out", "2e+09 points are more than 10^9; --yes computes them"),
+]
+VK = "map --over 'v=1..900 mm/s' --over 'k=0.1..10 kN/m'"
+V = "map --over 'v=1..9 mm/s'"
+STUDIES = [
+    ("map", "--over: a map is over two parameters or more, not 0"),
+    (V, "--over: a map is over two parameters or more, not 1"),
+    (f"{V} --over v=1..2", "--over: v is given twice"),
+    (f"{V} --over kk=1..2", "--over: 'kk' is no parameter that can be mapped"),
+    (f"{V} --over 'k=2..1 N/m'", "--over: 'k=2..1 N/m' is reversed"),
+    (f"{V} --over 'k=2..2 N/m'", "--over: 'k=2..2 N/m' is empty"),
+    (f"{VK} --v '3 mm/s'", "--over: v is set by --v too"),
+    (
+        f"{V} --over v_s=1..9mm/s --law stribeck --law-parameter v_s=3mm/s",
+        "--over: v_s is set by --law-parameter too",
+    ),
+    (
+        "map axis.toml --over feed=1..9mm/s --over axis.mass=1..2kg --feed 1mm/s",
+        "--over: feed is set by --feed too",
+    ),
+    (f"{V} --over 'load=-20..1 N'", "load = -20.0 N is out of range"),
+    (
+        f"{V} --over mu_1=0.1..0.9 --law stribeck --law-parameter shape=3",
+        "mu_1 = 0.9 is out of range: it must be at most mu_s = 0.5",
+    ),
+    (f"{VK} --feed 1mm/s", "--feed goes with an axis file"),
+    (f"{VK} --law elsewhere:LAW", "--law: the friction law 'elsewhere:LAW' was"),
+    (VK.replace("map", "map none.toml"), "none.toml: cannot be read: no such file or directory"),
+    (VK.replace("map", "map axis.toml") + " --k 3", "--k goes with a map of the block; axis.toml"),
+    (f"{VK} --workers 0", "--workers 0: at least 1 is needed"),
+    (f"{VK} --workers 2 --cluster tcp://host:1", "--workers goes with this machine, not with"),
+    (f"{VK} --cluster tcp://127.0.0.1:1", "no dask scheduler answers at tcp://127"),
+    (f"{VK} -o axis.toml", "-o axis.toml: it is a file; name a folder"),
+    (
+        "map --over 'v=1..2 100000' --over 'k=1..2 100000'",
+        "1e+10 points are more than 10^9; --yes computes them",
+    ),
+]
+SCATTER = [
+    ("--vary 'friction.mu=normal 0.2 0.02'", "nearest: friction.mu_s, friction.mu_k"),
+    ("--vary 'friction.mu_s=normal 0.2 0'", "a standard deviation that is not above 0"),
+    ("--vary 'friction.mu_s=uniform 0.3..0.2'", "is empty or reversed"),
+    ("--vary 'friction.mu_s=normal nan 0.02'", "is not a finite number"),
+    ("--vary friction.mu_s", "--vary friction.mu_s: write NAME=VALUE"),
+    ("--vary axis.mass=fixed --vary 'axis.mass=± 1 %'", "axis.mass stands twice"),
+    ("--correlation friction.mu_s,friction.mu_k=1.5", "it must be -1 to 1"),
+    ("--correlation friction.mu_s,friction.mu_k=nan", "it must be -1 to 1"),
+    ("--correlation friction.mu_s,friction.mu_k=x", "x is no number from -1 to 1"),
+    ("--correlation friction.mu_s=0.5", "write NAME,NAME=VALUE"),
+    ("--correlation friction.mu_s,axis.zeta=0.5", "axis.zeta does not vary"),
+    ("--feed '0 mm/s'", "feed 0 mm/s is out of range"),
+    ("--indices 100", "a power of two is needed"),
+    ("--hold '99 % at 2 mm/min'", "are given together"),
+    ("--hold '2 at 2 mm/min' --solve friction.mu_s", "a share of 2 is out of range"),
+    ("--hold '9 % at 2 mm/min' --solve friction.mus", "nearest: friction.mu_s"),
+    (
+        "--vary axis.mass=fixed --vary friction.mu_s=fixed --vary friction.mu_k=fixed",
+        "nothing varies",
+    ),
+    ("--workers 0", "--workers 0: at least 1 is needed"),
+]
+
+
+@pytest.fixture(autouse=True)
+def files(tmp_path: Path) -> None:
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+
+
+def refused(command: Command, line: str, parts: str, **places: object) -> None:
+    said = command.refuses(*(word.format(**places) for word in shlex.split(line)))
+    assert all(part in said for part in parts.split(" | ")), said
+
+
+@pytest.mark.parametrize(("line", "parts"), REFUSED, ids=[line for line, _ in REFUSED])
+def test_wrong_use_is_refused(command: Command, fmu_path: Path, line: str, parts: str) -> None:
+    refused(command, line, parts, slider=SLIDER.path, names=SLIDER.names_file, fmu=fmu_path)
+
+
+@needs("studies")
+@pytest.mark.parametrize(("line", "parts"), STUDIES, ids=[line for line, _ in STUDIES])
+def test_a_wrong_map_is_refused(command: Command, line: str, parts: str) -> None:
+    refused(command, line, parts)
+
+
+@pytest.mark.parametrize(("options", "parts"), SCATTER, ids=[options for options, _ in SCATTER])
+def test_a_wrong_scatter_is_refused(command: Command, options: str, parts: str) -> None:
+    refused(command, f"scatter axis.toml -o out {options}", parts)
+
+
+@needs("studies")
+def test_a_scatter_into_the_axis_file_is_refused(command: Command) -> None:
+    assert "axis.toml" in command.refuses("scatter", "axis.toml", "-o", "axis.toml")
+
+
+def test_studies_without_their_packages_name_the_extra(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "xarray", None)
+    assert "pip install 'stickslip[studies]'" in command.refuses(*shlex.split(VK))
+
+
+@pytest.mark.parametrize("subcommand", ["simulate", "verify", "prove"])
+@pytest.mark.parametrize("damage", ["no description", "no XML", "bytes"])
+def test_a_damaged_fmu_is_refused(
+    command: Command, fmu_path: Path, subcommand: str, damage: str
+) -> None:
+    file = Path("damaged.fmu")
+    if damage == "bytes":
+        with zipfile.ZipFile(fmu_path) as archive:
+            binary = max(archive.infolist(), key=lambda member: member.compress_size)
+        content = bytearray(fmu_path.read_bytes())
+        middle = binary.header_offset + binary.compress_size // 2
+        content[middle : middle + 100] = b"\xff" * 100
+        file.write_bytes(content)
+    else:
+        with zipfile.ZipFile(file, "w") as archive:
+            name = "readme.txt" if damage == "no description" else "modelDescription.xml"
+            archive.writestr(name, "not XML")
+    said = command.refuses(subcommand, "--fmu", file)
+    assert "damaged.fmu" in said
+    assert damage == "bytes" or "not an FMU" in said
