@@ -118,39 +118,18 @@ def test_a_library_exports_the_names_of_fmi_and_needs_the_c_library_alone(
 
 @needs_cc
 @versions
-def test_the_library_lies_where_fmpy_looks(version: int) -> None:
-    folder = fmpy.platform if version == 2 else fmpy.platform_tuple
-    files = list(native(version).folder.glob("binaries/*/*"))
-    name = f"binaries/{folder}/StickSlip{fmpy.sharedLibraryExtension}"
-    assert files == [native(version).folder / name]
-
-
-@needs_cc
-@versions
-def test_two_copies_can_be_linked_statically(version: Literal[2, 3], tmp_path: Path) -> None:
-    files = written(packer.sources_of(version), tmp_path / "sources")
-    parts = []
-    for prefix in ("first_", "second_"):
-        (tmp_path / prefix).mkdir()
-        for file in files:
-            define = f"-DFMI{version}_FUNCTION_PREFIX={prefix}"
-            flags = [flag for flag in FLAGS if flag != "-s"]
-            run("cc", *flags, "-O0", define, "-c", file, "-o", tmp_path / prefix / f"{file.stem}.o")
-        whole = tmp_path / f"{prefix}.o"
-        run("ld", "-r", "-o", whole, *(tmp_path / prefix).glob("*.o"))
-        run("objcopy", "--localize-hidden", whole)
-        seen = run("nm", "--defined-only", "--extern-only", whole).split()[2::3]
-        assert set(seen) == {f"{prefix}fmi{version}{name}" for name in standard(version)}
-        parts.append(whole)
-    main = tmp_path / "main.c"
-    call = f"fmi{version}GetVersion"
-    main.write_text(
-        f"#include <stdio.h>\nconst char *first_{call}(void);\nconst char *second_{call}(void);\n"
-        f'int main(void)\n{{\n    printf("%s %s", first_{call}(), second_{call}());\n'
-        f"    return first_{call} == second_{call};\n}}\n"
-    )
-    run("cc", "-o", tmp_path / "both", main, *parts, "-lm")
-    assert run(tmp_path / "both") == f"{version}.0 {version}.0"
+def test_with_a_prefix_the_sources_can_be_linked_statically(
+    version: Literal[2, 3], tmp_path: Path
+) -> None:
+    flags = [flag for flag in FLAGS if flag != "-s"]
+    for file in written(packer.sources_of(version), tmp_path):
+        define = f"-DFMI{version}_FUNCTION_PREFIX=one_"
+        run("cc", *flags, "-O0", define, "-c", file, "-o", file.with_suffix(".o"))
+    whole = tmp_path / "whole"
+    run("ld", "-r", "-o", whole, *tmp_path.glob("*.o"))
+    run("objcopy", "--localize-hidden", whole)
+    seen = run("nm", "--defined-only", "--extern-only", whole).split()[2::3]
+    assert set(seen) == {f"one_fmi{version}{name}" for name in standard(version)}
 
 
 STRICT = ("-std=c99", "-pedantic-errors", "-Werror", "-Wall", "-Wextra", "-Wconversion",
@@ -229,17 +208,6 @@ def test_a_law_without_a_native_side_is_named_with_those_that_have_one() -> None
         packer.sources_of(2, renamed.NAME)
     with pytest.raises(ValueError, match="'stribek' is no friction law"):
         packer.sources_of(2, "stribek")
-
-
-def test_fmi_2_has_a_folder_for_each_platform() -> None:
-    # FMI 2.0.4, section 2.3: three names for x86-64, elsewhere the tuples of FMI 3.0.
-    named = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"}
-    for each in PLATFORMS:
-        (folder,) = each.folders(3)
-        assert folder == f"{each.processor}-{each.system}"
-        assert named.get(folder, folder) in each.folders(2)
-        # FMPy looks there on every Mac.
-        assert each.system != "darwin" or "darwin64" in each.folders(2)
 
 
 @pytest.mark.parametrize(

@@ -1,25 +1,20 @@
 """The native FMU refuses what the Python FMU refuses, and warns of what it warns of: same words."""
 
 import math
-import random
 from collections.abc import Iterable, Iterator
 from typing import Any
 
 import pytest
 
-from fmukit.table import ABOVE_ZERO, Table, Variable
+from fmukit.table import Table, Variable
 from stickslip_native.named import native_law
-from tests.conftest import Sized, built
+from tests.conftest import built
 from tests.driver import Host
 from tests.native.heard import MARK, heard
 from tests.needs import needs
 
 Calls = list[list[Any]]
 
-RANDOM = {"coulomb": 3_000, "stribeck": 600}
-"""Random lives at full size."""
-# A step of the fastest block holds a few transitions [s].
-SHORT = 1e-150
 NOT_FINITE = (math.nan, math.inf, -math.inf)
 BAD = (-1.0, -0.1, -1e-300, 0.0, 5e-324, 1e-310, 1e300, *NOT_FINITE)
 WHOLE = (-(2**31), -1, 0, 1, 2, 3, 4, 5, 12, 13, 2**31 - 1)
@@ -28,18 +23,13 @@ RUNNING: Calls = [["start"], ["step", 0.01]]
 TOGETHER: list[dict[str, float]] = [
     {"load": -10.0},
     {"m": 0.1, "load": -1e3},
-    {"load": -9.81},
     {"load": -9.810000000000002},
     {"k": 1e300, "m": 1e-300},
-    {"k": 1e-300, "m": 1e300},
     {"c": 1e300, "m": 1e-10},
     {"c": 1e200},
     {"k": 1e-300, "c": 1e308},
     {"mu_s": 1e308},
-    {"mu_s": 1e308, "mu_k": 1e308},
-    {"m": 1e300, "g": 1e300},
     {"x_start": 1.7e308, "z_start": 1e308},
-    {"k": 1e200, "z_start": 1e200},
     {"v": 1e300},
     {"F_ext": 1e308, "z_start": 1e308},
     {"mu_k": 0.9},
@@ -84,7 +74,7 @@ def of_each(rows: Iterable[Variable]) -> Iterator[Calls]:
 def of_several(table: Table) -> Iterator[Calls]:
     works = [["get", "W_pull", "Q_friction"], ["get", "k"]]
     # Slips that are power series take the Python block long.
-    step = ["step", 1.0 if "shape" in table.by_name else 1e3]
+    step = ["step", 0.3 if "shape" in table.by_name else 30.0]
     for values in TOGETHER + (OF_A_CURVE if "shape" in table.by_name else []):
         yield [["start", 1.0, values], ["step", 1.0], ["set", {"mu_s": 0.01}], ["step", 0.01]]
         yield [["start", values], ["set", {"mu_s": 0.7, "mu_k": 0.1}], ["step", 0.01]]
@@ -142,30 +132,6 @@ def of_types(version: int, table: Table) -> Iterator[Calls]:
             yield [["values", "Set", "Float64", references, [1.0] * len(references)]]
 
 
-def lives(table: Table, count: int) -> Iterator[Calls]:
-    """Yield lives with values of any size, most of which end by a refusal."""
-    chance = random.Random(count)
-    settable = [row for row in table.rows if row.settable and row.kind == "Real"]
-    whole = [row.name for row in table.rows if row.settable and row.kind == "Integer"]
-    tunable = [row for row in settable if row.variability != "fixed"]
-
-    def value(row: Variable) -> float:
-        number = math.exp(chance.uniform(-80.0, 80.0) * chance.choice((0.1, 1.0, 8.0)))
-        if chance.random() < 0.1:
-            number = chance.choice((0.0, -0.0, 5e-324, 1e-310, ABOVE_ZERO, 1.7e308))
-        return number if row.minimum is not None and chance.random() < 0.97 else -number
-
-    any_size = table.by_name["x_start"]
-    for _ in range(count):
-        # Integers first: they choose what the others mean.
-        values: dict[str, float] = {n: chance.randint(1, 4) for n in whole if chance.random() < 0.7}
-        values |= {row.name: value(row) for row in chance.sample(settable, chance.randint(1, 4))}
-        calls: Calls = [["start", value(any_size), values]]
-        for row in chance.choices(tunable, k=chance.randint(1, 3)):
-            calls += [["step", chance.uniform(0.0, SHORT)], ["set", {row.name: value(row)}]]
-        yield [*calls, ["step", SHORT], ["get", *(row.name for row in table.rows)]]
-
-
 def told(host: Host, kind: str, law: str, lists: list[Calls]) -> list[tuple[int, list[str]]]:
     """Return of each list how many calls were taken, and the messages."""
     found = host.call(heard, built(kind, law), lists, timeout=600.0)
@@ -182,10 +148,10 @@ def told(host: Host, kind: str, law: str, lists: list[Calls]) -> list[tuple[int,
 @pytest.mark.parametrize("law", ["coulomb", "stribeck"])
 @pytest.mark.parametrize("version", [2, 3])
 def test_a_refusal_and_a_warning_have_the_words_of_the_python_fmu(
-    version: int, law: str, host: Host, sized: Sized
+    version: int, law: str, host: Host
 ) -> None:
     table = native_law(law).spec.table
-    lists = [*of_several(table), *lives(table, sized(RANDOM[law]))]
+    lists = list(of_several(table))
     if law == "coulomb":
         lists += [*of_each(table.rows), *of_phases(version), *of_types(version, table)]
     else:

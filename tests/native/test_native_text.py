@@ -18,40 +18,13 @@ from tests.needs import needs
 COUNT = 300_000
 """Number of random numbers at full size."""
 
-# A C library whose locale has a decimal comma, for text.c alone.
-COMMA = r"""
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-int comma_snprintf(char *text, size_t size, const char *format, ...)
-{
-    va_list arguments;
-    char *point;
-    va_start(arguments, format);
-    const int length = vsnprintf(text, size, format, arguments);
-    va_end(arguments);
-    if (strcmp(format, "%.*e") == 0 && (point = strchr(text, '.')) != NULL) *point = ',';
-    return length;
-}
-
-double comma_strtod(const char *text, char **end)
-{
-    char changed[100];
-    char *mark;
-    strcpy(changed, text);
-    if ((mark = strchr(changed, '.')) != NULL) *mark = '\0';
-    if ((mark = strchr(changed, ',')) != NULL) *mark = '.';
-    return strtod(changed, end);
-}
-"""
+COMMA = Path(__file__).with_name("comma.c")
 
 
 def number_text(folder: Path, comma: bool) -> Callable[[float], str]:
     """Return the function that writes numbers, compiled."""
     text = {file.name: file.read_bytes() for file in HOME.glob("face/text.[ch]")}
-    written(sources("coulomb") | text | {"comma.c": COMMA.encode()}, folder)
+    written(sources("coulomb") | text | {COMMA.name: COMMA.read_bytes()}, folder)
     renamed = ["-Dsnprintf=comma_snprintf", "-Dstrtod=comma_strtod"] if comma else []
     run("cc", *FLAGS, *renamed, "-c", folder / "text.c", "-o", folder / "text.o")
     symbols = run("nm", folder / "text.o")

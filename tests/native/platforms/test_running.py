@@ -8,7 +8,6 @@ from itertools import chain
 import pytest
 
 from tests.native.bits import spread
-from tests.native.compiling import run
 from tests.native.platforms.conftest import for_all
 from tests.native.platforms.running import (
     ARM,
@@ -27,7 +26,7 @@ from tests.native.platforms.running import (
     start,
     wine,
 )
-from tests.needs import ARM_LIBRARIES, WINE, needs
+from tests.needs import needs
 
 pytestmark = needs("zig")
 
@@ -174,25 +173,3 @@ def test_a_state_travels_as_bytes(writer: str, reader: str, on: On) -> None:
         found = differences(afters[n], expected, given)
         assert found.small, (n, found)
         assert writer != reader or not any(found.differing.values()), n
-
-
-@others
-def test_a_state_before_the_motion_is_the_same_bytes(name: str, on: On) -> None:
-    # The format knows neither the order of bytes nor the size of types of a platform.
-    calls = list(chain.from_iterable([*sequence(seed, 0)[0], "write"] for seed in range(TRAVELS)))
-    found = [
-        [answer for call, answer in zip(calls, on(each, 2).answers(calls), strict=True)
-         if call == "write"]
-        for each in (LINUX, name)
-    ]  # fmt: skip
-    assert found[0] == found[1]
-    assert len({answer.read for answer in found[0]}) > 0.9 * TRAVELS
-
-
-@others
-def test_the_versions_are_reported(name: str, report: list[str]) -> None:
-    loader = f"{ARM_LIBRARIES}/lib/ld-linux-aarch64.so.1"
-    qemu = ("qemu-aarch64",)
-    commands = {ARM: [qemu, (*qemu, "-L", ARM_LIBRARIES, loader)], WINDOWS: [(WINE,)]}[name]
-    said = [run(*each, "--version").splitlines()[0] for each in commands]
-    report.append(f"{name} was run by {'; '.join(said)}")
