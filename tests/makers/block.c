@@ -95,13 +95,14 @@ static double slip(Block *b, double end, double left) {
     double h = fmin(left, STEP / fmax(w, b->p[C] / b->p[M])), low = 0.0, e, u;
     const double size = fabs(b->p[V]) + fabs(b->u) + fabs(b->e) * w / b->p[K];
     const double before = push(b, 0.0), after = push(b, h);
-    int stops = 0;
-    if ((before > 0.0) != (after > 0.0)) {
+    int stops = 0, touches = 0;
+    if (before > 0.0 ? after <= 0.0 : before < 0.0 && after >= 0.0) {
         const double turn = zero(b, 1, 0.0, h), speed = along(b, turn, &e, &u);
         if (before > 0.0) {
             low = turn;
         } else if (speed <= ROUNDING * size) {
-            h = speed < 0.0 ? zero(b, 0, 0.0, turn) : turn;
+            touches = speed >= -ROUNDING * size;
+            h = touches ? turn : zero(b, 0, 0.0, turn);
             stops = 1;
         }
     }
@@ -116,6 +117,7 @@ static double slip(Block *b, double end, double left) {
     b->e = e;
     b->u = u;
     if (stops) {
+        if (touches) b->z = (b->mode * mu_k(b) * normal(b) - b->p[PUSH]) / b->p[K];
         b->u = 0.0;
         b->count++;
         b->event = end - (left - h);

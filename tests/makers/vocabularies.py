@@ -48,7 +48,7 @@ MIRRORED |= {"x_dot_peak"}
 Friction, which is the force on the way there, keeps it.
 """
 
-_BASES = {
+_BASES: dict[str, dict[str, float]] = {
     "kg": {"kg": 1},
     "m": {"m": 1},
     "m/s": {"m": 1, "s": -1},

@@ -20,7 +20,7 @@ from stickslip_verification.drive.stepping import (
 from stickslip_verification.suite.cases import follow
 from stickslip_verification.suite.other_laws import SHARE, with_dwell
 from stickslip_verification.suite.sequences import draw_sequences, well_decided
-from tests.verification.foreign import building
+from tests.makers import altered
 
 GROWTH, LOGARITHM, FIRST, DEFAULT = (
     load_cases(name)[0]
@@ -36,7 +36,7 @@ def renamed(fmu_path: Path, tmp_path: Path) -> Callable[..., Path]:
         def renaming(text: str) -> str:
             return re.sub(r'(?<= name=")\w+', lambda old: names.get(old[0], old[0]), text)
 
-        return building.altered(fmu_path, tmp_path / "other.fmu", renaming)
+        return altered(fmu_path, tmp_path / "other.fmu", renaming)
 
     return make
 

@@ -98,7 +98,8 @@ def test_a_report_that_tells_only_what_passed_can_be_read(tmp_path: Path) -> Non
     text = json.dumps({"checks": [{**row, "passed": True}]})
     (tmp_path / "old.json").write_text(text, encoding="utf-8")
     entry = read_earlier_report(tmp_path / "old.json").entries["default", "T", "fmu"]
-    assert (entry.margin, entry.verdict) == (pytest.approx(0.2), "pass")
+    assert entry.margin == pytest.approx(0.2)  # decimals in the file
+    assert entry.verdict == "pass"
 
 
 ROW = (

@@ -145,7 +145,7 @@ def test_a_variable_that_cannot_be_ours_is_refused_by_both_names(
     assert fmu in (SLIDER, SLIDER_3)
     foreign = SLIDER if fmu == SLIDER else SLIDER_3
     path = altered(foreign.path, tmp_path / "a.fmu", description)
-    targets = foreign.names.targets | {ours: Target(name) for ours, name in names.items()}
+    targets = {**foreign.names.targets, **{ours: Target(name) for ours, name in names.items()}}
     with pytest.raises(FmuError) as caught:
         FmuFile(path, NameMap(targets))
     assert str(caught.value).startswith(f"a.fmu: {words}")
@@ -153,7 +153,7 @@ def test_a_variable_that_cannot_be_ours_is_refused_by_both_names(
 
 def test_a_unit_comes_from_the_names_file_or_from_a_type(tmp_path: Path) -> None:
     unknown = altered(SLIDER.path, tmp_path / "unknown.fmu", UNKNOWN_UNIT)
-    helped = NameMap(SLIDER.names.targets | {"F": Target("spring.force", "kN")})
+    helped = NameMap({**SLIDER.names.targets, "F": Target("spring.force", "kN")})
     typed = altered(SLIDER.path, tmp_path / "typed.fmu", OF_A_TYPE)
     for file in (FmuFile(unknown, helped), FmuFile(typed, SLIDER.names)):
         assert file.variables["F"].conversion.to_si(2.0) == 2000.0

@@ -44,7 +44,7 @@ def follow(instance: FmuInstance, begin: float, steps: Sequence[float]) -> list[
 def test_behind_any_names_units_signs_and_version_is_the_exact_motion(
     fmu: Foreign, values: dict[str, float]
 ) -> None:
-    given = truth.START_VALUES | values
+    given = {**truth.START_VALUES, **values}
     file = fmu.opened()
     setting = Setting(
         {n: v for n, v in given.items() if file.has(n)}, [CommunicationStep(h, {}) for h in STEPS]

@@ -1,11 +1,8 @@
-"""The whole run: the FMU and the reference on every case, and what happens when one fails."""
+"""A whole verdict: on our FMU, on others, and when something is wrong."""
 
-import subprocess
-import sys
-import zipfile
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -13,157 +10,155 @@ import pytest
 from stickslip_verification import (
     CheckResult,
     FmuError,
-    NameMap,
     Verdict,
+    load_cases,
     load_invariants,
     load_mutants,
     verify,
 )
-from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive import FmuFile
 from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.drive.stepping import run_case
 from stickslip_verification.model.verdict import ChosenContract, Kind
+from stickslip_verification.suite.sequences import COUNT
+from tests.conftest import built
+from tests.makers import (
+    FAULTY,
+    FEW,
+    IN_C,
+    ODD,
+    POOR,
+    RENAMED,
+    RUNGE_KUTTA,
+    SLIDER,
+    SLIDER_3,
+    Foreign,
+    misbehaving,
+)
+from tests.needs import needs
+from tests.python import python
+from tests.verification.records import named
 
-from .records import named
-
-# A few cases that try everything once: a cycle, changes, reversals, damping.
-FEW = [named(name) for name in ("one-step", "tuned", "reversals", "damped-cycle", "slow-pull")]
+TRIED = [named(name) for name in ("one-step", "tuned", "reversals", "damped-cycle", "slow-pull")]
+"""A few cases that try everything once: a cycle, changes, reversals, damping."""
 
 
-@pytest.fixture(scope="module")
-def ours(fmu_path: Path) -> Verdict:
-    """Return the verdict on our FMU in a few cases."""
-    return verify(fmu_path, FEW, sequences=12, jobs=1)
+@cache
+def on_ours() -> Verdict:
+    return verify(built("python-2"), TRIED, sequences=12, fresh_processes=False, jobs=1)
 
 
 def wrong(verdict: Verdict) -> list[CheckResult]:
-    """Return what fails a verdict."""
     return [result for result in verdict.checks if result.failed]
 
 
-def test_fmu_and_reference_hold_in_every_kind_of_truth(ours: Verdict) -> None:
-    """Nothing fails, nothing is left out, and each kind of truth was tried."""
-    assert wrong(ours) == []
-    assert ours.passed
-    assert ours.summary["not_applicable"] == ours.summary["noted"] == 0
-    assert set(ours.by_kind) == set(Kind)
+def test_our_fmu_and_the_reference_hold_in_every_kind_of_truth() -> None:
+    assert wrong(on_ours()) == []
+    assert on_ours().passed
+    assert on_ours().summary["not_applicable"] == on_ours().summary["noted"] == 0
+    assert set(on_ours().by_kind) == set(Kind)
 
 
-def test_every_check_of_a_case_is_made_on_both_sides(ours: Verdict) -> None:
-    """Each check of each case has one result for the FMU and one for the reference."""
-    counted = Counter((r.case, r.check, r.side) for r in ours.checks)
+def test_every_check_of_a_case_is_made_on_both_sides_and_every_invariant_tried() -> None:
+    counted = Counter((r.case, r.check, r.side) for r in on_ours().checks)
     assert set(counted.values()) == {1}
-    for case in FEW:
+    for case in TRIED:
         for check in case.checks:
-            assert (case.id, check.id, "fmu") in counted
-            assert (case.id, check.id, "reference") in counted
-
-
-def test_every_invariant_is_tried(ours: Verdict) -> None:
-    """No invariant of the suite is silently left out, but orders, which name their own cases."""
-    made = {result.check for result in ours.checks}
+            assert {(case.id, check.id, side) for side in ("fmu", "reference")} <= counted.keys()
     invariants = load_invariants()
-    tried = {invariant.id for invariant in invariants} - {order.id for order in invariants.orders}
+    ids = {invariant.id for invariant in invariants} - {order.id for order in invariants.orders}
+    fresh = {each.id for each in invariants.probes if is_fresh(each.id)}
     # A break-away beyond the threshold needs a change that lets the mass go.
-    assert tried - made <= {"onset-beyond-break-away"}
+    assert (
+        ids - {result.check for result in on_ours().checks} <= {"onset-beyond-break-away"} | fresh
+    )
 
 
-def test_what_takes_a_fresh_process_can_be_left_out(fmu_path: Path) -> None:
-    """Then every other probe is asked, and a fault that such a probe detects is detected still."""
+def is_fresh(probe: str) -> bool:
+    return probe.startswith(("memory-of", "state-in-a-fresh-process", "environment"))
+
+
+def test_a_probe_in_a_fresh_process_is_left_out_unless_a_fault_foretells_it(
+    fmu_path: Path,
+) -> None:
     leak = load_mutants("memory-of-instances")
     verdict = verify(
-        fmu_path,
-        FEW[:1],
-        fresh_processes=False,
-        mutants=leak,
-        whole_matrix=False,
-        jobs=1,
+        fmu_path, TRIED[:1], fresh_processes=False, mutants=leak, whole_matrix=False, jobs=1
     )
-    probes = {probe.id for probe in load_invariants().probes}
-    assert probes - {result.check for result in verdict.checks} == {
-        "memory-of-steps",
-        "memory-of-states",
-        "memory-of-instances",
-        "state-in-a-fresh-process",
-        "state-in-a-fresh-process-to-the-bit",
-        "environment",
-        "environment-to-the-bit",
-    }
+    left_out = {each.id for each in load_invariants().probes} - {r.check for r in verdict.checks}
+    assert len(left_out) == 7
+    assert all(map(is_fresh, left_out))
     assert verdict.passed
     assert verdict.kills is not None
     assert verdict.kills.rows[0].failing == {"memory-of-instances": 1}
 
 
-def test_progress_tells_each_case(fmu_path: Path) -> None:
-    """Progress names every case, and never more is done than there is."""
+def test_two_processes_give_the_same_as_one_and_tell_their_progress(fmu_path: Path) -> None:
     told: list[tuple[str, int, int]] = []
-    verify(
-        fmu_path, FEW[:2], lambda *progress: told.append(progress), fresh_processes=False, jobs=1
+    two = verify(
+        fmu_path,
+        TRIED,
+        lambda *each: told.append(each),
+        sequences=12,
+        fresh_processes=False,
+        jobs=2,
     )
-    assert {what.rpartition(": ")[2] for what, _, _ in told} >= {"one-step", "tuned"}
+    assert two.checks == on_ours().checks
+    assert {what.rpartition(": ")[2] for what, _, _ in told} >= {case.id for case in TRIED}
     assert all(done <= total for _, done, total in told)
 
 
-def test_one_process_or_two_give_the_same(fmu_path: Path) -> None:
-    """The number of processes changes nothing in the results."""
-    one, two = (verify(fmu_path, FEW[:3], fresh_processes=False, jobs=jobs) for jobs in (1, 2))
-    assert one.checks == two.checks
-
-
-def test_what_is_no_fmu_is_told_in_one_line(tmp_path: Path) -> None:
-    """A missing file, a text, an archive without a description: one line each, before any case."""
-    cases = [named("one-step")]
-    text, archive = tmp_path / "text.fmu", tmp_path / "archive.fmu"
+def test_what_cannot_be_a_block_is_refused_before_any_case(tmp_path: Path) -> None:
+    text = tmp_path / "text.fmu"
     text.write_text("not an FMU", encoding="utf-8")
-    with zipfile.ZipFile(archive, "w") as file:
-        file.writestr("readme.txt", "not an FMU")
     for path, told in (
         (tmp_path / "none.fmu", "no such file"),
         (text, "not a zip archive"),
-        (archive, "not an FMU"),
+        (ODD.path, "has no variable m, mu_s, mu_k, v, x; map them"),
     ):
         with pytest.raises(FmuError, match=told) as caught:
-            verify(path, cases, jobs=1)
+            verify(path, TRIED[:1], jobs=1)
         assert "\n" not in str(caught.value)
 
 
-def test_an_fmu_without_the_variables_is_refused_by_their_names(foreign_fmu: Path) -> None:
-    """What cannot be a stick-slip block is refused before any case, with what it lacks."""
-    with pytest.raises(FmuError, match="has no variable m, mu_s, mu_k, v, x; map them"):
-        verify(foreign_fmu, [named("one-step")], jobs=1)
-
-
 def test_a_refusal_is_told_in_the_words_of_the_fmu(fmu_path: Path) -> None:
-    """A stiffness below zero fails the case with the FMU's own message."""
     with pytest.raises(FmuError, match=r"k = -1"):
-        run_case(FmuFile(fmu_path), replace(named("one-step"), parameters={"k": -1.0}))
+        run_case(FmuFile(fmu_path), replace(TRIED[0], parameters={"k": -1.0}))
 
 
-def test_an_honest_foreign_fmu_passes(slider_mm: Path, slider_mm_names: NameMap) -> None:
-    """A block with other names, in millimetres, passes; what it lacks is counted, not passed."""
-    verdict = verify(slider_mm, FEW, names=slider_mm_names, jobs=1)
+def test_the_clamp_warns_on_both_sides(fmu_path: Path) -> None:
+    clamp = named("clamp")
+    for run in (run_case(FmuFile(fmu_path), clamp), run_reference(clamp)):
+        (message, *_) = run.messages
+        assert "mu_k" in message
+        assert "mu_s" in message
+
+
+def test_what_an_honest_foreign_fmu_lacks_is_counted_and_not_passed() -> None:
+    verdict = verify(SLIDER.path, TRIED, names=SLIDER.names, fresh_processes=False, jobs=1)
     assert wrong(verdict) == []
     assert verdict.passed
     assert verdict.contract == ChosenContract("physics", "a names file is given")
-    assert verdict.summary["not_applicable"] > 0
     reasons = {r.not_applicable for r in verdict.checks if r.not_applicable is not None}
-    assert "it has no variable c" in reasons
-    assert "it has no output W_pull" in reasons
+    assert {"it has no variable c", "it has no output W_pull"} <= reasons
     assert any("cannot get and set its state" in reason for reason in reasons)
+    strict = verify(
+        SLIDER.path, TRIED[:1], names=SLIDER.names, strict=True, fresh_processes=False, jobs=1
+    )
+    noted = {r.check for r in verdict.checks if r.verdict == "noted" and r.case == ""}
+    assert "declared-units" in noted <= {result.check for result in wrong(strict)}
 
 
-def test_an_honest_fmu_of_version_3_passes(slider_si: Path, slider_si_names: NameMap) -> None:
-    """FMI 3.0 is driven as 2.0 is, its state too."""
-    verdict = verify(slider_si, FEW, names=slider_si_names, fresh_processes=False, jobs=1)
+def test_fmi_3_is_driven_as_2_is_its_state_too() -> None:
+    verdict = verify(SLIDER_3.path, TRIED[:2], names=SLIDER_3.names, fresh_processes=False, jobs=1)
     assert wrong(verdict) == []
-    rollbacks = [r for r in verdict.checks if r.check == "rollback" and r.side == "fmu"]
-    assert "pass" in {result.verdict for result in rollbacks}
+    rollbacks = {r.verdict for r in verdict.checks if r.check == "rollback" and r.side == "fmu"}
+    assert "pass" in rollbacks
 
 
-def test_a_faulty_foreign_fmu_is_convicted(slider_faulty: Path, slider_mm_names: NameMap) -> None:
-    """A static friction that is 0.5 % too high holds more than it may, and the cycle is another."""
+def test_half_a_percent_of_static_friction_is_seen_by_each_check_that_it_reaches() -> None:
     verdict = verify(
-        slider_faulty, [named("default")], names=slider_mm_names, fresh_processes=False, jobs=1
+        FAULTY.path, [named("default")], names=FAULTY.names, fresh_processes=False, jobs=1
     )
     failed = {result.check for result in wrong(verdict)}
     assert {"break-away-force", "t_stick-exact", "x-course"} <= failed
@@ -171,40 +166,13 @@ def test_a_faulty_foreign_fmu_is_convicted(slider_faulty: Path, slider_mm_names:
     assert not verdict.passed
 
 
-def test_the_contract_decides_for_a_foreign_fmu_only_if_strict(
-    slider_mm: Path, slider_mm_names: NameMap
-) -> None:
-    """What a foreign FMU does not promise is noted; judged strictly it fails."""
-    lax, strict = (
-        verify(
-            slider_mm,
-            FEW[:1],
-            names=slider_mm_names,
-            strict=strict,
-            fresh_processes=False,
-            jobs=1,
-        )
-        for strict in (False, True)
-    )
-    noted = {r.check for r in lax.checks if r.verdict == "noted"}
-    assert "declared-units" in noted
-    assert noted <= {result.check for result in wrong(strict)}
-
-
-def test_what_is_not_applicable_everywhere_is_no_verdict(
-    slider_poor: Path, slider_poor_names: NameMap
-) -> None:
-    """An FMU of which nothing can be judged is not green."""
+def test_where_nothing_applies_nothing_passes() -> None:
     verdict = verify(
-        slider_poor,
-        [named("damped-cycle")],
-        names=slider_poor_names,
-        fresh_processes=False,
-        jobs=1,
+        POOR.path, [named("damped-cycle")], names=POOR.names, fresh_processes=False, jobs=1
     )
     assert wrong(verdict) == []
-    on_fmu = [r for r in verdict.checks if r.side == "fmu" and r.truth == "closed_form"]
-    assert {result.verdict for result in on_fmu} == {"not applicable"}
+    on_fmu = {r.verdict for r in verdict.checks if r.side == "fmu" and r.truth == "closed_form"}
+    assert on_fmu == {"not applicable"}
     assert not verdict.passed
 
 
@@ -216,13 +184,10 @@ def test_what_is_not_applicable_everywhere_is_no_verdict(
         ("discard", "discarded"),
     ],
 )
-def test_a_foreign_fmu_that_fails_takes_only_its_case_with_it(
-    misbehaving: Callable[[str], Path], what: str, told: str
-) -> None:
-    """A crash or a hang on the third step fails that case with its reason; a short one runs."""
+def test_an_fmu_that_fails_takes_only_its_case_with_it(what: str, told: str) -> None:
     cases = [named("one-step"), named("heavy")]
     # Processes that hang sleep: several at once take no time from others.
-    verdict = verify(misbehaving(what), cases, time_limit=5.0, fresh_processes=False, jobs=4)
+    verdict = verify(misbehaving(what).path, cases, time_limit=5.0, fresh_processes=False, jobs=4)
     ends = {r.case: r for r in verdict.checks if r.check == "runs-to-the-end" and r.side == "fmu"}
     assert told in (ends["heavy"].failure or "")
     assert ends["one-step"].passed
@@ -231,26 +196,75 @@ def test_a_foreign_fmu_that_fails_takes_only_its_case_with_it(
     assert not verdict.passed
 
 
-def test_the_clamp_warns_on_both_sides(fmu_path: Path) -> None:
-    """A clamped mu_k is told by the FMU and by the reference, with both names."""
-    clamp = named("clamp")
-    for run in (run_case(FmuFile(fmu_path), clamp), run_reference(clamp)):
-        (message, *_) = run.messages
-        assert "mu_k" in message
-        assert "mu_s" in message
+def test_importing_the_package_loads_none_of_the_heavy_libraries() -> None:
+    for heavy, code in (
+        ({"matplotlib", "fmpy", "numpy", "scipy", "mpmath"}, "import stickslip_verification"),
+        ({"matplotlib"}, "from stickslip_verification import verify, write_json"),
+    ):
+        done = python("-c", f"import sys; {code}; print({heavy!r} & set(sys.modules))")
+        assert done.stdout == "set()\n"
 
 
-def test_importing_the_package_is_cheap() -> None:
-    """The package imports none of the heavy libraries before they are needed."""
-    heavy = {"matplotlib", "fmpy", "numpy", "scipy", "mpmath"}
-    code = f"import sys, stickslip_verification; sys.exit(bool({heavy!r} & set(sys.modules)))"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+OF_CONVENTION = (
+    "clamp-tuned", "default", "frictionless", "gap-whole", "lifted-and-set-down", "moving-start",
+    "no-gap", "no-pull", "reversals", "start-beyond",
+)  # fmt: skip
+"""Cases with starts beyond rest, in motion and off zero, clamps, reversals, stops that only touch
+zero and equal forces: where conventions and rounding might decide."""
+
+OTHERS = {fmu.name: fmu for fmu in (RENAMED, FEW, RUNGE_KUTTA, IN_C)}
+MARKS = {"RungeKutta": [pytest.mark.soak], "InC": [needs("cc")], "Few": [pytest.mark.gate]}
 
 
-def test_running_does_not_need_matplotlib() -> None:
-    """A verdict is made without the plotting library."""
-    code = (
-        "import sys\nfrom stickslip_verification import load_cases, verify, write_json\n"
-        "sys.exit('matplotlib' in sys.modules)"
-    )
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+@pytest.mark.parametrize("name", [pytest.param(each, marks=MARKS.get(each, ())) for each in OTHERS])
+def test_other_conventions_names_units_signs_and_methods_fail_no_check(
+    name: str, pytestconfig: pytest.Config
+) -> None:
+    fmu, whole = OTHERS[name], pytestconfig.getoption("soak")
+    cases = load_cases() if whole else [named(each) for each in OF_CONVENTION]
+    verdict = verify(
+        fmu.path, cases, names=fmu.names, sequences=COUNT if whole else 8,
+        fresh_processes=bool(whole), jobs=1,
+    )  # fmt: skip
+    assert [(each.case, each.check, each.failure) for each in wrong(verdict)] == []
+    assert verdict.passed
+
+
+FAULTS: dict[str, Foreign] = {
+    "undamped back": RENAMED,
+    "clamp when set": RENAMED,
+    "damped without push": RUNGE_KUTTA,
+    "state loses pending": RUNGE_KUTTA,
+    "load lost backward": FEW,
+    "moves when read": FEW,
+    "push lost beside load": IN_C,
+    "reset keeps mass": IN_C,
+}
+"""Faults where inputs, damping and phases meet, or in how a master calls."""
+
+
+SLOW = {"damped without push", "load lost backward", "state loses pending"}
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        pytest.param(
+            each,
+            marks=[pytest.mark.soak if each in SLOW else pytest.mark.gate]
+            + ([needs("cc")] if fmu == IN_C else []),
+        )
+        for each, fmu in FAULTS.items()
+    ],
+)
+def test_a_fault_that_no_single_step_shows_is_found_by_random_sequences(fault: str) -> None:
+    healthy = FAULTS[fault]
+    fmu = replace(healthy, name=f"{healthy.name}Faulty", fault=fault, order=0, step=0.0)
+    verdict = verify(
+        fmu.path, [named("one-step")], names=fmu.names, sequences=24, fresh_processes=False,
+        time_limit=10.0, jobs=1,
+    )  # fmt: skip
+    # What takes too long has a failure in words, and no error.
+    found = {each.case for each in wrong(verdict) if each.error is not None}
+    assert found - {"one-step", ""}
+    assert not verdict.passed

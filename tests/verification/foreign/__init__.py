@@ -1,1 +1,0 @@
-"""Sources of FMUs that are not ours, and what builds them."""
