@@ -24,11 +24,16 @@ def wide(*values: float) -> Wide:
     return np.array(values, np.longdouble)
 
 
+def slips(zeta: float, count: int) -> tuple[Slips, State]:
+    """Return the equation of slip of a damping ratio for so many steps, and a start of each."""
+    ones = wide(*[1.0] * count)
+    equation = Slips(*(value * ones for value in (M, K, 2.0 * zeta * W * M, V, DRIVE)))
+    return equation, State(Z * ones, X_DOT * ones)
+
+
 def moved(zeta: float, *durations: float) -> State:
-    """Return the states after steps of these lengths from one start, made together."""
-    ones = wide(*[1.0] * len(durations))
-    slips = Slips(*(value * ones for value in (M, K, 2.0 * zeta * W * M, V, DRIVE)))
-    return slips.move(State(Z * ones, X_DOT * ones), wide(*durations))
+    equation, start = slips(zeta, len(durations))
+    return equation.move(start, wide(*durations))
 
 
 def number(value: np.longdouble) -> mpmath.mpf:
@@ -48,6 +53,18 @@ def test_a_step_is_a_matrix_exponential(zeta: float) -> None:
             end = mpmath.expm(rates * mpmath.mpf(duration)) * mpmath.matrix([Z, X_DOT, 1])
             assert abs(number(found.z[n]) - end[0]) <= SCALE * reach
             assert abs(number(found.x_dot[n]) - end[1]) <= SCALE * W * reach
+
+
+@pytest.mark.parametrize("zeta", ZETAS)
+def test_acceleration_and_jerk_are_the_rates_of_the_motion(zeta: float) -> None:
+    equation, start = slips(zeta, 1)
+    short = 1e-5 / (1.0 + zeta) / W
+    before, after = moved(zeta, -short), moved(zeta, short)
+    slope = (after.x_dot - before.x_dot) / (2.0 * short)
+    bend = (equation.acceleration(after) - equation.acceleration(before)) / (2.0 * short)
+    # A central difference is off by the square of its length, 1e-10, and some.
+    assert float(slope[0]) == pytest.approx(float(equation.acceleration(start)[0]), rel=1e-8)
+    assert float(bend[0]) == pytest.approx(float(equation.jerk(start)[0]), rel=1e-8)
 
 
 def test_no_steps_give_no_states() -> None:

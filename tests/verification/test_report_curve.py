@@ -10,8 +10,6 @@ from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import Motion
 from stickslip_verification.report.curve import curve
 from stickslip_verification.report.plots import draw_case
-from stickslip_verification.report.svg import thinned
-from stickslip_verification.report.svg.line import SHAPE
 
 from .records import exact_of, named, planted, value, without
 
@@ -69,16 +67,6 @@ def test_a_picture_is_the_same_each_time_and_small() -> None:
     assert not ids[0] & ids[1]
     refers = re.findall(r'href="#([^"]+)"|url\(#([^)]+)\)', drawn)
     assert {a or b for a, b in refers} == ids[0]
-
-
-def test_what_is_left_out_of_a_line_lies_within_a_tenth_of_a_point_of_it() -> None:
-    x = np.linspace(0.0, 400.0, 4001)
-    y = np.where(x % 80.0 < 60.0, 10.0 * np.floor(x / 80.0), 50.0 + 40.0 * np.sin(x / 3.0))
-    left = thinned(x, y)
-    assert len(left) < 0.4 * len(x)
-    # Measured across the line, whose corners round within 50 % of that.
-    across = np.hypot(1.0, np.gradient(y, x))
-    assert np.max(np.abs(np.interp(x, x[left], y[left]) - y) / across) < 1.5 * SHAPE
 
 
 def test_a_side_that_went_astray_is_still_drawn() -> None:
