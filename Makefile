@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint prove bench docs docs-check check-generated check-study clean
+.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint prove bench docs docs-check check-generated check-study check-suite clean
 
 # Both FMUs: StickSlip.fmu under Coulomb's friction law, StickSlipStribeck.fmu under friction that
 # depends on the speed.
@@ -44,15 +44,19 @@ faults: $(VENV)/ready
 	$(BIN)/stickslip verify --fmu build/StickSlipStribeck.fmu --fault '*' -o report/stribeck
 
 # On all cores, each worker in its own part of the tests till another one has nothing left to do.
-# TESTS may name a part of the tests, and options.
+# TESTS may name a part of the tests, and options: --gate adds what the gate adds. It ends with the
+# CPU seconds of user and system, those of all child processes in the second line.
 TESTS ?= tests
-PYTEST := -m pytest --numprocesses logical --dist worksteal --durations 30
+RUN ?=
+PYTEST := -m pytest --numprocesses logical --dist worksteal --durations 20
 test: $(VENV)/ready-to-test
-	$(BIN)/python $(PYTEST) $(TESTS)
+	@$(BIN)/python $(RUN) $(PYTEST) $(TESTS); code=$$?; echo "CPU time, user and system:"; times; exit $$code
 
-# The tests that need more than pip brings, as on a machine that has none of it.
+# The tests of the gate that need more than pip brings, as on a machine that has none of it, and as
+# on one that has it by half.
 test-bare: $(VENV)/ready-to-test
-	$(BIN)/python -m tests.bare
+	$(BIN)/python -m tests.bare none
+	$(BIN)/python -m tests.bare half
 
 # Everything at full size, an hour at most; it prints the time of each part.
 soak: $(VENV)/ready-to-test
@@ -62,10 +66,10 @@ soak: $(VENV)/ready-to-test
 # 95 %, in C as well. What runs inside FMUs counts for fmu_src/.
 coverage: $(VENV)/ready-to-test
 	$(BIN)/python -m coverage erase
-	$(BIN)/python -m coverage run $(PYTEST) $(TESTS)
+	$(MAKE) test RUN="-m coverage run" TESTS="$(TESTS)"
 	$(BIN)/python -m coverage combine --quiet
-	-$(BIN)/python -m coverage report --include='workbench/*'
-	-$(BIN)/python -m coverage report --include='verification/*'
+	-$(BIN)/python -m coverage report --include='workbench/*' | tail -n 1
+	-$(BIN)/python -m coverage report --include='verification/*' | tail -n 1
 	$(BIN)/python -m coverage report --include='src/*' --show-missing --fail-under=95
 	$(BIN)/python -m coverage report --include='fmu_src/*' --show-missing --fail-under=95
 	$(BIN)/python -m tests.native.coverage
@@ -75,7 +79,6 @@ lint: $(VENV)/ready-to-test
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo --no-cache
-	$(BIN)/stickslip lint
 
 # The random sets of the specification in full; SEED and FRACTION may be set.
 SEED ?= 1
@@ -92,15 +95,18 @@ docs: $(VENV)/ready
 	$(BIN)/python docs/generate.py
 	$(BIN)/python -m examples.feed_axis study
 
-# The study runs on one core, and so beside the other check.
+# The study and the check of the suite's data files run on one core, and so beside each other.
 docs-check: $(VENV)/ready
-	$(MAKE) --jobs 2 --output-sync check-generated check-study
+	$(MAKE) --jobs 2 --output-sync check-generated check-study check-suite
 
 check-generated: $(VENV)/ready
 	$(BIN)/python docs/generate.py --check
 
 check-study: $(VENV)/ready
 	$(BIN)/python -m examples.feed_axis study --check
+
+check-suite: $(VENV)/ready
+	$(BIN)/stickslip lint
 
 clean:
 	rm -rf build dist report $(VENV)

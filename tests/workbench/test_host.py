@@ -39,7 +39,7 @@ def test_a_program_that_is_linked_to_a_libpython_keeps_its_own(tmp_path: Path) -
     library = find_library(ask(sys.executable))
     linked, plain = tmp_path / "linked", tmp_path / "plain"
     for program, words in (linked, [f"-L{library.parent}", f"-l:{library.name}"]), (plain, []):
-        command = ["cc", "-x", "c", "-o", program, "-", "-Wl,--no-as-needed", *words]
+        command = ["cc", "-x", "c", "-o", str(program), "-", "-Wl,--no-as-needed", *words]
         subprocess.run(command, input="int main(void) { return 3; }", text=True, check=True)
     shown = host("--show", "--", linked)
     assert (shown.returncode, shown.stdout) == (0, f"{linked}\n")

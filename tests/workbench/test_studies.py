@@ -263,7 +263,12 @@ def test_explore_opens_the_page_or_says_where_it_is(
 ) -> None:
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     opened: list[str] = []
-    monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or opens)
+
+    def open_(address: str) -> bool:
+        opened.append(address)
+        return opens
+
+    monkeypatch.setattr("webbrowser.open", open_)
     answer = command("explore", "--v", "5mm/s")
     file = Path(answer.out.strip())
     assert answer.code == (0 if opens else 1)
