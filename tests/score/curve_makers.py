@@ -70,19 +70,6 @@ def semi_implicit_euler(
     return x + h * u, u
 
 
-def runge_kutta(a: Acceleration, t: float, x: float, u: float, h: float) -> tuple[float, float]:
-    """Step by the classical Runge-Kutta method."""
-    half = 0.5 * h
-    a1 = a(t, x, u)
-    u2 = u + half * a1
-    a2 = a(t + half, x + half * u, u2)
-    u3 = u + half * a2
-    a3 = a(t + half, x + half * u2, u3)
-    u4 = u + h * a3
-    a4 = a(t + h, x + h * u3, u4)
-    return x + h * (u + 2 * u2 + 2 * u3 + u4) / 6, u + h * (a1 + 2 * a2 + 2 * a3 + a4) / 6
-
-
 def stepped(method: Method, p: Parameters, duration: float, h: float) -> Made:
     """Step by a method; rest and break-away are decided at the ends of steps."""
     q = with_defaults(p)

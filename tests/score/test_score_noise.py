@@ -93,19 +93,13 @@ def assert_honest(scores: Sequence[Score]) -> None:
     assert np.mean(ratios(scores) <= 1.0) >= 0.95
 
 
-def grid() -> list[object]:
-    return [
-        pytest.param(
-            setting,
-            step,
-            marks=() if (setting, step) in (*FEW, ("damped", 1e-2)) else pytest.mark.soak,
-        )
-        for setting in SETTINGS
-        for step in SAMPLINGS
-    ]
+GRID = [
+    pytest.param(*cell, marks=() if cell in (*FEW, ("damped", 3e-3)) else pytest.mark.soak)
+    for cell in itertools.product(SETTINGS, SAMPLINGS)
+]
 
 
-@pytest.mark.parametrize(("setting", "step"), grid())
+@pytest.mark.parametrize(("setting", "step"), GRID)
 def test_exact_motion_with_noise_is_no_solver_and_no_figure_misleads(
     setting: str, step: float, pytestconfig: pytest.Config
 ) -> None:
@@ -159,19 +153,25 @@ def test_noise_that_hides_the_friction_is_named_with_its_size() -> None:
 
 
 def counted(motion: Exact, count: float, dither: float, white: Floats) -> Floats:
-    """Return what counts of an encoder add to a position, in parts of the swing."""
+    """Return a position as counts of an encoder, each so large a part of the swing."""
     size = count * motion.swing
-    off: Floats = size * np.round(motion.made.x / size + dither * white) - motion.made.x
-    return off / motion.swing
+    return np.asarray(size * np.round(motion.made.x / size + dither * white))
 
 
-RECORDS: Mapping[str, Callable[[Exact, Floats], Floats]] = {
-    "neighbours alike": lambda _, white: 0.004 * lfilter([1.0], [1.0, -0.9], white),
-    "averaged": lambda _, white: 0.01 * lfilter(np.ones(10) / 10.0, [1.0], white),
-    "of half the swing": lambda _, white: 0.5 * white,
-    "fine counts": lambda motion, white: counted(motion, 2e-4, 0.0, white),
-    "dithered counts": lambda motion, white: counted(motion, 1.0 / 37.3, 0.3, white),
-    "coarse counts": lambda motion, white: counted(motion, 1.0 / 12.7, 0.0, white),
+def with_noise(column: Floats, size: float, noise: Floats | None = None) -> Floats:
+    white = np.random.default_rng(6).standard_normal(column.size)
+    return np.asarray(column + size * (white if noise is None else noise))
+
+
+Record = Callable[[Exact, Floats], Floats]
+ALIKE, MEAN = ([1.0], [1.0, -0.9]), (np.ones(10) / 10.0, [1.0])
+RECORDS: Mapping[str, Record] = {
+    "neighbours alike": lambda m, w: with_noise(m.made.x, 0.004 * m.swing, lfilter(*ALIKE, w)),
+    "averaged": lambda m, w: with_noise(m.made.x, 0.01 * m.swing, lfilter(*MEAN, w)),
+    "of half the swing": lambda m, w: with_noise(m.made.x, 0.5 * m.swing, w),
+    "fine counts": lambda m, w: counted(m, 2e-4, 0.0, w),
+    "dithered counts": lambda m, w: counted(m, 1.0 / 37.3, 0.3, w),
+    "coarse counts": lambda m, w: counted(m, 1.0 / 12.7, 0.0, w),
 }
 
 
@@ -181,7 +181,7 @@ def test_noise_of_any_colour_and_counts_of_an_encoder_are_no_solver(record: str)
     for number, (setting, step) in enumerate(FEW):
         motion = exact_motion(setting, step)
         white = np.random.default_rng(number).standard_normal(motion.made.t.size)
-        scores.append(score(motion.noisy({"x": RECORDS[record](motion, white)}, "x"), motion.p))
+        scores.append(score(Curve.of(motion.made.t, x=RECORDS[record](motion, white)), motion.p))
     assert_honest(scores)
 
 
@@ -231,14 +231,10 @@ def test_a_pull_against_the_given_v_is_judged_as_it_is(columns: str) -> None:
     backward = Exact(with_defaults({}), made, 4e-3, 0.0)
     result = score(backward.noisy(dict.fromkeys(columns, white), columns), {"v": 0.02})
     assert result.cause == "exact", result.explanation
+    assert result.delta_x.exact is not None
     assert result.delta_x.exact < 0.0
     assert np.all(ratios([result]) <= 1.0)
     assert "against the given v" in result.findings[0]
-
-
-def with_noise(column: Floats, size: float) -> Floats:
-    noisy: Floats = column + size * np.random.default_rng(6).standard_normal(column.size)
-    return noisy
 
 
 @pytest.mark.parametrize(
