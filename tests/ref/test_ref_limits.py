@@ -1,8 +1,6 @@
 """Where stick-slip ends: closed forms, the exact block just inside and outside of every range."""
 
 import math
-import random
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,6 @@ from stickslip_fmu.spec import spec_of
 from stickslip_ref import (
     COULOMB,
     Coulomb,
-    CriticalVelocity,
     Interval,
     Parameters,
     coulomb_limit,
@@ -22,7 +19,6 @@ from stickslip_ref import (
 from stickslip_ref.critical import critical_lambda
 from stickslip_ref.limits.first_slip import Calm, first_slips, follows_calmly
 from stickslip_ref.limits.memoryless import cycle_ranges
-from stickslip_ref.ranges import merged
 
 TWICE = {"shape": 3, "n_points": 5, "mu_1": 0.5, "u_2": 0.02, "mu_2": 0.3, "u_3": 0.15} | {
     "mu_3": 0.45, "u_4": 0.4, "mu_4": 0.2, "u_5": 0.6, "mu_5": 0.25
@@ -58,7 +54,6 @@ def sticks(base: dict[str, float], own: dict[str, float], v: float) -> bool:
 
 @pytest.mark.parametrize("name", SETTINGS)
 def test_the_exact_block_sticks_inside_of_every_range_and_not_outside(name: str) -> None:
-    """A millionth inside of each end of a range the slip from break-away stops, outside not."""
     base, own = SETTINGS[name]
     found = critical_velocity(Parameters(**base), "stribeck", own)
     assert found.cycle
@@ -77,7 +72,6 @@ def test_the_exact_block_sticks_inside_of_every_range_and_not_outside(name: str)
 
 
 def test_a_curve_that_falls_twice_has_two_ranges() -> None:
-    """Sliding is unstable where c + N mu' < 0, between corners; each fall has its cycles."""
     found = critical_velocity(Parameters(c=2.0), "stribeck", TWICE)
     ends = [end for each in found.unstable for end in each[:2]]
     assert ends == pytest.approx([found.between[0], 0.02, 0.15, 0.4])
@@ -97,12 +91,6 @@ def test_a_curve_that_falls_twice_has_two_ranges() -> None:
 
 @pytest.mark.parametrize("zeta", [1e-7, 1e-4, 1e-2, 0.1, 0.5, 0.9])
 def test_the_search_finds_the_closed_form_of_coulombs_law(zeta: float) -> None:
-    """Followed as any law, Coulomb's ends where (13) says, by grazing.
-
-    Far inside of its range the least speed is but some 2 pi zeta below 0, in units of v. Near its
-    end an error of the least speed moves the end by 1/(4 pi zeta) of it: d ln D/d ln lambda is
-    lambda^2 in (13). The speed is integrated to 1e-12 of v.
-    """
     p = Parameters(c=2.0 * zeta * math.sqrt(1000.0))
     limit = float(coulomb_limit(p))
     (found,) = cycle_ranges(COULOMB.complete(p, {}), COULOMB, (limit / 100.0, 100.0 * limit))
@@ -113,7 +101,6 @@ def test_the_search_finds_the_closed_form_of_coulombs_law(zeta: float) -> None:
 
 
 def test_without_damping_coulombs_law_has_no_end() -> None:
-    """And with zeta >= 1 it has no cycle at all."""
     assert critical_velocity(Parameters()).highest == math.inf
     assert critical_velocity(Parameters(c=100.0)).cycle == ()
     assert critical_velocity(Parameters(), between=(0.1, 0.2)).cycle == (
@@ -122,7 +109,6 @@ def test_without_damping_coulombs_law_has_no_end() -> None:
 
 
 def test_without_damping_friction_that_hardly_falls_sticks_too() -> None:
-    """Down to sticks of 1e-12/w: there w Delta/v is 1e-12, Delta the fall up to 2 v over k."""
     p = Parameters(mu_s=0.5, mu_k=0.499)
     (only,) = critical_velocity(p, "stribeck", {"v_s": 6.0, "delta": 3.0}, (1e-5, 0.03)).cycle
     assert only[1:] == (0.03, "none", "none")
@@ -131,7 +117,6 @@ def test_without_damping_friction_that_hardly_falls_sticks_too() -> None:
 
 
 def test_a_slip_that_turns_round_may_stick_later() -> None:
-    """Leine's block at v = 1 reverses at once, and sticks at the end of the backward slip."""
     p = Parameters(m=1.0, k=1.0, g=1.0, mu_s=1.0, mu_k=0.0)
     own = {"shape": 2.0, "v_s": 1.0 / 3.0}
     found = critical_velocity(p, "stribeck", own, between=(0.1, 6.0))
@@ -142,11 +127,6 @@ def test_a_slip_that_turns_round_may_stick_later() -> None:
 
 
 def test_a_stop_between_two_steps_is_a_stop() -> None:
-    """A slip that just touches speed 0 is found, however short it is below, with its force.
-
-    Of Coulomb's slips, from a relative 1e-9 to 1e-3 above the least force with a stop. The least
-    speed there is some -1e-3 v at most, so the net force some sqrt(2e-3) m w v.
-    """
     zeta, n = 0.1, 60
     force = float(critical_lambda(zeta)) * (1.0 + np.geomspace(1e-9, 1e-3, n))
     none = Calm(np.ones(n), np.ones(n))
@@ -169,13 +149,11 @@ HEAVY: list[tuple[dict[str, float], dict[str, float]]] = [
 def test_a_damping_that_no_fall_of_friction_overcomes_leaves_sliding(
     base: dict[str, float], own: dict[str, float]
 ) -> None:
-    """Where c + R' >= 2 m w at every speed the mass creeps up to the pull, whatever the damping."""
     found = critical_velocity(Parameters(**base), "stribeck", own)
     assert (found.cycle, found.unstable) == ((), ())
 
 
 def test_a_slip_that_settles_where_friction_rises_steeply_is_sliding() -> None:
-    """A slope of 15 times the critical damping about the pull, and no damping."""
     rises = {"shape": 3, "n_points": 3, "mu_1": 0.1, "u_2": 0.04, "mu_2": 1.3} | {
         "u_3": 0.041, "mu_3": 0.0
     }  # fmt: skip
@@ -200,13 +178,11 @@ def test_a_slip_that_settles_where_friction_rises_steeply_is_sliding() -> None:
 def test_what_is_calm_stays_above_the_pull_or_where_it_is(
     u: float, rate: float, calm: bool
 ) -> None:
-    """Linear and critically damped, u' = -(u - 1) is the slowest fall that ends at the pull."""
     low, high = np.array([0.5]), np.array([3.0])
     assert follows_calmly(np.array([u]), np.array([rate]), low, high) == [calm]
 
 
 def test_the_second_slip_decides_whether_a_motion_that_turns_round_sticks() -> None:
-    """Where it ends beyond F_s, so does every later one: the exact block never sticks again."""
     falls = {"shape": 3, "n_points": 4, "mu_1": 1.0, "u_2": 0.0624, "mu_2": 0.3965} | {
         "u_3": 0.0663, "mu_3": 0.0, "u_4": 0.1327, "mu_4": 0.0
     }  # fmt: skip
@@ -226,7 +202,6 @@ def test_the_second_slip_decides_whether_a_motion_that_turns_round_sticks() -> N
 
 
 def test_stribeck_ends_where_eigenvalues_say() -> None:
-    """Steady sliding is unstable where N (mu_s - mu_k) delta x^(delta-1) exp(-x^delta) > c v_s."""
     p = Parameters(c=5.0)
     for delta in (1.0, 1.5, 2.0):
         found = critical_velocity(p, "stribeck", {"v_s": 0.1, "delta": delta})
@@ -239,7 +214,6 @@ def test_stribeck_ends_where_eigenvalues_say() -> None:
 
 
 def test_a_law_of_ones_own_is_searched_with_differences() -> None:
-    """A linear fall as a law of its own gives what the curve of two points gives."""
 
     class Fall(Coulomb):
         constant_in_slip = False
@@ -265,27 +239,11 @@ def test_a_law_of_ones_own_is_searched_with_differences() -> None:
     [((0.0, 1.0), "must rise and be > 0"), ((2.0, 1.0), "2 to 1"), ((-1.0, 1.0), "-1 to 1")],
 )
 def test_a_range_that_is_none_is_refused(between: tuple[float, float], told: str) -> None:
-    """With both of its ends."""
     with pytest.raises(ValueError, match=told):
         critical_velocity(Parameters(), "stribeck", between=between)
 
 
-def test_ranges_are_disjoint_and_in_order() -> None:
-    """Ranges that touch become one, with the outer ends."""
-    draw = random.Random(3)
-    edges = sorted(draw.random() for _ in range(8))
-    pairs = [
-        Interval(a, b, "fold", "grazing") for a, b in zip(edges[::2], edges[1::2], strict=True)
-    ]
-    assert merged(pairs[::-1]) == tuple(pairs)
-    assert merged([Interval(0.1, 0.2, "none", "fold"), Interval(0.2, 0.3, "fold", "none")]) == (
-        Interval(0.1, 0.3, "none", "none"),
-    )
-    assert CriticalVelocity((), (), (0.1, 1.0), False).motions(0.5) == ("even",)
-
-
 def test_a_velocity_that_was_not_searched_has_no_answer() -> None:
-    """Beyond the range the motions are not known: sliding evenly would be a guess."""
     found = critical_velocity(Parameters(), "stribeck")
     assert found.motions(found.between[0]) == ("sticks",)
     for v in (0.0, 0.5 * found.between[0], -2.0 * found.between[1]):
@@ -304,38 +262,12 @@ def test_a_velocity_that_was_not_searched_has_no_answer() -> None:
     ],
 )
 def test_what_never_holds_has_no_range(law: str, own: dict[str, float], p: Parameters) -> None:
-    """Without break-away force, and where every stop turns round: searched over a default range."""
     found = critical_velocity(p, law, own)
     assert found.cycle == ()
     assert 0.0 < found.between[0] < found.between[1]
 
 
-@pytest.mark.parametrize(("c", "kind"), [(0.0, "grazing"), (4.0, "fold")])
-def test_an_end_has_its_kind_where_friction_grows(c: float, kind: str) -> None:
-    """And none where only the search ends."""
-    p = Parameters(c=c)
-    (whole,) = critical_velocity(p, own={"tau_s": 0.05}).cycle
-    assert whole[2:] == ("none", kind)
-    (part,) = critical_velocity(p, own={"tau_s": 0.05}, between=(None, 0.5 * whole.high)).cycle
-    assert part[1:] == (0.5 * whole.high, "none", "none")
-
-
-@pytest.mark.parametrize("name", ["falls twice", "flat at rest", "hyperbolic"])
-def test_a_scan_by_the_exact_block_finds_the_same_ranges(
-    name: str, sized: Callable[[int], int]
-) -> None:
-    """At 400 speeds a decade, a tenth of them in the gate, the block sticks where a range says."""
-    base, own = SETTINGS[name]
-    low, high = 3e-3, 1.0
-    found = critical_velocity(Parameters(**base), "stribeck", own, (low, high))
-    count = int(sized(400) * math.log10(high / low))
-    for number in range(count):
-        v = low * (high / low) ** ((number + 0.5) / count)
-        assert sticks(base, own, v) == any(v in each for each in found.cycle), v
-
-
 def test_a_slow_layer_is_not_leapt_over() -> None:
-    """Friction falls within 2e-4 of the pull; the truth sticks up to this speed, to 1e-6."""
     p = Parameters(
         m=0.04160216590251779, k=140.24203687661213, c=0.025903983501884567,
         mu_s=0.4301392888905115, mu_k=0.2551120858119786,
