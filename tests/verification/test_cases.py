@@ -11,7 +11,7 @@ from stickslip_verification import Case, CaseError, load_cases, load_invariants,
 from stickslip_verification.judge.checks import extract, places
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import GROUPS, QUANTITIES
-from stickslip_verification.model.verdict import CaseGroup, Kind
+from stickslip_verification.model.verdict import Kind
 from stickslip_verification.suite.cases import At, Truth
 from stickslip_verification.suite.catalogue import Meaning, of_quantities
 
@@ -189,22 +189,6 @@ def test_uneven_steps_are_those_of_their_seed_and_meet_a_change_exactly(tmp_path
     begins = dict(zip((0.0, *case.times), case.steps, strict=False))
     # A sum of some steps is rounded once each.
     assert [t for t, step in begins.items() if step.changes] == pytest.approx([0.3], abs=1e-15)
-
-
-GROUPED = {
-    "default": CaseGroup.DEFAULT,
-    "stiff": CaseGroup.SETTINGS,
-    "damped-cycle": CaseGroup.DAMPING,
-    "overdamped-turn": CaseGroup.CHANGES,
-    "reversals-damped": CaseGroup.STARTS,
-    "dwell-growth": CaseGroup.DWELL,
-    "stribeck-default": CaseGroup.LAWS,
-    "clamp-tuned": CaseGroup.CONVENTIONS,
-}
-
-
-def test_a_case_is_grouped_by_what_it_sets() -> None:
-    assert {case.id: case.group for case in CASES if case.id in GROUPED} == GROUPED
 
 
 @pytest.mark.parametrize("case", QUICK, ids=lambda case: case.id)
