@@ -1,1 +1,0 @@
-"""Random sequences of FMI calls: made, played on the binary, and judged."""
