@@ -57,10 +57,7 @@ whole = cache(solve)
 
 @pytest.mark.parametrize(
     "part",
-    [
-        pytest.param(name, marks=() if name in ("all", "dry friction") else pytest.mark.gate)
-        for name in PARTS
-    ],
+    [pytest.param(name, marks=() if name == "all" else pytest.mark.gate) for name in PARTS],
 )
 def test_halving_the_step_quarters_the_distance_from_the_whole_loop(part: str) -> None:
     axis = Axis(**EXACT, **PARTS[part])
@@ -78,6 +75,7 @@ def test_halving_the_step_quarters_the_distance_from_the_whole_loop(part: str) -
     assert part == "none" or np.max(np.abs(moved)) > max(2e-7, 1.4 * coarse)
 
 
+@pytest.mark.gate
 def test_a_force_limit_limits_alike_in_the_whole_loop() -> None:
     axis = replace(AXIS, F_max=850.0)
     truth = solve(axis, 0.3)
@@ -222,6 +220,7 @@ class Falling(Axis):
         return {**super().of_table(), "v_s": 1e-3 if self.c else 1e-6, "delta": 1.0}
 
 
+@pytest.mark.gate
 @pytest.mark.parametrize(
     ("changes", "least", "most"),
     [

@@ -92,11 +92,12 @@ def test_dry_friction_stops_holds_and_turns_as_friction_that_rises_steeply(
     assert place == pytest.approx(tuple(end), abs=2e-6)
 
 
-def test_a_motor_at_rest_breaks_away_when_the_lag_lets_it() -> None:
+@pytest.mark.parametrize("h", [1.0, 0.215])
+def test_a_motor_at_rest_breaks_away_when_the_lag_lets_it(h: float) -> None:
     lag = 0.3
-    place = Inertia(1.0, 0.0, 0.0, lag, 1.0).moved(1.0, Place(0.0, 0.0, 0.0), Pull(2.0, 0.0, 0.0))
-    # A force of twice the dry friction is told; from T ln 2 on v' = 1 - exp(-t / T).
-    left = 1.0 - lag * math.log(2.0)
+    place = Inertia(1.0, 0.0, 0.0, lag, 1.0).moved(h, Place(0.0, 0.0, 0.0), Pull(2.0, 0.0, 0.0))
+    # A force of twice the dry friction is told; from T ln 2 = 0.208 on v' = 1 - exp(-t / T).
+    left = h - lag * math.log(2.0)
     assert place.v == pytest.approx(left - lag * (1.0 - math.exp(-left / lag)), abs=1e-14)
 
 

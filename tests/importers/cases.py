@@ -1,25 +1,15 @@
 """What every importer runs: cases of the block, as data."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
 class Case:
-    """A run at equal communication steps.
+    """A run of so many communication steps [s].
 
-    Attributes
-    ----------
-    start
-        Parameters and inputs at the start, by name, SI; what is missing keeps its start value.
-    step
-        Communication step [s].
-    steps
-        How many of them.
-    changes
-        Inputs set at a communication point, by the number of the step that begins there.
+    Parameters and inputs are set at the start, by name in SI; inputs also at the communication
+    point where the step of this number begins.
     """
 
     name: str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -27,30 +28,22 @@ NOT_PYTHON = ("proxyfmu",)
 
 @dataclass(frozen=True)
 class Rows:
-    """What an importer recorded in one run.
-
-    Attributes
-    ----------
-    times
-        Communication times [s], as the importer gives them.
-    outputs
-        Every output at those times, by name: floats in SI, mode and n_slips int, sticking bool.
-    again
-        Of the case `restart` the second run in the same process, else None.
-    nested
-        Of a pair of blocks the rows of the second; else None.
-    """
+    """What an importer recorded in one run: outputs by name, at its own communication times [s]."""
 
     times: tuple[float, ...]
     outputs: Mapping[str, tuple[float | int | bool, ...]]
     again: Rows | None = None
+    """Of the case `restart` the second run in the same process."""
     nested: Rows | None = None
+    """Of a pair of blocks the rows of the second."""
 
 
 @cache
 def host(importer: str) -> Host:
     """Return the process of an importer, with what `stickslip host` sets where it needs that."""
-    return Host(**preload(importer))
+    process = Host(**preload(importer))
+    atexit.register(process.end)
+    return process
 
 
 def preload(importer: str) -> Mapping[str, str]:

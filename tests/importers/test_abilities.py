@@ -15,6 +15,7 @@ from tests.importers.running import IMPORTERS, NOT_PYTHON, ask, preload
 from tests.needs import NEEDS, each, needs
 
 ROOT = Path(__file__).parents[2]
+pytestmark = pytest.mark.gate
 DOCUMENT = (ROOT / "docs" / "importing.md").read_text(encoding="utf-8")
 COLUMNS = {
     "Real": "Real",
@@ -76,6 +77,10 @@ def test_an_importer_can_do_what_the_table_says(
     assert seen == {column: WHAT_IT_CAN[importer][column] for column in COLUMNS}
 
 
+def crash(died: DiedError) -> str:
+    return "crash" if died.code and died.code < 0 else str(died)
+
+
 @pytest.mark.parametrize("importer", each(IMPORTERS))
 def test_where_an_importer_encodes_the_address_of_a_folder_it_crashes(
     tmp_path: Path, importer: str
@@ -87,7 +92,7 @@ def test_where_an_importer_encodes_the_address_of_a_folder_it_crashes(
         done, _ = ask(importer, "inputs", built("python-2"), process=process)
         seen = "yes" if done else "no"
     except DiedError as died:
-        seen = "crash" if died.code and died.code < 0 else str(died)
+        seen = crash(died)
     process.end()
     assert seen == WHAT_IT_CAN[importer]["any folder"]
 
@@ -97,7 +102,7 @@ def test_an_importer_shows_the_warnings_of_the_block_beside_standard_error(impor
     try:
         _, said = ask(importer, "warn", built("python-2"))
     except DiedError as died:
-        seen = "crash" if died.code and died.code < 0 else str(died)
+        seen = crash(died)
     else:
         lines = [line for line in said.splitlines() if "mu_k is clamped" in line]
         shown = [line for line in lines if not line.startswith("StickSlip: ")]
@@ -160,7 +165,6 @@ def test_the_document_calls_safe_what_is_safe_in_the_name_of_a_folder(tmp_path: 
     step_in(tmp_path / SAFE)
 
 
-@pytest.mark.gate
 @pytest.mark.parametrize("character", UNSAFE)
 def test_any_other_character_ends_the_process(character: str, tmp_path: Path) -> None:
     with pytest.raises(DiedError, match="exit code -"):
