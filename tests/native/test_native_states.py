@@ -114,6 +114,7 @@ def test_no_field_is_taken_with_a_value_that_no_block_reaches(kind: Kind) -> Non
     table = table_of(kind)
     instance = running(kind)
     data = instance.pack()
+    formats = "<"
     for name, form in fields(table):
         bad = list(IMPOSSIBLE.get(name, []))
         group, _, last = name.partition(".")
@@ -126,8 +127,9 @@ def test_no_field_is_taken_with_a_value_that_no_block_reaches(kind: Kind) -> Non
         for value in bad:
             assert refusal(instance, changed(data, table, {name: value})), (name, value)
         if form == "?":
-            at = struct.calcsize("<" + "".join(f for _, f in fields(table)).partition("?")[0])
-            assert refusal(instance, checked(data[:at] + b"\2" + data[at + 1 : -8]))
+            at = struct.calcsize(formats)
+            assert refusal(instance, checked(data[:at] + b"\2" + data[at + 1 : -8])), name
+        formats += form
 
 
 @pytest.mark.parametrize(
