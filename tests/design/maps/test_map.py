@@ -18,7 +18,7 @@ from stickslip_design.chunks import StudyError
 from stickslip_design.maps.grid import GridStudy
 from stickslip_design.maps.study import study_of
 from stickslip_design.points.axes import axis_points
-from stickslip_design.points.blocks import COLUMNS
+from stickslip_design.points.blocks import COLUMNS, block_points
 from tests.needs import needs
 
 pytestmark = [
@@ -163,6 +163,12 @@ def test_a_study_is_the_same_to_the_bit_however_it_is_cut_and_sent(
     for start, stop in pairwise([0, study.quantum, 3 * study.quantum, study.count]):
         for name, column in sent.compute(start, stop).items():
             assert column.tobytes() == expected[name][start:stop].tobytes(), name
+    sides = study.grid.dimensions
+    grid = np.meshgrid(*(side.values for side in sides), indexing="ij")
+    points = {side.name: each.ravel() for side, each in zip(sides, grid, strict=True)}
+    listed = block_points({**C, **points}, options.get("law", "coulomb"), limit=False)
+    # The vector code of NumPy may round by the place in the array.
+    assert_allclose(expected["T"], listed["T"], rtol=1e-15)
 
 
 @pytest.mark.parametrize(

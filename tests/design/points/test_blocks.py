@@ -243,3 +243,11 @@ def test_kinetic_friction_above_static_is_clamped(law: str, own: dict[str, float
 def test_what_cannot_be_is_refused(values: dict[str, Any], law: str, reason: str) -> None:
     with pytest.raises(ValueError, match=reason):
         block_points(values, law)
+
+
+def test_where_steady_sliding_becomes_stable_is_marked_too() -> None:
+    p = stickslip_ref.Parameters(c=3.0)
+    edge = stickslip_ref.critical_velocity(p, "stribeck", {"v_s": 0.05}).unstable[0].high
+    v = edge * np.array([0.999, 1.0, 1.001])
+    marked = block_points({"c": 3.0, "v_s": 0.05, "v": v}, "stribeck", limit=False)
+    assert_array_equal(marked["at_limit"], [False, True, False])
