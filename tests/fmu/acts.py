@@ -55,7 +55,7 @@ def resumed(path: str, states: list[tuple[str, float]]) -> list[list[Any]]:
     return shown
 
 
-_BAD = (None, "x", float("nan"), float("inf"), [], {}, True, 10**400)
+_BAD: tuple[Any, ...] = (None, "x", float("nan"), float("inf"), [], {}, True, 10**400)
 _BELOW_ZERO = ("elapsed", "t_slip", "t_stick", "T", "n_slips", "Q_friction", "k", "mu_s")
 _GARBAGE = (b"", b"{", b"[]", b"null", b"[" * 100_000, b'{"block": 1}', b"\xff")
 
@@ -262,8 +262,9 @@ class _Broken:
 def without_standard_error(path: str) -> list[Any]:
     """Warn and fail while standard error cannot be written; return what is shown and refused."""
     found = []
-    for stream in (_Broken(), None):
-        sys.stderr = stream  # type: ignore[assignment]
+    streams: tuple[Any, ...] = (_Broken(), None)
+    for stream in streams:
+        sys.stderr = stream
         instance = loaded(path).started(mu_s=0.3, mu_k=0.5)
         instance.step(0.1)
         found += instance.get("mu_k_used")

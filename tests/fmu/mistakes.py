@@ -7,6 +7,7 @@ import resource
 import signal
 import traceback
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -318,13 +319,14 @@ def tried(path: str) -> dict[str, Any]:
     fmu = loaded(path)
     found: dict[str, Any] = {}
     for title, (changed, _) in INSTANTIATIONS.items():
-        found[title] = _apart(fmu, lambda changed=changed: _instantiated(fmu, changed))
+        found[title] = _apart(fmu, partial(_instantiated, fmu, changed))
     for title, (calls, _) in MISTAKES.items():
-        found[title] = _apart(fmu, lambda calls=calls: _mistaken(fmu.started(), calls))
+        found[title] = _apart(fmu, partial(_mistaken, fmu, calls))
     return found
 
 
-def _mistaken(instance: Instance, calls: Callable[[Instance], list[int]]) -> list[int]:
+def _mistaken(fmu: Fmu, calls: Callable[[Instance], list[int]]) -> list[int]:
+    instance = fmu.started()
     statuses = calls(instance)
     assert _revived(instance) == OK
     return statuses

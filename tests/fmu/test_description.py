@@ -3,7 +3,6 @@
 import math
 import random
 import re
-import zipfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -15,8 +14,7 @@ import pytest
 from stickslip_fmu.spec import TABLE
 from tests.conftest import built
 from tests.fmu.blocks import make_block, outputs
-from tests.fmu.conformity import CHECKERS, by_fmpy, by_schema, by_toolbox, description_of
-from tests.needs import needs
+from tests.fmu.conformity import CHECKERS
 
 Checker = Callable[[Path], list[str]]
 
@@ -47,29 +45,6 @@ def new() -> Any:
 @pytest.mark.parametrize("kind", KINDS)
 def test_checkers_find_nothing(kind: str, checker: Checker) -> None:
     assert checker(built(kind)) == []
-
-
-@pytest.mark.parametrize(
-    ("kind", "checker", "sound", "faulty"),
-    [
-        ("python-2", by_schema, 'variability="fixed"', 'variability="frozen"'),
-        ("python-3", by_schema, '<Item name="Sticks" value="0"', '<Item name="Sticks"'),
-        ("python-2", by_fmpy, '<Unknown index="13" dependencies=""/>', ""),
-        ("python-3", by_fmpy, 'causality="independent"', 'causality="local"'),
-        pytest.param(
-            *("python-2", by_toolbox, 'initial="exact"', 'initial="calculated"'),
-            marks=needs("fmutool"),
-        ),
-    ],
-)
-def test_a_checker_finds_a_spoilt_description(
-    kind: str, checker: Checker, sound: str, faulty: str, tmp_path: Path
-) -> None:
-    text = description_of(built(kind)).decode()
-    assert sound in text
-    with zipfile.ZipFile(tmp_path / "spoilt.fmu", "w") as archive:
-        archive.writestr("modelDescription.xml", text.replace(sound, faulty, 1))
-    assert checker(tmp_path / "spoilt.fmu")
 
 
 def test_a_description_is_the_table(description: Any) -> None:

@@ -94,7 +94,7 @@ def test_the_time_cannot_be_set(kind: str, host: Host) -> None:
 @pytest.mark.parametrize("kind", kinds("python-2", "python-3"))
 def test_a_clamp_is_told_once_and_only_if_it_acts(kind: str, host: Host) -> None:
     passing = [setting(mu_s=0.2), setting(mu_k=0.1), ["step", 0.1]]
-    acting = [setting(mu_k=0.4), *[["step", 0.1]] * 5, ["get", "mu_k_used"]]
+    acting = [setting(mu_k=0.4), *[["step", 0.1], setting(v=0.03)] * 3, ["get", "mu_k_used"]]
     host.errors()
     assert host.call(play, built(kind), [START, *passing])[-1] is None
     assert host.errors() == ""

@@ -256,7 +256,8 @@ class Contract:
 
     def _warn(self, life: Life) -> None:
         """Note whether a warning of what is set is due: once, until another one is."""
-        settings, due = life.settings, None
+        settings = life.settings
+        due: tuple[Any, ...] | None = None
         if settings.get("shape") == _CURVE:
             starts = self.spec.table.start_values()
             beyond = range(int(settings["n_points"]) + 1, 13)

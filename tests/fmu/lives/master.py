@@ -38,9 +38,9 @@ _MODERATE = {
     **{f"u_{n}": (0.1 * n - 0.16, 0.1 * n - 0.04) for n in range(2, 13)},
 }
 # Weights of the calls that are made in each phase, and anywhere.
-_ANYWHERE = {"get": 5, "save": 1.5, "restore": 1.5, "pack": 0.6, "unpack": 0.8, "forget": 0.4}
+_ANYWHERE = {"get": 5.0, "save": 1.5, "restore": 1.5, "pack": 0.6, "unpack": 0.8, "forget": 0.4}
 _ANYWHERE |= {"forget_again": 0.2, "restore_freed": 0.1, "reset": 0.2, "free": 0.2, "wrong": 0.05}
-_USUAL = {
+_USUAL: dict[str, dict[str, float]] = {
     "instantiated": {"set_up": 5, "enter": 15, "set": 7},
     "initialization": {"set": 7, "exit": 15},
     "stepping": {"step": 16, "set": 4, "terminate": 0.3},
