@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from stickslip.page import page as page_text
-from tests.page.window import SIZE, Window
+from tests.page.window import Window
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -26,10 +26,9 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def only_window(browser: Browser, page_file: Path) -> Iterator[Window]:
     """Give the window that all tests share: one of its own would cost a second each."""
-    with browser.new_context(
-        viewport=SIZE, permissions=["clipboard-read", "clipboard-write"]
-    ) as it:
-        yield Window(it, page_file)
+    allowed = ["clipboard-read", "clipboard-write"]
+    with browser.new_context(permissions=allowed) as context:
+        yield Window(context, page_file)
 
 
 @pytest.fixture

@@ -113,8 +113,7 @@ def ratios(answer: Answer, exact: Exact) -> Ratios:
     """Return the largest error of each quantity over its bound; infinite where wrong in kind."""
     return {
         **_numbers(answer, exact),
-        **_cycle(answer["cycle"], exact),
-        **_simplified(answer["simplified"], exact),
+        **_cycle(answer["cycle"], answer["simplified"], exact),
         **_events(answer["events"], exact),
         **_states(answer["states"], exact),
     }
@@ -156,28 +155,24 @@ def _numbers(answer: Answer, exact: Exact) -> Ratios:
     return found
 
 
-def _cycle(got: Mapping[str, Any], exact: Exact) -> Ratios:
+def _cycle(got: Answer, simple: Answer, exact: Exact) -> Ratios:
     """Hold the read-outs against the reference and against the exact cycle."""
-    formulas = asdict(exact.cycle)
+    formulas, rules = asdict(exact.cycle), asdict(simplified(exact.p))
     exists = bool(formulas.pop("exists"))
     own = truth.steady_cycle(exact.setting, digits=DIGITS)
     found = {"exists": 0.0 if got["exists"] is exists is (own is not None) else math.inf}
-    formulas["share"] = exact.cycle.t_stick / exact.cycle.T
-    for label, cycle in (("", formulas), (", exactly", own or {})):
-        for name, expected in cycle.items():
-            grazes = name in ("t_slip", "t_stick", "spring_drop", "share")
+    for each in (formulas, rules):
+        each["share"] = each["t_stick"] / each["T"]
+    for label, numbers, shown in (
+        ("", formulas, got),
+        ("exact ", own or {}, got),
+        ("simplified ", rules, simple),
+    ):
+        for name, expected in numbers.items():
+            grazes = name in ("t_slip", "t_stick", "spring_drop", "share") and shown is got
             bound = BOUND * (_grazing(exact) if grazes else 1.0)
-            found[name + label] = relative(got[name], float(expected)) / bound
+            found[label + name] = relative(shown[name], float(expected)) / bound
     return found
-
-
-def _simplified(got: Mapping[str, Any], exact: Exact) -> Ratios:
-    expected = asdict(simplified(exact.p))
-    expected["share"] = expected["t_stick"] / expected["T"]
-    return {
-        f"simplified {name}": relative(got[name], float(value)) / BOUND
-        for name, value in expected.items()
-    }
 
 
 def _events(got: Sequence[Mapping[str, Any]], exact: Exact) -> Ratios:

@@ -1,7 +1,6 @@
 """The cures of the page: their numbers are those of Python, and a button does what it says."""
 
 import math
-import re
 from collections.abc import Callable
 from random import Random
 
@@ -122,9 +121,7 @@ def test_a_button_halves_the_jump_or_ends_the_cycle_and_changes_nothing_else(
     assert aims.count("end") > 20
 
 
-def test_a_value_that_ends_the_cycle_is_round_and_at_most_2_percent_beyond_its_limit(
-    table: Window,
-) -> None:
+def test_a_value_that_ends_the_cycle_is_at_most_2_percent_beyond_its_limit(table: Window) -> None:
     preset = PRESETS["machine-slideway"]
     limits = {each.name: each.end for each in cures(parameters(preset)).cures}
     for cure, name, parameter in (
@@ -132,22 +129,14 @@ def test_a_value_that_ends_the_cycle_is_round_and_at_most_2_percent_beyond_its_l
         ("damping", "damping", "c"),
         ("speed", "faster", "v"),
         ("lighter", "lighter", "m"),
-        ("gap", "gap", "mu_k"),
-        ("force", "normal force", "load"),
     ):
         table.set(**preset)
         table.page.locator(f"{cell(cure)} button").click()
         value, limit = table.setting[parameter], limits[name]
-        assert limit is not None
-        if cure == "gap":
-            value, limit = preset["mu_s"] - value, preset["mu_s"] - limit
-        elif cure == "force":
-            value, limit = table.N, preset["m"] * preset["g"] + limit
-        else:
-            digits = re.sub(r"e.*|^0\.0*|\.|0+$", "", f"{value:.12g}".rstrip("0"))
-            assert len(digits) <= 3, value
         assert value != limit
         assert value == pytest.approx(limit, rel=0.02)
+        # A round value, of three digits.
+        assert float(f"{value:.3g}") == pytest.approx(value, rel=1e-12)
 
 
 def test_cures_are_compared_from_one_setting_and_back_leads_there(table: Window) -> None:

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from stickslip_ref import Parameters, coulomb_limit, steady_cycle
-from tests.page import drawing
 from tests.page.settings import CORNERS, PRESETS, START, parameters
 from tests.page.test_cures import NEAR, loaded_and_lifted
 from tests.page.window import Window, another
@@ -105,20 +104,6 @@ def decade(window: Window) -> tuple[float, float]:
     """Return the pixels of a decade of k and of v: the plot has four of each."""
     width, height = (float(window.part("#plane clipPath rect", n)) for n in ("width", "height"))
     return width / 4, height / 4
-
-
-def test_the_dot_lies_on_the_curve_of_the_jump(window: Window) -> None:
-    middle(window)
-    for values in ({}, {"v": 0.1}, {"c": 5.0, "v": 0.03}):
-        window.set(**values)
-        window.drawn()
-        x, y = drawing.dot(window, "jump-map")
-        curve = drawing.curve(window, "#jump-map .curve.mass")
-        (x_0, y_0), (x_1, y_1) = next(
-            (each.start, each.end) for each in curve if each.start[0] <= x <= each.end[0]
-        )
-        # The curve is of straight lines between its points.
-        assert y == pytest.approx(y_0 + (y_1 - y_0) * (x - x_0) / (x_1 - x_0), abs=0.5), values
 
 
 def test_dragging_the_point_sets_stiffness_and_speed_alone(window: Window) -> None:

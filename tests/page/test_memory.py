@@ -44,24 +44,6 @@ def test_a_preset_is_a_complete_setting_with_its_source(window: Window) -> None:
     assert window.pressed("preset") == ["violin-bow"]
 
 
-def test_of_many_presets_pressed_fast_the_last_holds_and_outlives_a_reload(window: Window) -> None:
-    window.js(
-        """() => {
-          const all = document.querySelectorAll("[data-preset]");
-          for (let i = 0; i < 100; i++) all[i % all.length].click();
-        }"""
-    )
-    last = list(PRESETS)[99 % len(PRESETS)]
-    window.drawn()
-    address(window)
-    before = window.view
-    for _ in range(2):
-        assert window.pressed("preset") == [last]
-        assert window.setting == PRESETS[last]
-        assert window.view == before
-        window.reload()
-
-
 def test_the_address_restores_setting_picture_and_results(window: Window) -> None:
     draw = Random("address")
     # A 0 that is no start value is lost where an address leaves zeros out.

@@ -86,24 +86,6 @@ def test_the_dashed_line_is_the_break_away_force_and_the_grey_one_the_pulled_end
         assert piece.end[1] >= pulled.start[1] + slope * (piece.end[0] - pulled.start[0]) - PIXEL
 
 
-def test_the_names_stand_at_their_curves(window: Window) -> None:
-    boxes = window.js(
-        """() => Object.fromEntries([...document.querySelectorAll("#x-chart .note")].map(each => {
-          const { x, y, width, height } = each.getBBox();
-          return [each.textContent, [x, y, x + width, y + height]];
-        }))"""
-    )
-    (pulled,) = drawing.curve(window, "#x-chart .curve.pull")
-    slope = (pulled.end[1] - pulled.start[1]) / (pulled.end[0] - pulled.start[0])
-    _, _, right, bottom = boxes["pulled end"]
-    # On its line, and below one of its sticks, as near as a letter is high [px].
-    assert -12.0 < bottom - pulled.start[1] - slope * (right - pulled.start[0]) < 6.0
-    left, top, right, _ = boxes["mass"]
-    middle = 0.5 * (left + right)
-    (stick,) = (each for each in lines(window, MASS) if each.start[0] < middle < each.end[0])
-    assert -6.0 < top - stick.start[1] < 12.0
-
-
 def test_the_overshoot_is_told_where_it_shows(window: Window) -> None:
     cycle = steady_cycle(parameters(START))
     over = 1000.0 * cycle.Delta * (math.hypot(1.0, 1.0 / cycle.lambda_) - 1.0)
@@ -134,5 +116,5 @@ def test_the_portrait_is_one_closed_loop_around_steady_sliding(window: Window) -
         z = (float(p.mu_k_used * p.N) + p.c * p.v) / p.k
         places: list[tuple[Literal["x", "y"], float, float]] = [("x", left + 5.0, float(z))]
         for axis, at, expected in [*places, ("y", top, float(p.v))]:
-            found, slack = value_at(window, "phase-chart", axis, at)  # type: ignore[arg-type]
+            found, slack = value_at(window, "phase-chart", axis, at)
             assert found == pytest.approx(expected, abs=slack)

@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 
-from tests.page.settings import PRESETS, START, parameters
+from tests.page.settings import START, parameters
 from tests.page.window import SI, Window
 
 ENDS = {
@@ -74,26 +74,6 @@ def test_the_normal_force_sets_the_load_and_has_the_weight_of_the_mass(window: W
     lifted = "() => { try { stickslip.set({ load: -9.9 }); } catch (e) { return e.message; } }"
     assert "-9.9 N would lift the mass" in window.js(lifted)
     assert window.setting == good
-
-
-_BOXES = """
-names => names.map(name => ["label[for=" + name + "]", "#" + name, "#" + name + "-unit",
-  "#" + name + "-slider", "#" + name + "-control .ends"].map(each => {
-    const { left, top, bottom } = document.querySelector(each).getBoundingClientRect();
-    return { left, top, bottom };
-  }))
-"""
-
-
-def test_name_value_and_unit_share_a_line_above_the_slider(window: Window) -> None:
-    window.set(**PRESETS["fault-block"])
-    rows = window.js(_BOXES, list(SI))
-    for label, field, unit, slider, ends in rows:
-        assert label["bottom"] - label["top"] < 30
-        assert label["left"] < field["left"] < unit["left"]
-        assert max(label["top"], unit["top"]) < field["bottom"] <= slider["top"] + 1
-        assert slider["bottom"] <= ends["top"] + 1
-        assert field["left"] == pytest.approx(rows[0][1]["left"], abs=0.5)
 
 
 def test_a_value_beyond_the_slider_is_taken_and_its_ends_follow(window: Window) -> None:

@@ -99,26 +99,6 @@ def test_the_harmonics_are_those_of_the_exact_motion(window: Window) -> None:
             assert abs(own - c) <= 1e-9 * peak, (n, p)
 
 
-def test_the_harmonics_under_a_curve_add_up_to_its_motion(window: Window) -> None:
-    falls_twice = [[0.0, 0.5], [0.02, 0.3], [0.15, 0.45], [0.4, 0.2], [0.6, 0.25]]
-    for values, curve in (
-        ({"c": 2.0, "v": 0.3}, falls_twice),
-        ({"c": 0.0, "v": 0.1}, [[0.0, 0.5], [0.3, 0.0]]),
-    ):
-        window.set(curve, **values)
-        begin = next(each["t"] for each in window.js("stickslip.events(0, 100)") if each["t"] > 0)
-        T, count = window.cycle["T"], 4000
-        speeds = np.array(
-            [each["x_dot"] for each in window.states(begin + T + np.arange(count) * T / count)]
-        )
-        found = window.js("stickslip.harmonics(5)")
-        exact = np.fft.rfft(speeds)[1:6] * 2.0 / count
-        # The trapezoidal rule over 4,000 samples of a curve with corners.
-        tolerance = 1e-6 * speeds.max()
-        assert found["cosines"][1:6] == pytest.approx(exact.real, abs=tolerance)
-        assert found["sines"][1:6] == pytest.approx(-exact.imag, abs=tolerance)
-
-
 def recording(window: Window, seconds: float) -> Array:
     """Return the samples of the present setting's sound, at its full level."""
     samples = window.js("seconds => stickslip.record(seconds).then(s => [...s])", seconds)
@@ -194,21 +174,10 @@ def heard(window: Window) -> str:
     return window.text("#sound-said")
 
 
-NOTES = {
-    27.5: "A,, (A0)",
-    65.4064: "C (C2)",
-    138.591: "c♯ (C♯3)",
-    261.626: "c′ (C4)",
-    440.0: "a′ (A4)",
-    466.164: "a♯′ (A♯4)",
-    4186.01: "c′′′′′ (C8)",
-}
-"""Frequency [Hz] and name of keys of a piano."""
-
-
 def test_up_to_half_a_semitone_off_a_key_of_the_piano_it_is_named(window: Window) -> None:
     window.page.click("#sound")
-    for f, name in NOTES.items():
+    keys = {27.5: "A,, (A0)", 138.591: "c♯ (C♯3)", 440.0: "a′ (A4)", 4186.01: "c′′′′′ (C8)"}
+    for f, name in keys.items():
         for cents in (-45, 45):
             window.set(**scaled_to(f * 2.0 ** (cents / 1200)))
             assert heard(window).endswith(f"Hz, close to {name}.")

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.units import parse
 from tests.page.browser import watched
-from tests.page.settings import Setting
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext
@@ -81,26 +80,24 @@ class Window:
 
     def set(self, curve: object = "same", /, **values: float) -> None:
         """Set parameters (SI), and a friction curve or None, as a script does."""
-        more = "" if curve == "same" else ", curve"
-        self.js(f"({{ values, curve }}) => stickslip.set(values{more})", _asked(values, curve))
+        asked = [values] if curve == "same" else [values, curve]
+        self.js("asked => stickslip.set(...asked)", asked)
 
     @property
-    def setting(self) -> Setting:
+    def setting(self) -> Any:
         """Return the values in use, SI, unrounded."""
-        found: Setting = self.js("stickslip.setting")
-        return found
+        return self.js("stickslip.setting")
 
     @property
-    def cycle(self) -> Mapping[str, Any]:
+    def cycle(self) -> Any:
         """Return the numbers of the cycle in use, SI, unrounded."""
-        found: Mapping[str, Any] = self.js("stickslip.cycle")
-        return found
+        return self.js("stickslip.cycle")
 
     @property
     def N(self) -> float:  # noqa: N802 - the symbol
         """Return the normal force in use [N]."""
         p = self.setting
-        return p["m"] * p["g"] + p["load"]
+        return float(p["m"] * p["g"] + p["load"])
 
     @property
     def view(self) -> tuple[float, float]:
@@ -112,10 +109,9 @@ class Window:
         """Let the charts show a stretch of time [s]."""
         self.js("([from, to]) => { stickslip.view = { from, to }; }", [start, end])
 
-    def states(self, times: Sequence[float]) -> list[dict[str, Any]]:
+    def states(self, times: Sequence[float]) -> Any:
         """Return the state at each time [s], SI."""
-        found: list[dict[str, Any]] = self.js("ts => ts.map(t => stickslip.at(t))", list(times))
-        return found
+        return self.js("ts => ts.map(t => stickslip.at(t))", list(times))
 
     def preset(self, name: str) -> None:
         """Press the button of a preset and see it drawn."""
@@ -168,8 +164,7 @@ class Window:
     def style(self, selector: str, name: str) -> str:
         """Return a property of the style of a part of the page."""
         source = "(e, name) => getComputedStyle(e)[name]"
-        found: str = self.page.eval_on_selector(selector, source, name)
-        return found
+        return str(self.page.eval_on_selector(selector, source, name))
 
     def paths(self) -> Mapping[str, str]:
         """Return what the pictures show, the cursor apart: the data of every curve."""
@@ -190,14 +185,11 @@ class Window:
         """Unfold everything that can be unfolded, and wait for what is drawn when it is seen."""
         self.page.evaluate("document.querySelectorAll('details').forEach(e => (e.open = true))")
 
-    def pressed(self, kind: str) -> list[str]:
+    def pressed(self, kind: str) -> Any:
         """Return the ids of the presets, or of what else has such buttons, shown as chosen."""
         self.drawn()
-        found: list[str] = self.js(
-            f"[...document.querySelectorAll('[data-{kind}][aria-pressed=true]')]"
-            f".map(each => each.dataset.{kind})"
-        )
-        return found
+        chosen = f"document.querySelectorAll('[data-{kind}][aria-pressed=true]')"
+        return self.js(f"[...{chosen}].map(each => each.dataset.{kind})")
 
     def has_nonsense(self) -> bool:
         """Tell whether a text or a curve that is seen holds what is no number."""
@@ -231,10 +223,6 @@ def another(
         window.ready()
         yield window
     assert not window.errors, f"errors of the page: {window.errors}"
-
-
-def _asked(values: Mapping[str, float], curve: object) -> dict[str, object]:
-    return {"values": dict(values), "curve": curve}
 
 
 def _numbers(value: Any) -> Any:
