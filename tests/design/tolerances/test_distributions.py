@@ -41,10 +41,12 @@ def test_a_distribution_is_the_one_of_its_name_in_scipy(
 
 def test_a_spread_of_the_file_is_uniform_or_two_sigma_and_what_is_said_comes_before_it() -> None:
     file = series(mu_s='"0.2 ± 10 %"', mu_k='"0.15 ± 10 %"')
-    for kind, numbers in (("uniform", (0.18, 0.22)), ("normal", (0.2, 0.01))):
-        found = varying(file, {}, kind)["friction.mu_s"]
-        assert found.kind == kind
-        assert found.numbers == pytest.approx(numbers, rel=1e-15)  # one rounding
+    for found, kind, numbers in (
+        (varying(file, {}, "uniform"), "uniform", (0.18, 0.22)),
+        (varying(file, {}, "normal"), "normal", (0.2, 0.01)),
+    ):
+        assert found["friction.mu_s"].kind == kind
+        assert found["friction.mu_s"].numbers == pytest.approx(numbers, rel=1e-15)  # one rounding
     said = {"friction.mu_s": "uniform 0.1..0.2", "friction.mu_k": "fixed"}
     assert varying(file, said) == {"friction.mu_s": Distribution("uniform", (0.1, 0.2))}
 

@@ -139,7 +139,7 @@ def test_all_that_results_depend_on_is_an_input() -> None:
     machines = population()
     samples = Samples(machines, (1e-3,), 100)
     turns = Turns(machines, 1e-3, 100, "friction.mu_s", 0.1, 10.0)
-    others = [
+    others: list[Study] = [
         samples,
         *(
             replace(samples, population=population(**changed))
