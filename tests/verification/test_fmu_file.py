@@ -12,7 +12,7 @@ from stickslip_verification.drive import FmuFile
 from stickslip_verification.drive.fmu.archive import missing
 from stickslip_verification.drive.fmu.names import UNITS, Target
 from stickslip_verification.drive.fmu.unpacking import new_folder
-from tests.makers import ODD, POOR, RENAMED, SLIDER, SLIDER_3, altered, described, edited
+from tests.makers import ODD, POOR, RENAMED, SLIDER, SLIDER_3, Foreign, altered, described, edited
 
 HERE, ELSEWHERE = fmpy.platform, {"linux64": "win64"}.get(fmpy.platform, "linux64")
 FMI_1 = '<fmiModelDescription fmiVersion="1.0" modelName="A" modelIdentifier="A" guid="1"/>'
@@ -137,15 +137,13 @@ MISFITS = [
 @pytest.mark.parametrize(("fmu", "description", "names", "words"), MISFITS)
 def test_a_variable_that_cannot_be_ours_is_refused_by_both_names(
     tmp_path: Path,
-    fmu: object,
+    fmu: Foreign,
     description: Callable[[str], str],
     names: dict[str, str],
     words: str,
 ) -> None:
-    assert fmu in (SLIDER, SLIDER_3)
-    foreign = SLIDER if fmu == SLIDER else SLIDER_3
-    path = altered(foreign.path, tmp_path / "a.fmu", description)
-    targets = {**foreign.names.targets, **{ours: Target(name) for ours, name in names.items()}}
+    path = altered(fmu.path, tmp_path / "a.fmu", description)
+    targets = {**fmu.names.targets, **{ours: Target(name) for ours, name in names.items()}}
     with pytest.raises(FmuError) as caught:
         FmuFile(path, NameMap(targets))
     assert str(caught.value).startswith(f"a.fmu: {words}")

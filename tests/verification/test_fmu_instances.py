@@ -3,7 +3,7 @@
 import re
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,16 +13,7 @@ import pytest
 from stickslip_verification import FmuError, truth
 from stickslip_verification.drive import CommunicationStep, FmuFile, Setting, run
 from stickslip_verification.drive.fmu.instance import FmuInstance
-from tests.makers import (
-    RENAMED,
-    SLIDER,
-    SLIDER_3,
-    Foreign,
-    altered,
-    edited,
-    misbehaving,
-    numbers,
-)
+from tests.makers import RENAMED, SLIDER, SLIDER_3, Foreign, altered, edited, misbehaving, numbers
 from tests.needs import needs
 
 ULP = 2.0**-52
@@ -148,9 +139,8 @@ REFUSALS = [
 
 @pytest.mark.parametrize(("fmu", "call", "words"), REFUSALS)
 def test_a_call_that_fails_or_is_not_offered_is_told_on_one_line(
-    fmu: Foreign, call: object, words: str
+    fmu: Foreign, call: Callable[[FmuInstance], object], words: str
 ) -> None:
-    assert callable(call)
     with fmu.opened().instantiate() as instance:
         instance.start({})
         with pytest.raises(FmuError) as caught:

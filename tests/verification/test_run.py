@@ -4,6 +4,7 @@ from collections import Counter
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -21,20 +22,9 @@ from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.drive.stepping import run_case
 from stickslip_verification.model.verdict import ChosenContract, Kind
 from stickslip_verification.suite.sequences import COUNT
+from tests import makers
 from tests.conftest import built
-from tests.makers import (
-    FAULTY,
-    FEW,
-    IN_C,
-    ODD,
-    POOR,
-    RENAMED,
-    RUNGE_KUTTA,
-    SLIDER,
-    SLIDER_3,
-    Foreign,
-    misbehaving,
-)
+from tests.makers import FEW, IN_C, RENAMED, RUNGE_KUTTA, SLIDER, SLIDER_3, Foreign, misbehaving
 from tests.needs import needs
 from tests.python import python
 from tests.verification.records import named
@@ -46,6 +36,12 @@ TRIED = [named(name) for name in ("one-step", "tuned", "reversals", "damped-cycl
 @cache
 def on_ours() -> Verdict:
     return verify(built("python-2"), TRIED, sequences=12, fresh_processes=False, jobs=1)
+
+
+def judged(fmu: Foreign, *cases: str, **more: Any) -> Verdict:
+    """Return the verdict on a foreign FMU."""
+    tried, usual = list(map(named, cases)), {"fresh_processes": False, "jobs": 1}
+    return verify(fmu.path, tried, names=fmu.names, **{**usual, **more})
 
 
 def wrong(verdict: Verdict) -> list[CheckResult]:
@@ -114,7 +110,7 @@ def test_what_cannot_be_a_block_is_refused_before_any_case(tmp_path: Path) -> No
     for path, told in (
         (tmp_path / "none.fmu", "no such file"),
         (text, "not a zip archive"),
-        (ODD.path, "has no variable m, mu_s, mu_k, v, x; map them"),
+        (makers.ODD.path, "has no variable m, mu_s, mu_k, v, x; map them"),
     ):
         with pytest.raises(FmuError, match=told) as caught:
             verify(path, TRIED[:1], jobs=1)
@@ -135,31 +131,27 @@ def test_the_clamp_warns_on_both_sides(fmu_path: Path) -> None:
 
 
 def test_what_an_honest_foreign_fmu_lacks_is_counted_and_not_passed() -> None:
-    verdict = verify(SLIDER.path, TRIED, names=SLIDER.names, fresh_processes=False, jobs=1)
+    verdict = judged(SLIDER, *(case.id for case in TRIED))
     assert wrong(verdict) == []
     assert verdict.passed
     assert verdict.contract == ChosenContract("physics", "a names file is given")
     reasons = {r.not_applicable for r in verdict.checks if r.not_applicable is not None}
     assert {"it has no variable c", "it has no output W_pull"} <= reasons
     assert any("cannot get and set its state" in reason for reason in reasons)
-    strict = verify(
-        SLIDER.path, TRIED[:1], names=SLIDER.names, strict=True, fresh_processes=False, jobs=1
-    )
+    strict = judged(SLIDER, "one-step", strict=True)
     noted = {r.check for r in verdict.checks if r.verdict == "noted" and r.case == ""}
     assert "declared-units" in noted <= {result.check for result in wrong(strict)}
 
 
 def test_fmi_3_is_driven_as_2_is_its_state_too() -> None:
-    verdict = verify(SLIDER_3.path, TRIED[:2], names=SLIDER_3.names, fresh_processes=False, jobs=1)
+    verdict = judged(SLIDER_3, "one-step", "tuned")
     assert wrong(verdict) == []
     rollbacks = {r.verdict for r in verdict.checks if r.check == "rollback" and r.side == "fmu"}
     assert "pass" in rollbacks
 
 
 def test_half_a_percent_of_static_friction_is_seen_by_each_check_that_it_reaches() -> None:
-    verdict = verify(
-        FAULTY.path, [named("default")], names=FAULTY.names, fresh_processes=False, jobs=1
-    )
+    verdict = judged(makers.FAULTY, "default")
     failed = {result.check for result in wrong(verdict)}
     assert {"break-away-force", "t_stick-exact", "x-course"} <= failed
     assert "slip-propagates" not in failed
@@ -167,9 +159,7 @@ def test_half_a_percent_of_static_friction_is_seen_by_each_check_that_it_reaches
 
 
 def test_where_nothing_applies_nothing_passes() -> None:
-    verdict = verify(
-        POOR.path, [named("damped-cycle")], names=POOR.names, fresh_processes=False, jobs=1
-    )
+    verdict = judged(makers.POOR, "damped-cycle")
     assert wrong(verdict) == []
     on_fmu = {r.verdict for r in verdict.checks if r.side == "fmu" and r.truth == "closed_form"}
     assert on_fmu == {"not applicable"}
@@ -185,9 +175,8 @@ def test_where_nothing_applies_nothing_passes() -> None:
     ],
 )
 def test_an_fmu_that_fails_takes_only_its_case_with_it(what: str, told: str) -> None:
-    cases = [named("one-step"), named("heavy")]
     # Processes that hang sleep: several at once take no time from others.
-    verdict = verify(misbehaving(what).path, cases, time_limit=5.0, fresh_processes=False, jobs=4)
+    verdict = judged(misbehaving(what), "one-step", "heavy", time_limit=5.0, jobs=4)
     ends = {r.case: r for r in verdict.checks if r.check == "runs-to-the-end" and r.side == "fmu"}
     assert told in (ends["heavy"].failure or "")
     assert ends["one-step"].passed
@@ -221,11 +210,8 @@ def test_other_conventions_names_units_signs_and_methods_fail_no_check(
     name: str, pytestconfig: pytest.Config
 ) -> None:
     fmu, whole = OTHERS[name], pytestconfig.getoption("soak")
-    cases = load_cases() if whole else [named(each) for each in OF_CONVENTION]
-    verdict = verify(
-        fmu.path, cases, names=fmu.names, sequences=COUNT if whole else 8,
-        fresh_processes=bool(whole), jobs=1,
-    )  # fmt: skip
+    cases = [case.id for case in load_cases()] if whole else OF_CONVENTION
+    verdict = judged(fmu, *cases, sequences=COUNT if whole else 8)
     assert [(each.case, each.check, each.failure) for each in wrong(verdict)] == []
     assert verdict.passed
 
@@ -260,10 +246,7 @@ SLOW = {"damped without push", "load lost backward", "state loses pending"}
 def test_a_fault_that_no_single_step_shows_is_found_by_random_sequences(fault: str) -> None:
     healthy = FAULTS[fault]
     fmu = replace(healthy, name=f"{healthy.name}Faulty", fault=fault, order=0, step=0.0)
-    verdict = verify(
-        fmu.path, [named("one-step")], names=fmu.names, sequences=24, fresh_processes=False,
-        time_limit=10.0, jobs=1,
-    )  # fmt: skip
+    verdict = judged(fmu, "one-step", sequences=24, time_limit=10.0)
     # What takes too long has a failure in words, and no error.
     found = {each.case for each in wrong(verdict) if each.error is not None}
     assert found - {"one-step", ""}

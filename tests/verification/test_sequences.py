@@ -15,20 +15,13 @@ from stickslip_verification.judge.checks import EXACT_CONTRACT, judge_in_band
 from stickslip_verification.judge.invariant_checks import blank
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.run.coverage import coverage_table, gaps
+from stickslip_verification.suite import sequences as drawn
 from stickslip_verification.suite.sequences import (
     CELLS,
-    COUNT,
-    CRITICAL,
     EVERYTHING,
     PLAIN,
-    REVERSED,
-    STICK,
-    Cell,
-    RandomSequence,
-    Scope,
     coverage,
     draw_sequences,
-    tried,
 )
 from tests.conftest import built
 
@@ -47,13 +40,14 @@ def test_every_change_meets_every_phase_at_every_damping(seed: int) -> None:
     sequences = draw_sequences(seed)
     counts = coverage(sequences)
     assert [cell for cell in CELLS if not counts[cell]] == []
-    assert COUNT <= len(sequences) <= 1.5 * COUNT
+    assert drawn.COUNT <= len(sequences) <= 1.5 * drawn.COUNT
     assert list(gaps(sequences, EVERYTHING, EXACT_CONTRACT, [BY_MANNER[PLAIN]])) == []
     assert coverage_table(sequences, seed, EVERYTHING).note == ""
     # A cell that stays empty is a failure of the suite, by its name.
-    cell = Cell("load", STICK, CRITICAL)
+    cell = drawn.Cell("load", drawn.STICK, drawn.CRITICAL)
     thinned = [
-        RandomSequence(each.case, tuple(c for c in each.cells if c != cell)) for each in sequences
+        drawn.RandomSequence(each.case, tuple(c for c in each.cells if c != cell))
+        for each in sequences
     ]
     (failed,) = gaps(thinned, EVERYTHING, EXACT_CONTRACT, [BY_MANNER[PLAIN]])
     assert failed.failed
@@ -70,8 +64,8 @@ def phase_before(run: truth.Run, x_dot_start: float, time: float) -> str:
             break
         mode, reversed_ = event.mode, event.kind == "reversal"
     if reversed_:
-        return REVERSED
-    return STICK if mode == 0 else "forward slip" if mode > 0 else "backward slip"
+        return drawn.REVERSED
+    return drawn.STICK if mode == 0 else "forward slip" if mode > 0 else "backward slip"
 
 
 OF_CHANGES = {cell.row for cell in CELLS if EVERYTHING.hindrance(cell) is None} - {
@@ -95,7 +89,7 @@ def test_what_is_counted_happens_in_the_exact_motion(number: int) -> None:
 
 
 def test_what_an_fmu_cannot_set_is_left_out_and_said() -> None:
-    scope = Scope(EVERYTHING.settable - {"F_ext"}, EVERYTHING.changeable - {"F_ext"})
+    scope = drawn.Scope(EVERYTHING.settable - {"F_ext"}, EVERYTHING.changeable - {"F_ext"})
     sequences = draw_sequences(seed=7, count=12, scope=scope)
     for each in sequences:
         assert each.case.start["F_ext"] == 0.0
@@ -105,7 +99,7 @@ def test_what_an_fmu_cannot_set_is_left_out_and_said() -> None:
 
 def test_each_sequence_is_run_plainly_and_in_one_other_manner() -> None:
     cases = [each.case for each in SOME]
-    pairs = Counter(manner.manner for _, manner in tried(cases, list(BY_MANNER.values())))
+    pairs = Counter(manner.manner for _, manner in drawn.tried(cases, list(BY_MANNER.values())))
     assert set(pairs) == set(MANNERS)
     assert pairs.pop(PLAIN) == sum(pairs.values()) == len(SOME)
     assert max(pairs.values()) - min(pairs.values()) <= 1
