@@ -28,11 +28,7 @@ def _rest(p: Exact, points: Points) -> dict[str, Real]:
 
 
 def _slip(
-    name: str,
-    points: Points,
-    sides: Sequence[Side] = QUICK,
-    gap: float = 1.0,
-    **values: float,
+    name: str, points: Points, sides: Sequence[Side] = QUICK, gap: float = 1.0, **values: float
 ) -> Fact:
     """Return the first slip over a curve as a fact."""
     p = Exact(values)

@@ -98,7 +98,8 @@ def _first(name: str, cuts: int, **values: float) -> Fact:
 
 def _held(values: Mapping[str, float], *ages: tuple[float, Mapping[str, float]]) -> list[Expected]:
     """Return F_s of sticks of these ages under these changes, one after the other."""
-    rows, p = [], Exact(values)
+    rows: list[Expected] = []
+    p = Exact(values)
     for age, changes in ages:
         p = p.but(**changes)
         rows.append({"F_s": p.F_k + p.growth(MP.mpf(age)), "mode": 0})

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -18,7 +17,6 @@ from tests.fmu.blocks import Segment, drive, spec_named
 from tests.needs import needs
 
 Row = Mapping[str, Any]
-Steps = Iterable[Segment | float]
 
 BASE = frozenset(each.name for each in fields(Parameters)) - {"own"}
 """Names of what every friction law has; the others are its own."""
@@ -139,13 +137,3 @@ def each_side(sides: Sequence[Side] = SIDES) -> list[Any]:
         pytest.param(side, id=side.name, marks=needs("cc") if side is NATIVE else ())
         for side in sides
     ]
-
-
-def segments_of(steps: Steps) -> list[Segment]:
-    """Return steps, given by their lengths alone where nothing changes."""
-    return [step if isinstance(step, Segment) else Segment(step) for step in steps]
-
-
-def pairs(rows: Sequence[Row]) -> Iterable[tuple[Row, Row]]:
-    """Return neighbouring rows."""
-    return itertools.pairwise(rows)

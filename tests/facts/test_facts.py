@@ -10,7 +10,7 @@ import pytest
 from tests.facts import coulomb, curves, growing
 from tests.facts.closed import MP, Exact
 from tests.facts.fact import Fact
-from tests.facts.sides import SIDES, Setting, Side, each_side
+from tests.facts.sides import Setting, Side, each_side
 
 FACTS = (*coulomb.FACTS, *growing.FACTS, *curves.FACTS)
 
@@ -37,9 +37,3 @@ def test_fact(side: Side, fact: Fact) -> None:
             else:
                 error = abs(MP.convert(got) / exact - 1)
                 assert error <= fact.tolerance(side, name), (name, float(error))
-
-
-def test_every_fact_is_tried_on_the_block_and_a_second_side() -> None:
-    assert all({"block"} < {side.name for side in fact.sides} for fact in FACTS)
-    assert len({fact.statement for fact in FACTS}) == len(FACTS)
-    assert {side.name for side in SIDES} == {"block", "native", "reference", "truth"}

@@ -14,16 +14,7 @@ import pytest
 from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
 from stickslip_verification.truth import friction_law
 from tests.facts.sides import BLOCK, QUICK, REFERENCE, TRUTH, Row, Setting, Side, each_side
-from tests.fmu.blocks import (
-    Draw,
-    Segment,
-    block_of,
-    draw,
-    draw_ageing,
-    outputs,
-    spec_named,
-    uneven,
-)
+from tests.fmu.blocks import Draw, Segment, block_of, draw, draw_ageing, outputs, spec_named, uneven
 from tests.laws.stribeck import curve, draw_curve, draw_smooth
 
 pytestmark = pytest.mark.filterwarnings("ignore::stickslip_ref.FrictionClampWarning")

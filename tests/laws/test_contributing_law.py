@@ -7,6 +7,7 @@ import re
 import shlex
 import sys
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import fmpy.validation
@@ -35,7 +36,10 @@ def test_a_friction_law_is_added_as_contributing_says(tmp_path: Path) -> None:
     for name, text in zip(files, texts, strict=True):
         (tmp_path / name).write_text(text, encoding="utf-8")
     (commands,) = re.findall(r"```bash\n(.*?)```", section, re.DOTALL)
-    there = {"cwd": tmp_path, "env": {**os.environ, "PYTHONPATH": str(tmp_path), "COLUMNS": "100"}}
+    there: dict[str, Any] = {
+        "cwd": tmp_path,
+        "env": {**os.environ, "PYTHONPATH": str(tmp_path), "COLUMNS": "100"},
+    }
     _, block, reference = (
         python(COMMAND, *shlex.split(line)[1:], **there).stdout for line in commands.splitlines()
     )

@@ -59,7 +59,6 @@ def block(e: float, b: float) -> Parameters:
 
 @pytest.mark.parametrize("b", [0.0, 0.2, 0.5])
 def test_averaged_limits_are_met_with_the_square_of_the_friction(b: float) -> None:
-    """Sliding is unstable up to q_1 exactly; the cycle ends at sqrt(4/5) q_1 but for O(e^2)."""
     q_1 = math.sqrt(1.0 - 4.0 * b / 3.0)
     errors = []
     for e in (0.4, 0.2, 0.1):
@@ -75,7 +74,6 @@ def test_averaged_limits_are_met_with_the_square_of_the_friction(b: float) -> No
 
 
 def test_the_truth_stops_inside_of_the_range_and_not_outside() -> None:
-    """A thousandth below the end of the cycle the slip from break-away stops, above it does not."""
     p = block(0.2, 0.2)
     (cycle,) = critical_velocity(p, Cubic(), between=(0.01 * V_M, 3.0 * V_M)).cycle
     z_start = float(p.F_s / p.k)

@@ -34,7 +34,7 @@ class Ageing(ref.Coulomb):
 
 
 class ExactAgeing(truth.Coulomb):
-    parameters = (Parameter("growth", "1/s", 0.5, Kind.FIXED, low=0.0),)
+    parameters = (Parameter("growth", "1/s", 0.5, Kind.FIXED, low=0.0),)  # type: ignore[assignment]  # others than Coulomb's
 
     def ages(self, n: Numbers) -> bool:
         return True
@@ -117,26 +117,10 @@ class ExactLagging(truth.FrictionLaw):
         return ((speed - state[0]) * 16,)
 
 
-class Quadratic(ref.Coulomb):
-    """Kinetic friction mu_k N and a drag of 2 kg/m times the square of the speed."""
-
-    constant_in_slip = False
-
-    def slip_friction(self, p: Parameters, speed: float, state: ref.State = ()) -> float:
-        return float(p.mu_k_used * p.N) + 2.0 * speed * speed
-
-
-class ExactQuadratic(truth.FrictionLaw):
-    def kinetic(self, n: Numbers, speed: Series, state: Sequence[Series]) -> Series:
-        friction: Series = speed**2 * 2 + n.F_k
-        return friction
-
-
 LAWS: dict[str, tuple[ref.FrictionLaw, truth.FrictionLaw]] = {
     "ageing": (Ageing(), ExactAgeing()),
     "wearing": (Wearing(), ExactWearing()),
     "lagging": (Lagging(), ExactLagging()),
-    "quadratic": (Quadratic(), ExactQuadratic()),
 }
 NO_LAW = SimpleNamespace(block="math:pi", reference="math:pi", truth="math:pi")
 NAMESAKE = SimpleNamespace(block="stickslip_fmu.laws.coulomb.law:COULOMB")
@@ -224,25 +208,6 @@ def test_a_law_without_a_stick_is_followed_whole(side: Runner) -> None:
         assert row["mode"] == MP.sign(x_dot)
         assert not row["events"]
     assert {row["mode"] for row in rows} == {-1, 1}
-
-
-def test_quadratic_drag_is_linear_in_the_square_of_the_speed(side: Runner) -> None:
-    run, error = side
-    # With v = 0 and y = x_dot^2 along the way: y' = a - b x - d y.
-    N = MP.mpf(9.81)
-    d, b, a = MP.mpf(4), MP.mpf(2000), 2 * (1000 * MP.mpf(0.03125) - N / 4)
-
-    def square(x: Real) -> Real:
-        return (a + b / d) / d * (1 - MP.exp(-d * x)) - b * x / d
-
-    values = {"v": 0.0, "z_start": 0.03125, "mu_k": 0.25}
-    moving, _ = run("quadratic", values, [0.0625, 0.5])
-    assert close(moving["x_dot"] ** 2, square(MP.convert(moving["x"])), 10 * error)
-    stop = MP.findroot(square, (MP.mpf("0.04"), MP.mpf("0.07")), solver="anderson")
-    assert close(moving["events"][0].x + moving["events"][1].x, stop, error)
-    top = MP.log(1 + a * d / b) / d
-    (after,) = run("quadratic", values, [float(moving["events"][1].time) + 1e-9])
-    assert close(after["x_dot_peak"] ** 2, square(top), 10 * error)
 
 
 def test_what_stops_a_slip_does_not_throw_it_back() -> None:

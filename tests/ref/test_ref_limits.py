@@ -3,21 +3,11 @@
 import math
 from typing import Any
 
-import numpy as np
 import pytest
 
 from stickslip_fmu.laws.named import friction_law
 from stickslip_fmu.spec import spec_of
-from stickslip_ref import (
-    COULOMB,
-    Coulomb,
-    Interval,
-    Parameters,
-    coulomb_limit,
-    critical_velocity,
-)
-from stickslip_ref.critical import critical_lambda
-from stickslip_ref.limits.first_slip import Calm, first_slips, follows_calmly
+from stickslip_ref import COULOMB, Coulomb, Interval, Parameters, coulomb_limit, critical_velocity
 from stickslip_ref.limits.memoryless import cycle_ranges
 
 TWICE = {"shape": 3, "n_points": 5, "mu_1": 0.5, "u_2": 0.02, "mu_2": 0.3, "u_3": 0.15} | {
@@ -126,17 +116,6 @@ def test_a_slip_that_turns_round_may_stick_later() -> None:
     assert found.motions(5.0) == ("swings",)
 
 
-def test_a_stop_between_two_steps_is_a_stop() -> None:
-    zeta, n = 0.1, 60
-    force = float(critical_lambda(zeta)) * (1.0 + np.geomspace(1e-9, 1e-3, n))
-    none = Calm(np.ones(n), np.ones(n))
-    slip = first_slips(force, np.ones(n), zeta, lambda u, number: 0.0 * u, none)
-    # The steps are good to 1e-8 each, and the least speed to their sum.
-    assert np.all(slip.least < 2e-7)
-    assert np.all(slip.least[force > force[0] * (1.0 + 1e-6)] < 0.0)
-    assert np.all(np.abs(slip.net) < 0.05)
-
-
 HEAVY: list[tuple[dict[str, float], dict[str, float]]] = [
     ({"c": 1e3}, {}),
     ({"c": 1e4}, {"shape": 2}),
@@ -161,25 +140,6 @@ def test_a_slip_that_settles_where_friction_rises_steeply_is_sliding() -> None:
     found = critical_velocity(Parameters(**base), "stribeck", rises, (0.03, 0.033))
     assert (found.cycle, found.unstable) == ((), ())
     assert not sticks(base, rises, 0.0314)
-
-
-@pytest.mark.parametrize(
-    ("u", "rate", "calm"),
-    [
-        (0.9, -0.1, False),
-        (0.9, 0.0, True),
-        (1.2, -0.1, True),
-        (1.2, -0.3, False),
-        (0.4, 0.1, False),
-        (1.9, 0.0, True),
-        (1.9, 0.3, False),
-    ],
-)
-def test_what_is_calm_stays_above_the_pull_or_where_it_is(
-    u: float, rate: float, calm: bool
-) -> None:
-    low, high = np.array([0.5]), np.array([3.0])
-    assert follows_calmly(np.array([u]), np.array([rate]), low, high) == [calm]
 
 
 def test_the_second_slip_decides_whether_a_motion_that_turns_round_sticks() -> None:

@@ -97,7 +97,7 @@ def test_more_digits_confirm_the_fewer_and_leave_the_global_precision() -> None:
     assert len(few.events) > 2
     assert_equal(few, many, MP.mpf("1e-19"))
     plain = [truth.run({"c": 11.0, "v": 0.001}, [Step(9.0)], digits=n) for n in (30, 80)]
-    assert_equal(*plain, MP.mpf("1e-29"))
+    assert_equal(plain[0], plain[1], MP.mpf("1e-29"))
     assert mpmath.mp.prec == before
 
 
