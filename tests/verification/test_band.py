@@ -47,7 +47,7 @@ def test_the_exact_motion_is_in_its_own_band_and_decided(name: str) -> None:
 @pytest.mark.parametrize(
     "datum", ["k", "mu_s", *(pytest.param(n, marks=pytest.mark.soak) for n in ("v", "m"))]
 )
-def test_a_datum_off_by_1e_9_is_a_numerical_error_and_by_1e_5_another_block(
+def test_a_datum_off_by_3e_8_is_a_numerical_error_and_by_1e_5_another_block(
     name: str, datum: str
 ) -> None:
     case = named(name)
@@ -62,7 +62,8 @@ def test_a_datum_off_by_1e_9_is_a_numerical_error_and_by_1e_5_another_block(
         )
         return kept(exact_motion, replace(case, parameters=values, steps=steps)).record
 
-    assert judged(name, off(0.1 * OFF)).passed
+    # The band is four times as wide as what a few motions off by OFF reach.
+    assert judged(name, off(3.0 * OFF)).passed
     assert not judged(name, off(1e3 * OFF)).passed
 
 
