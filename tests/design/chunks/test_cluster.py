@@ -19,15 +19,7 @@ pytestmark = [needs("cluster"), pytest.mark.gate]
 
 
 class Dask:
-    """A scheduler and its workers.
-
-    Attributes
-    ----------
-    address
-        That of the scheduler.
-    scheduler, workers
-        Their processes.
-    """
+    """The processes of a scheduler and its workers, and its address."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -82,10 +74,8 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dask]:
 
 
 def test_an_error_on_a_worker_ends_the_study_in_the_line_of_this_machine(cluster: Dask) -> None:
-    with pytest.raises(
-        StudyError,
-        match=r"^points \d+ to \d+: ZeroDivisionError: of point 70, with a line more$",
-    ):
+    words = r"^points \d+ to \d+: ZeroDivisionError: of point 70, with a line more$"
+    with pytest.raises(StudyError, match=words):
         run(Toy(raises=70), cluster=cluster.address)
 
 
@@ -132,7 +122,6 @@ def test_what_a_scheduler_lacks_is_noted_and_its_end_too(tmp_path: Path) -> None
     ("address", "words"),
     [
         ("tcp://127.0.0.1:1", "no dask scheduler answers at tcp://127.0.0.1:1: Connection refused"),
-        ("tcp://no.invalid:8786", r"no dask scheduler answers at tcp://no\.invalid:8786: .+"),
         ("localhost", "'localhost' is no address of a scheduler, such as tcp://host:8786"),
     ],
 )

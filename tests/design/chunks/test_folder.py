@@ -5,9 +5,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -31,17 +29,6 @@ if __name__ == "__main__":
 """
 
 
-def processes_of(session: int) -> list[int]:
-    """Return the processes of a session that live: proc(5), fields 3 and 6."""
-    found = []
-    for file in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(FileNotFoundError, ProcessLookupError):
-            fields = file.read_text(encoding="utf-8", errors="replace").rpartition(") ")[2].split()
-            if int(fields[3]) == session and fields[0] != "Z":
-                found.append(int(file.parent.name))
-    return found
-
-
 @pytest.mark.parametrize(
     ("workers", "by"),
     [("work", signal.SIGKILL), ("work", signal.SIGINT), ("hang", signal.SIGKILL)],
@@ -63,11 +50,8 @@ def test_workers_end_with_a_study_that_is_killed_and_it_resumes(
         hangs = marks / "hangs"
         assert any(hangs.exists() or int(line) > 5000 for line in driver.stdout)
         driver.send_signal(by)
-        driver.wait(timeout=60)
-        until = time.monotonic() + 60.0
-        while processes_of(driver.pid) and time.monotonic() < until:
-            time.sleep(0.02)
-        assert not processes_of(driver.pid)
+        # All its processes have the end of the pipe, which the last one closes.
+        driver.communicate(timeout=60.0)
     assert hangs.exists() == (workers == "hang")
     results = run(Toy(20_000, marks=marks), str(folder), workers=1)
     assert same(results, run(Toy(20_000), workers=1))
@@ -126,10 +110,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 @pytest.mark.parametrize(
     ("other", "words"),
     [
-        (
-            Toy(seed=2),
-            r"results of another study: inputs\.toy\.seed is 2 and was 1; --fresh throws",
-        ),
+        (Toy(seed=2), r"of another study: inputs\.toy\.seed is 2 and was 1; --fresh throws"),
         (Toy(1001), r"inputs\.toy\.over is \[1, 2, "),
         (Toy(1000, 8), "points.quantum is 8 and was 4"),
     ],
@@ -142,9 +123,7 @@ def test_another_study_is_refused_with_what_changed_and_made_when_fresh(
     with pytest.raises(StudyError, match=words):
         run(other, str(tmp_path), workers=1)
     assert contents(tmp_path) == before
-    (tmp_path / "notes.txt").write_text("keep", encoding="utf-8")
     fresh = run(other, str(tmp_path), workers=1, fresh=True)
-    assert (tmp_path / "notes.txt").exists()
     assert same(fresh, run(other, workers=1))
     assert same(run(other, str(tmp_path), workers=1), fresh)
 

@@ -1,73 +1,17 @@
 """Studies in chunks: the same results however they are computed, and an end told in one line."""
 
 import os
-import time
-from concurrent.futures import ThreadPoolExecutor
-from functools import partial
-from hashlib import sha256
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from stickslip_design.chunks import Columns, Progress, StudyError, run
-from stickslip_design.chunks.manifest import manifest_of
-from stickslip_design.chunks.plan import Plan
-from stickslip_design.chunks.study import Chunk
-from stickslip_design.chunks.work import Done, Job, work
+from stickslip_design.chunks import Progress, StudyError, run
 from tests.design.chunks.toy import Toy, failure, processes, same, times_computed
 
 LONG: dict[str, Any] = {"count": 20_000, "pace": 4e-3}
 """A study that would take this process more than a minute, and its workers no time."""
-
-
-@settings(derandomize=True, max_examples=50)
-@given(
-    st.integers(1, 3000),
-    st.integers(1, 70),
-    st.lists(st.tuples(st.floats(1e-6, 20.0), st.integers(1, 10**9)), min_size=1),
-    st.integers(1, 9),
-    st.sets(st.integers(0, 40)),
-)
-def test_chunks_are_each_point_once_in_multiples_of_the_quantum(
-    count: int, quantum: int, times: list[tuple[float, int]], workers: int, before: set[int]
-) -> None:
-    done = [
-        Chunk(start, min(start + 2 * quantum, count))
-        for start in range(0, count, 2 * quantum)
-        if start // (2 * quantum) in before
-    ]
-    plan, taken = Plan(count, quantum, done), list(done)
-    while plan.left:
-        chunk = plan.take(workers)
-        assert chunk.start % quantum == 0
-        assert chunk.points % quantum == 0 or chunk.stop == count
-        plan.learn(chunk.points, *times[len(taken) % len(times)])
-        taken.append(chunk)
-    assert [point for chunk in sorted(taken) for point in range(*chunk)] == list(range(count))
-
-
-@pytest.mark.parametrize(
-    ("workers", "pace", "points"),
-    [
-        (2, 1e-3, 1000),  # a second each
-        (1000, 1e-3, 20_000),  # a scheduler hands out 50 a second
-        (2, 1e-9, 838_860),  # 64 MB
-    ],
-)
-def test_chunks_take_a_second_or_longer_on_many_workers_and_fit_into_memory(
-    workers: int, pace: float, points: int
-) -> None:
-    plan = Plan(10**9, 10, ())
-    assert plan.take(workers).points == 10
-    plan.learn(10, 10 * pace, 800)
-    for _ in range(12):
-        chunk = plan.take(workers)
-        plan.learn(chunk.points, pace * chunk.points, 80 * chunk.points)
-    assert chunk.points == points
 
 
 def test_results_are_the_same_to_the_bit_by_any_workers(tmp_path: Path, marks: Path) -> None:
@@ -136,36 +80,6 @@ def test_what_goes_wrong_in_a_worker_ends_the_study_in_one_line_and_it_resumes(
     # Three chunks of workers may be computed and not written.
     assert before > 0
     assert max(times_computed(marks).values()) <= 2
-
-
-def test_an_error_in_this_process_is_the_same_line(tmp_path: Path) -> None:
-    with pytest.raises(StudyError, match=r"^points \d+ to \d+: ZeroDivisionError: of point 700, "):
-        run(Toy(raises=700), str(tmp_path), workers=1)
-    assert list(tmp_path.glob("*.chunk"))
-
-
-class Alone(Toy):
-    """A study that notices when two threads compute it."""
-
-    busy: ClassVar[int] = 0
-
-    def compute(self, start: int, stop: int) -> Columns:
-        """Return what a `Toy` returns; raises where another thread computes, too."""
-        Alone.busy += 1
-        time.sleep(0.02)
-        together, Alone.busy = Alone.busy, Alone.busy - 1
-        assert together == 1
-        return super().compute(start, stop)
-
-
-def test_a_worker_of_several_threads_computes_one_chunk_at_a_time(tmp_path: Path) -> None:
-    run(Alone(16), str(tmp_path), workers=1)
-    content = (tmp_path / "study.pickle").read_bytes()
-    job = Job(str(tmp_path), manifest_of(Alone(16)).key, sha256(content).hexdigest())
-    chunks = [Chunk(start, start + 4) for start in range(0, 16, 4)]
-    with ThreadPoolExecutor(4) as threads:
-        answers = list(threads.map(partial(work, job), chunks))
-    assert [answer.chunk for answer in answers if isinstance(answer, Done)] == chunks
 
 
 @pytest.mark.parametrize(

