@@ -26,7 +26,7 @@ _MODERATE = {
     "g": (1.0, 20.0),
     "k": (10.0, 1e4),
     "c": (0.0, 5.0),
-    "load": (-5.0, 50.0),
+    "load": (-12.0, 50.0),
     "z_start": (-0.05, 0.05),
     "B": (0.0, 0.1),
     "t_0": (1e-3, 10.0),
@@ -37,6 +37,8 @@ _MODERATE = {
     # Speeds of a curve mostly rise, whichever of them are set.
     **{f"u_{n}": (0.1 * n - 0.16, 0.1 * n - 0.04) for n in range(2, 13)},
 }
+# Values that return, so that a warning may be due again.
+_ROUND = {"delta": (1.0, 2.0, 3.0), "mu_s": (0.2, 0.5), "mu_k": (0.3, 0.6)}
 # Weights of the calls that are made in each phase, and anywhere.
 _ANYWHERE = {"get": 5.0, "save": 1.5, "restore": 1.5, "pack": 0.6, "unpack": 0.8, "forget": 0.4}
 _ANYWHERE |= {"forget_again": 0.2, "restore_freed": 0.1, "reset": 0.2, "free": 0.2, "wrong": 0.05}
@@ -188,8 +190,8 @@ class Master:
         row = self.rows[min(reference, len(self.rows) - 1)]
         if self._errs():
             return chance.choice(_NOT_FINITE + _EXTREME)
-        if row.name == "delta" and chance.random() < 0.5:
-            return chance.choice([1.0, 2.0, 3.0])
+        if row.name in _ROUND and chance.random() < 0.5:
+            return chance.choice(_ROUND[row.name])
         scale = row.type.nominal
         low, high = _MODERATE.get(row.name, (-3.0 * scale if row.minimum is None else 0.0, scale))
         if low <= 0.0:
