@@ -256,7 +256,7 @@ STICKS = [
     ),
     Fact(
         "more stiffness keeps z and its energy is booked",
-        {},
+        {"v": -0.02},
         [0.0625, (0.03125, {"k": 2000.0})],
         lambda p: {"z": p.v * 3 / 32, "W_k": 500 * (p.v / 16) ** 2, "mode": 0},
     ),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 from tests.facts.closed import MP, Exact, Real, slip
@@ -77,22 +76,38 @@ def _cycle(name: str) -> Fact:
     )
 
 
+def _after_stick(p: Exact, length: float) -> dict[str, Real]:
+    """Return the first stick and the young slip after it, a time after the start [s]."""
+    sign = MP.sign(p.v)
+    ahead = p.but(v=abs(float(p.v)), F_ext=float(sign * p.F_ext))
+    stick = p.stick(sign * (p.k * p.z_start + p.F_ext), p.age_start)
+    z = (p.F_k + p.growth(p.age_start + stick) - ahead.F_ext) / p.k
+    young = slip(ahead, z, until=length - stick)
+    return {
+        **dict.fromkeys(("t_stick", "t_event"), stick),
+        "x": sign * young.x,
+        "x_dot": sign * young.x_dot,
+        "mode": int(sign),
+    }
+
+
 def _first(name: str, cuts: int, **values: float) -> Fact:
     """Return the first stick, whatever its age and the push, cut into steps, as a fact."""
     p = Exact(values)
-    sign = math.copysign(1.0, float(p.v))
-    begin = sign * (p.k * p.z_start + p.F_ext)
-    length = float(p.stick(begin, p.age_start)) + 0.02
+    sign = MP.sign(p.v)
+    stick = p.stick(sign * (p.k * p.z_start + p.F_ext), p.age_start)
+    length = (float(stick) + 0.02) / cuts
+    magnified = 10.0 * _magnified(p, p.age_start + stick)
     return Fact(
         f"the first stick: {name}",
         values,
-        [length / cuts] * cuts,
-        lambda p: {
-            **dict.fromkeys(("t_stick", "t_event"), p.stick(begin, p.age_start)),
-            "mode": int(sign),
+        [length] * cuts,
+        lambda p: _after_stick(p, sum([MP.mpf(length)] * cuts)),
+        factor={
+            **dict.fromkeys(("t_stick", "t_event"), magnified),
+            **dict.fromkeys(("x", "x_dot"), 100.0 * magnified),
         },
-        factor=10.0 * _magnified(p, p.age_start + p.stick(begin, p.age_start)),
-        why="where friction grows nearly as fast as the pull",
+        why="where friction grows nearly as fast as the pull; the slip is young",
     )
 
 

@@ -217,8 +217,6 @@ def test_a_velocity_that_was_not_searched_has_no_answer() -> None:
         ("stribeck", {}, Parameters(mu_s=0.0, mu_k=0.0)),
         ("stribeck", {}, Parameters(load=-9.81)),
         ("coulomb", {"tau_s": 0.1}, Parameters(load=-9.81, c=1.0)),
-        ("coulomb", {"tau_s": 0.1}, Parameters(mu_k=0.0)),
-        ("coulomb", {"B": 0.01}, Parameters(mu_s=0.0, mu_k=0.0, c=1.0)),
     ],
 )
 def test_what_never_holds_has_no_range(law: str, own: dict[str, float], p: Parameters) -> None:
@@ -227,6 +225,7 @@ def test_what_never_holds_has_no_range(law: str, own: dict[str, float], p: Param
     assert 0.0 < found.between[0] < found.between[1]
 
 
+@pytest.mark.gate
 def test_a_slow_layer_is_not_leapt_over() -> None:
     p = Parameters(
         m=0.04160216590251779, k=140.24203687661213, c=0.025903983501884567,

@@ -126,7 +126,7 @@ def test_changes_at_one_time_act_as_their_last_at_the_start_as_a_start_at_the_en
         assert (run.events, run.W_k[-1]) == ((), 0.0)
     a = simulate(Parameters(), 0.5, changes=[Change(0.0, {"k": 2000.0, "v": 0.03})])
     b = simulate(Parameters(k=2000.0, v=0.03), 0.5)
-    late = simulate(Parameters(k=2000.0, v=0.03), 0.5, changes=[Change(0.5, {"v": 5.0})])
+    late = simulate(Parameters(k=2000.0, v=0.03), 0.5, changes=[Change(0.5, {"v": 5.0, "k": 1.0})])
     for run in (a, late):
         np.testing.assert_array_equal(run.x, b.x)
         np.testing.assert_array_equal(run.W_k, 0.0)
