@@ -5,7 +5,6 @@ import random
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,10 +19,11 @@ from stickslip_design.loop.stability import is_stable
 from stickslip_fmu.block import Block
 from stickslip_fmu.spec import SPEC, TABLE
 
-HOW_TO = Path(__file__).parents[2] / "docs" / "feed-axis.md"
-TEXT = HOW_TO.read_text(encoding="utf-8")
 EXACT: dict[str, Any] = {"resolution_motor": 0.0, "resolution_table": 0.0}
 """Without encoder counts, whose rounding would hide how errors shrink."""
+NOTCH = {"notch": 200.0, "notch_damping": 0.4, "notch_depth": 0.1}
+LOW_PASS = {"low_pass": 500.0, "low_pass_damping": 0.7}
+FILTERED: dict[str, Any] = {**NOTCH, **LOW_PASS, "lag": 3e-4, "dead_time": 4e-4}
 
 
 def make_block(**values: float) -> Block:
@@ -42,13 +42,11 @@ def make_drive(axis: Axis) -> tuple[Drive, Controller]:
 
 @dataclass
 class Motion:
-    """Times [s], positions of table, motor and nut [m] at communication points; the block."""
+    """Times [s] and positions of the table [m] at communication points; the block."""
 
     block: Block
     time: list[float] = field(default_factory=lambda: [0.0])
     x: list[float] = field(default_factory=lambda: [0.0])
-    x_motor: list[float] = field(default_factory=lambda: [0.0])
-    x_pull: list[float] = field(default_factory=lambda: [0.0])
 
     def off(self, truth: Any, axis: Axis) -> float:
         """Return the largest error of the table's position [m] at the samples of the truth."""
@@ -69,8 +67,6 @@ def couple(axis: Axis, steps: Iterable[float]) -> Motion:
         block.refresh()
         motion.time.append(motion.time[-1] + h)
         motion.x.append(float(block.x))
-        motion.x_motor.append(drive.x)
-        motion.x_pull.append(float(block.x_pull))
     return motion
 
 
@@ -103,25 +99,23 @@ def random_axis(seed: int) -> Axis:
         return math.exp(even(math.log(low), math.log(high)))
 
     while True:
-        m, w = over(100.0, 3000.0), 2.0 * math.pi * over(25.0, 120.0)
-        pitch, m_d = choice([0.005, 0.01, 0.016, 0.02]), m * over(0.4, 5.0)
+        m, w, pitch = over(100.0, 3000.0), 2.0 * math.pi * over(25.0, 120.0), even(0.005, 0.02)
+        m_d, omega_v, mu_k = m * over(0.4, 5.0), over(120.0, 700.0), even(0.05, 0.2)
         T_s: float = choice([62.5e-6, 125e-6, 250e-6, 500e-6, 1e-3])
-        omega_v, mu_k = over(120.0, 700.0), even(0.05, 0.2)
         values: dict[str, Any] = {"m": m, "k": m * w * w, "c": 2.0 * over(0.003, 0.06) * m * w}
-        values |= {"mu_s": mu_k * (1.0 + even(0.08, 0.4)), "mu_k": mu_k}
+        values |= {"mu_s": mu_k * (1.0 + even(0.08, 0.4)), "mu_k": mu_k, "F_max": 1e9}
         values |= {"J": m_d / (2.0 * math.pi / pitch) ** 2, "pitch": pitch}
         values |= {"d": m_d * even(0.0, 5.0), "T_s": T_s, "K_v": over(12.0, 60.0)}
         values |= {"omega_v": omega_v, "T_n": critically_damped(omega_v) * over(0.6, 2.5)}
-        values |= {"on_table": choice([False, True]), "F_max": 1e9}
+        values |= {"on_table": choice([False, True]), "lag": choice([0.0, even(1e-4, 1e-3)])}
         values |= {"velocity_feedforward": choice([1.0, 1.0, 0.9, 0.0])}
-        values |= {"lag": choice([0.0, even(1e-4, 1e-3)])}
         values |= {"dead_time": choice([0.0, T_s, even(0.0, 2.5) * T_s])}
         if choice([False, True]):
-            values["low_pass"] = min(over(150.0, 2000.0), 0.3 / T_s)
-            values["low_pass_damping"] = choice([0.0, 0.7, 0.9])
+            values |= {"low_pass": min(over(150.0, 2000.0), 0.3 / T_s)}
+            values |= {"low_pass_damping": choice([0.0, 0.7, 0.9])}
         if choice([False, True]):
-            values["notch"] = min(over(100.0, 800.0), 0.3 / T_s)
-            values["notch_damping"], values["notch_depth"] = even(0.2, 0.8), even(0.0, 0.4)
+            values |= {"notch": min(over(100.0, 800.0), 0.3 / T_s)}
+            values |= {"notch_damping": even(0.2, 0.8), "notch_depth": even(0.0, 0.4)}
         # Its sample may be too long for its motion.
         with suppress(ValueError):
             axis = Axis(**values, **EXACT)

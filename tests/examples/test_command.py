@@ -3,7 +3,6 @@
 import re
 import sys
 import zipfile
-from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -51,13 +50,11 @@ def test_a_run_writes_the_ssp_file_samples_and_a_picture(
     [
         ("run --feed 5N", "expected a velocity in m/s"),
         ("run -o {file}", "{file}: File exists"),
-        ("build -o {file}/nope", "{file}/nope: Not a directory"),
         ("study --document {folder}/missing.md", "{folder}/missing.md: No such file or directory"),
-        (
-            "run -o {folder} --k 1e12",
-            "T_s = 0.00025 s is out of range: it must be at most 2.4",
-        ),
-        ("run -o {folder} --kv -1", "K_v = -1.0 is out of range: finite and at least 0"),
+        ("run -o {folder} --k 1e12", "T_s = 0.00025 s is out of range: it must be at most 2.4"),
+        ("run -o {folder} --kv 0", "--kv and --omega-v must be above 0"),
+        ("run -o {folder} --feed 0", "--feed must not be 0"),
+        ("run -o {folder} --step 1", "--step = 1 s is out of range"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(
@@ -76,18 +73,13 @@ def test_what_cannot_be_done_is_one_line(
     assert reason.format(**names) in line
 
 
-def test_options_change_what_they_name_and_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
-    nothing = dict.fromkeys(("m", "k", "K_v", "omega_v", "on_table", "feed"))
-    assert axis_with(nothing, None) == Axis()
-    stiff = axis_with({**nothing, "k": "100N/um", "on_table": False}, None)
+def test_options_change_what_they_name_and_nothing_else() -> None:
+    stiff = axis_with({"m": None, "k": "100N/um", "on_table": False}, None)
     assert stiff == Axis(k=1e8, on_table=False)
     # T_n follows omega_v.
-    assert axis_with({**nothing, "omega_v": 600.0}, None) == Axis(omega_v=600.0, T_n=4.0 / 600.0)
-    assert axis_with(nothing, False) == Axis(T_n=0.0)
-    other = Axis(m=700.0, omega_v=200.0, T_n=0.05, K_v=20.0)
-    monkeypatch.setattr("examples.feed_axis.options.Axis", lambda: other)
-    assert axis_with({**nothing, "K_v": 30.0}, None) == replace(other, K_v=30.0)
-    assert axis_with(nothing, True) == replace(other, T_n=4.0 / 200.0)
+    assert axis_with({"omega_v": 600.0}, None) == Axis(omega_v=600.0, T_n=4.0 / 600.0)
+    assert axis_with({}, False) == Axis(T_n=0.0)
+    assert axis_with({"K_v": 30.0}, True) == Axis(K_v=30.0)
 
 
 def test_a_master_that_is_missing_is_told_with_what_installs_it(
@@ -119,22 +111,21 @@ def test_the_native_table_shows_the_same_bits(own: Run, tmp_path: Path) -> None:
     assert all(np.array_equal(found[name], own[name]) for name in own)
 
 
-@pytest.mark.parametrize("master", [FMPY, ECOS])
-def test_masters_that_step_both_at_once_agree_in_every_bit(
-    master: str, axis_file: Path, own: Run
+# A step of 2.5e-4 s in whole nanoseconds differs by 1 ulp of time, 1e-16 s; the force that the
+# velocity loop makes of a position's rounding, K_p 1e-19 m / T_s = 3e-10 N, is nothing. The axis is
+# stable, so differences stay; a count of an encoder that fell the other way is 1e-8 m or more.
+@pytest.mark.parametrize(
+    ("master", "off"),
+    [(FMPY, 0.0), pytest.param("ecos", 0.0, marks=needs("ecospy")),
+     pytest.param("libcosim", 1e-11, marks=needs("libcosimpy"))],
+)  # fmt: skip
+def test_masters_that_step_both_at_once_agree_in_every_bit_or_nanosecond(
+    master: str, off: float, axis_file: Path, own: Run
 ) -> None:
     found = command.run_in(master, axis_file, STOP, STEP)
-    assert all(np.array_equal(found[name], own[name]) for name in own)
-
-
-@needs("libcosimpy")
-def test_libcosim_differs_by_its_whole_nanoseconds_only(axis_file: Path, own: Run) -> None:
-    found = command.run_in("libcosim", axis_file, STOP, STEP)
-    # A step of 2.5e-4 s differs by 1 ulp of time, 1e-16 s; the force that the velocity loop makes
-    # of a position's rounding, K_p 1e-19 m / T_s = 3e-10 N, is nothing. The axis is stable, so
-    # differences stay; a count of an encoder that fell the other way would be 1e-8 m or more.
-    assert np.max(np.abs(found["x"] - own["x"])) < 1e-11
-    assert np.max(np.abs(found["x_motor"] - own["x_motor"])) < 1e-11
+    assert off or all(np.array_equal(found[name], own[name]) for name in own)
+    assert np.max(np.abs(found["x"] - own["x"])) <= off
+    assert np.max(np.abs(found["x_motor"] - own["x_motor"])) <= off
 
 
 class Loaded(Axis):
@@ -178,17 +169,12 @@ def test_what_the_drive_refuses_is_told_also_where_the_master_goes_on(
 
 
 def test_the_file_is_a_valid_ssp_with_the_same_numbers_in_both_places(axis_file: Path) -> None:
-    description = read_ssd(str(axis_file), validate=True)
+    wires = read_ssd(str(axis_file), validate=True).system.connections
     read_ssv(str(axis_file), "parameters.ssv", validate=True)
-    wires = {
-        (each.startElement, each.startConnector, each.endElement, each.endConnector)
-        for each in description.system.connections
-    }
-    assert wires == {
-        ("drive", "v", "table", "v"),
-        ("table", "F", "drive", "F"),
-        ("table", "x", "drive", "x"),
-    }
+    assert {(f"{each.startElement}.{each.startConnector}", each.endElement) for each in wires} == {
+        ("drive.v", "table"), ("table.F", "drive"), ("table.x", "drive")
+    }  # fmt: skip
+    assert all(each.startConnector == each.endConnector for each in wires)
     with zipfile.ZipFile(axis_file) as archive:
         system = ElementTree.fromstring(archive.read("parameters.ssv"))
         structure = ElementTree.fromstring(archive.read("SystemStructure.ssd"))
