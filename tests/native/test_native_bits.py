@@ -9,37 +9,29 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmukit.model import ModelError
 from stickslip_native import batch
 from stickslip_native.batch import FirstSlips, Numbers, first_slips
 from stickslip_native.compiler import CompilerError
 from stickslip_native.named import native_law
-from tests.conftest import Sized, built
-from tests.driver import Refused, loaded
-from tests.native.bits import bits, outputs, sequence
-from tests.native.core import ACCEPTED, Core, NativeBlock, compile_core
+from tests.conftest import Sized
+from tests.native.bits import bits, sequence
+from tests.native.core import Core, compile_core
 from tests.needs import needs
-from tests.sharing import made_once
 
-SEQUENCES = {"coulomb": 20_000, "stribeck": 6_000}
+SEQUENCES = {"coulomb": 10_000, "stribeck": 3_000}
 """Number of random sequences at full size."""
-RUNS = 200
+RUNS = 100
 
 needs_cc = needs("cc")
 each_law = pytest.mark.parametrize("law", ["coulomb", "stribeck"])
 
 
-def core_under(law: str) -> Core:
-    def make(folder: Path) -> None:
-        compile_core(folder, law)
-
-    return Core(made_once(f"core-{law}", make) / "core.so", law)
-
-
 @needs_cc
 @each_law
-def test_all_outputs_are_equal_to_the_bit_after_every_step(law: str, sized: Sized) -> None:
-    core, compared, refused = core_under(law), 0, 0
+def test_all_outputs_are_equal_to_the_bit_after_every_step(
+    law: str, tmp_path: Path, sized: Sized
+) -> None:
+    core, compared, refused = Core(compile_core(tmp_path, law), law), 0, 0
     count = sized(SEQUENCES[law])
     for seed in range(count):
         for number, (expected, given) in enumerate(sequence(core, seed)):
@@ -48,68 +40,6 @@ def test_all_outputs_are_equal_to_the_bit_after_every_step(law: str, sized: Size
             refused += expected is None
     assert compared > 8 * count
     assert 0.02 * count < refused < 0.4 * count
-
-
-@needs_cc
-def test_a_step_may_hold_thousands_of_transitions() -> None:
-    core = core_under("coulomb")
-    values = core.spec.table.start_values()
-    block: Any = core.spec.model(core.spec.values(values), 0.0)
-    native = NativeBlock(core, values)
-    for each in (block, native):
-        each.advance(0.0, 3e3)
-    assert block.meter.n_slips > 9_000
-    assert native.outputs() == outputs(core, block)
-
-
-@needs_cc
-@pytest.mark.parametrize("kind", ["native-2", "native-3"])
-def test_a_step_that_would_take_minutes_is_refused(kind: str) -> None:
-    words = "holds more than 16777216 transitions"
-    with pytest.raises(Refused, match=words):
-        loaded(built(kind)).started().step(1e17)
-    spec = native_law().spec
-    with pytest.raises(ModelError, match=words):
-        spec.model(spec.values(spec.table.start_values())).advance(0.0, 1e17)
-
-
-BEYOND = {"mu_s": 1e300, "k": 1e-10, "v": 1e300}
-FAST = {"mu_s": 1e200, "k": 1.0, "v": 1e160}
-
-
-@needs_cc
-@pytest.mark.parametrize(
-    ("settings", "step", "change", "output", "is_x_shown"),
-    [
-        # The pull passes the largest number in a stick.
-        (BEYOND, 1e9, {}, "x", False),
-        # The motion is finite, the work infinite.
-        (FAST, 1.0, {}, "W_pull", True),
-        (FAST, 1.0, {"k": 2.0}, "W_k", True),
-    ],
-)
-def test_an_output_beyond_the_numbers_is_refused_where_it_is_read(
-    settings: dict[str, float], step: float, change: dict[str, float], output: str,
-    is_x_shown: bool,
-) -> None:  # fmt: skip
-    instance = loaded(built("native-2")).started(**settings)
-    instance.step(step)
-    instance.set(**change)
-    instance.step(step)
-    if is_x_shown:
-        assert math.isfinite(instance.get("x")[0])
-    with pytest.raises(Refused, match="leave the range of double-precision numbers"):
-        instance.get(output)
-
-
-@needs_cc
-def test_the_block_without_fmi_refuses_such_an_output_by_itself() -> None:
-    core = core_under("coulomb")
-    block = NativeBlock(core, {**core.spec.table.start_values(), **BEYOND})
-    block.advance(0.0, 1e9)
-    assert block.refused == ACCEPTED
-    block.outputs()
-    assert block.refused != ACCEPTED
 
 
 def runs(law: str) -> dict[str, list[float]]:
@@ -185,14 +115,11 @@ def test_a_number_is_for_all_runs_of_a_batch_and_an_array_has_one_for_each() -> 
 @pytest.mark.parametrize(
     ("values", "law", "words"),
     [
-        ({"mu": 0.1}, "coulomb", "'mu' is no parameter or input of the block"),
         ({"x": 0.1}, "coulomb", "'x' is no parameter or input of the block"),
         ({"shape": 2}, "coulomb", "'shape' is no parameter or input of the block"),
         ({"m": [1.0, 2.0], "k": [1.0]}, "coulomb", "differ in length: m has 2, k has 1"),
-        ({"k": [1.0, 0.0]}, "coulomb", "run 1: k = 0.0 N/m is out of range: it must be finite"),
         ({"c": [1.0, math.nan, 0.0]}, "coulomb", "run 1: c = nan N.s/m is out of range"),
         ({"load": [0.0, 0.0, -20.0]}, "coulomb", "run 2: load = -20.0 N is out of range"),
-        ({"shape": [1, 4]}, "stribeck", "run 1: shape = 4.0 is out of range"),
         ({"shape": [1.0, 1.5]}, "stribeck", "run 1: shape = 1.5 is no whole number"),
         ({"shape": 3, "mu_1": [0.4, 0.6]}, "stribeck", "run 1: mu_1 = 0.6 is out of range: .* 0.5"),
         ({}, "viscous", "viscous"),

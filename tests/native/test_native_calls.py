@@ -175,13 +175,6 @@ def test_fmi_2_tells_the_last_successful_time_and_that_no_step_ends_the_simulati
                     assert instance.status(f"Get{of}Status", kind, None) == DISCARD
 
 
-def test_fmi_3_tells_the_last_successful_time_of_a_refused_step() -> None:
-    instance = loaded(built("native-3")).started(5.0)
-    flags, reached = [c.byref(c.c_bool()) for _ in range(3)], c.c_double()
-    assert instance.status("DoStep", 5.0, -1.0, True, *flags, c.byref(reached)) == ERROR
-    assert reached.value == 5.0
-
-
 def refused(fmu: Fmu, **more: Any) -> str:
     fmu.messages.clear()
     assert fmu.instantiate(**more) is None
@@ -200,14 +193,6 @@ def test_an_instance_of_another_fmu_or_kind_is_refused_with_a_message(kind: str)
     if fmu.version == 2:
         for other in (0, 7):
             assert "model exchange is not offered" in refused(fmu, kind=other)
-
-
-@either
-@pytest.mark.parametrize("name", ["", "x" * 1_000_000, "%s%n", "Stück"])
-def test_any_name_of_an_instance_is_taken(kind: str, name: str) -> None:
-    instance = loaded(built(kind)).instance(name)
-    instance.start()
-    instance.free()
 
 
 @pytest.mark.parametrize("name", [None, b"\xff\xfe"])
