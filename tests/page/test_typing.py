@@ -3,8 +3,6 @@
 from decimal import Decimal, localcontext
 from random import Random
 
-import pytest
-
 from stickslip.errors import CommandError
 from stickslip.units import KINDS, parse
 from tests.page.window import SI, Window
@@ -14,24 +12,14 @@ NONSENSE = {
     "1e999": "larger",
     "": "needed",
     " ": "needed",
-    "-5": "above 0",
     "1,5": "comma",
-    "0x10": "unknown unit “x10”",
     "NaN": "not a finite number",
-    "-Infinity": "not a finite number",
     "1e-400": "above 0",
-    "0": "above 0",
     "1e300": "from",
     "5 N": "is a force; expected a stiffness in N/m, such as 1 kN/m",
-    "5 N.m2": "has the unit “N.m2”",
-    "5 %": "is a plain number",
-    "5 parsec/s": "unknown unit “parsec/s”",
     "5 toString": "unknown unit",
     "-5 N/m": "above 0",
-    "1.2.3": "unknown unit",
-    "٣": "not a finite number",
     "<b>7</b>": "not a finite number",
-    "9" * 400: "larger",
     "5 " + "x" * 100_000: "unknown unit",
 }
 """What is no stiffness, and a word of the reason."""
@@ -41,27 +29,23 @@ PREFIXES = ["", "", *["p", "n", "u", "µ", "μ", "m", "c", "d", "k", "M", "G", "
 SIGNS = (".", "·", "*", " . ", "/", " / ")
 POWERS = ["", "", "", "2", "-1", "^2", "**3", "²", "^-12", "0"]
 LOST = ("m/", "/s", "kkg", "m m", "furlong", "-", "N..m", "m***2", "m^", "in", ",5", "²", "T", "µ")
-SPEEDS = ("mm/min", "um/s", "km/h", "mm/year", "m.s-1")
-STIFF = ("N/µm", "kN/mm", "kg/s2", "TN/m")
-HEAVY = ("g", "t", "mg", "kN.s/m", "kg/min", "N·s/mm", "N", "kg.m/s²")
-KNOWN = (*SPEEDS, *STIFF, *HEAVY, "%", "ms", "year", "min", "m/s/s", "cm")
+KNOWN = ("mm/min", "um/s", "km/h", "mm/year", "m.s-1", "N/µm", "kN/mm", "kg/s2", "TN/m", "g", "t")
+KNOWN += ("mg", "kN.s/m", "kg/min", "N·s/mm", "N", "kg.m/s²", "%", "ms", "year", "m/s/s", "cm")
 
 
-def test_a_typed_value_is_the_double_that_the_command_reads(window: Window) -> None:
-    for name, texts in {
-        "k": ("1234.5678901234567", "1e3", "4321.000000000001", "40 N/um"),
-        "v": ("20", "1e-3", "17.123456789012345", "+5", ".5", "7.", "2 mm/min", "31 mm/year"),
-        "mu_s": ("0.6000000000000001", "60 %"),
-        "mu_k": ("0.123456789012345678", "45%"),
-        "m": ("1.0000000000000002", "500 g"),
-        "c": ("1e-7", "2 kN.s/m"),
-    }.items():
-        for text in texts:
-            # The unit in the text counts, else the one beside the field.
-            has_unit = text[-1].isalpha() or text.endswith("%")
-            unit = "" if has_unit else window.page.inner_text(f"#{name}-unit")
-            window.type(name, text)
-            assert window.setting[name] == parse(f"{text} {unit}", SI[name], name)
+def test_what_is_typed_is_taken_to_the_last_bit_in_its_unit_or_the_one_beside(
+    window: Window,
+) -> None:
+    for name, text, unit in (
+        ("k", "1234.5678901234567", "N/m"),
+        ("v", "17.123456789012345", "mm/s"),
+        ("v", "31 mm/year", ""),
+        ("mu_s", "60 %", ""),
+        ("m", "500 g", ""),
+        ("c", "2 kN.s/m", ""),
+    ):
+        window.type(name, text)
+        assert window.setting[name] == parse(f"{text} {unit}", SI[name], name)
 
 
 def of_command(text: str, unit: str) -> float | str:
@@ -76,7 +60,7 @@ def test_page_and_command_read_3000_texts_alike(window: Window) -> None:
     draw = Random("quantities")
     texts = [(quantity(draw), draw.choice(list(KINDS))) for _ in range(3000)] + edges()
     answers = window.js("all => all.map(([text, unit]) => stickslip.read(text, unit))", texts)
-    read = refused = 0
+    refused = 0
     for (text, unit), answer in zip(texts, answers, strict=True):
         value = of_command(text, unit)
         if isinstance(value, str):
@@ -85,9 +69,7 @@ def test_page_and_command_read_3000_texts_alike(window: Window) -> None:
             refused += 1
         else:
             assert float(answer["value"]) == value, text
-            read += 1
-    assert read > 700
-    assert refused > 1000
+    assert 1000 < refused < 2300
 
 
 def edges() -> list[tuple[str, str]]:
@@ -128,35 +110,23 @@ def test_nonsense_is_refused_in_place_and_the_last_good_picture_stays(window: Wi
         assert reason in window.said("k"), text[:20]
         assert len(window.said("k")) < 200
         assert window.part("#k", "aria-invalid") == "true"
-    # Looked at again for each of a million digits, it would take hours.
-    window.js(
-        """() => setTimeout(() => {
-          document.querySelector("#k").value = "1".repeat(1e6) + "x";
-          document.querySelector("#k").dispatchEvent(new Event("input"));
-        })"""
-    )
-    window.until("document.querySelector('#k-said').textContent.includes('111…')")
     # Who cannot see the note hears it.
     assert "k-said" in window.part("#k", "aria-describedby").split()
     assert window.part("#k-said", "aria-live") == "polite"
-    for name in ("v", "mu_s", "mu_k", "N", "m", "c"):
-        may_be_zero = name not in ("v", "m")
-        for text in ["x", "-0.5", "1e999", ""] + ([] if may_be_zero else ["0", "1e-400"]):
+    for name in SI:
+        for text in ("x", "-0.5", "1e999", "", *(("0",) if name in ("k", "v", "m") else ())):
             window.type(name, text)
             assert window.said(name), (name, text)
             assert window.part(f"#{name}", "aria-invalid") == "true"
     assert (window.setting, window.paths(), window.text(".results")) == good
-    window.type("k", "abc")
     window.type("v", "30")
     # Nonsense left standing is never shown as if it were the value in use.
     assert window.part("#k", "aria-invalid") == "true" or window.page.input_value("#k") == "1000"
     window.type("k", "abc")
     window.page.press("#k", "Escape")
     assert window.page.input_value("#k") == "1000"
-    window.type("m", "2")
-    for name in ("k", "m"):
-        assert (window.said(name), window.part(f"#{name}", "aria-invalid")) == ("", "")
-    assert (window.setting["v"], window.setting["m"]) == (0.03, 2.0)
+    assert [(window.said(n), window.part(f"#{n}", "aria-invalid")) for n in "kv"] == [("", "")] * 2
+    assert window.setting["v"] == 0.03
     assert window.paths() != good[1]
 
 
@@ -171,26 +141,15 @@ def test_a_unit_that_is_half_typed_is_complained_of_later(window: Window) -> Non
     window.page.keyboard.type("n")
     assert window.said("v") == ""
     assert window.setting["v"] == parse("2 mm/min", "m/s", "v")
-    window.type("v", "2 N")
-    window.page.keyboard.press("Tab")
-    assert "is a force" in window.said("v")
 
 
 def test_the_shown_unit_stays_while_numbers_are_typed_in_it(window: Window) -> None:
-    for digits in ("5", "500", "50000", "50000.000000000001"):
+    for digits in ("5", "500", "50000.000000000001"):
         window.type("k", digits)
         assert window.page.inner_text("#k-unit") == "N/m"
     window.page.keyboard.press("Tab")
     assert (window.page.input_value("#k"), window.page.inner_text("#k-unit")) == ("50000", "N/m")
-    window.type("v", "30")
     assert window.setting["k"] == 50000.000000000001
-    for number in (5886, 6000):
-        window.type("N", str(number))
-        window.page.press("#N", "Enter")
-        assert pytest.approx(number, rel=1e-12) == window.N
-    # Another mass moves the normal force, but not the unit in which it is typed.
-    window.type("m", "600")
-    assert window.page.inner_text("#N-unit") == "N"
     # One that was typed with the number is shown after it.
     window.type("v", "31 mm/year")
     window.page.press("#v", "Enter")
