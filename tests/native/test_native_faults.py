@@ -98,9 +98,15 @@ def failing(pool: workers.Pool, where: str) -> list[str]:
 
 
 def tiers() -> list[ParameterSet]:
-    """Return the names of faults; the exact motion of friction over speed takes its time."""
-    soak = {name for name, fault in FAULTS.items() if fault["edit"][0] in STRIBECK}
-    return [pytest.param(name, marks=pytest.mark.soak if name in soak else ()) for name in FAULTS]
+    """Return the names of faults, all but the first one of each check of the size of soak."""
+    tried, values = set(), []
+    for name, fault in FAULTS.items():
+        check = fault["check"].partition(" ")[0]
+        # The exact motion of friction over speed takes its time.
+        soak = check in tried or fault["edit"][0] in STRIBECK
+        tried |= set() if soak else {check}
+        values.append(pytest.param(name, marks=pytest.mark.soak if soak else ()))
+    return values
 
 
 @pytest.mark.parametrize("name", tiers())
@@ -110,15 +116,11 @@ def test_a_fault_fails_the_check_that_fits(name: str, tmp_path: Path) -> None:
         assert failing(pool, fault["check"])
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize(
-    ("kind", "law"),
-    [
-        ("native-2", "coulomb"),
-        ("native-3", "coulomb"),
-        pytest.param("native-2", "stribeck", marks=pytest.mark.soak),
-    ],
+    "kind", [("native-2", "coulomb"), ("native-3", "coulomb"), ("native-2", "stribeck")]
 )
-def test_the_sound_fmu_passes_all_of_them(kind: str, law: str) -> None:
-    wanted = {each["check"] for each in FAULTS.values() if kind_of(each["edit"][0]) == (kind, law)}
-    with workers.Pool(1, fmu=built(kind, law)) as pool:
-        assert [each for where in wanted for each in failing(pool, where)] == []
+def test_the_sound_fmu_passes_all_of_them(kind: tuple[str, str]) -> None:
+    places = {each["check"] for each in FAULTS.values() if kind_of(each["edit"][0]) == kind}
+    with workers.Pool(1, fmu=built(*kind)) as pool:
+        assert [each for where in places for each in failing(pool, where)] == []

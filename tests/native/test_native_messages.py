@@ -23,7 +23,6 @@ RUNNING: Calls = [["start"], ["step", 0.01]]
 TOGETHER: list[dict[str, float]] = [
     {"load": -10.0},
     {"m": 0.1, "load": -1e3},
-    {"load": -9.810000000000002},
     {"k": 1e300, "m": 1e-300},
     {"c": 1e300, "m": 1e-10},
     {"c": 1e200},
@@ -31,25 +30,23 @@ TOGETHER: list[dict[str, float]] = [
     {"mu_s": 1e308},
     {"x_start": 1.7e308, "z_start": 1e308},
     {"v": 1e300},
+    # The pull passes the largest number in a stick; the motion is finite, the work infinite.
+    {"mu_s": 1e300, "k": 1e-10, "v": 1e300},
+    {"mu_s": 1e200, "k": 1.0, "v": 1e160},
     {"F_ext": 1e308, "z_start": 1e308},
     {"mu_k": 0.9},
-    {"mu_k": 0.5000000000000001},
     {"mu_s": 0.0, "mu_k": 5e-324},
     {"mu_s": -0.0, "mu_k": 1e22},
 ]
 OF_A_CURVE: list[dict[str, float]] = [
     {"shape": 3, "mu_1": 0.6},
-    {"shape": 3, "mu_1": 0.5000000000000001},
     {"shape": 3, "mu_1": 0.6, "n_points": 3, "u_3": 0.05, "load": -20.0},
     {"shape": 3, "n_points": 3, "u_3": 0.1},
     {"shape": 3, "n_points": 4, "u_3": 0.05, "u_4": 1e-300},
-    {"shape": 3, "n_points": 12, "u_12": 1.0},
     {"shape": 3, "mu_k": 0.2},
     {"shape": 3, "mu_k": -0.0, "n_points": 12},
     {"shape": 3, "n_points": 3, "u_4": 0.7, "mu_4": 0.1},
-    {"shape": 3, "n_points": 3, "mu_12": 0.31},
     {"shape": 3, "mu_k": 0.9, "u_3": 1e22},
-    {"shape": 2, "mu_k": 0.9, "u_3": 1e22, "n_points": 5},
     {"shape": 1, "mu_1": 0.9},
 ]
 CLAMPED = [
@@ -72,7 +69,7 @@ def of_each(rows: Iterable[Variable]) -> Iterator[Calls]:
 
 
 def of_several(table: Table) -> Iterator[Calls]:
-    works = [["get", "W_pull", "Q_friction"], ["get", "k"]]
+    works = [["get", "x"], ["get", "W_pull", "Q_friction", "W_k"], ["get", "k"]]
     # Slips that are power series take the Python block long.
     step = ["step", 0.3 if "shape" in table.by_name else 30.0]
     for values in TOGETHER + (OF_A_CURVE if "shape" in table.by_name else []):
@@ -91,7 +88,8 @@ def of_several(table: Table) -> Iterator[Calls]:
 
 
 def of_phases(version: int) -> Iterator[Calls]:
-    for h in (0.0, -0.0, -1.0, -5e-324, *NOT_FINITE, 1e17, 1e300, 12345678.9e9):
+    # 3e3 s hold 9,000 slips.
+    for h in (3e3, 0.0, -0.0, -1.0, -5e-324, *NOT_FINITE, 1e17, 1e300, 12345678.9e9):
         yield [*RUNNING, ["step", h]]
         yield [*RUNNING, ["set", {"c": 1.0, "v": -0.3}], ["step", h]]
     shown = [1] if version == 2 else [True, *[None] * 4]
@@ -160,47 +158,29 @@ def test_a_refusal_and_a_warning_have_the_words_of_the_python_fmu(
     differ = [each for each in zip(lists, python, native, strict=True) if each[1] != each[2]]
     assert not differ, (len(differ), *differ[:3])
     heard_ = "\n".join(line for _, texts in python for line in texts)
-    due = EVERY[law] + (OF_FMI_2 if version == 2 else OF_FMI_3) * (law == "coulomb")
+    due = EVERY[law] + OF_VERSION[version] * (law == "coulomb")
     assert not [words for words in due if words not in heard_]
     assert "internal error" not in heard_
 
 
-# The lists meet every message of the model that the Python FMU has.
+# Else the lists are tame: words that each law's messages must have.
 EVERY = {
-    "coulomb": [
-        "is out of range: it must be finite and above 0",
-        ", at least 2.23e-308",
-        "or the mass lifts off",
-        "leave the range of double-precision numbers",
-        "their rates leave the range",
-        "step size h = -1.0 s is out of range: above 0 and finite",
-        "it holds more than 16777216 transitions",
-        "doStep is not allowed here: the instance is in phase terminated",
-        "cannot be set: the simulation is terminated",
-        "is an output: it cannot be set",
-        "is fixed: it cannot change after initialization",
-        "there is no variable with value reference 2147483647",
-        "mu_k is clamped to",
-    ],
-    "stribeck": [
-        "shape = 4 is out of range: it must be one of 1 (Stribeck), 2 (Hyperbolic), 3 (Curve)",
-        "n_points = 13 is out of range",
-        "n_points is fixed: it cannot change after initialization",
-        "mu_1 = 0.6 is out of range: it must be at most mu_s = 0.5",
-        "u_3 = 0.1 m/s is out of range: it must be above u_2 = 0.1 m/s",
-        "is ignored: shape is 3 (Curve), whose friction is mu_1 to mu_2",
-        "u_4 = 0.7 is ignored: n_points = 3",
-        "; u_3 = 1e+22 is ignored",
-    ],
+    "coulomb": (
+        "must be finite and above 0", ", at least 2.23e-308", "or the mass lifts off",
+        "leave the range of double-precision numbers", "their rates leave the range",
+        "it holds more than 16777216 transitions", "is in phase terminated",
+        "the simulation is terminated", "is fixed: it cannot", "mu_k is clamped to",
+    ),
+    "stribeck": (
+        "shape = 4 is out of range", "n_points is fixed", "it must be at most mu_s = 0.5",
+        "it must be above u_2 = 0.1 m/s", "is ignored: shape is 3", "is ignored: n_points = 3",
+    ),
+}  # fmt: skip
+OF_VERSION = {
+    2: (
+        "communication point t = nan s is",
+        "start time = inf s is",
+        "is of type Integer, not Real",
+    ),
+    3: ("time is the independent variable", "is of type Int64, not Float64", "without event mode"),
 }
-OF_FMI_2 = [
-    "communication point t = nan s is out of range",
-    "start time = inf s is out of range",
-    "setupExperiment is not allowed here: the instance is in phase stepping",
-    "mode is of type Integer, not Real",
-]
-OF_FMI_3 = [
-    "time is the independent variable: it cannot be set",
-    "mode is of type Int64, not Float64",
-    "fmi3UpdateDiscreteStates is not allowed here: this is co-simulation without event mode",
-]
