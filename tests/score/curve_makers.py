@@ -5,7 +5,7 @@ velocities and spring forces of a mass that starts at rest with a relaxed spring
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +17,21 @@ from stickslip_score import Curve, Score, score
 
 Floats = NDArray[np.float64]
 Parameters = Mapping[str, float]
-Acceleration = Callable[[float, float, float], float]
-Method = Callable[[Acceleration, float, float, float, float], tuple[float, float]]
+
+
+QUANTITIES = ("period", "t_stick", "t_slip", "delta_x")
+ROUNDING = 1e-11
+"""Relative: the reference is right to 4e-14 of mu_s/(mu_s - mu_k) (docs/theory.md (17))."""
+
+
+def ratios(*scores: Score) -> Floats:
+    """Return the errors of figures in parts of their resolution."""
+    figures = [getattr(result, name) for result in scores for name in QUANTITIES]
+    return np.array([
+        max(abs(figure.error) - ROUNDING * abs(figure.exact), 0.0) / figure.resolution
+        for figure in figures
+        if figure.error is not None
+    ])  # fmt: skip
 
 
 class Made(NamedTuple):
@@ -55,23 +68,8 @@ def exact(p: Parameters, times: Floats) -> Made:
     return Made(run.t, run.x, run.x_dot, run.F)
 
 
-def verlet(a: Acceleration, t: float, x: float, u: float, h: float) -> tuple[float, float]:
-    """Step by velocity Verlet."""
-    before = a(t, x, u)
-    x += h * u + 0.5 * h * h * before
-    return x, u + 0.5 * h * (before + a(t + h, x, u))
-
-
-def semi_implicit_euler(
-    a: Acceleration, t: float, x: float, u: float, h: float
-) -> tuple[float, float]:
-    """Step by semi-implicit Euler."""
-    u += h * a(t, x, u)
-    return x + h * u, u
-
-
-def stepped(method: Method, p: Parameters, duration: float, h: float) -> Made:
-    """Step by a method; rest and break-away are decided at the ends of steps."""
+def stepped(p: Parameters, duration: float, h: float) -> Made:
+    """Step by velocity Verlet; rest and break-away are decided at the ends of steps."""
     q = with_defaults(p)
     k, v, N = q["k"], q["v"], q["m"] * q["g"]
     t: Floats = h * np.arange(round(duration / h) + 1, dtype=np.float64)
@@ -83,8 +81,9 @@ def stepped(method: Method, p: Parameters, duration: float, h: float) -> Made:
 
     for time in t[:-1]:
         if u > 0.0 or k * (v * time - x) > q["mu_s"] * N:
-            x, u = method(acceleration, time, x, u, h)
-            u = max(u, 0.0)
+            before = acceleration(time, x, u)
+            x += h * u + 0.5 * h * h * before
+            u = max(u + 0.5 * h * (before + acceleration(time + h, x, u)), 0.0)
         rows.append((x, u))
     xs, us = np.array(rows).T
     return Made(t, xs, us, k * (v * t - xs))
@@ -105,11 +104,7 @@ def euler_with_the_sign(p: Parameters, duration: float, h: float) -> Made:
 
 
 def tanh_friction(p: Parameters, times: Floats, v_reg: float, *, peak: bool) -> Made:
-    """Integrate friction smoothed with tanh(x_dot/v_reg), with the static peak or without it.
-
-    The peak decays with exp(-(x_dot/(20 v_reg))^2). It is stiff, by mu_s g/v_reg, and so is the
-    method.
-    """
+    """Integrate friction smoothed with tanh(x_dot/v_reg), with the static peak or without it."""
     q = with_defaults(p)
     k, m, v, mu_k, N = q["k"], q["m"], q["v"], q["mu_k"], q["m"] * q["g"]
     rise = (q["mu_s"] - q["mu_k"]) if peak else 0.0

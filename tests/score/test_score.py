@@ -8,14 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stickslip_score import Curve, CurveError, Score, as_json, score
+from stickslip_score import Curve, CurveError, as_json, score
 from stickslip_verification import truth
 from tests.score import curve_makers as makers
-from tests.score.curve_makers import scored, stepped
-
-QUANTITIES = ("period", "t_stick", "t_slip", "delta_x")
-ROUNDING = 1e-11
-"""Relative: the reference is right to 4e-14 of mu_s/(mu_s - mu_k) (docs/theory.md (17))."""
+from tests.score.curve_makers import QUANTITIES, ratios, scored, stepped
 
 DRAG = {"c": 500.0, "v": 0.1}
 """zeta = 7.9, and c v is 25 times the gap of the forces: it slides for ever after break-away."""
@@ -31,20 +27,11 @@ DRAWS: list[tuple[dict[str, float], float, float]] = [
 ]
 
 
-def assert_resolved(result: Score) -> None:
-    """Every figure of an exact curve is within its resolution of the exact value."""
-    for compared in (getattr(result, name) for name in QUANTITIES):
-        if compared.got is not None:
-            assert compared.resolution is not None
-            slack = compared.resolution + ROUNDING * abs(compared.exact)
-            assert abs(compared.got - compared.exact) <= slack
-
-
-@pytest.mark.parametrize("columns", ["x", "F", "x x_dot F"])
 @pytest.mark.parametrize(("draw", "part"), list(enumerate((0.002, 0.03, 0.31, 0.93, 1.3))))
-def test_the_exact_block_is_exact_at_any_sampling(columns: str, draw: int, part: float) -> None:
+def test_the_exact_block_is_exact_at_any_sampling(draw: int, part: float) -> None:
     # `part` of a period, evenly or not, to few digits or to all.
     random = np.random.default_rng(int(1000 * part))
+    columns = ("x", "F", "x x_dot F")[draw % 3]
     p, T, end = DRAWS[draw]
     even = np.arange(0.0, max(end, 14 * part * T), part * T)
     uneven = np.concatenate([[0.0], np.sort(random.uniform(0.0, even[-1], even.size))])
@@ -53,7 +40,7 @@ def test_the_exact_block_is_exact_at_any_sampling(columns: str, draw: int, part:
         for curve in (made, made.printed(6 if part > 0.01 else 9)):
             result = scored(curve, p, columns)
             assert result.cause == "exact", (p, result.explanation)
-            assert_resolved(result)
+            assert np.all(ratios(result) <= 1.0)
 
 
 # Parameters, the end [s] and the samples of an exact curve, its first sample.
@@ -87,35 +74,11 @@ def test_every_kind_of_exact_motion_is_exact(
     cycles = (p, end, count, first) in CYCLING
     assert result.cause == "exact", result.explanation
     assert (result.cycles > 3, result.period.got is not None) == (cycles, cycles)
-    assert_resolved(result)
+    assert np.all(ratios(result) <= 1.0)
     # Slower than v/2 long after break-away, it does not creep.
     assert not any("velocity column" in finding for finding in result.findings)
     if truth.steady_cycle({**p, "v": abs(p.get("v", 0.02))}, digits=20) is None:
         assert "no steady cycle exists at these parameters" in result.findings
-
-
-def test_the_truth_itself_is_exact() -> None:
-    run = truth.run({}, [truth.Step(0.01)] * 150, digits=30)
-    x = [float(sample["x"]) for sample in run.samples]
-    result = score(Curve.of([float(t) for t in run.times], x=x), {})
-    assert (result.cause, result.cycles) == ("exact", 3)
-    assert_resolved(result)
-    # 1e-9 of the range of x is held against no tool; over three cycles that bounds the period.
-    assert result.period.resolution is not None
-    assert result.period.resolution < 1e-7 * 0.3
-
-
-@pytest.mark.parametrize(("p", "T", "end"), DRAWS[:3])
-def test_another_gap_is_outside_the_resolution_and_named(
-    p: dict[str, float], T: float, end: float
-) -> None:
-    wrong = {**p, "mu_s": 1.01 * p["mu_s"]}
-    result = scored(makers.exact(wrong, np.linspace(0.0, end, 400)).printed(9), p)
-    assert result.cause == "other"
-    assert f"{p['mu_s'] / (p['mu_s'] - p['mu_k']):.3g} % larger" in result.explanation
-    assert result.delta_x.error is not None
-    assert result.delta_x.resolution is not None
-    assert result.delta_x.error > result.delta_x.resolution > 0.0
 
 
 # What is asked for, what the block of the curve has instead, its end [s], columns, the sentence.
@@ -139,19 +102,24 @@ def test_another_block_is_named(
     assert words in result.explanation
 
 
+def test_an_exact_curve_resolves_its_period_to_a_ten_millionth() -> None:
+    # 1e-9 of the range of x is held against no tool; over three cycles that bounds the period.
+    result = scored(makers.exact({}, 0.01 * np.arange(151)), {})
+    assert (result.cause, result.cycles) == ("exact", 3)
+    assert result.period.resolution is not None
+    assert result.period.resolution < 1e-7 * 0.3
+
+
 def test_a_slide_tells_its_force_by_the_spring_and_not_by_x() -> None:
     made = makers.exact({**DRAG, "mu_k": 0.4}, np.linspace(0.0, 2.0, 400)).rows(slice(100, None))
     assert scored(made, DRAG, "x").cause == "exact"
     assert "another force acts" in scored(made, DRAG, "x F").explanation
 
 
-@pytest.mark.parametrize("method", [makers.verlet, makers.semi_implicit_euler])
 @pytest.mark.parametrize(("draw", "h"), [(0, 1e-3), (1, 1e-3), (2, 1e-4)])
-def test_fixed_steps_are_told_whole_or_printed_every_few_steps(
-    method: makers.Method, draw: int, h: float
-) -> None:
+def test_fixed_steps_are_told_whole_or_printed_every_few_steps(draw: int, h: float) -> None:
     p, T, end = DRAWS[draw]
-    made = stepped(method, p, min(end, 30_000 * h), h)
+    made = stepped(p, end, h)
     every = max(1, round(T / 200 / h))
     for curve in (made, made.rows(slice(None, None, every)).printed(9)):
         result = scored(curve, p)
@@ -160,7 +128,7 @@ def test_fixed_steps_are_told_whole_or_printed_every_few_steps(
 
 @pytest.mark.parametrize("h", [1e-3, 1e-4])
 def test_fixed_steps_are_told_by_a_slide_and_by_chatter(h: float) -> None:
-    made = stepped(makers.semi_implicit_euler, DRAG, 0.5, h)
+    made = stepped(DRAG, 0.5, h)
     assert scored(made, DRAG, "x F").cause == "fixed_step"
     for columns in ("x", "F"):
         result = scored(makers.euler_with_the_sign({}, 1.5, h), {}, columns)
@@ -170,7 +138,7 @@ def test_fixed_steps_are_told_by_a_slide_and_by_chatter(h: float) -> None:
 
 def test_a_mean_over_cycles_resolves_more_than_a_step_and_a_program_gets_its_figures() -> None:
     # Verlet at 1 ms is late by less than a step.
-    result = scored(stepped(makers.verlet, {}, 10.0, 1e-3), {})
+    result = scored(stepped({}, 10.0, 1e-3), {})
     document = json.loads(json.dumps(as_json(result)))
     assert result.cycles > 25
     assert document["cause"] == "fixed_step"
@@ -202,7 +170,7 @@ def test_one_coefficient_never_rests_and_throws_no_mass_forward(one: str) -> Non
         alone = {**p, one: p["mu_k"] if one == "mu_s" else p["mu_s"]}
         curves = [makers.exact(alone, np.linspace(0.0, end, 700)).printed(6)]
         if p.get("c") is None:
-            curves.append(stepped(makers.verlet, alone, end, 1e-3))
+            curves.append(stepped(alone, end, 1e-3))
         for made in curves:
             result = scored(made, p)
             assert result.cause == "single_coefficient", (p, result.explanation)
@@ -216,16 +184,12 @@ T = np.arange(10.0)
     [
         (T, {"x": T}, {"v": 0.0}, "v = 0"),
         (T, {"x": T}, {"k": -1.0}, "k = -1"),
-        (T[:3], {"x": T[:3]}, {}, "at least 5"),
         (T, {}, {}, "neither x nor F"),
-        ([0.0, 1.0, 1.0, 2.0, 3.0], {"x": T[:5]}, {}, "does not increase in sample 3"),
         (T[:5], {"x": [0.0, math.nan, 1.0, 1.0, 1.0]}, {}, "x is nan in sample 2"),
         # Numbers a power of 1000 off are not guessed.
         (1.0, {"x": 1e3}, {}, "x in mm"),
-        (1.0, {"x": 1e6}, {}, "x in um"),
         (1e3, {"x": 1.0}, {}, "t in ms"),
         (1.0, {"F": 1e-3}, {}, "is F in kN"),
-        (1.0, {"F": 1e3}, {}, "is F in mN"),
     ],
 )
 def test_wrong_use_is_refused_with_its_reason(

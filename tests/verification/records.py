@@ -15,9 +15,7 @@ from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.cases import CASES_FOLDER, Case
 from stickslip_verification.suite.invariants import ResidualInvariant
 
-INVARIANTS: Mapping[str, ResidualInvariant] = {
-    invariant.id: invariant for invariant in load_invariants().residuals
-}
+INVARIANTS = load_invariants().residuals
 
 
 @dataclass
@@ -26,14 +24,6 @@ class Draft:
 
     outputs: dict[str, Series]
     initial: dict[str, float]
-
-    def scale(self, name: str, factor: float) -> None:
-        self.outputs[name] *= factor
-        self.initial[name] *= factor
-
-    def lag(self, name: str) -> None:
-        """Show an output one step late."""
-        self.outputs[name] = np.concatenate(([self.initial[name]], self.outputs[name][:-1]))
 
 
 Fault = Callable[[Draft], None]
@@ -63,17 +53,15 @@ def invariants_of(name: str) -> tuple[ResidualInvariant, ...]:
     """Return the invariants on samples that the exact motion of a case has a place for."""
     return tuple(
         invariant
-        for invariant in INVARIANTS.values()
-        if invariant.holds_for(named(name).law)
-        if applies(invariant, named(name), exact_of(name))
+        for invariant in INVARIANTS
+        if invariant.holds_for(named(name).law) and applies(invariant, named(name), exact_of(name))
     )
 
 
 def planted(record: Run, *faults: Fault) -> Run:
     """Return a copy of a record with faults in it."""
-    draft = Draft(
-        {name: np.array(samples) for name, samples in record.outputs.items()}, dict(record.initial)
-    )
+    copies = {name: np.array(samples) for name, samples in record.outputs.items()}
+    draft = Draft(copies, dict(record.initial))
     for fault in faults:
         fault(draft)
     return Run(record.times, draft.outputs, draft.initial, record.messages)
@@ -90,10 +78,8 @@ def judged(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> dict[
 
 def seen(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> set[str]:
     """Return the invariants that a record breaks."""
-    results = judged(name, record, contract)
-    return {
-        invariant for invariant, r in results.items() if not r.passed and r.not_applicable is None
-    }
+    results = judged(name, record, contract).items()
+    return {id_ for id_, r in results if not r.passed and r.not_applicable is None}
 
 
 def checked(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> dict[str, CheckResult]:
@@ -119,12 +105,12 @@ def at_start(name: str, number: float) -> Fault:
 
 def scaled(name: str, factor: float) -> Fault:
     """Multiply an output."""
-    return lambda draft: draft.scale(name, factor)
 
+    def fault(draft: Draft) -> None:
+        draft.outputs[name] *= factor
+        draft.initial[name] *= factor
 
-def lagging(name: str) -> Fault:
-    """Show an output one step late."""
-    return lambda draft: draft.lag(name)
+    return fault
 
 
 def shown(name: str, samples: Callable[[Mapping[str, Series]], Series]) -> Fault:
@@ -132,11 +118,19 @@ def shown(name: str, samples: Callable[[Mapping[str, Series]], Series]) -> Fault
     return lambda draft: draft.outputs.__setitem__(name, samples(draft.outputs))
 
 
-def without(*names: str) -> Fault:
-    """Leave outputs out."""
+def lagging(name: str) -> Fault:
+    """Show an output one step late."""
 
     def fault(draft: Draft) -> None:
-        for name in names:
-            del draft.outputs[name], draft.initial[name]
+        draft.outputs[name] = np.append(draft.initial[name], draft.outputs[name][:-1])
+
+    return fault
+
+
+def without(name: str) -> Fault:
+    """Leave an output out."""
+
+    def fault(draft: Draft) -> None:
+        del draft.outputs[name], draft.initial[name]
 
     return fault

@@ -1,7 +1,6 @@
 """Case files: what is read from them, what is refused in them, and those of the suite."""
 
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +8,7 @@ import pytest
 
 from stickslip_verification import Case, CaseError, load_cases, load_invariants, meanings
 from stickslip_verification.judge.checks import extract, places
-from stickslip_verification.model.formulas import FORMULAS
-from stickslip_verification.model.quantities import GROUPS, QUANTITIES
+from stickslip_verification.model.quantities import GROUPS
 from stickslip_verification.model.verdict import Kind
 from stickslip_verification.suite.cases import At, Truth
 from stickslip_verification.suite.catalogue import Meaning, of_quantities
@@ -20,19 +18,6 @@ from .records import exact_of
 CASES = load_cases()
 # Where friction depends on speed, the exact motion takes seconds.
 QUICK = [case for case in CASES if case.law == "coulomb" and case.id != "long-run"]
-
-BARE = """\
-id = "good"
-title = "A case"
-about = "Parameters and an experiment."
-
-[parameters]
-k = 500.0
-
-[experiment]
-stop_time = 1.5
-steps = { fixed = 0.1 }
-"""
 
 GOOD = """\
 id = "good"
@@ -62,6 +47,7 @@ at = "end"
 tolerance = { measure = "relative", fmu = 1e-12, reference = 1e-9 }
 because = { fmu = "rounding", reference = "integration" }
 """
+BARE = GOOD[: GOOD.index("courses")] + GOOD[GOOD.index("[par") : GOOD.index("[[experiment.")]
 STATED = GOOD[GOOD.index("tolerance = {") :]
 
 LENGTH = GOOD[GOOD.index('"t_slip"') :]
@@ -78,20 +64,13 @@ def read(folder: Path, text: str) -> Case:
 REFUSED = [
     ("k = 500.0", "k = = 5", "line 10"),
     ("k = 500.0", "k = -1.0", "parameters.k: -1.0 is less than or equal to the minimum of 0"),
-    ("k = 500.0", "k = 'much'", "parameters.k: 'much' is not of type 'number'"),
-    ("k = 500.0", "k = inf", "parameters.k: inf is not a finite number"),
     ("k = 500.0", "mu_k = 0.5", "line 5, cycle: without a gap and a pull there is no cycle"),
-    ("k = 500.0", "v = 0.0", "line 5, cycle: without a gap and a pull there is no cycle"),
     ("k = 500.0", "load = -10.0", "parameters: load = -10.0 is outside load >= -m g"),
     ("k = 500.0", "tau_s = 0.1", "Coulomb's law with constant coefficients"),
     ('id = "good"', 'id = "no good"', "id: 'no good' does not match"),
     ("stop_time = 1.0", "stop_time = 1.05", "the steps end at 1.0, not at stop_time 1.05"),
-    ("{ fixed = 0.1 }", "{ fixed = 0.1, seed = 3 }", "experiment.steps"),
     ("{ fixed = 0.1 }", "{ seed = 1, shortest = 0.2, longest = 0.1 }", "0.2 is above longest 0.1"),
     ("time = 0.3", "time = 0.35", "0.35 is not at a communication point"),
-    ("time = 0.3", "time = 1.0", "1.0 is not before stop_time"),
-    ("{ v = 0.0 }", "{ m = 2.0 }", "experiment.changes.0..set: .*'m'"),
-    ("{ v = 0.0 }", "{ load = -10.0 }", r"changes.0..set: load = -10.0 is outside"),
     ('"t_slip"\nformula', '"t_slop"\nformula', "quantity: 't_slop' is not a known quantity"),
     ('formula = "t_slip"', 'formula = "t_slop"', "'t_slop' is not a known formula"),
     ('formula = "t_slip"', 'formula = "spring_relief"', "is in 'm', t_slip in 's'"),
@@ -100,13 +79,10 @@ REFUSED = [
         LENGTH.replace('"t_slip"\nformula = "t_slip"', '"n_slips"').replace("relative", "absolute"),
         "tolerance: n_slips is discrete",
     ),
-    ('"end"', '"now and then"', "at: 'now and then'"),
     ('"end"', '"every_point"', "relative makes no sense over all points"),
     ("1e-12, reference = 1e-9", "1e-12", "because.reference: a reason without a tolerance"),
     (', reference = "integration"', "", "tolerance.reference: it needs a reason: because"),
-    ('"rounding"', '" "', "because.fmu: ' ' does not match"),
     ('["x"]', '["x", "y"]', r"line 4, courses.1.: 'y' is not a known output or group"),
-    ('["x"]', '["state", "x"]', r"line 4, courses.1.: 'x' is named twice"),
     ('only = ["T"]', 'only = ["x"]', r"cycle.only.0.: 'x' has no formula"),
     ("{ cycle = 1 }", '"every_point"', "cycle.at: a cycle has no value at every point"),
     ("slips = 1", 'slips = 1, zero = ["z"]', r"motion.zero.0.: 'z' is none of the courses: x"),
@@ -148,16 +124,10 @@ def test_a_case_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert [step.h for step in case.steps] == [0.1] * 10
     assert [step.changes for step in case.steps] == [{}] * 3 + [{"v": 0.0}] + [{}] * 6
     assert [check.id for check in case.checks] == ["T-exact", "x-course", "slip"]
-    check = case.checks[-1]
-    assert check.tolerance == {"fmu": 1e-12, "reference": 1e-9}
-    assert check.because == {"fmu": "rounding", "reference": "integration"}
-    assert check.truth == Truth(Kind.CLOSED_FORM, 8, "t_slip")
-
-
-def test_a_looser_tolerance_than_the_rules_needs_its_reason(tmp_path: Path) -> None:
-    check = read(tmp_path, GOOD).checks[1]
-    assert check.tolerance["fmu"] == 1e-11
-    assert "1e-11, tighter than the rule's 1e-10" in check.because["fmu"]
+    _, course, slip = case.checks
+    assert (course.tolerance["fmu"], slip.tolerance) == (1e-11, {"fmu": 1e-12, "reference": 1e-9})
+    assert slip.because == {"fmu": "rounding", "reference": "integration"}
+    assert slip.truth == Truth(Kind.CLOSED_FORM, 8, "t_slip")
     loose = GOOD.replace("fmu = 1e-11 }", 'fmu = 1e-9, because = "it is rough" }')
     assert read(tmp_path, loose).checks[1].because["fmu"] == "it is rough"
 
@@ -165,19 +135,15 @@ def test_a_looser_tolerance_than_the_rules_needs_its_reason(tmp_path: Path) -> N
 def test_an_experiment_is_enough_and_every_output_is_held_against_the_exact_motion(
     tmp_path: Path,
 ) -> None:
-    case = read(tmp_path, BARE)
-    assert {check.quantity for check in case.checks} == {
-        name for group in GROUPS.values() for name in group
+    bare = BARE.replace("stop_time = 1.0", "stop_time = 1.5")
+    case = read(tmp_path, bare)
+    outputs = {name for group in GROUPS.values() for name in group}
+    assert {(check.quantity, check.at) for check in case.checks} == {
+        (name, At("every_point")) for name in outputs
     }
-    assert all(check.at == At("every_point") for check in case.checks)
-
-
-def test_what_a_case_does_not_state_of_its_motion_is_found(tmp_path: Path) -> None:
-    found = read(tmp_path, BARE)
-    stated = read(tmp_path, BARE.replace("\n\n[par", "\nmotion = { slips = 2 }\n\n[par", 1))
-    assert found.checks == stated.checks
-    once = read(tmp_path, BARE.replace("stop_time = 1.5", "stop_time = 0.7")).checks
-    assert next(check for check in once if check.quantity == "T").measure == "absolute"
+    # What it does not state of its motion is found.
+    stated = bare.replace("[par", "motion = { slips = 2 }\n\n[par")
+    assert case.checks == read(tmp_path, stated).checks
 
 
 def test_uneven_steps_are_those_of_their_seed_and_meet_a_change_exactly(tmp_path: Path) -> None:
@@ -206,38 +172,14 @@ def test_no_communication_point_hangs_on_rounding_and_every_scale_is_some(case: 
         assert check.measure != "of_scale" or np.any(samples != 0.0), check.id
 
 
-def test_the_exact_motion_meets_the_closed_forms() -> None:
-    first_order = {"slow_slip_excess", "fast_slip_deficit"}
-    used = {check.truth.formula for case in CASES for check in case.checks}
-    assert set(FORMULAS) - used == {"half_period"}
-    for case in QUICK:
-        exact = exact_of(case.id)
-        for check in case.checks:
-            if check.truth.formula is None or check.truth.formula in first_order:
-                continue
-            value = float(FORMULAS[check.truth.formula].evaluate(exact.start))
-            got = extract(check.quantity, exact.record, exact.start)
-            slack = check.tolerance["fmu"] * (abs(value) if check.measure == "relative" else 1.0)
-            assert abs(got[places(check.at, exact)[0]] - value) <= slack, (case.id, check.id)
-
-
 def test_every_check_of_a_verdict_has_a_meaning_and_one_of_its_quantity() -> None:
     invariants, known = load_invariants(), of_quantities()
-    found = meanings(CASES, invariants)
-    assert set(known) == set(QUANTITIES)
     expected = {each.id: Meaning(each.means, each.look) for each in invariants}
-    for order in invariants.orders:
-        expected[f"{order.id}-asymptotic"] = expected[order.id]
     for case in CASES:
         for check in case.checks:
             # Two checks of one name are about one quantity, or one would hide the other.
             assert expected.setdefault(check.id, known[check.quantity]) == known[check.quantity]
-    assert found.keys() == expected.keys()
-    assert {
-        id_ for id_ in found if not id_.endswith("-asymptotic") and found[id_] != expected[id_]
-    } == set()
-    assert all(
-        re.fullmatch(r".{19,}\.", text)
-        for each in found.values()
-        for text in (each.means, each.look)
-    )
+    found = meanings(CASES, invariants)
+    for order in invariants.orders:
+        assert found.pop(f"{order.id}-asymptotic").means
+    assert found == expected

@@ -1,6 +1,8 @@
 """The judge: the exact motion passes everything; a fault breaks what is about it and no more."""
 
+import itertools
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,13 +22,11 @@ from stickslip_verification.judge.invariant_checks import agreeing, judge_agreem
 from stickslip_verification.judge.metrics import METRICS, Course
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import CheckResult
 from stickslip_verification.suite.cases import CASES_FOLDER, Case
 from stickslip_verification.suite.experiment import CommunicationStep
 from stickslip_verification.suite.invariants import load_invariants
 
 from .records import (
-    INVARIANTS,
     Draft,
     Fault,
     at_start,
@@ -46,23 +46,19 @@ from .records import (
 )
 
 DEFAULT = exact_of("default").record
-AGREE = {invariant.quantity: invariant for invariant in load_invariants().agreements}
 
-ROUNDED_ONCE = 2e-15
-"""Nine units in the last place: what the few samples that a residual is made of are rounded to."""
 
 W = math.sqrt(1000.0)
 
-
-FEW = {"stribeck-exponential", "curve-between-ranges", "hyperbolic-leine"}
+LAWS = {"stribeck-exponential", "curve-between-ranges", "hyperbolic-leine"}
+"""Cases of friction that depends on speed whose truth is not costly."""
 
 
 def cases() -> list[ParameterSet]:
-    """Return the cases; the truth of `long-run`, and where friction depends on speed, is costly."""
+    """Return the cases; those with a costly truth are of the soak."""
     files = sorted(CASES_FOLDER.glob("*.toml"))
-    costly = {file.stem for file in files if "\nlaw = " in file.read_text(encoding="utf-8")} - FEW
-    costly.add("long-run")
-    soak = dict.fromkeys(costly, pytest.mark.soak)
+    costly = {file.stem for file in files if "\nlaw = " in file.read_text(encoding="utf-8")} - LAWS
+    soak = dict.fromkeys({*costly, "long-run"}, pytest.mark.soak)
     return [pytest.param(file.stem, marks=soak.get(file.stem, ())) for file in files]
 
 
@@ -71,44 +67,20 @@ def test_the_exact_motion_passes_every_check_and_invariant(name: str) -> None:
     record = exact_of(name).record
     assert failures(name, record) == {}
     assert seen(name, record) == set()
-    left = {id_: r.error for id_, r in judged(name, record).items() if r.error}
-    assert {id_: error for id_, error in left.items() if error > ROUNDED_ONCE} == {}
-
-
-def in_stick(draft: Draft) -> int:
-    """Return the place of the fourth sample of the stick after slip 3."""
-    stuck = (draft.outputs["mode"] == 0.0) & (draft.outputs["n_slips"] == 3.0)
-    return int(np.flatnonzero(stuck)[0]) + 3
+    # Nine units in the last place: what the few samples that a residual is made of are rounded to.
+    assert max(result.error or 0.0 for result in judged(name, record).values()) < 2e-15
 
 
 def bit_of_x(draft: Draft) -> None:
-    at = in_stick(draft)
+    stuck = (draft.outputs["mode"] == 0.0) & (draft.outputs["n_slips"] == 3.0)
+    at = int(np.flatnonzero(stuck)[3])
     draft.outputs["x"][at] = np.nextafter(draft.outputs["x"][at], math.inf)
-
-
-def heat_given_back(draft: Draft) -> None:
-    draft.outputs["Q_friction"][in_stick(draft) :] -= 1e-13
 
 
 def creep(step: float) -> Fault:
     return shown("x", lambda o: o["x"] + step * np.cumsum(o["mode"] == 0.0))
 
 
-def dated_at_step_ends(draft: Draft) -> None:
-    dated = draft.outputs["t_event"]
-    at = np.minimum(np.searchsorted(DEFAULT.times, dated), DEFAULT.times.size - 1)
-    draft.outputs["t_event"] = np.where(dated > 0.0, DEFAULT.times[at], 0.0)
-
-
-def period_of_before(draft: Draft) -> None:
-    T = draft.outputs["T"]
-    last = np.append(0.0, T[:-1])
-    T = np.where(last == T, last, 1.25 * T)
-    draft.outputs["T"] = T
-    draft.outputs["f"] = np.divide(1.0, T, out=np.zeros_like(T), where=T > 0.0)
-
-
-designers = shown("t_slip", lambda o: np.where(o["t_slip"] > 0.0, math.pi / W, 0.0))
 no_viscous_part = shown(
     "F_friction", lambda o: o["F_friction"] + named("damped-cycle").parameters["c"] * o["x_dot"]
 )
@@ -120,9 +92,8 @@ speed_in_stick = shown("x_dot", lambda o: np.where(o["mode"] == 0.0, 1e-18, o["x
 
 HEAT = "heat-of-dry-friction"
 STICK_HOLDS = "stick-holds-x stick-holds-x-to-the-bit extension-is-the-gap-of-the-ends"
+CYCLE = "period-is-stick-and-slip jump-is-v-T frequency-is-1-over-T"
 FRICTION = "stick-friction-balances slip-friction slip-friction-against-motion"
-DATES = "onset-at-break-away restick-at-rest phases-join"
-CYCLE = "period-is-stick-and-slip jump-is-v-T"
 
 # The case, a fault in its record, the invariants that it breaks, and a check that it fails.
 FAULTS: list[tuple[str, Fault, str, str | None]] = [
@@ -131,19 +102,13 @@ FAULTS: list[tuple[str, Fault, str, str | None]] = [
     ("default", speed_in_stick, "stick-has-no-speed", None),
     ("default", scaled("F_friction", -1.0), FRICTION, "F_friction-course"),
     ("damped-cycle", no_viscous_part, "slip-friction", None),
-    ("default", dated_at_step_ends, DATES, "t_event-course"),
     ("default", lagging("n_slips"), "restick-at-rest", "n_slips-course"),
-    ("default", lagging("F"), "force-is-k-z", "F-course"),
     ("default", scaled("F", 1.0 + 1e-13), "force-is-k-z", None),
     ("load-pulses", half_normal_force, "break-away-force-is-mu_s-N", "F_s-course"),
     ("tuned", scaled("W_k", 0.0), "energy-balance", "W_k-course"),
-    ("damped-cycle", scaled("Q_friction", 1.01), "energy-balance", None),
     ("default", scaled("Q_friction", 1.01), f"energy-balance {HEAT}", "Q_friction-course"),
     ("default", scaled("W_pull", 1.01), "energy-balance work-of-the-pull", "W_pull-course"),
-    ("default", heat_given_back, f"heat-never-falls {HEAT}", None),
-    ("reversals", lagging("T"), f"{CYCLE} frequency-is-1-over-T", "T-course"),
-    ("default", period_of_before, CYCLE, None),
-    ("default", designers, "period-is-stick-and-slip", "t_slip-exact"),
+    ("reversals", lagging("T"), CYCLE, "T-course"),
     ("default", scaled("f", 2.0 * math.pi), "frequency-is-1-over-T", "f-exact"),
     ("default", relief_for_jump, "jump-is-v-T", "simplified-jump-leaves-out"),
     ("reversed-pull", unsigned_jump, "jump-is-v-T", "delta_x-exact"),
@@ -152,10 +117,8 @@ FAULTS: list[tuple[str, Fault, str, str | None]] = [
     ("default", scaled("x_dot_peak", 1 + 1e-11), "", "x_dot_peak-exact"),
     ("default", scaled("spring_drop", 1e3), "", "spring_drop-exact"),
     ("clamp", scaled("mu_k_used", 0.6 / 0.49), "mu_k-clamped start-values", "mu_k_used-course"),
-    ("default", at_start("t_stick", 1e-9), "start-values", None),
     ("default", value("F", math.nan, 7), "finite force-is-k-z", "F-course"),
     ("default", value("t_slip", math.inf, 403), "finite period-is-stick-and-slip", None),
-    ("default", value("x_dot_peak", math.nan, 400), "finite", None),
     ("default", without("f"), "columns frequency-is-1-over-T", "f-exact"),
 ]
 
@@ -171,75 +134,60 @@ def test_a_fault_breaks_what_is_about_it(
     assert all(r.failure or r.error > r.tolerance for r in failed.values() if r.error is not None)
 
 
+def world(name: str, value: float) -> Callable[[str], Run]:
+    """Give the exact motion of a case in a world with another constant."""
+    return lambda case: believed(case, (name, value))
+
+
+def moved_in_stick(draft: Draft) -> None:
+    rests = (draft.outputs["mode"] == 0.0) & (draft.outputs["n_slips"] > 0.0)
+    for name in ("z", "x_pull"):
+        draft.outputs[name] += 1e-10 * rests
+
+
+def with_forward_slips(case: str) -> Run:
+    return planted(exact_of(case).record, shown("mode", lambda o: np.abs(o["mode"])))
+
+
+def with_half_the_load(case: str) -> Run:
+    def halved(changes: Mapping[str, float]) -> Mapping[str, float]:
+        return {n: 0.5 * x - 4.0 if n == "load" else x for n, x in changes.items()}
+
+    steps = tuple(replace(step, changes=halved(step.changes)) for step in named(case).steps)
+    return exact_motion(replace(named(case), steps=steps)).record
+
+
 MOTION = "slip-propagates slip-propagates-velocity work-of-the-pull restick-at-rest phases-join"
 """What an equation of slip with another constant in it always breaks."""
 
 BREAK_AWAY = "onset-at-break-away break-away-force-is-mu_s-N"
-BEYOND = f"{BREAK_AWAY} stick-within-break-away"
 DRY = f"{MOTION} slip-friction {HEAT}"
+LATE = "phases-join pull-moves-at-v energy-balance"
+FORWARD = "slip-follows-mode onset-follows-the-force slip-friction"
 
-# The case, another constant in the world of the record, invariants broken and kept, a failed check.
-WORLDS: list[tuple[str, tuple[str, float], str, str, str]] = [
-    ("default", ("mu_s", 0.5005), BREAK_AWAY, f"{DRY} energy-balance", "first-load-up"),
-    ("default", ("mu_s", 0.55), BEYOND, f"{DRY} stick-friction-balances", "break-away-force"),
-    ("reversed-pull", ("mu_s", 0.5025), BREAK_AWAY, f"{MOTION} {CYCLE}", "t_stick-exact"),
-    ("default", ("mu_k", 0.3003), f"{DRY} mu_k-clamped", BREAK_AWAY, "spring_drop-exact"),
-    ("default", ("c", 1e-6), DRY, f"{BREAK_AWAY} energy-balance", "x_dot-course"),
-    ("default", ("k", 1001.0), f"{MOTION} force-is-k-z energy-balance", HEAT, "t_slip-exact"),
-    ("default", ("g", 9.80665), f"{DRY} {BREAK_AWAY}", "force-is-k-z", "break-away-force"),
-    ("default", ("v", 0.02002), f"{MOTION} pull-moves-at-v", HEAT, "x_pull-course"),
-    ("default", ("F_ext", 0.01), f"{MOTION} energy-balance", f"slip-friction {HEAT}", "x-course"),
-    ("reversed-pull", ("v", 0.02), "pull-moves-at-v", "slip-friction", "x_dot_peak-exact"),
+# The case, its record, invariants broken and kept.
+WORLDS: list[tuple[str, Callable[[str], Run], str, str]] = [
+    ("default", world("mu_s", 0.5005), BREAK_AWAY, f"{DRY} energy-balance"),
+    ("default", world("mu_s", 0.55), f"{BREAK_AWAY} stick-within-break-away", DRY),
+    ("default", world("mu_k", 0.3003), f"{DRY} mu_k-clamped", BREAK_AWAY),
+    ("default", world("c", 1e-6), DRY, f"{BREAK_AWAY} energy-balance"),
+    ("default", world("k", 1001.0), f"{MOTION} force-is-k-z energy-balance", HEAT),
+    ("default", world("g", 9.80665), f"{DRY} {BREAK_AWAY}", "force-is-k-z"),
+    ("default", world("F_ext", 0.01), f"{MOTION} energy-balance", f"slip-friction {HEAT}"),
+    ("reversed-pull", world("v", 0.02), "pull-moves-at-v", "slip-friction"),
+    ("default", lambda _: planted(DEFAULT, moved_in_stick), LATE, "slip-propagates stick-holds-x"),
+    ("reversed-pull", with_forward_slips, FORWARD, "stick-holds-x mode-and-sticking-agree"),
+    ("load-pulses", with_half_the_load, "onset-beyond-break-away", "force-is-k-z pull-moves-at-v"),
 ]
 
 
-@pytest.mark.parametrize(("name", "other", "broken", "kept", "check"), WORLDS)
+@pytest.mark.parametrize(("name", "record", "broken", "kept"), WORLDS)
 def test_the_motion_of_another_world_breaks_what_has_its_constant_in_it(
-    name: str, other: tuple[str, float], broken: str, kept: str, check: str
+    name: str, record: Callable[[str], Run], broken: str, kept: str
 ) -> None:
-    record = believed(name, other)
-    found = seen(name, record)
+    found = seen(name, record(name))
     assert set(broken.split()) <= found
     assert not set(kept.split()) & found
-    assert check in failures(name, record)
-
-
-def test_every_invariant_on_samples_is_broken_by_some_fault() -> None:
-    rows = [*(row[2] for row in FAULTS), *(row[2] for row in WORLDS)]
-    # These have a test of their own, here or with the runs.
-    own = "onset-beyond-break-away onset-follows-the-force slip-follows-mode runs-to-the-end"
-    assert set(INVARIANTS) == set(f"{own} slip-stops-where-it-rests {' '.join(rows)}".split())
-
-
-def test_a_spring_that_jumps_at_the_stop_breaks_the_join_of_the_phases() -> None:
-    def late(draft: Draft) -> None:
-        rests = (draft.outputs["mode"] == 0.0) & (draft.outputs["n_slips"] > 0.0)
-        for name in ("z", "x_pull"):
-            draft.outputs[name] += 1e-10 * rests
-
-    found = seen("default", planted(DEFAULT, late))
-    assert {"phases-join", "pull-moves-at-v", "energy-balance"} <= found
-    assert not {"slip-propagates", "stick-holds-x", "extension-is-the-gap-of-the-ends"} & found
-
-
-def test_a_slip_backward_that_is_called_forward_goes_against_mode() -> None:
-    fault = shown("mode", lambda o: np.abs(o["mode"]))
-    found = seen("reversed-pull", planted(exact_of("reversed-pull").record, fault))
-    assert {"slip-follows-mode", "onset-follows-the-force", "slip-friction"} <= found
-    assert not {"stick-holds-x", "force-is-k-z", "mode-and-sticking-agree"} & found
-
-
-def test_a_mass_that_lets_go_although_friction_could_hold_is_seen() -> None:
-    case = named("load-pulses")
-    steps = tuple(
-        replace(step, changes={**step.changes, "load": 0.5 * step.changes["load"] - 4.0})
-        if "load" in step.changes
-        else step
-        for step in case.steps
-    )
-    found = seen("load-pulses", exact_motion(replace(case, steps=steps)).record)
-    assert "onset-beyond-break-away" in found
-    assert not {"force-is-k-z", "pull-moves-at-v", "mode-and-sticking-agree"} & found
 
 
 def test_no_number_at_the_start_is_seen_in_every_output() -> None:
@@ -253,26 +201,16 @@ def test_no_number_at_the_start_is_seen_in_every_output() -> None:
     [
         (without("f"), "f-exact", "no output f"),
         (shown("T", lambda o: o["T"][:-1]), "T-exact", "999 samples of T at 1000 points"),
-        (value("x", math.nan, 7), "x-course", "x is nan at t = 0.08 s"),
         (value("x", math.inf, 7), "x-course", "x is inf at t = 0.08 s"),
     ],
 )
 def test_what_cannot_be_compared_fails_with_its_reason(
     fault: Fault, check: str, reason: str
 ) -> None:
-    result = failures("default", planted(DEFAULT, fault))[check]
+    record = planted(DEFAULT, fault)
+    result = failures("default", record)[check]
     assert (result.failure, result.got, result.error) == (reason, None, None)
-    assert result.expected is not None
-
-
-@pytest.mark.parametrize("name", ["T", "z", "mode", "t_event"])
-def test_a_lost_sample_is_a_failure_and_no_crash(name: str) -> None:
-    results = judged("default", planted(DEFAULT, shown(name, lambda o: o[name][:-1])))
-    assert {"columns", "finite"} <= {id_ for id_, r in results.items() if not r.passed}
-    assert all(r.passed or r.failure or r.error for r in results.values())
-
-
-def test_a_record_that_stops_early_fails_every_check() -> None:
+    assert {"columns", "finite"} & seen("default", record)
     early = Run(DEFAULT.times[:10], {n: s[:10] for n, s in DEFAULT.outputs.items()}, {})
     assert set(failures("default", early)) == {check.id for check in named("default").checks}
 
@@ -284,11 +222,10 @@ CONTRACTS = (EXACT_CONTRACT, STRICT_CONTRACT, PHYSICS_CONTRACT)
 @pytest.mark.parametrize(
     ("name", "fault", "check", "verdicts"),
     [
+        # A foreign FMU need not have every output.
         ("default", without("n_slips"), "restick-at-rest", LACKING),
         # An error of 1e-10 is one of a good numerical solution, and not of the exact block.
         ("default", scaled("F", 1.0 + 1e-10), "F-course", ["fail", "fail", "pass"]),
-        # A foreign FMU need not have every output.
-        ("default", without("f"), "f-exact", LACKING),
         # How mu_k is clamped is a convention.
         ("clamp", scaled("mu_k_used", 0.9), "mu_k_used-course", ["fail", "fail", "noted"]),
     ],
@@ -316,7 +253,7 @@ def test_a_result_shows_the_worst_place_in_its_unit() -> None:
     assert result.error == pytest.approx(abs(off) / 0.2, rel=1e-13)
 
 
-def passed_unseen(turns: float, depth: float, phase: float = 0.4) -> float:
+def passed_unseen(turns: float, depth: float, phase: float) -> float:
     """Return the dip that the invariant finds in an undamped slip of two steps, over its depth.
 
     The velocity goes `depth` v below zero inside steps of so many `turns`, and mode never changes.
@@ -341,46 +278,41 @@ def passed_unseen(turns: float, depth: float, phase: float = 0.4) -> float:
 
 
 @pytest.mark.parametrize("turns", [0.9, 1.0, 4.0, 7.7, 16.0])
-@pytest.mark.parametrize("depth", [1e-3, 1e-9])
-def test_a_dip_below_rest_inside_a_step_is_found_with_its_depth(turns: float, depth: float) -> None:
-    # The samples are rounded to 2e-16 of the swing and of the turns; the depth is a small part.
-    for phase in (0.4, 2.0, 3.6, 5.2):
-        found = passed_unseen(turns, depth, phase)
-        assert found == pytest.approx(1.0, abs=max(1e-15, 1e-16 * turns) / depth)
-
-
-def test_a_velocity_that_stays_above_zero_is_no_stop() -> None:
-    assert passed_unseen(1.0, -1e-9) == 0.0
-
-
-def agreed(quantity: str, fault: Fault, contract: Contract) -> CheckResult:
-    """Hold a record of `default` with a fault against the exact one in the reference's place."""
-    case, exact = named("default"), exact_of("default")
-    check = agreeing(AGREE[quantity], case)
-    assert check is not None
-    answers = {"fmu": Answer(planted(DEFAULT, fault)), "reference": Answer(DEFAULT)}
-    return judge_agreement(AGREE[quantity], case, check, contract, Answer(exact), answers)
+def test_a_dip_below_rest_inside_a_step_is_found_with_its_depth(turns: float) -> None:
+    for depth, phase in itertools.product((1e-3, 1e-9), (0.4, 2.0, 3.6, 5.2)):
+        # The samples are rounded to 2e-16 of the swing and of the turns, the depth a part of it.
+        rounding = max(1e-15, 1e-16 * turns) / depth
+        assert passed_unseen(turns, depth, phase) == pytest.approx(1.0, abs=rounding)
+        assert passed_unseen(turns, -depth, phase) == 0.0
 
 
 @pytest.mark.parametrize("contract", [EXACT_CONTRACT, PHYSICS_CONTRACT])
-def test_fmu_and_reference_may_differ_by_the_sum_of_their_tolerances(contract: Contract) -> None:
-    (check,) = (each for each in named("default").checks if each.id == "t_event-course")
+@pytest.mark.parametrize(
+    ("quantity", "fault", "why"),
+    [
+        # In parts of the sum of both tolerances.
+        ("t_event", 0.9, None),
+        ("t_event", 1.1, None),
+        ("t_event", without("t_event"), "no output t_event"),
+        ("x", value("x", math.nan, 5), "x is no finite number on one side"),
+    ],
+)
+def test_fmu_and_reference_may_differ_by_the_sum_of_their_tolerances(
+    contract: Contract, quantity: str, fault: Fault | float, why: str | None
+) -> None:
+    case, exact = named("default"), exact_of("default")
+    (agree,) = (each for each in load_invariants().agreements if each.quantity == quantity)
+    (check,) = (each for each in case.checks if each.id == f"{quantity}-course")
     allowed = check.tolerance[contract.column] + check.tolerance["reference"]
-    for off, passes in ((0.0, True), (0.9 * allowed, True), (1.1 * allowed, False)):
-        result = agreed("t_event", scaled("t_event", 1.0 + off), contract)
-        assert (result.passed, result.tolerance) == (passes, allowed)
-        assert (result.side, result.truth) == ("both", "cross_code")
-
-
-def test_what_does_not_agree_says_why() -> None:
-    lost, nan = without("t_event"), value("x", math.nan, 5)
-    assert agreed("t_event", lost, EXACT_CONTRACT).failure == "no output t_event"
-    foreign = agreed("t_event", lost, PHYSICS_CONTRACT)
-    assert foreign.not_applicable == "it has no output t_event"
-    assert agreed("x", nan, PHYSICS_CONTRACT).failure == "x is no finite number on one side"
-    more = agreed("n_slips", shown("n_slips", lambda o: o["n_slips"] + 1.0), PHYSICS_CONTRACT)
-    assert (more.passed, more.error) == (False, 1.0)
-    assert agreeing(AGREE["x_dot"], named("fast-pull")) is None
+    planting = scaled(quantity, 1.0 + fault * allowed) if isinstance(fault, float) else fault
+    answers = {"fmu": Answer(planted(DEFAULT, planting)), "reference": Answer(DEFAULT)}
+    held = agreeing(agree, case)
+    assert held is not None
+    result = judge_agreement(agree, case, held, contract, Answer(exact), answers)
+    assert (result.side, result.truth, result.passed) == ("both", "cross_code", fault == 0.9)
+    lacks = f"it has {why}" if contract is PHYSICS_CONTRACT and quantity == "t_event" else None
+    assert result.not_applicable == (lacks if why else None)
+    assert lacks or result.failure == why
 
 
 @pytest.mark.parametrize("name", ["reversals", "tuned", "damped-cycle", "one-step", "crumbs"])
