@@ -1,4 +1,4 @@
-"""What the tests of the platforms share: the FMU for all of them, and lines printed at the end."""
+"""What the tests of the platforms share: the FMU for all of them."""
 
 from pathlib import Path
 from typing import Literal
@@ -7,8 +7,6 @@ import pytest
 
 from stickslip_native import packer
 from tests.sharing import made_once
-
-LINES = pytest.StashKey[list[str]]()
 
 
 def for_all(version: Literal[2, 3] = 2) -> Path:
@@ -23,18 +21,3 @@ def for_all(version: Literal[2, 3] = 2) -> Path:
 def pytest_configure(config: pytest.Config) -> None:
     """Run the tests of this folder, which are of the gate, when it is named."""
     config.option.gate = True
-
-
-@pytest.fixture(scope="session")
-def report(pytestconfig: pytest.Config) -> list[str]:
-    """Give the list of lines that are printed at the end."""
-    return pytestconfig.stash.setdefault(LINES, [])
-
-
-def pytest_terminal_summary(
-    terminalreporter: pytest.TerminalReporter, config: pytest.Config
-) -> None:
-    """Print what was measured."""
-    terminalreporter.section("platforms of the native FMU")
-    for each in config.stash.get(LINES, []):
-        terminalreporter.write_line(each)

@@ -203,45 +203,40 @@ def _moved(word: str, random_: random.Random) -> str:
 
 @dataclass
 class Differences:
-    """Values on one platform against those on another: their number, and what differs by output.
+    """Real values on one platform against those on another.
 
-    `differing` is the number of values with other bits; `largest` the largest difference, as a part
-    of the scale: the largest value till then, in the same sequence, of the outputs with that unit.
+    `largest` is a part of the scale: the largest value till then, in the same sequence, of the
+    outputs with that unit.
     """
 
-    values: int
-    differing: dict[str, int]
-    largest: dict[str, float]
+    values: int = 0
+    largest: float = 0.0
     same_events: bool = True
     same_messages: bool = True
 
     @property
     def small(self) -> bool:
         """Whether the events are the same, with values within the tolerance."""
-        return self.same_events and max(self.largest.values()) <= TOLERANCE
+        return self.same_events and self.largest <= TOLERANCE
 
 
 def differences(
     script: Sequence[str], expected: Sequence[Answer], given: Sequence[Answer]
 ) -> Differences:
     """Compare the answers to the calls of one sequence."""
-    names = [row.name for row in REALS]
-    found = Differences(0, dict.fromkeys(names, 0), dict.fromkeys(names, 0.0))
-    scale = {row.unit: 0.0 for row in REALS}
+    found, scale = Differences(), {row.unit: 0.0 for row in REALS}
     for call, ours, theirs in zip(script, expected, given, strict=True):
-        of_reals = call == READ[0] and ours.status == theirs.status == 0
         found.same_messages &= ours.messages == theirs.messages
         found.same_events &= ours.status == theirs.status
-        if not of_reals:
+        if call != READ[0] or ours.status or theirs.status:
             found.same_events &= ours.read == theirs.read
             continue
-        pairs = zip(map(float.fromhex, ours.read), map(float.fromhex, theirs.read), strict=True)
-        for row, (one, other) in zip(REALS, pairs, strict=True):
+        found.values += len(REALS)
+        for row, *words in zip(REALS, ours.read, theirs.read, strict=True):
+            one, other = map(float.fromhex, words)
             scale[row.unit] = max(scale[row.unit], abs(one))
-            found.values += 1
             if one != other:
-                found.differing[row.name] += 1
                 # Infinite where the scale is 0.
                 part = abs(one - other) / scale[row.unit] if scale[row.unit] else math.inf
-                found.largest[row.name] = max(found.largest[row.name], part)
+                found.largest = max(found.largest, part)
     return found

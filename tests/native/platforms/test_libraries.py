@@ -1,7 +1,6 @@
 """The libraries of all platforms, read: exports, what they need, oldest systems, instructions."""
 
 import re
-import subprocess
 import sys
 import zipfile
 from collections.abc import Iterator
@@ -83,7 +82,7 @@ def test_on_windows_the_universal_c_runtime_is_enough(version: Version) -> None:
 
 @versions
 def test_on_macos_version_11_is_enough_and_code_for_arm_is_signed(
-    version: Version, report: list[str]
+    version: Version,
 ) -> None:
     contents = libraries(version, ".dylib").values()
     found = [each for content in contents for each in lief.MachO.parse(list(content))]
@@ -97,16 +96,6 @@ def test_on_macos_version_11_is_enough_and_code_for_arm_is_signed(
         assert needed == ["@rpath/StickSlip.dylib", "/usr/lib/libSystem.B.dylib"]
         arm = library.header.cpu_type == lief.MachO.Header.CPU_TYPE.ARM64
         assert library.has_code_signature == arm
-    report.append(f"macOS, FMI {version}.0: built, not run; {len(found)} libraries were read")
-
-
-@versions
-def test_no_library_tells_where_it_was_made(version: Version) -> None:
-    for name, content in libraries(version).items():
-        for path in (str(Path(packer.__file__).parent), sys.prefix, str(Path.home()), "/tmp/"):
-            # A home of one letter would be found everywhere.
-            assert len(path) < 5 or path.encode() not in content, name
-        assert not re.search(rb"stickslip-\w{8}", content), name
 
 
 def code_of(content: bytes) -> Iterator[tuple[bool, bytes]]:
@@ -151,7 +140,9 @@ def test_no_instruction_multiplies_and_adds_at_once(version: Version, tmp_path: 
     assert counts == {True: 3 if version == 2 else 2, False: 3}
 
 
-def test_two_builds_are_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_bytes_do_not_tell_where_they_were_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     expected = for_all().read_bytes()
     folder = tmp_path / "a folder with another name"
     folder.mkdir()
@@ -159,6 +150,10 @@ def test_two_builds_are_the_same_bytes(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.chdir(folder)
     assert packer.build(folder / "made").read_bytes() == expected
     assert [each.name for each in folder.iterdir()] == ["made"]
+    for name, content in libraries(2).items():
+        for path in (str(Path(packer.__file__).parent), sys.prefix, str(Path.home())):
+            # A home of one letter would be found everywhere.
+            assert len(path) < 5 or path.encode() not in content, name
 
 
 @needs("cc")
@@ -179,16 +174,10 @@ def test_the_licences_of_the_runtime_are_those_of_zig_and_two_c_libraries() -> N
 
 
 @versions
-def test_the_whole_fmu_is_small(version: Version, tmp_path: Path, report: list[str]) -> None:
+def test_the_whole_fmu_is_small(version: Version, tmp_path: Path) -> None:
     # With documentation, page, licences and evidence of all cases.
-    name = "StickSlip_native.fmu" if version == 2 else "StickSlip_native_fmi3.fmu"
-    for words in (
-        ["build", "--native", "--fmi", version, "--bare", "-o", "."],
-        ["verify", "--fmu", name, "--pack"],
-    ):
-        command = [sys.executable, "-c", "from stickslip.cli import main; main()", *words]
-        done = subprocess.run([*map(str, command)], cwd=tmp_path, capture_output=True, text=True)
-        assert done.returncode == 0, done.stdout + done.stderr
-    size = (tmp_path / name).stat().st_size
-    report.append(f"{name} for all platforms, with the evidence of all cases: {size} bytes")
-    assert size <= MOST_BYTES
+    fmu = tmp_path / f"StickSlip_native{'_fmi3' if version == 3 else ''}.fmu"
+    command = [sys.executable, "-c", "from stickslip.cli import main; main()"]
+    run(*command, "build", "--native", "--fmi", version, "--bare", "-o", fmu)
+    run(*command, "verify", "--fmu", fmu, "--pack", cwd=tmp_path)
+    assert fmu.stat().st_size <= MOST_BYTES
