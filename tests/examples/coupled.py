@@ -2,7 +2,7 @@
 
 import math
 import random
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,9 +12,8 @@ import numpy as np
 from examples.feed_axis.axis import Axis, critically_damped
 from examples.feed_axis.designed import designed
 from examples.feed_axis.monolithic import solve
-from examples.feed_axis.servo_drive.controller import Controller, Gains
-from examples.feed_axis.servo_drive.drive import Drive
-from examples.feed_axis.servo_drive.setpoint import SetPoint
+from examples.feed_axis.servo_drive.model import ServoDrive
+from examples.feed_axis.servo_drive.table import Settings
 from stickslip_design.loop.stability import is_stable
 from stickslip_fmu.block import Block
 from stickslip_fmu.spec import SPEC, TABLE
@@ -32,12 +31,12 @@ def make_block(**values: float) -> Block:
     return block
 
 
-def make_drive(axis: Axis) -> tuple[Drive, Controller]:
-    values = axis.of_drive()
-    gains = Gains(**{name: values[name] for name in Gains._fields})  # type: ignore[arg-type]
-    controller = Controller(gains, SetPoint(axis.feed, axis.acceleration, axis.distance))
-    way = axis.lag, axis.dead_time, axis.dry
-    return Drive(axis.m_d, axis.d, values["k"], axis.T_s, controller, *way), controller
+def servo(values: Mapping[str, float]) -> ServoDrive:
+    """Return the drive with values that are not those at the start."""
+    settings = Settings.at_start()
+    for name, value in values.items():
+        settings = settings.changed(name, value)
+    return ServoDrive(settings)
 
 
 @dataclass
@@ -56,7 +55,7 @@ class Motion:
 
 def couple(axis: Axis, steps: Iterable[float]) -> Motion:
     """Step drive and block side by side, each with what the other gave at the step's start."""
-    block, (drive, _) = make_block(**axis.of_table()), make_drive(axis)
+    block, drive = make_block(**axis.of_table()), servo(axis.of_drive()).drive
     motion = Motion(block)
     block.refresh()
     for h in steps:
@@ -91,33 +90,23 @@ def last_jump(axis: Axis, limit: float, duration: float, share: float) -> float:
 
 
 def random_axis(seed: int) -> Axis:
-    """Return a random stable axis, of numbers that are usual for machine tools."""
+    """Return a random stable axis: numbers up to three times those of the example, or a third."""
     generator = random.Random(seed)
     even, choice = generator.uniform, generator.choice
-
-    def over(low: float, high: float) -> float:
-        return math.exp(even(math.log(low), math.log(high)))
-
     while True:
-        m, w, pitch = over(100.0, 3000.0), 2.0 * math.pi * over(25.0, 120.0), even(0.005, 0.02)
-        m_d, omega_v, mu_k = m * over(0.4, 5.0), over(120.0, 700.0), even(0.05, 0.2)
-        T_s: float = choice([62.5e-6, 125e-6, 250e-6, 500e-6, 1e-3])
-        values: dict[str, Any] = {"m": m, "k": m * w * w, "c": 2.0 * over(0.003, 0.06) * m * w}
-        values |= {"mu_s": mu_k * (1.0 + even(0.08, 0.4)), "mu_k": mu_k, "F_max": 1e9}
-        values |= {"J": m_d / (2.0 * math.pi / pitch) ** 2, "pitch": pitch}
-        values |= {"d": m_d * even(0.0, 5.0), "T_s": T_s, "K_v": over(12.0, 60.0)}
-        values |= {"omega_v": omega_v, "T_n": critically_damped(omega_v) * over(0.6, 2.5)}
-        values |= {"on_table": choice([False, True]), "lag": choice([0.0, even(1e-4, 1e-3)])}
-        values |= {"velocity_feedforward": choice([1.0, 1.0, 0.9, 0.0])}
-        values |= {"dead_time": choice([0.0, T_s, even(0.0, 2.5) * T_s])}
-        if choice([False, True]):
-            values |= {"low_pass": min(over(150.0, 2000.0), 0.3 / T_s)}
-            values |= {"low_pass_damping": choice([0.0, 0.7, 0.9])}
-        if choice([False, True]):
-            values |= {"notch": min(over(100.0, 800.0), 0.3 / T_s)}
-            values |= {"notch_damping": even(0.2, 0.8), "notch_depth": even(0.0, 0.4)}
+        names = ("m", "k", "c", "mu_k", "pitch", "d", "T_s", "K_v", "omega_v", "T_n")
+        changes: dict[str, Any] = {
+            name: getattr(Axis(), name) * 3.0 ** even(-1.0, 1.0) for name in names
+        }
+        changes |= {"mu_s": changes["mu_k"] * (1.0 + even(0.08, 0.4)), "F_max": 1e9}
+        changes |= {"J": changes["m"] * even(0.4, 5.0) * (changes["pitch"] / 2.0 / math.pi) ** 2}
+        changes |= {"on_table": choice([False, True]), "lag": choice([0.0, even(1e-4, 1e-3)])}
+        changes |= {"velocity_feedforward": choice([1.0, 0.9, 0.0])}
+        changes |= {"dead_time": choice([0.0, 1.0, even(0.0, 2.5)]) * changes["T_s"]}
+        changes |= choice([{}, {"low_pass": even(150.0, 1000.0)}, LOW_PASS])
+        changes |= choice([{}, NOTCH, {**NOTCH, "notch": even(100.0, 600.0)}])
         # Its sample may be too long for its motion.
         with suppress(ValueError):
-            axis = Axis(**values, **EXACT)
+            axis = Axis(**changes, **EXACT)
             if is_stable(designed(axis)):
                 return axis

@@ -21,8 +21,11 @@ from tests.needs import needs
 STOP, STEP = 0.5, 250e-6
 SSV = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
 FMPY = "fmpy"
-ECOS = pytest.param("ecos", marks=needs("ecospy"))
-LIBCOSIM = pytest.param("libcosim", marks=needs("libcosimpy"))
+MASTERS = [
+    FMPY,
+    pytest.param("ecos", marks=needs("ecospy")),
+    pytest.param("libcosim", marks=needs("libcosimpy")),
+]
 
 
 def feed_axis(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
@@ -114,37 +117,15 @@ def test_the_native_table_shows_the_same_bits(own: Run, tmp_path: Path) -> None:
 # A step of 2.5e-4 s in whole nanoseconds differs by 1 ulp of time, 1e-16 s; the force that the
 # velocity loop makes of a position's rounding, K_p 1e-19 m / T_s = 3e-10 N, is nothing. The axis is
 # stable, so differences stay; a count of an encoder that fell the other way is 1e-8 m or more.
-@pytest.mark.parametrize(
-    ("master", "off"),
-    [(FMPY, 0.0), pytest.param("ecos", 0.0, marks=needs("ecospy")),
-     pytest.param("libcosim", 1e-11, marks=needs("libcosimpy"))],
-)  # fmt: skip
+@pytest.mark.parametrize("master", MASTERS)
 def test_masters_that_step_both_at_once_agree_in_every_bit_or_nanosecond(
-    master: str, off: float, axis_file: Path, own: Run
+    master: str, axis_file: Path, own: Run
 ) -> None:
+    off = 1e-11 if master == "libcosim" else 0.0
     found = command.run_in(master, axis_file, STOP, STEP)
     assert off or all(np.array_equal(found[name], own[name]) for name in own)
     assert np.max(np.abs(found["x"] - own["x"])) <= off
     assert np.max(np.abs(found["x_motor"] - own["x_motor"])) <= off
-
-
-class Loaded(Axis):
-    """An axis whose spring is loaded at the start, by 200 N."""
-
-    def of_table(self) -> dict[str, float]:
-        return {**super().of_table(), "z_start": 5e-6}
-
-
-@pytest.mark.parametrize("master", [FMPY, ECOS, LIBCOSIM])
-def test_the_first_step_has_the_outputs_at_the_start_but_in_fmpy(
-    master: str, fmus: Path, tmp_path: Path
-) -> None:
-    file = ssp.write_ssp(tmp_path / "loaded.ssp", Loaded(feed=0.0), fmus)
-    found = command.run_in(master, file, 4 * STEP, STEP)
-    moved = 0.5 * (4e7 * 5e-6) / Axis().m_d * STEP**2
-    assert found["F"][0] == pytest.approx(200.0)
-    # The position grows by a rounding of 1e-6 of itself through the spring's reaction.
-    assert found["x_motor"][0] == pytest.approx(0.0 if master == FMPY else -moved, rel=1e-5)
 
 
 class Refused(Axis):
@@ -154,7 +135,7 @@ class Refused(Axis):
         return {**super().of_drive(), "K_v": -1.0}
 
 
-@pytest.mark.parametrize("master", [FMPY, ECOS, LIBCOSIM])
+@pytest.mark.parametrize("master", MASTERS)
 def test_what_the_drive_refuses_is_told_also_where_the_master_goes_on(
     master: str, fmus: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

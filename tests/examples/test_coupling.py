@@ -2,7 +2,6 @@
 
 import math
 import random
-import shutil
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -17,7 +16,6 @@ from examples.feed_axis.coupling import coupling_damping, simulate
 from examples.feed_axis.document import check_coupling, coupling_errors
 from examples.feed_axis.monolithic import solve
 from stickslip_ref import Parameters, steady_cycle
-from tests.conftest import built
 
 from .coupled import EXACT, FILTERED, LOW_PASS, NOTCH, couple, make_block, velocity_loop
 from .test_how_to import TEXT
@@ -92,20 +90,6 @@ def test_uneven_steps_are_as_good_as_even_ones() -> None:
     assert 3.0 < errors[0] / errors[1] < 5.0
 
 
-def test_a_step_short_by_rounding_neither_loses_nor_doubles_a_sample() -> None:
-    even = np.array(couple(AXIS, [H] * 800).x)
-    rounded, longer = (
-        np.array(couple(AXIS, [step for _ in range(800) for step in (H - rest, rest)]).x[::2])
-        for rest in (1e-14, 1e-12)
-    )
-    # At the rest the drive sees the table once more; jumps begin at another time, by less than
-    # 1e-9 m of motion. One sample lost or doubled moves the table by 2e-8 m or more.
-    assert np.max(np.abs(rounded - even)) < 1e-9
-    # How long the rest is does not matter: speeds differ by 1e-12 / 2.5e-4 of themselves in a
-    # step, which the next makes good; the motion is 1e-4 m.
-    assert np.max(np.abs(rounded - longer)) < 1e-12 / H * 1e-4
-
-
 def test_a_drive_that_never_gives_way_leaves_the_steady_cycle() -> None:
     still = Axis(J=6e6, F_max=1e30, on_table=False, feed=1e-3, **EXACT)
     block = couple(still, [H] * 4000).block
@@ -124,12 +108,10 @@ def damping(x: NDArray[np.float64], w: float) -> float:
     return float(-np.polyfit(H * peaks, np.log(height), 1)[0] / w)
 
 
-@pytest.mark.parametrize("slides", [True, False])
-def test_a_drive_that_gives_its_speed_of_now_loses_damping(slides: bool) -> None:
+def test_a_drive_that_gives_its_speed_of_now_loses_damping() -> None:
     w_d = math.sqrt(AXIS.k / AXIS.m_d)
-    w = math.hypot(w_d, math.sqrt(AXIS.k / AXIS.m)) if slides else w_d
-    mu = 0.0 if slides else 10.0
-    block = make_block(m=AXIS.m, k=AXIS.k, mu_s=mu, mu_k=mu, z_start=1e-5, v=0.0)
+    w = math.hypot(w_d, math.sqrt(AXIS.k / AXIS.m))
+    block = make_block(m=AXIS.m, k=AXIS.k, mu_s=0.0, mu_k=0.0, z_start=1e-5, v=0.0)
     v, stretch = 0.0, []
     for index in range(4000):
         block.refresh()
@@ -182,30 +164,3 @@ def test_the_fmus_move_as_the_whole_loop_with_all_parts(fmus: Path) -> None:
     assert off["F_motor"] < 0.02 * np.max(run["F_motor"])
     for name, most in off.items():
         assert np.max(np.abs(run[name] - truth.column(name, axis))) < most
-
-
-class Falling(Axis):
-    """An axis whose table has friction that falls over a speed of 1 um/s, or of 1 mm/s."""
-
-    def of_table(self) -> dict[str, float]:
-        return {**super().of_table(), "v_s": 1e-3 if self.c else 1e-6, "delta": 1.0}
-
-
-@pytest.mark.gate
-@pytest.mark.parametrize(
-    ("changes", "least", "most"),
-    [
-        # Friction that falls within 1 um/s is constant; jumps of 18 um begin and end alike.
-        ({"c": 0.0}, 0.0, 1e-7),
-        # Over 1 mm/s it makes the jump shorter.
-        ({}, 2e-6, 1e-5),
-    ],
-)
-def test_the_fmu_of_another_friction_law_takes_the_place_of_the_table(
-    fmus: Path, tmp_path: Path, changes: dict[str, Any], least: float, most: float
-) -> None:
-    shutil.copy(built("python-2", "stribeck"), tmp_path / "StickSlip.fmu")
-    shutil.copy(fmus / "ServoDrive.fmu", tmp_path)
-    falling = simulate(tmp_path, Falling(**EXACT, **changes), 0.1)
-    constant = simulate(fmus, Axis(**EXACT, **changes), 0.1)
-    assert least < np.max(np.abs(falling["x"] - constant["x"])) < most

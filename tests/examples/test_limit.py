@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from examples.feed_axis import study
 from examples.feed_axis.axis import Axis
 from examples.feed_axis.designed import designed
 from examples.feed_axis.monolithic import solve
@@ -41,19 +40,6 @@ def test_the_search_ends_where_a_random_axis_stops_jumping(seed: int) -> None:
     limit = limit_of_jumps(designed(axis)).feed
     # The feed rises faster than above.
     assert last_jump(axis, limit, 8.0, 0.03) == pytest.approx(limit, rel=0.01)
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("changes", [{}, {"K_v": 50.0}, velocity_loop(600.0)])
-def test_encoder_counts_which_the_tool_leaves_out_do_not_move_the_limit(
-    changes: dict[str, Any],
-) -> None:
-    axis = replace(Axis(), **changes)
-    limit = limit_of_jumps(designed(axis)).feed
-    rising = replace(axis, feed=1.15 * limit, acceleration=1.15 * limit / 20.0)
-    last, _ = solve(rising, 20.0).jumps[-1]
-    # The feed rises by 0.1 % or so in a jump.
-    assert last * rising.acceleration == pytest.approx(limit, rel=0.01)
 
 
 @pytest.mark.gate
@@ -97,14 +83,6 @@ def test_without_control_the_slideway_damps_alone() -> None:
     assert mode.w == pytest.approx(w, rel=1e-3)
     share = axis.m_d / (axis.m + axis.m_d)
     assert mode.damping == pytest.approx(0.5 * axis.c * share / (axis.m * w), rel=5e-3)
-
-
-@pytest.mark.gate
-def test_without_a_gap_the_axis_comes_to_rest_below_a_count_of_the_scale() -> None:
-    axis = replace(Axis(mu_s=0.15), **study.MOVE)
-    jumps = solve(axis, 5.0).jumps
-    assert all(time < 4.0 for time, _ in jumps)
-    assert abs(jumps[-1][1]) < axis.resolution_table
 
 
 def test_gravity_is_one_number_of_table_design_tool_and_whole_loop() -> None:
