@@ -1,5 +1,6 @@
 """Questions to an FMU as a whole: ours answers them all, another one is told where it differs."""
 
+import math
 import re
 from functools import cache
 from pathlib import Path
@@ -70,40 +71,24 @@ def test_no_memory_is_kept_for_long(kind: str, invariant: str) -> None:
     assert asked(invariant, ours(kind), count=count, seconds=300.0) == []
 
 
-DOCTORED: list[tuple[str, tuple[str, str], list[str]]] = [
-    (
-        "declared-units",
-        (r'(name="delta_x"[^>]*>\s*<Real)[^>]* displayUnit="mm"', r"\1"),
-        ["delta_x is declared in no unit, not m"],
-    ),
-    (
-        "declared-starts",
-        (r'(name="v"[^>]*>\s*<Real[^>]*)start="0.02"', r'\1start="0.03"'),
-        ["v starts at 0.03, not 0.02"],
-    ),
-    (
-        "declared-starts",
-        (r'(name="g"[^>]*>\s*<Real[^>]*)start="9.81"', r'\1start="9.81000000000000005"'),
-        [],
-    ),
-    (
-        "declared-types",
-        (
-            r'(name="load"[^>]*)causality="input" variability="continuous"',
-            r'\1causality="parameter" variability="tunable" initial="exact"',
-        ),
-        ["load is Real parameter tunable, not Real input continuous"],
-    ),
-    (
-        "declared-types",
-        (r'(name="delta_x"[^>]*)variability="discrete"', r'\1variability="continuous"'),
-        ["delta_x is Real output continuous, not Real output discrete"],
-    ),
-    (
-        "declared-variables",
-        ('name="n_slips"', 'name="slips"'),
-        ["an output too many: slips", "no variable n_slips"],
-    ),
+A_UNIT = (r'(name="delta_x"[^>]*>\s*<Real)[^>]* displayUnit="mm"', r"\1")
+A_START = (r'(name="v"[^>]*>\s*<Real[^>]*)start="0.02"', r'\1start="0.03"')
+SAME_START = (r'(name="g"[^>]*>\s*<Real[^>]*)start="9.81"', r'\1start="9.81000000000000005"')
+A_TYPE = (r'(name="delta_x"[^>]*)variability="discrete"', r'\1variability="continuous"')
+A_SORT = (
+    r'(name="load"[^>]*)causality="input" variability="continuous"',
+    r'\1causality="parameter" variability="tunable" initial="exact"',
+)
+A_NAME = ('name="n_slips"', 'name="slips"')
+OTHER_TYPE = "delta_x is Real output continuous, not Real output discrete"
+OTHER_SORT = "load is Real parameter tunable, not Real input continuous"
+DOCTORED = [
+    ("declared-units", A_UNIT, ["delta_x is declared in no unit, not m"]),
+    ("declared-starts", A_START, ["v starts at 0.03, not 0.02"]),
+    ("declared-starts", SAME_START, []),
+    ("declared-types", A_TYPE, [OTHER_TYPE]),
+    ("declared-types", A_SORT, [OTHER_SORT]),
+    ("declared-variables", A_NAME, ["an output too many: slips", "no variable n_slips"]),
 ]
 
 
@@ -118,41 +103,22 @@ def test_a_doctored_description_is_told_by_the_variable_and_by_no_other_probe(
 
 
 PLANTED = {
-    "refusal-zero-stiffness": ("refuses-k-zero", "k = 0.0 was taken"),
     "refusal-negative-stiffness": ("refuses-k-negative", "k = -1.0 was taken"),
-    "refusal-zero-mass": ("refuses-m-zero", "m = 0.0 was taken"),
-    "refusal-negative-damping": ("refuses-c-negative", "c = -1.0 was taken"),
     "refusal-nan": ("refuses-nan", "v = nan was taken"),
-    "refusal-infinity": ("refuses-infinity", "F_ext = inf was taken"),
     "refusal-lifted": ("refuses-load-that-lifts", "load = -10.0 was taken"),
-    "refusal-mass-in-motion": ("refuses-change-of-mass", "m = 2.0 was taken"),
     "refusal-step-zero": ("refuses-step-zero", "a step of 0.0 s was taken"),
-    "refusal-step-back": ("refuses-step-negative", "a step of -0.001 s was taken"),
     "clamp-silent": ("warns-of-clamp", "the log does not say 0.375: it is empty"),
-    "meter-ignores-start-time": ("starts-at-start-time", "t_event begins with 0.0, not 5.0"),
     "failure-forgotten": ("fails-until-reset", "after a refusal it can still step"),
     "reset-keeps-meter": ("fails-until-reset", "after reset n_slips is not that of a fresh"),
     "unit-declared-mm": ("declared-units", "delta_x is declared in mm, not m"),
     "clamp-when-set": ("parameters-in-any-order", r"x is .* after step \d+"),
-    "load-checked-where-set": ("load-before-mass", "load = -15.0"),
-    "coefficients-one-by-one": ("coefficients-in-any-order", r"x is .* and not"),
-    "clamp-kept": ("mu_s-raised-after-clamp", "mu_k_used is 0.24, not 0.375"),
-    "clamp-as-it-began": ("mu_s-raised-in-clamp", "mu_k_used is 0.115, not 0.24"),
     "clamp-kept-in-slip": ("mu_s-raised-after-clamp-in-slip", "mu_k_used is 0.24, not 0.3"),
-    "event-at-the-end-of-a-step-early": ("sticks-at-break-away", "sticking is 0.0, not 1.0"),
     "event-at-the-end-of-a-step-lost": ("slips-after-break-away", "mode is 0.0, not 1.0"),
-    "restick-at-the-end-of-a-step-lost": ("step-ends-at-restick", "x is .* after step 1"),
     "restick-after-the-end-of-a-step": ("rests-at-restick", "mode is 1.0, not 0.0"),
-    "step-from-absolute-times": ("late-start", "x is .* and not"),
     "durations-from-event-times": ("late-start-to-the-bit", "x is .* and not"),
-    "start-settles-before-zero": ("early-start", "x_pull is 0.0 and not"),
     "start-time-of-day": ("starts-at-a-million-seconds", r"dated \d+\.\d+, not 1000000.24525"),
-    "start-before-zero": ("starts-before-zero", "t_event begins with 0.0, not -3.0"),
-    "state-of-this-process": ("state-in-a-fresh-process", "deserialize|set FMU state"),
     "state-without-parameters": ("state-in-a-fresh-process", "x is .* and not"),
     "environment-time-zone": ("environment", "^the time zone: t_event is"),
-    "environment-locale": ("environment-to-the-bit", "^the locale: .* failed"),
-    "environment-home": ("environment", "^no home folder: .* failed"),
     "environment-working-folder": ("environment", "^in another working folder: .* failed"),
     "memory-of-steps": ("memory-of-steps", r"^each step keeps \d+ bytes; \d+ at most$"),
     "memory-of-bytes": ("memory-of-states", r"^each state keeps \d+ bytes; \d+ at most$"),
@@ -212,12 +178,6 @@ def test_a_foreign_fmu_that_takes_everything_is_told_in_our_names_and_units() ->
     assert "no variable c" in asked("declared-variables", file)
 
 
-@pytest.mark.gate
-def test_a_stock_wrapper_may_keep_its_module() -> None:
-    # It keeps some 20 kB of each instance, which is no fault of the FMU.
-    assert asked("memory-of-instances", SLIDER.opened()) == []
-
-
 @pytest.mark.parametrize(
     ("what", "told"),
     [
@@ -240,19 +200,23 @@ def test_what_goes_wrong_in_a_fresh_process_is_told_and_leaves_no_file(
     assert not list(tmp_path.iterdir())
 
 
-def test_motions_differ_by_a_part_of_the_largest_value_in_the_unit() -> None:
-    rows = [{"x": 100.0, "z": 1e-3, "mode": 0.0}, {"x": 100.0, "z": 2e-3, "mode": 1.0}]
-    other = [rows[0], {**rows[1], "z": 2.05e-3}]
-    turned = [rows[0], {**rows[1], "mode": -1.0}]
-    nothing = [{**rows[0], "z": float("nan")}]
-    assert differences(other, rows, 1e-6) == []
-    assert differences(other, rows, 1e-7) == ["z is 0.00205 and not 0.002 after step 2"]
-    assert differences(other, rows) == differences(other, rows, 1e-7)
-    assert differences(other, rows, None, ["z"]) == []
-    # What is discrete must be the same.
-    assert differences(turned, rows, 1.0) == ["mode is -1.0 and not 1.0 after step 2"]
-    assert differences(nothing, nothing) == []
-    assert differences(nothing, rows[:1], 1.0) == ["z is nan and not 0.001 after step 1"]
+@pytest.mark.parametrize(
+    ("other", "part", "names", "told"),
+    [
+        ({"z": 2.05e-3}, 1e-6, (), []),
+        ({"z": 2.05e-3}, 1e-7, (), ["z is 0.00205 and not 0.002 after step 1"]),
+        ({"z": 2.05e-3}, None, (), ["z is 0.00205 and not 0.002 after step 1"]),
+        ({"z": 2.05e-3}, None, ("z",), []),
+        # What is discrete must be the same, and nan is no value.
+        ({"mode": -1.0}, 1.0, (), ["mode is -1.0 and not 1.0 after step 1"]),
+        ({"z": math.nan}, 1.0, (), ["z is nan and not 0.002 after step 1"]),
+    ],
+)
+def test_motions_differ_by_a_part_of_the_largest_value_in_the_unit(
+    other: dict[str, float], part: float | None, names: tuple[str, ...], told: list[str]
+) -> None:
+    row = {"x": 100.0, "z": 2e-3, "mode": 1.0}
+    assert differences([{**row, **other}], [row], part, names) == told
 
 
 WARM_UP = (10_000, 3_000_000)
