@@ -104,7 +104,7 @@ def test_another_block_is_named(
 
 def test_an_exact_curve_resolves_its_period_to_a_ten_millionth() -> None:
     # 1e-9 of the range of x is held against no tool; over three cycles that bounds the period.
-    result = scored(makers.exact({}, 0.01 * np.arange(151)), {})
+    result = scored(makers.exact({}, np.linspace(0.0, 1.5, 151)), {})
     assert (result.cause, result.cycles) == ("exact", 3)
     assert result.period.resolution is not None
     assert result.period.resolution < 1e-7 * 0.3
