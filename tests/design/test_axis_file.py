@@ -12,7 +12,6 @@ from stickslip_design.axis import (
     Axis,
     AxisError,
     Demand,
-    Drive,
     Friction,
     axis_file_of,
     axis_of,
@@ -29,20 +28,27 @@ RIGID = {
     "friction": {"mu_s": "0.25", "mu_k": "0.15"},
 }
 DRIVE = {
-    "pitch": '"10 mm"',
-    "inertia": '"60 kg cm2"',
-    "K_v": '"25 1/s"',
-    "bandwidth": '"300 1/s"',
+    "pitch": '"10 mm"', "inertia": '"60 kg cm2"', "K_v": '"25 1/s"', "bandwidth": '"300 1/s"',
     "rated_torque": '"11 N m"',
-}
+}  # fmt: skip
 SECTION_OF = {key.name: key.section for key in KEYS if key.section != "drive.filter"}
 SECTION_OF["kind"] = "drive"
 EXCLUDED = {
-    "F_s": ["mu_s"],
-    "F_k": ["mu_k"],
-    "velocity_gain": ["bandwidth"],
-    "curve": ["mu_s", "mu_k"],
-}
+    "F_s": ["mu_s"], "F_k": ["mu_k"], "velocity_gain": ["bandwidth"], "curve": ["mu_s", "mu_k"],
+}  # fmt: skip
+FILTERS = """\
+[[drive.filter]]
+kind = "low pass"
+frequency = "800 Hz"
+damping = 0.7
+[[drive.filter]]
+kind = "notch"
+frequency = "400 Hz"
+width = "200 Hz"
+[[drive.filter]]
+kind = "low pass"
+frequency = "1 kHz"
+"""
 PER_TURN = 200.0 * math.pi
 """Force at the slide of 1 N m at a screw of 10 mm [N]."""
 
@@ -74,22 +80,7 @@ def test_the_least_file_is_a_table_on_a_rigid_drive() -> None:
         name="x", m=500.0, k=5e7, friction=Friction(mu_s=0.25, mu_k=0.15), assumed=axis.assumed
     )
     assumed = {each.key: each.value for each in axis.assumed}
-    assert assumed["drive"] == "a rigid drive"
-    assert assumed["axis.gravity"] == "9.81 m/s2"
-    assert not {"axis.zeta", "friction.t_0"} & assumed.keys()
-
-
-def test_what_the_file_leaves_open_of_a_drive_has_the_defaults_of_the_model() -> None:
-    axis = axis_of(written())
-    inertia = 0.006 * (2.0 * math.pi / 0.01) ** 2
-    assert axis.drive is not None
-    assert axis.drive.inertia == pytest.approx(inertia, rel=1e-15)  # one rounding
-    assert axis.drive == Drive(
-        inertia=axis.drive.inertia, K_v=25.0, bandwidth=300.0, T_n=4.0 / 300.0, T_s=0.25e-3
-    )
-    assumed = {each.key for each in axis.assumed if each.key.startswith("drive")}
-    open_keys = {key.path for key in KEYS if key.section == "drive" and key.reason}
-    assert assumed == open_keys | {"drive.filter"}
+    assert (assumed["drive"], assumed["axis.gravity"]) == ("a rigid drive", "9.81 m/s2")
 
 
 def test_the_example_is_to_the_bit_the_axis_of_the_feed_axis_fmus() -> None:
@@ -99,14 +90,11 @@ def test_the_example_is_to_the_bit_the_axis_of_the_feed_axis_fmus() -> None:
     assert axis.demand == Demand(feeds=(5e-4, 2e-3, 5e-3), acceleration=servo.acceleration)
 
 
+FALLING = 'law = "stribeck"\nv_s = "10 mm/s"\n'
 NEEDED = {
-    "F_s": 'F_k = "736 N"\n',
-    "t_0": "B = 0.01\n",
-    "shape": 'law = "stribeck"\nv_s = "10 mm/s"\n',
-    "v_s": 'law = "stribeck"\n',
-    "delta": 'law = "stribeck"\nv_s = "10 mm/s"\n',
-    "F_k": 'F_s = "981 N"\n',
-}
+    "F_s": 'F_k = "736 N"\n', "F_k": 'F_s = "981 N"\n', "t_0": "B = 0.01\n",
+    "shape": FALLING, "v_s": FALLING, "delta": FALLING,
+}  # fmt: skip
 
 
 def test_the_template_is_read_and_has_an_example_of_every_key() -> None:
@@ -123,27 +111,24 @@ def test_the_template_is_read_and_has_an_example_of_every_key() -> None:
 @pytest.mark.parametrize(
     ("changes", "field", "value"),
     [
-        ('mass = "0.5 t"', "m", 500.0),
-        ('stiffness = ["80 N/um", "50 N/um"]', "k", 5e7),
         ('stiffness = ["80 N/um", "50 N/um"]', "stiffest", 8e7),
         ('zeta = "5 %"\nstiffness = ["80 N/um", "50 N/um"]', "c", 0.1 * math.sqrt(25e9)),
         ('load = "-1 kN"', "normal_force", 3905.0),
         ('F_s = "981 N"\nF_k = "490.5 N"\nload = "4905 N"', "friction.mu_k", 0.05),
         ('F_s = "1 N m"\nF_k = "0.8 Nm"', "F_s", PER_TURN),
         ('F_s = "8 %"\nF_k = "6 %"', "F_k", 0.06 * 11.0 * PER_TURN),
-        ('law = "stribeck"\nv_s = "5 mm/s"', "friction.own", {"shape": 1.0, "v_s": 0.005}),
         ('law = "stribeck"\nv_s = "5 mm/s"\nshape = "hyperbolic"', "friction.own",
          {"shape": 2.0, "v_s": 0.005}),
         ('B = 0.01\nt_0 = "1 ms"', "friction.own", {"B": 0.01, "t_0": 0.001}),
-        ('inertia = "2400 kg"', "drive.inertia", 2400.0),
         ('viscous_friction = "2 mN m s/rad"', "drive.d", 0.002 * PER_TURN**2),
         ('dry_friction = "100 Ncm"', "drive.dry", PER_TURN),
-        ('bandwidth = "48 Hz"', "drive.bandwidth", 96.0 * math.pi),
         ('velocity_gain = "1.8 N m s/rad"', "drive.bandwidth", 300.0),
-        ('encoder = "1000000 counts/turn"', "drive.resolution_motor", 1e-8),
         ('encoder = "2500 lines/turn"', "drive.resolution_motor", 1e-6),
-        ('limit = "19 N m"', "drive.F_max", 19.0 * PER_TURN),
         ('kind = "rigid"', "drive", None),
+        ("", "drive.inertia", 0.006 * (2.0 * math.pi / 0.01) ** 2),
+        ("", "drive.T_n", 4.0 / 300.0),
+        ("", "drive.T_s", 0.25e-3),
+        (FILTERS, "drive.filters", (low_pass(800.0, 0.7), notch(400.0, 0.25), low_pass(1000.0))),
         ('feeds = ["2 mm/s", "30 mm/min"]', "demand.feeds", (0.0005, 0.002)),
         ('mass = "500 kg ± 5 %"', "spread", {"axis.mass": 25.0}),
         ('mu_s = "0.25 +- 0.02"', "spread", {"friction.mu_s": 0.02}),
@@ -159,40 +144,18 @@ def test_a_key_sets_its_field_in_si_at_the_slide(changes: str, field: str, value
     assert found == (pytest.approx(value, rel=1e-14) if rounded else value)
 
 
-def test_filters_stand_in_their_order() -> None:
-    axis = axis_of(written(
-        '[[drive.filter]]\nkind = "low pass"\nfrequency = "1 kHz"\n'
-        '[[drive.filter]]\nkind = "low pass"\nfrequency = "800 Hz"\ndamping = 0.7\n'
-        '[[drive.filter]]\nkind = "notch"\nfrequency = "400 Hz"\nwidth = "200 Hz"\n'
-        '[[drive.filter]]\nkind = "notch"\nfrequency = "300 Hz"\ndamping = 0.5\nleaves = "10 %"\n'
-    ))  # fmt: skip
-    assert axis.drive is not None
-    assert axis.drive.filters == (
-        low_pass(1000.0), low_pass(800.0, 0.7), notch(400.0, 0.25), notch(300.0, 0.5, 0.1),
-    )  # fmt: skip
-    assumed = {each.key: each.value for each in axis.assumed if "filter" in each.key}
-    assert assumed == {"drive.filter[1].damping": "first order", "drive.filter[3].leaves": "0"}
-
-
-@pytest.mark.parametrize(
-    ("curve", "more", "mu_s", "mu_k"),
-    [
-        ("speed [mm/s],force [N]\n0,1226.25\n10,490.5\n50,735.75\n", "", 0.25, 0.10),
-        ("speed [mm/s],force [N]\n0,1226.25\n10,490.5\n50,735.75\n", "\nmu_s = 0.3", 0.3, 0.10),
-        # The highest friction is at a speed, and not at the break-away.
-        ("speed [mm/s],mu\n0,0.1\n10,0.08\n50,0.2\n", "", 0.1, 0.08),
-    ],
-)
-def test_a_measured_curve_is_the_friction(
-    curve: str, more: str, mu_s: float, mu_k: float, tmp_path: Path
-) -> None:
+@pytest.mark.parametrize(("more", "mu_s"), [("", 0.25), ("\nmu_s = 0.3", 0.3)])
+def test_a_measured_curve_is_the_friction(more: str, mu_s: float, tmp_path: Path) -> None:
+    curve = "speed [mm/s],force [N]\n0,1226.25\n10,490.5\n50,1471.5\n"
     (tmp_path / "way.csv").write_text(curve)
     file = tmp_path / "x.toml"
+    with pytest.raises(AxisError, match=r"x\.toml: .*no such file"):
+        read_axis(file)
     file.write_text(written(f'curve = "way.csv"{more}'), encoding="utf-8")
     friction = read_axis(file).friction
     assert friction.law == "stribeck"
     # Roundings of forces over the normal force.
-    assert (friction.mu_s, friction.mu_k) == pytest.approx((mu_s, mu_k), rel=1e-12)
+    assert (friction.mu_s, friction.mu_k) == pytest.approx((mu_s, 0.10), rel=1e-12)
     assert friction.own["u_3"] == pytest.approx(0.05, rel=1e-12)
 
 
@@ -216,34 +179,24 @@ REFUSALS = [
     # What is changed, or a file from its first section on; the line that is named; words.
     ('mass = "5 N"', 2, "is a force; expected a mass in kg, above 0"),
     ("feeds = [2]", 14, "demand.feeds[1] = 2 has no unit"),
-    ('mass = "0 kg"', 2, "out of range; expected a mass in kg, above 0"),
     ('mass = "500 kg ± 500 kg"', 2, "out of range with its ±"),
-    ('mass = "500 kg ± 5 N"', 2, "is a force"),
     ('pitch = "10 mm ± 1 mm"', 8, "a ±, which is not allowed"),
     ('mass = "1,5 kg"', 2, "a comma where the decimal point"),
     ('mass = "nan kg"', 2, "not a finite number"),
-    ("mu_s = -0.1", 5, "out of range"),
     ("mu_k = 0.3", 6, "friction.mu_k = 0.3 is above static friction; expected at most 0.25"),
     ('F_s = "8 %"\nF_k = "6 %"\n-rated_torque', 7, "drive.rated_torque is missing"),
     ('load = "-5 kN"', 4, "lifts the table off its guideway"),
     ('c = "4 kN s/m"\nzeta = 0.05', 4, "stands beside zeta, which says the same"),
-    ('F_s = "981 N"\nmu_s = 0.25', 7, "stands beside F_s, which says the same"),
     ("-mass", 1, "axis.mass is missing; expected a mass in kg, above 0; write such as mass ="),
-    ("-mu_k", 4, "friction.mu_k is missing, or F_k or curve in its place"),
     ('law = "stribeck"', 4, "friction.v_s is missing"),
-    ('v_s = "5 mm/s"', 7, 'goes with law = "stribeck" only'),
     ('law = "Stribek"', 7, 'expected one of "coulomb", "stribeck"; "stribeck" is the nearest'),
     ('K_v = "25 Hz"', 10, 'drive.K_v = "25 Hz" is an angular frequency'),
     ('curve = "none.csv"', 5, "is no friction curve: none.csv: no such file"),
     ('mass = "1e-300 kg"\nstiffness = "1e300 N/m"', 1, "numbers that do not go together"),
-    (f'{FILTER}"notch"\nfrequency = "400 Hz"', 14, "drive.filter[1].damping is missing, or width"),
     (f'{FILTER}"low pass"\nfrequency = "2 kHz"', 16, "expected below 2000 Hz, half the sampling"),
     ("[drives]", 14, "expected [axis], [friction], [drive], [demand]; [drive] is the nearest"),
     ("feed = 1", 14, "demand.feed is an unknown key; nearest: feeds"),
-    ("[axis]\nmass = 500 kg\n", 2, "is not TOML: "),
     ("[friction]\nmu_s = 0,2\n", 2, "a number has a decimal point, such as mu_s = 0.2"),
-    ("[axis]\nM = 5\n", 2, "nearest: mass"),
-    ("[drive]\nKp = 5\n", 2, "nearest: velocity_gain"),
 ]
 
 
@@ -258,17 +211,3 @@ def test_what_is_wrong_is_named_in_one_line_with_its_place(
     assert words in str(refused.value)
     assert refused.value.line == line
     assert "\n" not in str(refused.value)
-
-
-@pytest.mark.parametrize(
-    ("content", "words"),
-    [(None, "no such file"), (b"\xff\xfe\x00", "save the file as UTF-8")],
-)
-def test_a_file_that_cannot_be_read_is_named(
-    content: bytes | None, words: str, tmp_path: Path
-) -> None:
-    file = tmp_path / "x.toml"
-    if content:
-        file.write_bytes(content)
-    with pytest.raises(AxisError, match=rf"x\.toml: .*{words}"):
-        read_axis(file)

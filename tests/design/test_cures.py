@@ -20,7 +20,7 @@ parameters moves the limit by 1e-16 times at most 1e3, the gap of the coefficien
 
 
 def blocks(count: int) -> Iterator[Parameters]:
-    """Draw blocks with a cycle: undamped, damped up to zeta = 0.9, with load, lift and without."""
+    """Draw blocks with a cycle, undamped or damped, with load, lift and without, either way."""
     draw = Random("cures")
     while count:
         mu_s = draw.uniform(0.02, 1.5)
@@ -29,7 +29,8 @@ def blocks(count: int) -> Iterator[Parameters]:
         block = Parameters(
             m=m, g=g, load=m * g * draw.choice([0.0, 0.0, -0.9, -0.3, 1.0, 3.0, 30.0]), k=k,
             c=2.0 * zeta * math.sqrt(k * m), mu_s=mu_s,
-            mu_k=mu_s * (1.0 - math.exp(draw.uniform(-6.9, 0.0))), v=math.exp(draw.uniform(-9, -1)),
+            mu_k=mu_s * (1.0 - math.exp(draw.uniform(-6.9, 0.0))),
+            v=draw.choice([1.0, 1.0, -1.0]) * math.exp(draw.uniform(-9, -1)),
         )  # fmt: skip
         if steady_cycle(block).exists:
             count -= 1
@@ -39,7 +40,7 @@ def blocks(count: int) -> Iterator[Parameters]:
 def exact_jump(p: Parameters) -> float | None:
     """Return the jump [m] in high precision, None without a cycle."""
     cycle = truth.steady_cycle({name: float(getattr(p, name)) for name in NAMES})
-    return None if cycle is None else float(cycle["delta_x"])
+    return None if cycle is None else abs(float(cycle["delta_x"]))
 
 
 def at(p: Parameters, cure: Cure, value: Any) -> Parameters:
@@ -95,17 +96,6 @@ def test_on_the_way_to_a_cure_the_jump_falls_all_the_time() -> None:
             assert np.min(jumps) >= cure.least * jump * (1.0 - 1e-12), cure
 
 
-def test_slower_helps_down_to_the_jump_of_a_slow_pull() -> None:
-    start = Parameters()
-    slower = cures(start).cures[3]
-    assert slower.halve is None
-    # Without damping the jump never falls below 2 Delta; one rounding or two.
-    assert slower.least == pytest.approx(2.0 * float(start.Delta) / cures(start).jump, rel=1e-14)
-    fast = cures(Parameters(v=0.2)).cures[3]
-    assert fast.halve is not None
-    assert 0.0 < fast.halve < 0.2
-
-
 def test_where_load_brings_the_cycle_back_the_first_limit_is_given() -> None:
     p = Parameters(m=100.0, g=10.0, load=300.0, k=1e6, c=60.0, mu_s=0.3, mu_k=0.2)
     masses = np.geomspace(1.0, 100.0, 400)
@@ -119,16 +109,6 @@ def test_where_load_brings_the_cycle_back_the_first_limit_is_given() -> None:
     assert lighter.end == pytest.approx(float(masses[lowest]), rel=0.05)
     for factor, exists in ((1.0 + NEAR, True), (1.0 - NEAR, False), (0.3, True)):
         assert (exact_jump(replace(p, m=factor * lighter.end)) is not None) == exists
-
-
-def test_a_pull_the_other_way_is_the_mirror_image() -> None:
-    for p in blocks(10):
-        for one, other in zip(cures(p).cures, cures(replace(p, v=-p.v)).cures, strict=True):
-            sign = -1.0 if one.parameter == "v" else 1.0
-            assert other.least == one.least
-            for name in ("now", "halve", "end"):
-                value = getattr(one, name)
-                assert getattr(other, name) == (None if value is None else sign * value)
 
 
 @pytest.mark.parametrize("p", [Parameters(c=20.0, v=1.0), Parameters(c=1e4), Parameters(v=0.0)])

@@ -12,6 +12,7 @@ from stickslip_design.loop.stability import gain_limits, swing
 from stickslip_design.record import record
 from stickslip_design.verdict import AxisCure, OperatingPoint, Verdict
 
+JUMPS = (1.387e-5, 1.844e-5, 2.931e-5)
 FEEDS = (1 / 30e3, 5e-4, 1.2e-3, 5e-3, 0.5)
 DRIVE = Drive(
     inertia=6e-3 * (2.0 * math.pi / 0.01) ** 2, d=1000.0, K_v=25.0, bandwidth=300.0,
@@ -53,10 +54,10 @@ CURES = (
 def juddering() -> Verdict:
     """Return the axis of docs/feed-axis.md, asked at five feeds."""
     critical = 1.5506e-3
-    jumps = ((1.387e-5, True), (1.844e-5, True), (2.931e-5, False), (None, None), (None, None))
+    starts = (True, True, False, None, None)
     first, *points = (
         point(feed, critical, jump, from_rest=from_rest)
-        for feed, (jump, from_rest) in zip(FEEDS, jumps, strict=True)
+        for feed, jump, from_rest in zip(FEEDS, (*JUMPS, None, None), starts, strict=True)
     )
     return Verdict(
         axis=AXIS, stable=True, critical_feed=critical, critical_range=(1.212e-3, 1.927e-3),
@@ -72,10 +73,7 @@ def juddering() -> Verdict:
         before=record(AXIS, 5e-4, 0.3), after=record(AXIS, 2e-3, 0.3),
         sentence="At 2 mm/min this axis jumps 13.9 µm, 2.4 times a second; from 1.55 mm/s on it "
         "cannot. Cheapest cure: raise the slowest feed to 1.55 mm/s.",
-        unanswered=(
-            "Reversal of the feed: the jumps are those of one direction.",
-            "Presliding: the contact gives elastically before it breaks away.",
-        ),
+        unanswered=("Reversal of the feed: the jumps are those of one direction.",) * 2,
     )  # fmt: skip
 
 
@@ -86,14 +84,11 @@ def rigid() -> Verdict:
         AXIS, name="Slide of a grinder", drive=None, demand=Demand(feeds=FEEDS[1:4]), spread={}
     )
     critical = 3.947e-3
-    jumps = (2.1e-5, 3.3e-5, None)
     return replace(
         juddering(), axis=axis, critical_feed=critical, critical_range=(critical, critical),
         rigid_critical_feed=critical, estimated_critical_feed=None, from_rest=None, sliding=None,
         stuck=None, gains=None, hunting=None, responses=(), cures=CURES[:3],
-        points=tuple(
-            point(feed, critical, jump) for feed, jump in zip(FEEDS[1:4], jumps, strict=True)
-        ),
+        points=tuple(map(point, FEEDS[1:4], [critical] * 3, (2.1e-5, 3.3e-5, None))),
         sentence="At 30 mm/min this axis jumps 21 µm; from 3.95 mm/s on it cannot.",
     )  # fmt: skip
 
@@ -117,12 +112,9 @@ def large() -> Verdict:
     """Return what fills a report: many feeds, cures with notes, assumptions and filters."""
     filters = (low_pass(800.0), low_pass(600.0, 0.7), notch(120.0, 0.5, 0.1))
     why = "not on the data sheet: a usual value of such drives"
-    axis = replace(
-        AXIS, name="<b>X</b> & Y", drive=replace(DRIVE, filters=filters, lag=2e-4),
-        assumed=tuple(
-            Assumed(f"drive.velocity_feedforward_{n}", f"{n} ms", why) for n in range(10)
-        ),
-    )  # fmt: skip
+    assumed = (Assumed("drive.velocity_feedforward_1", "1 ms", why),) * 10
+    drive = replace(DRIVE, filters=filters, lag=2e-4)
+    axis = replace(AXIS, name="<b>X</b> & Y", drive=drive, assumed=assumed)
     before = juddering()
     return replace(
         before, axis=axis, points=before.points[:4] * 3, cures=CURES * 3,

@@ -1,4 +1,4 @@
-"""Pictures of maps: slices, units, and the page that holds them."""
+"""Pictures of maps: slices, limits, and the page that holds them."""
 
 import json
 import re
@@ -11,7 +11,7 @@ import pytest
 
 import stickslip_design
 from stickslip_design.maps.page import page
-from stickslip_design.maps.views import Slice, View, contours, unit_of
+from stickslip_design.maps.views import Slice, View, contours
 from tests.needs import needs
 
 if TYPE_CHECKING:
@@ -29,23 +29,6 @@ def some_page() -> tuple[View, list[Slice], str, dict[str, Any]]:
     found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)
     assert found is not None
     return view, slices, text, json.loads(found[1])
-
-
-@pytest.mark.parametrize(
-    ("unit", "largest", "typed", "size", "symbol"),
-    [
-        ("m", 3e-3, "", 1e-3, "mm"),
-        ("N/m", 5e7, "N/mm", 1e3, "N/mm"),
-        ("m/s", 0.05, "mm/min", 1e-3 / 60.0, "mm/min"),
-        ("1", 0.5, "", 1.0, ""),
-    ],
-)
-def test_values_are_shown_in_the_unit_that_was_typed_or_fits(
-    unit: str, largest: float, typed: str, size: float, symbol: str
-) -> None:
-    found = unit_of(unit, largest, typed)
-    assert found.symbol == symbol
-    assert found.size == pytest.approx(size, rel=1e-15)  # one rounding
 
 
 @needs("studies")

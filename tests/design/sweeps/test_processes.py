@@ -2,10 +2,8 @@
 
 import contextlib
 import os
-import signal
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -13,11 +11,7 @@ from typing import Any, TypeVar
 
 import pytest
 
-from stickslip_design.chunks import Progress, run
-from stickslip_design.sweeps.study import prepare, release
-from tests.conftest import built
-from tests.design.chunks.test_cluster import started
-from tests.needs import ROOT, needs
+from tests.needs import ROOT
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="only Linux forks, and has /proc")
 
@@ -83,52 +77,3 @@ def test_nothing_is_left_of_a_process_that_is_killed(
     sweeping.wait()
     waited_for(lambda: has_ended(watching) and has_ended(fork))
     assert not list(tmp_path.glob("stickslip-fmu-*"))
-
-
-def test_an_fmu_ends_with_the_process_that_watches_it_and_the_next_run_has_another(
-    troubled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("TMPDIR", str(tmp_path))
-    plan = {**HANGING, "parameters": {"trouble": [1, 0]}, "time_limit": 300.0}
-    killed: list[int] = []
-
-    def kill() -> None:
-        killed.append(hanging_in(tmp_path))
-        os.kill(waited_for(lambda: children_of(os.getpid()))[0], signal.SIGKILL)
-
-    thread = threading.Thread(target=kill)
-    thread.start()
-    failures = prepare(troubled, plan).compute(0, 2)["failure"].tolist()
-    thread.join()
-    release()
-    assert failures == ["crashed (SIGKILL)", ""]
-    waited_for(lambda: has_ended(killed[0]))
-
-
-@needs("cc", "cluster")
-def test_a_killed_worker_of_a_cluster_leaves_the_results_as_they_are(tmp_path: Path) -> None:
-    plan = {
-        "stop_time": "3 s", "step": "3 s", "outputs": {"delta_x": "last", "T": "last"},
-        "parameters": {"k": "500..3000 N/m log 200", "mu_s": "0.31..0.9 40", "c": 0.5},
-    }  # fmt: skip
-    study = prepare(built("native-2"), plan)
-    ended: list[int] = []
-    with started(tmp_path) as dask:
-        dask.add_worker()
-        dask.add_worker()
-
-        def disturb(progress: Progress) -> None:
-            victim = dask.workers[0]
-            if not ended and progress.done > 1000 and (its := children_of(victim.pid)):
-                ended.extend([*its, *children_of(its[0])])
-                victim.kill()
-
-        found = run(study, str(tmp_path / "study"), cluster=dask.address, progress=disturb).read()
-        assert dask.workers[0].wait(60.0) == -9
-    undisturbed = run(study, workers=1).read()
-    release()
-    assert not any(found["failure"])
-    for name in study.job.columns:
-        assert found[name].tobytes() == undisturbed[name].tobytes()
-    # What held its FMUs did not outlive it.
-    waited_for(lambda: all(map(has_ended, ended)))

@@ -126,18 +126,6 @@ def test_a_grid_has_dimensions_units_and_inputs_and_the_jumps_of_the_reference()
         assert np.all(np.abs(found[name].values[:, 0] / expected - 1.0) <= tolerance), name
 
 
-@needs("studies")
-def test_points_of_a_table_make_one_dimension_in_its_order(troubled: Path, tmp_path: Path) -> None:
-    file = tmp_path / "points.csv"
-    file.write_text("gain, u, trouble\n1, 2, 0\n3, 4, 4\n5, 6, 0\n", encoding="utf-8")
-    plan = {**planned(points=str(file)), "parameters": {}, "inputs": {}}
-    found = sweep(troubled, plan, workers=1)
-    assert dict(found.sizes) == {"point": 3}
-    assert found["y"].values[[0, 2]].tolist() == [2.0, 30.0]
-    assert (found["failure"] == "").values.tolist() == [True, False, True]
-    assert found["gain"].dims == ("point",)
-
-
 def test_an_input_from_a_file_follows_straight_lines_and_steps_at_two_rows(
     troubled: Path, tmp_path: Path
 ) -> None:
