@@ -1,7 +1,6 @@
 """Tables that contradict themselves, and the record of values that a table gives."""
 
 import copy
-import json
 from typing import Any
 
 import pytest
@@ -126,11 +125,6 @@ def test_a_record_for_a_longer_table_keeps_the_methods_of_the_shorter_ones() -> 
 def test_saved_values_that_do_not_fit_the_table_are_refused(plain: Any, told: str) -> None:
     with pytest.raises(ModelError, match=told):
         values(Given, plain)
-
-
-def test_saved_values_that_fit_are_read_to_the_bit() -> None:
-    good = {"m": 0.1, "n": 2}
-    assert values(Given, json.loads(json.dumps(good))).as_dict() == good
 
 
 def test_a_tuple_in_the_pattern_of_saved_data_allows_any_of_its_members() -> None:
