@@ -3,10 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+STEP = 0.01
+"""The communication step [s]."""
+
 
 @dataclass(frozen=True)
 class Case:
-    """A run of so many communication steps [s].
+    """A run of so many communication steps.
 
     Parameters and inputs are set at the start, by name in SI; inputs also at the communication
     point where the step of this number begins.
@@ -14,7 +17,6 @@ class Case:
 
     name: str
     start: Mapping[str, float]
-    step: float
     steps: int
     changes: Mapping[int, Mapping[str, float]] = field(default_factory=dict)
 
@@ -36,12 +38,9 @@ _PULLED_ABOUT: Mapping[int, Mapping[str, float]] = {
 }
 
 CASES: Mapping[str, Case] = {
-    case.name: case
-    for case in (
-        Case("default", {}, 0.01, 1000),
-        Case("inputs", _DAMPED, 0.01, 400, _PULLED_ABOUT),
-        # Ends in a slip, with every input away from its start: what a restart must undo.
-        Case("restart", _DAMPED, 0.01, 270, _PULLED_ABOUT),
-    )
+    "default": Case("default", {}, 1000),
+    "inputs": Case("inputs", _DAMPED, 400, _PULLED_ABOUT),
+    # Ends in a slip, with every input away from its start: what a restart must undo.
+    "restart": Case("restart", _DAMPED, 270, _PULLED_ABOUT),
 }
 """Cases by name. `restart` begins as `inputs`, and is run twice in one process."""

@@ -1,7 +1,5 @@
 """The host written in C: compiled, started with a libpython, given scripts of calls."""
 
-from __future__ import annotations
-
 import subprocess
 import zipfile
 from collections.abc import Mapping
@@ -10,7 +8,7 @@ from pathlib import Path
 
 from stickslip.host.launch import prepare
 from stickslip_fmu.spec import TABLE
-from tests.importers.cases import Case
+from tests.importers.cases import STEP, Case
 from tests.importers.running import Rows
 
 SOURCE = Path(__file__).parents[2] / "examples" / "importing" / "host.c"
@@ -24,8 +22,7 @@ _BARE = {"PATH": "/usr/local/bin:/usr/bin:/bin", "PYTHONNOUSERSITE": "1"}
 
 def compile_host(folder: Path, *options: str) -> Path:
     program = folder / "host"
-    command = ["cc", *(options or STRICT), "-o", str(program), str(SOURCE), "-ldl"]
-    subprocess.run(command, check=True)
+    subprocess.run(["cc", *STRICT, *options, "-o", program, SOURCE, "-ldl"], check=True)
     return program
 
 
@@ -61,14 +58,14 @@ class Host:
         return [[float(value) for value in line.split(",")] for line in done.stdout.splitlines()]
 
     def run(self, case: Case) -> Rows:
-        shown = self.answers(f"{script_of(case)}terminate\n")
-        times = tuple(number * case.step for number in range(case.steps + 1))
-        return Rows(times, dict(zip(OUTPUTS, zip(*shown, strict=True), strict=True)))
+        shown = zip(*self.answers(f"{script_of(case)}terminate\n"), strict=True)
+        times = [number * STEP for number in range(case.steps + 1)]
+        return {"times": times, "outputs": dict(zip(OUTPUTS, shown, strict=True))}
 
 
-def with_libpython(program: Path, fmu: Path, python: str | None = None) -> Host:
-    """Return the host with the libpython of an interpreter, as `stickslip host` would start it."""
-    return Host(program, fmu, {**_BARE, **prepare([str(program)], python, _BARE).changes})
+def with_libpython(program: Path, fmu: Path) -> Host:
+    """Return the host with libpython, as `stickslip host` would start it."""
+    return Host(program, fmu, {**_BARE, **prepare([str(program)], None, _BARE).changes})
 
 
 def without_libpython(program: Path, fmu: Path) -> Host:
@@ -78,19 +75,15 @@ def without_libpython(program: Path, fmu: Path) -> Host:
 
 def script_of(case: Case) -> str:
     """Return the lines that run a case and read its outputs at the start and after each step."""
-    look = line("get", *OUTPUTS)
-    script = ["setup 0\n", _set(case.start), "enter\nexit\n", look]
+    look = f"get {' '.join(OUTPUTS)}\n"
+    script = f"setup 0\n{_set(case.start)}enter\nexit\n{look}"
     for number in range(case.steps):
-        step = line("step", number * case.step, case.step)
-        script += [_set(case.changes.get(number, {})), step, look]
-    return "".join(script)
-
-
-def line(what: str, *words: object) -> str:
-    """Return a line of a script; numbers in hexadecimal, so that no digit is lost."""
-    texts = [word.hex() if isinstance(word, float) else str(word) for word in words]
-    return " ".join([what, *texts]) + "\n"
+        # In hexadecimal, so that no digit is lost.
+        step = f"step {(number * STEP).hex()} {STEP.hex()}\n"
+        script += _set(case.changes.get(number, {})) + step + look
+    return script
 
 
 def _set(values: Mapping[str, float]) -> str:
-    return line("set", *(word for pair in values.items() for word in pair)) if values else ""
+    words = "".join(f" {name} {value.hex()}" for name, value in values.items())
+    return f"set{words}\n" if values else ""

@@ -1,72 +1,61 @@
 """How far what an importer recorded is from the exact solution, at the importer's own times."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from itertools import pairwise
 
 from stickslip_verification.truth import Run, Step
 from stickslip_verification.truth import run as exact_run
+from tests.facts.closed import Exact
 from tests.importers.cases import CASES, Case
 from tests.importers.running import Rows
 
-_RELATIVE = ("t_stick", "t_slip", "T", "f", "mu_k_used")
 EXACT = ("mode", "sticking", "n_slips")
 """Outputs that must not differ at all."""
 
 
-def deviations(case: Case, rows: Rows) -> dict[str, float]:
+def deviations(case: Case, rows: Rows, nested: bool = False) -> dict[str, float]:
     """Return the largest deviation of every output over the communication points.
 
     Lengths as parts of 2 Delta, forces of F_s, speeds of the peak velocity of a slip, energies of
     F_s 2 Delta, t_event of the shortest slip; all at the start values of the case. Durations, f
     and mu_k_used relative to what is exact. Of mode, sticking and n_slips the largest difference.
+
+    Of the second of two blocks (`nested`), which is pushed over a step by the F that the first
+    showed at the end of the step before: what was recorded of that is exact here.
     """
-    return _compared(case, rows, _exact(case.name, rows.times))
-
-
-def nested_deviations(case: Case, rows: Rows) -> dict[str, float]:
-    """Return the deviations of the second of two blocks, which the first one's F pushes.
-
-    Over a step it is pushed by what the first showed at the end of the step before. What was
-    recorded of the first is what the second was given, so it is exact here.
-    """
-    assert rows.nested is not None
-    assert rows.nested.outputs["x"] != rows.outputs["x"]
-    forces = [float(force) for force in rows.outputs["F"]]
-    # The spring is relaxed at the start, which not every importer shows.
-    pushed = tuple(forces if rows.times[0] == 0.0 else [0.0, *forces])
-    return _compared(case, rows.nested, _exact(case.name, rows.times, pushed))
-
-
-def _compared(case: Case, rows: Rows, exact: Run) -> dict[str, float]:
-    samples = [exact.initial, *exact.samples][-len(rows.times) :]
-    assert len(rows.times) in (case.steps, case.steps + 1)
-    assert set(rows.outputs) == set(exact.initial), "an output is missing"
-    scales, found = _scales(case), {}
-    for name, recorded in rows.outputs.items():
-        errors = []
-        for got, sample in zip(recorded, samples, strict=True):
-            expected = float(sample[name])
-            scale = abs(expected) if name in _RELATIVE and expected else scales.get(name, 1.0)
-            errors.append(abs(float(got) - expected) / scale)
-        found[name] = max(errors)
-    return found
+    outputs, pushed = rows["outputs"], None
+    times = tuple(rows["times"])
+    if nested:
+        # The spring is relaxed at the start, which not every importer shows.
+        pushed = tuple(outputs["F"] if times[0] == 0.0 else [0.0, *outputs["F"]])
+        assert rows["nested"][0]["x"] != outputs["x"]
+        [outputs] = rows["nested"]
+    exact = _exact(case.name, times, pushed)
+    samples = [exact.initial, *exact.samples][-len(times) :]
+    assert len(times) in (case.steps, case.steps + 1)
+    assert set(outputs) == set(exact.initial), "an output is missing"
+    scales = _scales(case)
+    return {
+        name: max(
+            abs(float(got) - float(sample[name]))
+            / (scales.get(name) or abs(float(sample[name])) or 1.0)
+            for got, sample in zip(recorded, samples, strict=True)
+        )
+        for name, recorded in outputs.items()
+    }
 
 
 @cache
-def _exact(name: str, times: tuple[float, ...], pushed: tuple[float, ...] | None = None) -> Run:
+def _exact(name: str, times: tuple[float, ...], pushed: tuple[float, ...] | None) -> Run:
     """Return the exact course of a case at these times, with F_ext from step to step if given."""
     case = CASES[name]
     # Some importers show the state at the start, some begin with the end of the first step.
     points = times if times[0] == 0.0 else (0.0, *times)
     steps = []
     for number, (begin, end) in enumerate(pairwise(points)):
-        changes = dict(case.changes.get(number, {}))
-        if pushed is not None:
-            changes["F_ext"] = pushed[number]
-        steps.append(Step(end - begin, changes))
+        more = {} if pushed is None else {"F_ext": pushed[number]}
+        steps.append(Step(end - begin, {**case.changes.get(number, {}), **more}))
     run = exact_run(case.start, steps, digits=30)
     # The importers' times differ by some 1e-13 s: rounding must not put an event on the other side
     # of a communication point. An event that a change causes stands at the point itself.
@@ -78,15 +67,14 @@ def _exact(name: str, times: tuple[float, ...], pushed: tuple[float, ...] | None
 
 
 def _scales(case: Case) -> dict[str, float]:
-    """Return what the deviation of an output is a part of, by name."""
-    values = {"mu_s": 0.5, "mu_k": 0.3, "v": 0.02} | dict(case.start)
-    m, g, k, v = 1.0, 9.81, 1000.0, values["v"]
-    F_s, Delta = values["mu_s"] * m * g, (values["mu_s"] - values["mu_k"]) * m * g / k
-    w = math.sqrt(k / m)
+    """Return what the deviation of an output is a part of, where that is not its own value."""
+    p = Exact(case.start)
+    length, F_s = float(2 * p.Delta), float(p.F_s)
     return {
-        **dict.fromkeys(("x", "x_pull", "z", "delta_x", "spring_drop"), 2.0 * Delta),
+        **dict.fromkeys(("x", "x_pull", "z", "delta_x", "spring_drop"), length),
         **dict.fromkeys(("F", "F_friction", "F_s"), F_s),
-        **dict.fromkeys(("x_dot", "x_dot_peak"), v * (1.0 + math.hypot(1.0, w * Delta / v))),
-        **dict.fromkeys(("W_pull", "W_k", "Q_friction"), F_s * 2.0 * Delta),
-        "t_event": math.pi / w,
+        **dict.fromkeys(("x_dot", "x_dot_peak"), float(p.v * (1 + math.hypot(1, p.lambda_)))),
+        **dict.fromkeys(("W_pull", "W_k", "Q_friction"), F_s * length),
+        **dict.fromkeys(EXACT, 1.0),
+        "t_event": math.pi / float(p.w),
     }

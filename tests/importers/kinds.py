@@ -1,9 +1,10 @@
 """Small FMUs with one kind of variable each, to find out which kinds an importer knows."""
 
-import zipfile
 from pathlib import Path
 
 from pythonfmu import FmuBuilder
+
+from tests.makers import altered, edited
 
 VALUES: dict[str, tuple[object, object]] = {
     "Real": (0.5, 0.1),
@@ -25,44 +26,34 @@ class Echo(Fmi2Slave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         self.given = self.shown = {start!r}
-        how = {variability}
-        self.register_variable(
-            {declared}("given", causality=Fmi2Causality.input, start=self.given, **how)
-        )
-        self.register_variable({declared}("shown", causality=Fmi2Causality.output, **how))
+        for name in ("given", "shown"):
+            causality = Fmi2Causality.input if name == "given" else Fmi2Causality.output
+            start = {{"start": self.given}} if name == "given" else {{}}
+            self.register_variable(
+                {declared}(name, causality=causality, variability={variability}, **start)
+            )
 
     def do_step(self, current_time, step_size):
         self.shown = self.given
         return True
 '''
+# What pythonfmu leaves out.
+_INITIAL = ("</Outputs>", '</Outputs><InitialUnknowns><Unknown index="2"/></InitialUnknowns>')
 _ITEMS = "".join(f'<Item name="n{value}" value="{value}"/>' for value in (1, 2, 3))
 _CHOICE = (
-    f'<TypeDefinitions><SimpleType name="Choice"><Enumeration>{_ITEMS}</Enumeration></SimpleType>'
-    "</TypeDefinitions>\n\t<LogCategories>"
-)
-_INITIAL = '</Outputs><InitialUnknowns><Unknown index="2"/></InitialUnknowns>'
+    ("<Integer", '<Enumeration declaredType="Choice"'),
+    ("<LogCategories>", '<TypeDefinitions><SimpleType name="Choice"><Enumeration>'
+     f"{_ITEMS}</Enumeration></SimpleType></TypeDefinitions><LogCategories>"),
+)  # fmt: skip
 
 
 def build(kind: str, folder: Path) -> Path:
     """Build the FMU of one kind, a key of `VALUES`: an input `given` and an output `shown`."""
     declared = "Integer" if kind == "Enumeration" else kind
-    variability = "{}" if kind == "Real" else '{"variability": Fmi2Variability.discrete}'
+    variability = f"Fmi2Variability.{'continuous' if kind == 'Real' else 'discrete'}"
     script = folder / f"echo_{kind.lower()}.py"
-    start, _ = VALUES[kind]
-    script.write_text(
-        _SLAVE.format(declared=declared, start=start, variability=variability), encoding="utf-8"
-    )
-    built = Path(FmuBuilder.build_FMU(script, dest=folder, needsExecutionTool="false"))
-    completed = folder / f"{kind}.fmu"
-    with zipfile.ZipFile(built) as source, zipfile.ZipFile(completed, "w") as target:
-        for name in source.namelist():
-            content = source.read(name)
-            if name == "modelDescription.xml":
-                # What pythonfmu leaves out.
-                text = content.decode().replace("</Outputs>", _INITIAL)
-                if kind == "Enumeration":
-                    text = text.replace("<Integer", '<Enumeration declaredType="Choice"')
-                    text = text.replace("<LogCategories>", _CHOICE, 1)
-                content = text.encode()
-            target.writestr(name, content)
-    return completed
+    text = _SLAVE.format(declared=declared, start=VALUES[kind][0], variability=variability)
+    script.write_text(text, encoding="utf-8")
+    fmu = Path(FmuBuilder.build_FMU(script, dest=folder, needsExecutionTool="false"))
+    more = _CHOICE if kind == "Enumeration" else ()
+    return altered(fmu, folder / f"{kind}.fmu", edited(_INITIAL, *more))

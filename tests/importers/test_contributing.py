@@ -8,23 +8,21 @@ import pytest
 from tests.test_contributing import applied, copied, walk
 from tests.verification.test_contributing import blocks
 
-SECTION = "Add an importer"
 COPIED = ("CONTRIBUTING.md", "pyproject.toml", "docs/importing.md", "examples/importing", "tests")
 
 
 @pytest.mark.gate
 def test_an_importer_is_added_as_contributing_says(tmp_path: Path) -> None:
     copied(COPIED, tmp_path)
-    (module,) = blocks(SECTION, "python")
+    [module], [diff], [command] = (
+        blocks("Add an importer", language) for language in ("python", "diff", "bash")
+    )
     inside = tmp_path / "tests" / "importers" / "inside"
     (inside / "by_stepper.py").write_text(module, encoding="utf-8")
-    (diff,) = blocks(SECTION, "diff")
-    (document,) = applied(diff, tmp_path)
+    [document] = applied(diff, tmp_path)
     section = document.read_text(encoding="utf-8").split("\n## FMPy, call by call\n")[1]
     script = re.findall(r"^```python\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)[0]
     example = tmp_path / "examples" / "importing" / "with_stepper.py"
     example.write_text(script, encoding="utf-8")
-
-    (command,) = blocks(SECTION, "bash")
     said = walk(command, tmp_path, PYTEST_DEBUG_TEMPROOT=str(tmp_path))
     assert re.search(r"\b9 passed, ", said), said

@@ -7,6 +7,8 @@ from typing import Any
 import ecospy
 import fmpy
 
+from tests.importers.cases import STEP
+
 from .simulation import ALONE, LINK, PAIR, NotOfferedError, Simulation
 
 _WORDS = {
@@ -37,7 +39,7 @@ class Ecos(Simulation):
         if self.blocks == PAIR:
             structure.make_real_connection(*("::".join(end) for end in LINK))
         self.opened = self.stack.enter_context(
-            ecospy.EcosSimulation(structure=structure, step_size=self.h)
+            ecospy.EcosSimulation(structure=structure, step_size=STEP)
         )
         self.stack.callback(self.opened.terminate)
         if self.messages:

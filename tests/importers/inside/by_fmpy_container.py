@@ -16,6 +16,8 @@ from fmpy.model_description import (
     Unknown,
 )
 
+from tests.importers.cases import STEP
+
 from .containing import Container
 from .simulation import LINK, PAIR
 
@@ -31,10 +33,8 @@ class Pairs(list[Any]):
 class FmpyContainer(Container):
     """Blocks stepped one after the other."""
 
-    @classmethod
-    def nest(
-        cls, fmu: str, step: float, blocks: tuple[str, ...] = PAIR, *, threads: bool = False
-    ) -> str:
+    @staticmethod
+    def nest(fmu: str, blocks: tuple[str, ...], threads: bool) -> str:
         """Make the container and return its path."""
         inside = fmpy.read_model_description(fmu)
         components = {name: Component(name, Path(fmu), inside) for name in blocks}
@@ -53,7 +53,7 @@ class FmpyContainer(Container):
             modelName="Container",
             instantiationToken="blocks",
             defaultExperiment=DefaultExperiment(startTime="0.0", stopTime="10.0"),
-            coSimulation=CoSimulation(fixedInternalStepSize=step),
+            coSimulation=CoSimulation(fixedInternalStepSize=STEP),
             unitDefinitions=inside.unitDefinitions,
             typeDefinitions=inside.typeDefinitions,
             modelVariables=variables,

@@ -1,5 +1,6 @@
 """A container made by `fmucontainer` of fmu-manipulation-toolbox."""
 
+import itertools
 import json
 import sys
 import tempfile
@@ -8,6 +9,8 @@ from typing import Any
 
 import fmpy
 from fmu_manipulation_toolbox.cli.fmucontainer import fmucontainer
+
+from tests.importers.cases import STEP
 
 from .containing import Container
 from .simulation import LINK, PAIR
@@ -19,29 +22,24 @@ class Fmucontainer(Container):
     @classmethod
     def in_threads(cls, fmu: str, case: Any) -> Any:
         """Run a case, each block stepped in a thread of its own."""
-        return cls.run(fmu, case, threads=True)
+        return type("InThreads", (cls,), {"threads": True}).pair(fmu, case)  # type: ignore[attr-defined]
 
-    @classmethod
-    def nest(
-        cls, fmu: str, step: float, blocks: tuple[str, ...] = PAIR, *, threads: bool = False
-    ) -> str:
+    @staticmethod
+    def nest(fmu: str, blocks: tuple[str, ...], threads: bool) -> str:
         """Call `fmucontainer` on a description of the container and return the FMU it made."""
         linked = LINK if blocks == PAIR else ()
         exposed: dict[str, list[list[str]]] = {"input": [], "output": []}
-        for block in blocks:
-            for each in fmpy.read_model_description(fmu).modelVariables:
-                inside, outside = [f"{block}.fmu", each.name], f"{block}.{each.name}"
-                # An output that is linked is shown without being asked for.
-                if (block, each.name) in linked:
-                    continue
-                if each.causality == "input":
-                    exposed["input"].append([outside, *inside])
-                elif each.causality == "output":
-                    exposed["output"].append([*inside, outside])
+        variables = fmpy.read_model_description(fmu).modelVariables
+        # An output that is linked is shown without being asked for.
+        for block, each in itertools.product(blocks, variables):
+            if each.causality in exposed and (block, each.name) not in linked:
+                outside, inside = [f"{block}.{each.name}"], [f"{block}.fmu", each.name]
+                ends = outside + inside if each.causality == "input" else inside + outside
+                exposed[each.causality].append(ends)
         files = [f"{block}.fmu" for block in blocks]
         description = {
             "name": "container.fmu",
-            "step_size": step,
+            "step_size": STEP,
             "mt": threads,
             "fmu": files,
             "path": dict.fromkeys(files, fmu),

@@ -10,6 +10,8 @@ from libcosimpy.CosimManipulator import CosimManipulator
 from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave, CosimSlaveVariableDescription
 
+from tests.importers.cases import STEP
+
 from .simulation import ALONE, LINK, PAIR, NotOfferedError, Simulation
 
 _TYPES = ("real", "integer", "string", "boolean")
@@ -34,7 +36,7 @@ class Libcosim(Simulation):
         if self.messages:
             log_output_level(CosimLogLevel.WARNING)
         self.execution = (
-            CosimExecution.from_step_size(round(self.h * _NANOSECONDS))
+            CosimExecution.from_step_size(round(STEP * _NANOSECONDS))
             if self.algorithm is None
             else CosimExecution.from_algorithm(self.algorithm)
         )

@@ -3,53 +3,34 @@
 from functools import cache
 from typing import Any
 
-from .by_fmpy import Fmpy, simulated
-from .simulation import ALONE, LINK, PAIR, STEP, outputs
+from .by_fmpy import Fmpy
+from .simulation import PAIR
 
 
 class Container(Fmpy):
-    """Containers with one block each, for the probes; runs are of one container with a pair."""
+    """A container with a pair, or for each block a container of its own."""
 
-    @classmethod
-    def nest(
-        cls, fmu: str, step: float, blocks: tuple[str, ...] = PAIR, *, threads: bool = False
-    ) -> str:
+    threads = False
+    """Whether each block is stepped in a thread of its own."""
+
+    @staticmethod
+    def nest(fmu: str, blocks: tuple[str, ...], threads: bool) -> str:
         """Make a container and return its path; its variables are called as `a.F`."""
         raise NotImplementedError
 
-    @classmethod
-    @cache
-    def made(cls, fmu: str) -> str:
-        return cls.nest(fmu, STEP, PAIR[:1])
+    def made(self) -> str:
+        inside = PAIR if self.blocks == PAIR else PAIR[:1]
+        return _nested(self.nest, self.fmu, inside, self.threads)
 
-    @classmethod
-    def run(
-        cls, fmu: str, case: Any, blocks: tuple[str, ...] = ALONE, *, threads: bool = False
-    ) -> Any:
-        assert blocks == ALONE
-        names = outputs(fmu)
-        both = {
-            **case,
-            "start": _for_both(case["start"]),
-            "changes": {number: _for_both(each) for number, each in case["changes"].items()},
-        }
-        container = cls.nest(fmu, case["step"], threads=threads)
-        rows = simulated(container, both, [f"{block}.{name}" for block in PAIR for name in names])
-        again = _split(rows["again"], names) if "again" in rows else None
-        return {**_split(rows, names), "again": again}
+    def of_blocks(self, instantiate: Any) -> dict[str, Any]:
+        if self.blocks == PAIR:
+            return dict.fromkeys(PAIR, instantiate())
+        return super().of_blocks(instantiate)
+
+    def named(self, name: str, block: str) -> Any:
+        return self.variables[f"{block if self.blocks == PAIR else PAIR[0]}.{name}"]
 
 
-def _for_both(values: Any) -> dict[str, float]:
-    pairs = [(block, name) for block in PAIR for name in values]
-    return {f"{block}.{name}": values[name] for block, name in pairs if (block, name) != LINK[1]}
-
-
-def _split(rows: Any, names: list[str]) -> dict[str, Any]:
-    first, second = (
-        {
-            "times": rows["times"],
-            "outputs": {name: rows["outputs"][f"{block}.{name}"] for name in names},
-        }
-        for block in PAIR
-    )
-    return {**first, "nested": second}
+@cache
+def _nested(nest: Any, *arguments: Any) -> str:
+    return str(nest(*arguments))
