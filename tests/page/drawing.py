@@ -1,6 +1,5 @@
 """Reads the charts back: what their paths, bands, axes and cursors say, in seconds and SI."""
 
-import math
 import re
 from dataclasses import dataclass
 from itertools import pairwise
@@ -25,6 +24,7 @@ SIZES = {
     "": 1.0,
     "years": 31557600.0,
     "days": 86400.0,
+    "min": 60.0,
 }
 """SI size of the units that the tests meet on the page."""
 
@@ -88,12 +88,6 @@ def place(window: Window, chart: str, t: float) -> Point:
     window.page.locator(f"#{chart}").scroll_into_view_if_needed()
     left, top, _, height = window.box(f"#{chart}")
     return left + time_axis(window, chart).place(t), top + 0.5 * height
-
-
-def choose(window: Window, chart: str, start: float, end: float) -> None:
-    """Drag over a chart from one time [s] to another."""
-    (left, top), (right, _) = (place(window, chart, t) for t in (start, end))
-    window.pull(left, top, right - left, 0.0)
 
 
 def phases(window: Window) -> list[tuple[Kind, float, float]]:
@@ -175,8 +169,3 @@ def quantity(words: str, pattern: str) -> tuple[float, float]:
     size = SIZES[match[2].rstrip(".")]
     half = 0.5 * 10.0 ** -len(match[1].rstrip(".").partition(".")[2]) * size
     return float(match[1].replace("−", "-").rstrip(".")) * size, 1.001 * half
-
-
-def is_even(places: list[float], step: float) -> bool:
-    """Tell whether places [px] are one step apart."""
-    return all(math.isclose(b - a, step, abs_tol=3 * PIXEL) for a, b in pairwise(places))

@@ -28,16 +28,10 @@ Ratios = dict[str, float]
 
 
 class Exact:
-    """A setting, its closed forms in doubles by the reference, and its motion in high precision.
+    """A setting, its closed forms by the reference, and its motion in high precision.
 
-    Attributes
-    ----------
-    p, cycle, v_c
-        Parameters, cycle and critical velocity of the reference.
-    distance
-        lambda/lambda_c - 1 = v_c/v - 1: infinite without damping, -1 where damping leaves no cycle.
-    times, samples, events
-        Times [s], every output there, and all transitions up to the last, in high precision.
+    `distance` is lambda/lambda_c - 1 = v_c/v - 1: infinite without damping, -1 where damping leaves
+    no cycle. `samples` and `events` are every output at `times` [s], and the transitions till then.
     """
 
     def __init__(self, setting: Setting) -> None:
@@ -113,9 +107,7 @@ def relative(got: float, expected: float) -> float:
 def _grazing(exact: Exact) -> float:
     """Return the growth of a relative error of state in t_slip, 1 + 1/sqrt(d): design.md, 2.
 
-    Near a grazing stop the speed is a parabola whose least is about -v d: the stop lies about
-    sqrt(d)/w before that, and an error of d moves it by 1/sqrt(d) as much. As the mass hardly moves
-    there, T and delta_x = v T do not take part: what the slip gains, the stick loses.
+    As the mass hardly moves there, T and delta_x = v T do not take part: the stick loses it.
     """
     return 1.0 + 1.0 / math.sqrt(exact.distance) if exact.distance > 0.0 else 1.0
 
@@ -158,13 +150,10 @@ def _events(got: Sequence[Mapping[str, Any]], exact: Exact) -> Ratios:
 
 
 def _dating(exact: Exact, t: float) -> float:
-    """Return how well doubles date the last break-away before a time [s].
+    """Return how well doubles date the last break-away before a time [s]: design.md, 2, for T.
 
-    The first one is a quotient of products and is known to twice the digits, and so is a stick
-    without damping; a slip is rounded with w, lambda, atan and their quotient, four times. With
-    damping a period holds an exponential, whose logarithm is the difference of two numbers below
-    ln(1 + lambda) that take five operations; eight more make it, with w, Delta, lambda and the sum.
-    This adds up over the periods that have passed: the error that design.md, 2, gives for T.
+    An undamped slip is rounded four times; a damped period eight times, and its logarithm is the
+    difference of two numbers below ln(1 + lambda) of five operations. Over all periods that passed.
     """
     if not exact.cycle.exists:
         return 0.0
@@ -194,10 +183,7 @@ def _states(got: Sequence[Mapping[str, Any]], exact: Exact) -> Ratios:
 
 
 def _sizes(exact: Exact) -> dict[str, tuple[float, float]]:
-    """Return scale and swiftness of each part of the state: its largest size and rate in the run.
-
-    Forces are held against F_s at least. The rates are those of the equation of motion.
-    """
+    """Return the largest size and rate of each part of the state; forces are at least F_s."""
     p = exact.p
 
     def largest(*names: str) -> float:

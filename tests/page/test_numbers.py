@@ -44,10 +44,3 @@ def test_cycle_states_and_events_of_the_page_are_those_of_python(
             if not ratio <= 1.0:
                 refuted[name] = f"{ratio:.3g} times its bound at {each.setting}"
     assert not refuted
-
-
-def test_a_script_may_give_numbers_as_text(window: Window) -> None:
-    window.js("""() => stickslip.set({ k: "2000", mu_k: "0.2", v: " 0.05 " })""")
-    by_text = window.js("[stickslip.setting, stickslip.cycle]")
-    window.set(k=2000.0, mu_k=0.2, v=0.05)
-    assert window.js("[stickslip.setting, stickslip.cycle]") == by_text

@@ -52,7 +52,7 @@ def inaudible(p: Setting) -> float:
     """Return the factor of k at which the cycle leaves hearing."""
 
     def beyond(factor: float) -> float:
-        return HEARING / steady_cycle(parameters({**p, "k": p["k"] * factor})).f - 1.0
+        return HEARING / float(steady_cycle(parameters({**p, "k": p["k"] * factor})).f) - 1.0
 
     return float(brentq(beyond, 2.0, 1e4, xtol=1e-12))
 

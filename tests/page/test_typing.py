@@ -29,7 +29,19 @@ PREFIXES = ["", "", *["p", "n", "u", "µ", "μ", "m", "c", "d", "k", "M", "G", "
 SIGNS = (".", "·", "*", " . ", "/", " / ")
 POWERS = ["", "", "", "2", "-1", "^2", "**3", "²", "^-12", "0"]
 LOST = ("m/", "/s", "kkg", "m m", "furlong", "-", "N..m", "m***2", "m^", "in", ",5", "²", "T", "µ")
-KNOWN = ("mm/min", "um/s", "km/h", "mm/year", "m.s-1", "N/µm", "kN/mm", "kg/s2", "TN/m", "g", "t")
+KNOWN: tuple[str, ...] = (
+    "mm/min",
+    "um/s",
+    "km/h",
+    "mm/year",
+    "m.s-1",
+    "N/µm",
+    "kN/mm",
+    "kg/s2",
+    "TN/m",
+    "g",
+    "t",
+)
 KNOWN += ("mg", "kN.s/m", "kg/min", "N·s/mm", "N", "kg.m/s²", "%", "ms", "year", "m/s/s", "cm")
 
 
