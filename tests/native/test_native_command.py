@@ -45,37 +45,23 @@ def test_the_fmu_has_all_that_the_python_fmu_has_but_what_is_of_python(command: 
 
 
 @pytest.mark.parametrize(
-    ("words", "machine", "answer"),
+    ("words", "compiler_path", "system", "answer"),
     [
-        (["--this-machine"], "", "--this-machine is for --native"),
+        ("--this-machine", "cc", "linux", "--this-machine is for --native"),
         (
-            ["--native", "--this-machine", "--law", renamed.NAME],
-            "",
+            f"--native --this-machine --law {renamed.NAME}", "cc", "linux",
             f"{renamed.NAME!r} has no native side; coulomb and stribeck have one",
         ),
-        (["--native"], "without ziglang", "pip install 'stickslip[native]'"),
-        (
-            ["--native", "--this-machine"],
-            "without a compiler",
-            "there is no C compiler: a program cc",
-        ),
-        (
-            ["--native", "--this-machine"],
-            "unknown",
-            "none of x86_64-linux, aarch64-linux,",
-        ),
+        ("--native", "cc", "linux", "pip install 'stickslip[native]'"),
+        ("--native --this-machine", None, "linux", "there is no C compiler: a program cc"),
+        ("--native --this-machine", "cc", "freebsd14", "none of x86_64-linux, aarch64-linux,"),
     ],
-)
+)  # fmt: skip
 def test_what_cannot_be_built_is_answered_in_one_line(
-    command: Command, words: list[str], machine: str, answer: str,
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path,
+    command: Command, words: str, compiler_path: str | None, system: str, answer: str,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
-    if machine == "without ziglang":
-        monkeypatch.setattr(compiler, "find_spec", lambda name: None)
-    else:
-        # On a machine that has a compiler, or not.
-        found = None if machine == "without a compiler" else "/usr/bin/cc"
-        monkeypatch.setattr("shutil.which", lambda name: found)
-    if machine == "unknown":
-        monkeypatch.setattr(sys, "platform", "freebsd14")
-    assert answer in command.refuses("build", *words)
+    monkeypatch.setattr(compiler, "find_spec", lambda name: None)
+    monkeypatch.setattr("shutil.which", lambda name: compiler_path)
+    monkeypatch.setattr(sys, "platform", system)
+    assert answer in command.refuses("build", *words.split())
