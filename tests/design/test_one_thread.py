@@ -1,5 +1,7 @@
+import numpy as np
 import pytest
 import scipy.linalg
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from stickslip_design.loop import system
@@ -15,7 +17,12 @@ def test_small_matrices_of_a_loop_take_one_thread_and_the_callers_number_comes_b
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     seen: set[int] = set()
-    monkeypatch.setattr(system, "expm", lambda x: (seen.update(threads()), scipy.linalg.expm(x))[1])
+
+    def noting(matrix: NDArray[np.float64]) -> object:
+        seen.update(threads())
+        return scipy.linalg.expm(matrix)
+
+    monkeypatch.setattr(system, "expm", noting)
     with threadpool_limits(limits=2, user_api="blas"):
         swing(SERVO)
         after = threads()

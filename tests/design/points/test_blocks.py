@@ -191,7 +191,9 @@ def test_an_open_grid_has_the_points_of_its_list(law: str) -> None:
 def test_without_a_compiler_the_python_block_gives_the_same_bits(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    cases = ((falling(3, 5), "stribeck"), (REVERSING, "stribeck"), (dwelling(1, 3), "coulomb"))
+    cases: tuple[tuple[Mapping[str, Any], str], ...] = (
+        (falling(3, 5), "stribeck"), (REVERSING, "stribeck"), (dwelling(1, 3), "coulomb"),
+    )  # fmt: skip
     native = [block_points(*case, limit=False) for case in cases]
     monkeypatch.setattr(slips, "native_problem", lambda: "there is no compiler")
     for case, ours in zip(cases, native, strict=True):
