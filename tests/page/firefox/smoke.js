@@ -200,6 +200,7 @@ const CHECKS = [
   ],
 ];
 
+// Nobody listens there: what is asked of it shows that requests are seen.
 const PLANTED = "http://127.0.0.1:47809/planted";
 
 async function main([executablePath, file]) {
