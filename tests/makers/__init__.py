@@ -51,8 +51,8 @@ class Foreign:
         ours, mm or si: see `vocabularies`; mirrored is mm with the axis turned round.
     keys
         The variables that it has, by the suite's names; all by default.
-    language, fmi
-        python or c; FMI 2.0 alone in C.
+    fmi
+        Major version of FMI.
     states
         Whether it can get, set and serialize its state.
     tunable
@@ -62,7 +62,7 @@ class Foreign:
     fault
         Of `ForeignBlock`, or of calls. moves when read: a step is taken when an output is read.
         clamp when set: mu_k is held to mu_s as it is then. state loses pending: what was set and
-        is not in force. In C: see `block.c`.
+        is not in force.
     misdeed
         What it does on its third step: crash, hang, raise, discard, eat a gigabyte, print or log a
         lot, terminate (FMI 3.0), or leave a daemon and its number in a file: "daemon FILE".
@@ -71,7 +71,6 @@ class Foreign:
     name: str
     vocabulary: str = "ours"
     keys: tuple[str, ...] = ()
-    language: str = "python"
     fmi: int = 2
     states: bool = True
     tunable: bool = True
@@ -132,10 +131,7 @@ class Foreign:
             for key, (name, _, sign, *_) in self.rows.items()
         ]
         (folder / f"{self.name}.toml").write_text("".join(lines), encoding="utf-8")
-        if self.language == "c":
-            self._compile(folder)
-        else:
-            self._pack_python(folder)
+        self._pack_python(folder)
 
     def _units(self) -> dict[str, dict[str, float]]:
         return {unit: vocabularies.UNITS[unit] for _, unit, *_ in self.rows.values() if unit}
@@ -161,18 +157,6 @@ class Foreign:
         able = dict.fromkeys((f"canGetAndSetFMU{state}", f"canSerializeFMU{state}"), self.states)
         builder = FmuBuilder3 if self.fmi == 3 else FmuBuilder
         builder.build_FMU(script, dest=folder, project_files=parts, **able)
-
-    def _compile(self, folder: Path) -> None:
-        options = ("-std=c99", "-O2", "-ffp-contract=off", f'-DFAULT="{self.fault}"')
-        pack_library(HERE / "block.c", folder / f"{self.name}.fmu", self._description(), options)
-
-    def _description(self) -> str:
-        kinds = {"mode": "Integer", "n_slips": "Integer", "sticking": "Boolean"}
-        variables = [
-            Described(name, unit, causality, variability, kinds.get(key, "Real"))
-            for key, (name, unit, _, causality, variability) in self.rows.items()
-        ]
-        return description(self.name, variables)
 
 
 class Described(NamedTuple):
@@ -271,33 +255,22 @@ SLIDER = Foreign("SliderMm", "mm", UNDAMPED, states=False, tunable=False)
 """Undamped: millimetres, the spring counted in compression, no states."""
 
 FAULTY = Foreign("SliderFaulty", "mm", UNDAMPED, states=False, fault="static friction high")
-POOR = Foreign(
-    "SliderPoor", "mm", ("m", "g", "k", "mu_s", "mu_k", "v", "x", "F"), states=False, tunable=False
-)
+_POOR = ("m", "g", "k", "mu_s", "mu_k", "v", "x", "F")
+POOR = Foreign("SliderPoor", "mm", _POOR, states=False, tunable=False)
 SLIDER_3 = Foreign("SliderSi", "si", UNDAMPED, fmi=3, tunable=False)
 ODD = Foreign("Odd", keys=("k", "z"), states=False)
 """No stick-slip block: one parameter, one output."""
 
-RENAMED = Foreign(
-    "Renamed",
-    "mirrored",
-    conventions=("start", "not yet", "clamp", "reversal", "first stick", "instants"),
-)
+_CONVENTIONS = ("start", "not yet", "clamp", "reversal", "first stick", "instants")
+RENAMED = Foreign("Renamed", "mirrored", conventions=_CONVENTIONS)
 """The whole block by other names, units, signs and conventions."""
 
-FEW = Foreign(
-    "Few",
-    keys=("m", "g", *TUNABLE, "x_dot_start", "z_start", *INPUTS, "x", "x_dot", "F", "sticking"),
-    states=False,
-    tunable=False,
-)
+_FEW = ("m", "g", *TUNABLE, "x_dot_start", "z_start", *INPUTS, "x", "x_dot", "F", "sticking")
+FEW = Foreign("Few", keys=_FEW, states=False, tunable=False)
 """Few outputs, and no states."""
 
 RUNGE_KUTTA = Foreign("RungeKutta", "si", order=5, step=0.02)
 """Within 1e-10 of the exact motion."""
-
-IN_C = Foreign("InC", "si", (*FIXED, *TUNABLE, *INPUTS, *MOTION, "t_event", *COUNTS), language="c")
-"""Without a meter, but it counts slips and dates its last event."""
 
 
 def misbehaving(what: str, fmi: int = 2) -> Foreign:

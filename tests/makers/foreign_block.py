@@ -135,8 +135,7 @@ class ForeignBlock:
         See `Slip`; by default nothing but rounding is lost.
     fault
         static friction high: by 0.5 %. undamped back: no damping after a reversal until the mass
-        sticks. damped without push: no F_ext in a damped slip. load lost backward: a load that
-        changes while the mass slips backward is not taken.
+        sticks.
     """
 
     def __init__(
@@ -212,8 +211,6 @@ class ForeignBlock:
         """Begin an arc at the present state; `net` is the net force of a slip, if known better."""
         if net is None:
             net = self.driving - self.mode * self.mu_k * self.normal
-        if self.fault == "damped without push" and self.mode and self.p["c"] > 0.0:
-            net -= self.p["F_ext"]
         self.arc = {"x": self.x, "z": self.z, "u": self.u, "net": net, "age": 0.0}
         self.arc |= {"work": self.work, "heat": self.heat}
 
@@ -239,8 +236,6 @@ class ForeignBlock:
 
     def change(self, values: Mapping[str, float]) -> None:
         """Put values in force, at the present state."""
-        if self.fault == "load lost backward" and self.mode == -1:
-            values = {**values, "load": self.p["load"]}
         self._note_peak()
         self.tuning += 0.5 * (values.get("k", self.p["k"]) - self.p["k"]) * self.z**2
         self.p.update(values)

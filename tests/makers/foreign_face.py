@@ -54,13 +54,7 @@ class Face:
             self._declare(name, unit, causality, variability, key, size)
 
     def _declare(
-        self,
-        name: str,
-        unit: str,
-        causality: str,
-        variability: str,
-        key: str = "",
-        size: float = 1.0,
+        self, name: str, unit: str, causality: str, variability: str, key: str = "", size: float = 1
     ) -> None:
         kind = KINDS.get(key, ("Real", "Float64"))[self.is_3]
         version = 3 if self.is_3 else 2

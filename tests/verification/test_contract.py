@@ -1,22 +1,20 @@
 """The contract of an FMU: what its description names, what a person says, what follows."""
 
 import zipfile
-from functools import cache
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 
 from stickslip_fmu import interface
-from stickslip_verification import FmuError, NameMap, Verdict, load_mutants, verify
+from stickslip_verification import FmuError, NameMap, load_mutants, verify
 from stickslip_verification.drive import FmuFile
 from stickslip_verification.drive.fmu import stated
 from stickslip_verification.drive.fmu.names import Target
 from stickslip_verification.drive.fmu.stated import StatedContract, stated_contract
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.drive.stepping import run_case, setting_of
+from stickslip_verification.drive.stepping import setting_of
 from stickslip_verification.model.verdict import ChosenContract
 from stickslip_verification.run.contract import CONTRACTS, chosen_contract
 from tests.conftest import built
@@ -27,6 +25,7 @@ EXACT = "its description names stickslip-exact 1"
 NONE = "its description names no contract of this suite"
 RENAMED = NameMap({"x": Target("x")})
 NOTE = '<Contract name="stickslip-exact" version="1" />'
+HEAD, TOOL = "<VendorAnnotations>", '<Tool name="org.stickslip.contract">'
 
 
 @pytest.fixture
@@ -34,11 +33,6 @@ def silent(fmu_path: Path, tmp_path: Path) -> Path:
     """Return our FMU with a description that names no contract."""
     nothing = edited(("<VendorAnnotations>.*</VendorAnnotations>", ""))
     return altered(fmu_path, tmp_path / "silent.fmu", nothing)
-
-
-@cache
-def exact_verdict() -> Verdict:
-    return verify(built("python-2"), [named("one-step")], fresh_processes=False, jobs=1)
 
 
 def test_the_block_and_the_suite_mean_the_same_contract() -> None:
@@ -58,18 +52,11 @@ def test_the_block_and_the_suite_mean_the_same_contract() -> None:
         ('version="1"', 'version="2"', "its description names stickslip-exact 2; this suite knows"),
         ('version="1"', 'version=" 1"', "its description names stickslip-exact 1; this suite"),
         ("stickslip-exact", "&#10;other&#10;one", "its description names other one 1; this suite"),
-        ("stickslip-exact", 50 * "long", f"its description names {9 * 'long'}l... 1; this suite"),
         (' version="1"', "", "is malformed: expected one element <Contract name="),
-        (NOTE, "", "is malformed"),
         (NOTE, f"{NOTE}{NOTE}", "is malformed"),
         (NOTE, "stickslip-exact 1", "is malformed"),
-        ("<Contract ", "<contract ", "is malformed"),
         ("org.stickslip.contract", "org.example.other", NONE),
-        (
-            "<VendorAnnotations>",
-            f'<VendorAnnotations><Tool name="org.stickslip.contract">{NOTE}</Tool>',
-            "its description has 2 annotations org.stickslip.contract",
-        ),
+        (HEAD, f"{HEAD}{TOOL}{NOTE}</Tool>", "its description has 2 annotations org.stickslip.con"),
     ],
 )
 def test_what_names_no_known_contract_is_told(
@@ -88,11 +75,9 @@ def test_what_names_no_known_contract_is_told(
 @pytest.mark.parametrize(
     ("names_it", "names", "said", "chosen"),
     [
-        (True, None, {}, ("exact", EXACT)),
         (True, None, {"strict": True}, ("exact", EXACT)),
         (True, None, {"wanted": "physics"}, ("physics", "--contract physics")),
         (True, RENAMED, {}, ("physics", "a names file is given")),
-        (True, RENAMED, {"strict": True}, ("strict", "--strict")),
         (True, RENAMED, {"wanted": "exact"}, ("exact", "--contract exact")),
         (False, None, {}, ("physics", NONE)),
         (False, None, {"strict": True}, ("strict", "--strict")),
@@ -112,24 +97,20 @@ def test_a_person_chooses_before_the_names_file_and_that_before_the_description(
     assert found.name in CONTRACTS
 
 
-def test_tolerances_and_what_decides_follow_from_the_contract(silent: Path) -> None:
+def test_tolerances_and_what_decides_follow_from_the_contract(fmu_path: Path, silent: Path) -> None:
     case = [named("one-step")]
-    exact = exact_verdict()
-    physics = verify(silent, case, fresh_processes=False, jobs=1)
-    forced = verify(silent, case, contract="exact", fresh_processes=False, jobs=1)
-    assert exact.contract == ChosenContract("exact", EXACT)
-    assert physics.contract == ChosenContract("physics", NONE)
-    assert (exact.exact, physics.exact, forced.exact) == (True, False, True)
+    exact, physics, forced = verdicts = [
+        verify(path, case, contract=contract, fresh_processes=False, jobs=1)  # type: ignore[arg-type]
+        for path, contract in ((fmu_path, None), (silent, None), (silent, "exact"))
+    ]
+    assert [verdict.contract.name for verdict in verdicts] == ["exact", "physics", "exact"]
+    assert all(verdict.passed for verdict in verdicts)
     assert (exact.contract_decides, physics.contract_decides) == (True, False)
     of_exact, of_physics, of_forced = (
-        [r.tolerance for r in verdict.checks if r.side == "fmu"]
-        for verdict in (exact, physics, forced)
+        [r.tolerance for r in verdict.checks if r.side == "fmu"] for verdict in verdicts
     )
     assert of_forced == of_exact
     assert sum(of_physics) > sum(of_exact)
-    assert exact.passed
-    assert physics.passed
-    assert forced.passed
     # What was accepted is the block's, and not that of any FMU that is held to its contract.
     assert any(r.second for r in exact.checks if r.side == "fmu")
     assert not any(r.second for r in forced.checks if r.side == "fmu")
@@ -143,8 +124,6 @@ def test_start_values_are_promised_by_the_exact_contract_alone(
     assert not FmuFile(fmu_path, RENAMED).own_starts
     forced = FmuFile(silent, own_starts=True)
     assert setting_of(forced, case).parameters == case.parameters
-    own, all_set = (run_case(file, case).outputs["x"] for file in (forced, FmuFile(silent)))
-    assert np.array_equal(own, all_set)
     # An FMU that starts at another g fails where its start values are tried, and only there.
     (gravity,) = load_mutants("constant-standard-gravity")
     planted = plant(fmu_path, gravity, tmp_path)
@@ -155,9 +134,7 @@ def test_start_values_are_promised_by_the_exact_contract_alone(
 
 def test_faults_are_planted_where_the_source_is(silent: Path) -> None:
     faults, case = load_mutants("constant-g"), [named("default")]
-    verdict = verify(
-        silent, case, mutants=faults, whole_matrix=False, fresh_processes=False, jobs=1
-    )
+    verdict = verify(silent, case, mutants=faults, fresh_processes=False, jobs=1)
     assert verdict.kills is not None
     assert verdict.kills.rows[0].caught
     with pytest.raises(FmuError, match="which this FMU does not carry; faults in the calls can"):

