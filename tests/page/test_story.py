@@ -62,14 +62,6 @@ def test_the_story_waits_until_it_is_started_and_leads_through_its_steps(window:
         window.open(f"step={n}")
         assert (window.setting, open_steps(window)) == (STEPS[n], [n])
         assert dotted(window) == ghosts[n]
-        window.until(
-            """step => {
-              const stage = document.querySelector("#stage").getBoundingClientRect();
-              const { top } = document.getElementById(step).getBoundingClientRect();
-              return top >= stage.bottom && top < 0.6 * innerHeight;
-            }""",
-            f"step={n}",
-        )
         address(window, f"step={n}")
 
 
@@ -86,9 +78,6 @@ def test_any_step_is_opened_by_its_link_and_left_by_what_is_tried(window: Window
     window.press("k", "ArrowRight")
     address(window, "k=")
     assert open_steps(window) == [9]
-    window.page.click("[id='step=9'] a[href='#step=9']")
-    address(window, "step=9")
-    assert window.setting == STEPS[9]
     for wrong in ("step=0", "step=99", "step=x"):
         window.open(wrong)
         assert "step" in window.text("#address-said")
@@ -116,22 +105,13 @@ def test_the_entry_of_an_application_and_its_preset_belong_together(window: Wind
         return window.js(f"[...{opened}].map(each => each.id.slice('application-'.length))")
 
     assert unfolded() == ["default"]
-    for name, row in APPLICATIONS.items():
+    for name in APPLICATIONS:
         if name != "default":
             window.page.press(f"#application-{name} summary", "Enter")
         assert unfolded() == [name]
         assert window.setting == PRESETS[name]
-        title = window.page.locator(f"#application-{name} svg title")
-        assert title.text_content() == row["drawn"]
-        terms = window.page.locator(f"#application-{name} dt").all_inner_texts()
-        assert terms == ["m", "k", "v", "μ", "N"]
-    for name in APPLICATIONS:
-        window.preset(name)
-        assert unfolded() == [name]
-    window.press("k", "ArrowRight")
-    assert unfolded() == [name]
-    window.page.click(f"#application-{name} summary")
-    assert unfolded() == []
+    window.preset("default")
+    assert unfolded() == ["default"]
 
 
 def test_a_countermeasure_does_what_it_says_from_any_setting(window: Window) -> None:
@@ -140,7 +120,6 @@ def test_a_countermeasure_does_what_it_says_from_any_setting(window: Window) -> 
         before = window.cycle["delta_x"]
         items = window.page.locator(f"#application-{name} li").all()
         for item, cure in zip(items, row.get("cures", ()), strict=True):
-            assert cure["name"] in item.inner_text()
             if "set" not in cure:
                 assert item.locator("button").count() == 0
                 assert "no parameter" in item.inner_text()
@@ -152,13 +131,3 @@ def test_a_countermeasure_does_what_it_says_from_any_setting(window: Window) -> 
             ends = "cycle ends" in item.inner_text()
             assert window.text("#lead").startswith("No cycle") == ends
             assert ends or window.cycle["delta_x"] < before
-
-
-def test_a_question_unfolds_its_answer(window: Window) -> None:
-    rows = table("questions", "question")
-    items = window.page.locator("#questions details").all()
-    for item, row in zip(items, rows, strict=True):
-        assert item.locator("summary").inner_text() == row["question"]
-        assert not item.locator("p").is_visible()
-        item.locator("summary").press("Enter")
-        assert item.locator("p").is_visible()

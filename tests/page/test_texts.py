@@ -1,20 +1,12 @@
 """The numbers in the page's texts: those of its own model, in the digits and units it shows."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
-from importlib.resources import files
-from random import Random
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
-
-from stickslip.page.script import joined
-from stickslip.page.texts import Numbers, filled, quantity
-from tests.page.settings import PRESETS, START, log_uniform, table
+from stickslip.page.texts import filled
+from tests.page.settings import PRESETS, table
 from tests.page.window import Window
-
-KINDS = ("length", "velocity", "mass", "stiffness", "damping", "force", "time", "frequency")
 
 NUMBERS_OF_THE_PAGE = """
 settings => settings.map(([each, curve]) => {
@@ -88,35 +80,3 @@ def test_every_number_in_a_text_is_the_one_that_the_page_computes(window: Window
         expected,
     )
     assert missing == []
-
-
-def test_python_and_script_write_a_quantity_alike(window: Window) -> None:
-    draw = Random("quantities")
-    asked = [
-        (kind, draw.choice((1.0, -1.0)) * log_uniform(draw, 1e-9, 1e12))
-        for kind in KINDS
-        for _ in range(300)
-    ]
-    asked += [("number", log_uniform(draw, 1e-3, 1e5)) for _ in range(100)]
-    asked += [("share", log_uniform(draw, 1e-4, 10.0)) for _ in range(100)]
-    asked += [(kind, 0.0) for kind in (*KINDS, "number")]
-    source = (files("stickslip.page") / "view" / "units.js").read_text(encoding="utf-8")
-    script = joined({"units.js": source}, "units.js")
-    written = window.js(
-        f"asked => {{ {script} return asked.map(([k, v]) => quantity(v, k)); }}", asked
-    )
-    for (kind, value), text in zip(asked, written, strict=True):
-        if "e" in text.partition("\u00a0")[0]:
-            with pytest.raises(ValueError, match="which no unit fits"):
-                quantity(value, kind=kind)
-        else:
-            assert quantity(value, kind=kind) == text
-
-
-def test_a_text_cannot_tell_of_a_cycle_that_does_not_exist() -> None:
-    sliding = Numbers({**START, "c": 20.0})
-    assert math.isnan(sliding.__dict__["delta_x"])
-    with pytest.raises(ValueError, match="asks for a length that is nan: It jumps"):
-        filled("It jumps {{ now.delta_x | length }}.", {"now": sliding})
-    with pytest.raises(Exception, match="delta_y"):
-        filled("{{ now.delta_y | length }}", {"now": sliding})
