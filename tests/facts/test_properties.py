@@ -50,8 +50,8 @@ class Case(NamedTuple):
 CASES = {
     "block, constant": Case(BLOCK, "coulomb", draw, 100, 1e-12),
     "block, growing": Case(BLOCK, "coulomb", draw_ageing, 100, 1e-12),
-    "block, smooth": Case(BLOCK, "stribeck", draw_smooth, 20, 1e-12),
-    "block, curve": Case(BLOCK, "stribeck", draw_curve, 40, 1e-12),
+    "block, smooth": Case(BLOCK, "stribeck", draw_smooth, 12, 1e-12),
+    "block, curve": Case(BLOCK, "stribeck", draw_curve, 20, 1e-12),
     "reference, growing": Case(REFERENCE, "coulomb", draw_ageing, 10, 1e-8),
     "reference, curve": Case(REFERENCE, "stribeck", draw_curve, 2, 1e-8),
     "truth, growing": Case(TRUTH, "coulomb", draw_ageing, 10, 1e-40),
