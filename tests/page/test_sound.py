@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -132,33 +132,20 @@ def test_what_cannot_be_heard_is_silent_and_says_why(window: Window) -> None:
 
 
 SPY = """
-window.heard = { contexts: [], started: 0, stopped: 0 };
+window.contexts = [];
 const { AudioContext: Own } = window;
 window.AudioContext = class extends Own {
   constructor(...given) {
     super(...given);
-    window.heard.contexts.push(this);
+    window.contexts.push(this);
   }
 };
-for (const name of ["start", "stop"]) {
-  const own = AudioScheduledSourceNode.prototype[name];
-  const counted = name === "start" ? "started" : "stopped";
-  const method = { [name](...given) { window.heard[counted]++; return own.apply(this, given); } };
-  AudioScheduledSourceNode.prototype[name] = method[name];
-  AudioBufferSourceNode.prototype[name] = method[name];
-}
 window.hide = hidden => {
   Object.defineProperty(document, "hidden", { configurable: true, get: () => hidden });
   document.dispatchEvent(new Event("visibilitychange"));
 };
 """
-STATE = "wanted => heard.contexts[0].state === wanted"
-
-
-def counts(window: Window) -> Any:
-    """Return the contexts made, and the sources started and stopped, up to now."""
-    window.page.wait_for_timeout(120)
-    return window.js("[heard.contexts.length, heard.started, heard.stopped]")
+STATE = "wanted => contexts.length === 1 && contexts[0].state === wanted"
 
 
 def test_nothing_sounds_before_it_is_asked_for_nor_while_hidden(
@@ -169,17 +156,12 @@ def test_nothing_sounds_before_it_is_asked_for_nor_while_hidden(
             window.preset(name)
         window.press("k", "ArrowLeft")
         window.page.click("#play")
-        assert counts(window) == [0, 0, 0]
         assert heard(window) == ""
+        assert window.js("contexts.length") == 0
         window.preset("violin-bow")
         window.page.press("#sound", "Enter")
         window.until(STATE, "running")
         assert window.part("#sound", "aria-pressed") == "true"
-        found = [counts(window)]
-        for name in ("squeaky-drawer", "fault-block", "violin-bow"):
-            window.preset(name)
-            found.append(counts(window))
-        assert found == [[1, 1, 0], [1, 2, 1], [1, 2, 2], [1, 3, 2]]
         window.js("hide(true)")
         window.until(STATE, "suspended")
         window.js("hide(false)")
@@ -188,6 +170,5 @@ def test_nothing_sounds_before_it_is_asked_for_nor_while_hidden(
         window.until(STATE, "suspended")
         window.js("[hide(true), hide(false)]")
         window.press("k", "ArrowLeft")
-        assert counts(window) == [1, 3, 3]
-        window.until(STATE, "suspended")
         assert heard(window) == ""
+        window.until(STATE, "suspended")
