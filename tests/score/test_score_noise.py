@@ -30,7 +30,7 @@ SETTINGS: Mapping[str, Mapping[str, float]] = {
 """lambda is 3.1, 5.6, 1.5, 0.47 and 19."""
 
 
-FEW = {("default", 1e-3), ("stiff axis, backward", 1e-3), ("slow", 1e-2)}
+FEW = [("default", 1e-3), ("stiff axis, backward", 1e-3), ("slow", 1e-2)]
 """Settings and steps between samples [s] of `make test`; the soak tries more."""
 
 GRID = [
