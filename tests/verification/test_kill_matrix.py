@@ -41,9 +41,14 @@ def tried(fmu: Path, *mutants: Mutant, how: How = FORETOLD) -> KillMatrix:
     return detect(fmu, mutants, baseline(), INVARIANTS, jobs=1, how=how)
 
 
+@cache
+def suite() -> dict[str, Mutant]:
+    return {mutant.id: mutant for mutant in load_mutants()}
+
+
 def fault(name: str, **changes: object) -> Mutant:
     """Return a planted fault of the suite, with changes to its description."""
-    return replace(load_mutants(name)[0], **changes)  # type: ignore[arg-type]
+    return replace(suite()[name], **changes)  # type: ignore[arg-type]
 
 
 def overriding(target: str, code: str) -> Mutant:
