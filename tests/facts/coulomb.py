@@ -25,7 +25,7 @@ def _first(values: Mapping[str, float], cycles: float) -> float:
     )
 
 
-def _of_lambda(lambda_: float, **values: float) -> dict[str, float]:
+def of_lambda(lambda_: float, **values: float) -> dict[str, float]:
     """Return a setting with this lambda, by the pulling speed."""
     p = Exact({**values, "v": 1.0})
     return {**values, "v": float(p.lambda_) / lambda_}
@@ -51,31 +51,31 @@ def _cycle(statement: str, values: Mapping[str, float], edge: float = 1.0) -> Fa
     )
 
 
-def _damped(zeta: float, d: float, **values: float) -> dict[str, float]:
+def damped(zeta: float, d: float, **values: float) -> dict[str, float]:
     """Return a setting with lambda = lambda_c (1 + d)."""
     base = {**BINARY, "c": 64.0 * zeta, **values}
     p = Exact(base)
-    return _of_lambda(float(critical_lambda(p.zeta) * (1 + d)), **base)
+    return of_lambda(float(critical_lambda(p.zeta) * (1 + d)), **base)
 
 
 def _at_second_cycle(zeta: float, d: float) -> Fact:
-    return _cycle(f"zeta {zeta:g}, lambda_c (1 + {d:g})", _damped(zeta, d), 1.0 + d**-0.5)
+    return _cycle(f"zeta {zeta:g}, lambda_c (1 + {d:g})", damped(zeta, d), 1.0 + d**-0.5)
 
 
 CYCLES = [
     _cycle("default", {}),
     _cycle("backward", {"v": -0.02}),
     _cycle("load and push", {"load": 1.7, "F_ext": 0.3, "v": 0.005}),
-    *(_cycle(f"lambda = {L:g}", _of_lambda(L)) for L in (1e-7, 1e-3, 0.1, 1e3, 1e6)),
-    _cycle("a gap of 1e-6 of mu_s", _of_lambda(0.3, mu_k=0.5 * (1.0 - 1e-6))),
+    *(_cycle(f"lambda = {L:g}", of_lambda(L)) for L in (1e-7, 1e-3, 0.1, 1e3, 1e6)),
+    _cycle("a gap of 1e-6 of mu_s", of_lambda(0.3, mu_k=0.5 * (1.0 - 1e-6))),
     _cycle("no kinetic friction", {"mu_k": 0.0}),
     *(_at_second_cycle(zeta, 10.0) for zeta in (1e-3, 0.1, 0.5, 0.9)),
     *(_at_second_cycle(zeta, 1e-6) for zeta in (1e-3, 0.1, 0.9)),
     *(
         Fact(
             f"a slip does not end where lambda < lambda_c: zeta {zeta:g}, {d:g}",
-            _damped(zeta, d),
-            [float(_first(_damped(zeta, 1e-3), 0.0)) + 4.0],
+            damped(zeta, d),
+            [float(_first(damped(zeta, 1e-3), 0.0)) + 4.0],
             lambda p: {"n_slips": 0, "mode": 1, "t_slip": 0},
         )
         for zeta, d in ((1e-3, -1e-9), (0.1, -1e-9), (0.9, -1e-9), (0.1, -0.5))
@@ -155,10 +155,22 @@ def _whole(p: Exact) -> dict[str, Real]:
     return {"n_slips": 1, "t_stick": stick, "t_slip": first.t + then.t, "delta_x": first.x + then.x}
 
 
-def _from_beyond(p: Exact) -> dict[str, Real]:
+def _from_beyond(p: Exact) -> list[dict[str, Real]]:
     first = slip(p, p.z_start)
     stick = (p.F_s / p.k - first.z) / p.v
-    return {"n_slips": 1, "t_stick": stick, "T": first.t + stick, "t_slip": first.t}
+    return [
+        {"mode": 1, "t_stick": 0, "T": 0, "n_slips": 0, "t_event": 3},
+        {"n_slips": 1, "t_stick": stick, "T": first.t + stick, "t_slip": first.t},
+    ]
+
+
+def _from_motion(p: Exact) -> list[dict[str, Real]]:
+    first = slip(p, p.z_start, p.x_dot_start, -1)
+    slipped = _then(p, p.z_start, p.x_dot_start, -1)
+    return [
+        {**slipped, "n_slips": 1, "mode": 0, "T": 0, "t_stick": 0},
+        {"t_stick": (p.F_s / p.k - first.z) / p.v, "mode": 1, "T": 0},
+    ]
 
 
 def _shot(c: float, **values: float) -> Fact:
@@ -243,34 +255,10 @@ STICKS = [
         factor=10.0,
     ),
     Fact(
-        "less static friction breaks away at once",
-        {},
-        [0.125, (0.005, {"mu_s": 0.2, "mu_k": 0.1})],
-        lambda p: {"mode": 1, "t_event": MP.mpf(0.125)},
-    ),
-    Fact(
-        "a push that stays within F_s moves nothing",
-        {},
-        [0.1, (0.01, {"F_ext": 2.5}), (0.13, {"F_ext": 0.0})],
-        lambda p: STILL,
-    ),
-    Fact(
-        "more stiffness keeps z and its energy is booked",
-        {"v": -0.02},
-        [0.0625, (0.03125, {"k": 2000.0})],
-        lambda p: {"z": p.v * 3 / 32, "W_k": 500 * (p.v / 16) ** 2, "mode": 0},
-    ),
-    Fact(
         "more stiffness breaks the mass away where the force passes F_s",
         BINARY,
         [2.0**-8, (2.0**-12, {"k": 4096.0})],
         lambda p: {"mode": 1, "t_stick": MP.mpf(2.0**-8), "W_k": MP.mpf(3072) * 2.0**-19},
-    ),
-    Fact(
-        "a change to what is set already changes nothing",
-        {},
-        [0.1, (0.1, {"v": 0.02, "load": 0.0}), (0.1, {"mu_s": 0.5, "k": 1000.0})],
-        lambda p: {"t_stick": p.F_s / p.k / p.v, "mode": 1},
     ),
 ]
 
@@ -304,19 +292,13 @@ SLIPS = [
         why="the first part of the slip is short",
     ),
     Fact(
-        "a mass at rest beyond F_s breaks away after a stick of no length",
+        "a start beyond F_s is a break-away after a stick of no length: the period counts from it",
         {"z_start": 0.006},
-        [1e-3],
-        lambda p: {"mode": 1, "t_stick": 0, "T": 0, "n_slips": 0, "t_event": 3},
-        start_time=3.0,
-    ),
-    Fact(
-        "the period counts from a break-away at the start",
-        {"z_start": 0.006},
-        [0.45],
+        [1e-3, 0.449],
         _from_beyond,
         integrated=10.0,
         why="the stick is a difference of z",
+        start_time=3.0,
     ),
     Fact(
         "what is set before the first step takes back a break-away at the start",
@@ -325,27 +307,10 @@ SLIPS = [
         lambda p: {**STILL, "t_stick": 0, "t_event": 0},
     ),
     Fact(
-        "a mass that moves at the start slips, which is no break-away",
+        "a start in motion is no break-away: the stick after it sets t_stick, and no period",
         {"x_dot_start": -0.1, "z_start": 0.001},
-        [0.1],
-        lambda p: {
-            **_then(p, p.z_start, p.x_dot_start, -1),
-            "n_slips": 1,
-            "mode": 0,
-            "T": 0,
-            "t_stick": 0,
-        },
-        factor=10.0,
-    ),
-    Fact(
-        "the first stick after a start in motion sets t_stick, and no period",
-        {"x_dot_start": -0.1, "z_start": 0.001},
-        [0.2],
-        lambda p: {
-            "t_stick": (p.F_s / p.k - slip(p, p.z_start, p.x_dot_start, -1).z) / p.v,
-            "mode": 1,
-            "T": 0,
-        },
+        [0.1, 0.1],
+        _from_motion,
         factor=10.0,
     ),
     Fact(
@@ -374,23 +339,7 @@ SLIPS = [
         integrated=1e3,
         why="nineteen slips of twenty times the last",
     ),
-    Fact(
-        "a free swing without friction turns at every damped half period",
-        {**LOOSE, "v": 0.0, "c": 6.0, "z_start": 0.1},
-        [2.0],
-        lambda p: {"n_slips": 20, "t_slip": slip(p, p.z_start).t, "mode": 1},
-        integrated=1e3,
-        why="e^6 smaller at the end",
-    ),
-    Fact(
-        "over-damped and shot against the pull the mass turns once",
-        {"c": 500.0, **LOOSE, "x_dot_start": -1.0},
-        [2.0],
-        lambda p: {**_then(p, 0, -1, -1), "n_slips": 1, "mode": 1},
-        factor=1e3,
-        why="the time is a logarithm of the small speed that is left",
-    ),
-    *(_shot(c) for c in (1e6, 1e7, 5e7)),
+    *(_shot(c) for c in (1e6, 5e7)),
     Fact(
         "a creep against a pull of 1e-16 of its speed ends",
         {"c": 151.5169744133138, "x_dot_start": 1.0, "v": -1e-16, **LOOSE, "z_start": 0.1},
@@ -476,14 +425,6 @@ LIMITS = [
         factor=1e3,
         why="the phase is 600",
     ),
-    Fact(
-        "a swing about sliding of more than v ends in the cycle",
-        {"x_dot_start": 0.05, "z_start": 0.3 * 9.81 / 1000.0},
-        [1.0],
-        lambda p: {"T": cycle(p)["T"], "delta_x": cycle(p)["delta_x"]},
-        integrated=5.0,
-        why="the gap: theory (17)",
-    ),
     *(
         Fact(
             f"without friction the mass swings behind the pull, a slip a period: {values}",
@@ -517,12 +458,6 @@ LIMITS = [
         {"mu_k": 0.7},
         [0.1, (0.1, {"mu_s": 0.005}), (0.1, {"mu_s": 0.9})],
         lambda p: [{"mu_k_used": MP.mpf(used)} for used in (0.5 - 0.01, 0.0, 0.7)],
-    ),
-    Fact(
-        "a clamped mu_k is what slides",
-        {"mu_k": 0.7, "z_start": 0.02},
-        [1e-3],
-        lambda p: {"F_friction": -MP.mpf(0.5 - 0.01) * p.N, "mode": 1},
     ),
     Fact(
         "far from the origin and late the cycle is the same",

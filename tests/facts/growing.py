@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from tests.facts.closed import MP, Exact, Real, slip
+from tests.facts.closed import MP, Exact, Real, Slip, slip
 from tests.facts.fact import Expected, Fact
 from tests.facts.sides import EXACT
 
@@ -29,14 +29,21 @@ def _magnified(p: Exact, age: Real) -> float:
     return float(pull / (pull - p.growing(age)))
 
 
+def _cycles(p: Exact, count: int) -> list[tuple[Real, Real, Slip]]:
+    """Return the first sticks, relaxed at the start: their lengths, what they hold, their slips."""
+    ahead, begin, cycles = p.but(v=abs(float(p.v))), MP.zero, []
+    for _ in range(count):
+        stick = p.stick(begin)
+        hold = p.F_k + p.growth(stick)
+        done = slip(ahead, hold / p.k)
+        cycles.append((stick, hold, done))
+        begin = p.k * done.z
+    return cycles
+
+
 def _later(p: Exact) -> dict[str, Real]:
     """Return what the meter shows in the third slip of a motion that began relaxed."""
-    stick = p.stick(0)
-    mirrored = p.but(v=abs(float(p.v)))
-    for _ in range(2):
-        hold = p.F_k + p.growth(stick)
-        done = slip(mirrored, hold / p.k)
-        stick = p.stick(p.k * done.z)
+    _, (_, hold, done), (stick, *_) = _cycles(p, 3)
     sign = MP.sign(p.v)
     return {
         "t_slip": done.t,
@@ -51,24 +58,15 @@ def _later(p: Exact) -> dict[str, Real]:
     }
 
 
-def _to_third(values: Mapping[str, float]) -> list[float]:
-    p = Exact(values)
-    first = p.stick(0)
-    mirrored = p.but(v=abs(float(p.v)))
-    one = slip(mirrored, (p.F_k + p.growth(first)) / p.k)
-    second = p.stick(p.k * one.z)
-    two = slip(mirrored, (p.F_k + p.growth(second)) / p.k)
-    third = p.stick(p.k * two.z)
-    return [float(first + one.t + second + two.t + third + two.t / 2)]
-
-
 def _cycle(name: str) -> Fact:
     values = GROWTHS[name]
     p = Exact(values)
+    one, two, (third, _, last) = _cycles(p, 3)
+    until = one[0] + one[2].t + two[0] + two[2].t + third + last.t / 2
     return Fact(
         f"a stick ends where the pull meets what has grown, and the slip begins there: {name}",
         values,
-        _to_third(values),
+        [float(until)],
         _later,
         factor=4.0 * _magnified(p, p.stick(0)),
         integrated=10.0,
@@ -139,20 +137,18 @@ def _two_pulls(p: Exact) -> dict[str, Real]:
 
 
 def _changed_in_slip(p: Exact) -> dict[str, Real]:
-    hold = p.F_k + p.growth(p.stick(0))
-    done = slip(p, hold / p.k)
+    ((_, _, done),) = _cycles(p, 1)
     new = p.but(tau_s=0.02, B=0.05, t_0=0.01)
     return {"t_slip": done.t, "t_stick": new.stick(p.k * done.z), "n_slips": 1, "mode": 1}
 
 
 def _reversed(p: Exact) -> dict[str, Real]:
-    hold = p.F_k + p.growth(p.stick(0))
-    forth = slip(p, hold / p.k)
+    ((stick, _, forth),) = _cycles(p, 1)
     back = slip(p, forth.z, direction=-1)
     return {
         "n_slips": 2,
         "mode": 1,
-        "t_stick": p.stick(0),
+        "t_stick": stick,
         "T": 0,
         "t_slip": back.t,
         "spring_drop": forth.z - back.z,

@@ -90,14 +90,3 @@ def test_the_block_sticks_below_the_limit_and_not_above(sized: Sized, *, damped:
         assert not sticks_on(grown, (1.0 + off) * grown.limit, cycle), grown
         tried += 1
     assert tried > sized(SETTINGS) // 20
-
-
-def test_a_scan_of_speeds_finds_the_limit(sized: Sized) -> None:
-    for n in range(2):
-        draw, grown = Random(f"scan {n}"), None
-        while grown is None:
-            grown = drawn(draw, damped=True)
-        cycle, per_decade = grown.cycle(0.999), sized(200)
-        for number in range(-per_decade // 2, per_decade // 2):
-            v = grown.limit * 10.0 ** ((number + 0.5) / per_decade)
-            assert sticks_on(grown, v, cycle) == (v < grown.limit), (v, grown)

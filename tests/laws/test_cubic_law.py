@@ -17,7 +17,6 @@ import math
 import pytest
 
 from stickslip_ref import Coulomb, Parameters, critical_velocity
-from stickslip_verification import truth
 
 MU_S, MU_M, V_M = 0.4, 0.25, 0.5
 """Coefficients at rest and at the least, and the speed of the least [m/s]."""
@@ -36,17 +35,6 @@ class Cubic(Coulomb):
     def speeds(self, p: Parameters) -> tuple[float, ...]:
         """Return the speed of the least friction [m/s]."""
         return (V_M,)
-
-
-class CubicTruth(truth.FrictionLaw):
-    """The truth's side."""
-
-    def kinetic(self, n: truth.Numbers, speed: truth.Series, state: object) -> truth.Series:
-        """Return the friction [N] over the series of the speed."""
-        q = speed / V_M
-        fall = (q - q * q * q / 3) * (n.N * (MU_S - MU_M) * 3 / 2)
-        friction: truth.Series = n.F_s - fall
-        return friction
 
 
 def block(e: float, b: float) -> Parameters:
@@ -71,15 +59,3 @@ def test_averaged_limits_are_met_with_the_square_of_the_friction(b: float) -> No
     assert abs(errors[-1]) < 0.01
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.25)
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)
-
-
-def test_the_truth_stops_inside_of_the_range_and_not_outside() -> None:
-    p = block(0.2, 0.2)
-    (cycle,) = critical_velocity(p, Cubic(), between=(0.01 * V_M, 3.0 * V_M)).cycle
-    z_start = float(p.F_s / p.k)
-    for v, stops in ((cycle.high * 0.999, True), (cycle.high * 1.001, False)):
-        names = ("m", "g", "k", "c", "mu_s", "mu_k")
-        values = {name: float(getattr(p, name)) for name in names}
-        values |= {"v": v, "z_start": z_start}
-        run = truth.run(values, [truth.Step(12.0 / float(p.w), {})], digits=20, law=CubicTruth())
-        assert (run.samples[-1]["n_slips"] > 0) == stops

@@ -3,48 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
 import stickslip_ref as ref
 from stickslip_fmu.laws import named as block
-from stickslip_ref import Bound, OwnParameter, Parameters, simulate
+from stickslip_ref import Parameters, simulate
 from stickslip_verification import truth
-from stickslip_verification.truth import Kind, Number, Numbers, Parameter, Series, Step
+from stickslip_verification.truth import Number, Numbers, Series
 from tests.facts.closed import MP, Real
-
-Row = Mapping[str, Any]
-
-
-class Ageing(ref.Coulomb):
-    """Static friction ``mu_s N (1 + growth age)``."""
-
-    parameters: Mapping[str, OwnParameter] = {
-        "growth": OwnParameter(0.5, Bound("1/s", 0.0), tunable=False)
-    }
-
-    def ages(self, p: Parameters) -> bool:
-        return True
-
-    def break_away_force(self, p: Parameters, age: float = 0.0, state: ref.State = ()) -> float:
-        return float(p.F_s) * (1.0 + p.own["growth"] * age)
-
-
-class ExactAgeing(truth.Coulomb):
-    parameters = (Parameter("growth", "1/s", 0.5, Kind.FIXED, low=0.0),)  # type: ignore[assignment]  # others than Coulomb's
-
-    def ages(self, n: Numbers) -> bool:
-        return True
-
-    def hold(self, n: Numbers, age: Series, state: Sequence[Number]) -> Series:
-        hold: Series = (age * n.own["growth"] + 1) * n.F_s
-        return hold
-
-    def gap(self, n: Numbers, hold: Number, sliding: Number) -> Number:
-        return hold - sliding
+from tests.facts.sides import REFERENCE, TRUTH, Row, Setting, Side
+from tests.fmu.blocks import Segment
 
 
 class Wearing(ref.Coulomb):
@@ -117,64 +88,30 @@ class ExactLagging(truth.FrictionLaw):
         return ((speed - state[0]) * 16,)
 
 
-LAWS: dict[str, tuple[ref.FrictionLaw, truth.FrictionLaw]] = {
-    "ageing": (Ageing(), ExactAgeing()),
-    "wearing": (Wearing(), ExactWearing()),
-    "lagging": (Lagging(), ExactLagging()),
-}
+_WEARING, _EXACT_WEARING, _LAGGING, _EXACT_LAGGING = (
+    each() for each in (Wearing, ExactWearing, Lagging, ExactLagging)
+)
+WEARING = SimpleNamespace(reference=f"{__name__}:_WEARING", truth=f"{__name__}:_EXACT_WEARING")
+LAGGING = SimpleNamespace(reference=f"{__name__}:_LAGGING", truth=f"{__name__}:_EXACT_LAGGING")
 NO_LAW = SimpleNamespace(block="math:pi", reference="math:pi", truth="math:pi")
 NAMESAKE = SimpleNamespace(block="stickslip_fmu.laws.coulomb.law:COULOMB")
+SIDES = pytest.mark.parametrize(
+    ("side", "error"), [(REFERENCE, 1e-11), (TRUTH, 1e-40)], ids=["reference", "truth"]
+)
+"""What runs a law, and its relative error: of an integration, of 50 digits."""
 
 
-def _reference(law: str, values: Mapping[str, float], times: Sequence[float]) -> list[Row]:
-    run = simulate(Parameters(**values), times[-1], times=times, law=LAWS[law][0])
-    names = (*("x", "x_dot", "z", "mode", "F_friction", "F_s"), *("t_stick", "x_dot_peak"))
-    return [
-        {**{name: getattr(run, name)[n] for name in names}, "events": run.events}
-        for n in range(len(times))
-    ]
-
-
-def _truth(law: str, values: Mapping[str, float], times: Sequence[float]) -> list[Row]:
-    steps = [Step(b - a) for a, b in zip([0.0, *times], times, strict=False)]
-    run = truth.run(values, steps, law=LAWS[law][1])
-    return [{**sample, "events": run.events} for sample in run.samples]
-
-
-@pytest.fixture(params=[(_reference, 1e-11), (_truth, 1e-40)], ids=["reference", "truth"])
-def side(
-    request: pytest.FixtureRequest,
-) -> tuple[Callable[[str, Mapping[str, float], Sequence[float]], list[Row]], float]:
-    """Give what runs a law, and its relative error: of an integration, of 50 digits."""
-    made: tuple[Callable[..., list[Row]], float] = request.param
-    return made
-
-
-Runner = tuple[Callable[[str, Mapping[str, float], Sequence[float]], list[Row]], float]
+def rows(side: Side, law: str, steps: Sequence[float], **values: float) -> Sequence[Row]:
+    return side.rows(Setting(values, [Segment(h) for h in steps], f"{__name__}:{law}"))
 
 
 def close(one: Real, other: Real, tolerance: float) -> bool:
     return bool(abs(one - other) <= tolerance * abs(other))
 
 
-def test_friction_that_grows_at_rest_prolongs_the_stick(side: Runner) -> None:
-    run, error = side
-    F_s, growth = MP.mpf(0.5) * MP.mpf(9.81), MP.mpf(0.5)
-    wait = F_s / (1000 * MP.mpf(0.02) - growth * F_s)
-    held, _, slipping = run("ageing", {}, [0.125, 0.25, 0.34375])
-    assert close(slipping["t_stick"], wait, error)
-    assert close(slipping["events"][0].time, wait, error)
-    assert close(held["F_s"], F_s * (1 + growth / 8), error)
-    assert close(slipping["F_s"], F_s, error)
-
-
-def test_friction_that_outgrows_the_pull_holds_for_ever() -> None:
-    assert not simulate(Parameters(), 5.0, law=Ageing(), own={"growth": 5.0}).events
-
-
-def test_own_state_follows_slip_and_recovers_at_rest(side: Runner) -> None:
-    run, error = side
-    early, now, *_ = run("wearing", {}, [0.28125, 0.3125, 1.0])
+@SIDES
+def test_own_state_follows_slip_and_recovers_at_rest(side: Side, error: float) -> None:
+    early, now = rows(side, "WEARING", [0.28125, 0.03125])
     # m y_ddot = gap + k v t - (k - loss) y for the way y since break-away.
     N, v = MP.mpf(9.81), MP.mpf(0.02)
     gap = (MP.mpf(0.5) - MP.mpf(0.3)) * N
@@ -185,29 +122,28 @@ def test_own_state_follows_slip_and_recovers_at_rest(side: Runner) -> None:
         # The slip is young: its way goes with the square of its age.
         assert close(row["x"], y, 30 * error)
         assert close(row["F_friction"], 100 * y - MP.mpf(0.3) * N, 30 * error)
-    first, second, third = run("wearing", {}, [0.75])[0]["events"][:3]
-    left = 100 * (second.x - first.x) * MP.exp(-10 * (third.time - second.time))
-    later = float(third.time) + 2.0**-40
-    (after,) = run("wearing", {}, [later])
+    (third,) = rows(side, "WEARING", [0.625])
+    left = 100 * third["delta_x"] * MP.exp(-10 * third["t_stick"])
+    (after,) = rows(side, "WEARING", [float(third["t_event"]) + 2.0**-40])
     assert left > 0.02
     # In 2^-40 s the mass moves by less than 1e-24 m.
     assert close(after["F_friction"], left - MP.mpf(0.3) * N, max(error, 1e-20))
 
 
-def test_a_law_without_a_stick_is_followed_whole(side: Runner) -> None:
-    run, error = side
-    times = [0.0625 * n for n in range(1, 17)]
-    rows = run("lagging", {"x_dot_start": -0.0625, "F_ext": 1.0}, times)
+@SIDES
+def test_a_law_without_a_stick_is_followed_whole(side: Side, error: float) -> None:
+    found = rows(side, "LAGGING", [0.0625] * 16, x_dot_start=-0.0625, F_ext=1.0)
     system = MP.matrix([[0, -1, 0, MP.mpf(0.02)], [1000, 0, -20, 1], [0, 16, -16, 0], [0, 0, 0, 0]])
-    for row, time in zip(rows, times, strict=True):
+    for n, row in enumerate(found, 1):
+        time = MP.mpf(n) / 16
         z, x_dot, lagged, _ = MP.expm(system * time) * MP.matrix([0, MP.mpf(-0.0625), 0, 1])
         # Against the amplitudes of a motion that passes zero.
         assert abs(row["z"] - z) <= 0.01 * error
         assert abs(row["x_dot"] - x_dot) <= 10 * error
         assert abs(row["F_friction"] + 20 * lagged) <= 10 * error
         assert row["mode"] == MP.sign(x_dot)
-        assert not row["events"]
-    assert {row["mode"] for row in rows} == {-1, 1}
+        assert row["n_slips"] == row["t_event"] == 0
+    assert {row["mode"] for row in found} == {-1, 1}
 
 
 def test_what_stops_a_slip_does_not_throw_it_back() -> None:
@@ -247,10 +183,3 @@ def test_a_name_that_leads_to_no_law_is_refused_with_an_example(
 ) -> None:
     with pytest.raises(ValueError, match=words.replace("{side}", side)):
         find(name)
-
-
-def test_laws_that_come_along_have_names() -> None:
-    assert ref.friction_law("coulomb") is ref.COULOMB
-    assert truth.friction_law("coulomb") is truth.COULOMB
-    assert ref.friction_law("stribeck") is ref.STRIBECK
-    assert truth.friction_law("stribeck") is truth.STRIBECK

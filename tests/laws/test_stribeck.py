@@ -35,15 +35,6 @@ def test_leine_s_cycle_has_the_published_displacement() -> None:
     assert largest == pytest.approx(1.133944669704, abs=2e-7)
 
 
-def test_leine_s_slip_at_a_fast_pull_reverses_at_once() -> None:
-    block = make_block(**LEINE, v=1.0)
-    modes = [0]
-    while len(modes) < 3:
-        block.advance(0.0, 2.0**-6)
-        modes += [block.mode] * (block.mode != modes[-1])
-    assert modes == [0, 1, -1]
-
-
 def slip_time(**values: float) -> float:
     """Return the length of the first slip [s]."""
     p = {"mu_s": 0.5, "v": 0.02, "v_s": 0.01, **values}
@@ -58,23 +49,6 @@ def test_a_fast_fall_is_coulombs_law_with_its_rate(delta: float, order: float) -
     # From rest m u' = k V t + D (u/v_s)^delta: both are alike at t ~ v_s^(delta/(2 delta - 1)).
     errors = [abs(slip_time(v_s=v_s, delta=delta) - COULOMB_SLIP) for v_s in (2e-12, 1e-12)]
     assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.02)
-
-
-def test_a_fast_exponential_fall_is_coulombs_law_with_its_rate() -> None:
-    # The slip grows as exp(D t/(m v_s)): the rate is v_s ln(1/v_s).
-    errors = [abs(slip_time(v_s=v, delta=1.0) - COULOMB_SLIP) / v for v in (1e-6, 1e-8, 1e-10)]
-    assert errors[2] - errors[1] == pytest.approx(errors[1] - errors[0], rel=0.02)
-
-
-def test_the_error_of_a_curve_falls_as_the_square_of_its_spacing() -> None:
-    smooth = slip_time(shape=2, v_s=0.1, v=0.05)
-
-    def error(count: int) -> float:
-        speeds = [0.2 * n / (count - 1) for n in range(count)]
-        points = [(u, 0.3 + 0.2 / (1.0 + u / 0.1)) for u in speeds]
-        return slip_time(**curve(points), v=0.05) - smooth
-
-    assert error(6) / error(11) == pytest.approx(4.0, rel=0.1)
 
 
 @pytest.mark.gate

@@ -90,19 +90,6 @@ def test_the_cycle_of_a_field_is_that_of_its_points() -> None:
     assert np.isnan(field.T[1, 0])
 
 
-@pytest.mark.parametrize("digits", [3, 6, 9])
-def test_growth_tends_to_constant_coefficients_with_its_rate(digits: int) -> None:
-    # The sticks are shorter by exp(-t_stick/tau_s), the period as theory (24) says.
-    plain: Any = steady_cycle(Parameters())
-    tau_s = plain.t_stick / (digits * math.log(10.0))
-    cycle, epsilon, L = steady_cycle(grown({"tau_s": tau_s})), 10.0**-digits, plain.lambda_
-    # The second order, and what is left of the digits in a difference.
-    near = 50.0 * digits * epsilon + 1e-14 / epsilon
-    assert cycle.t_stick / plain.t_stick - 1.0 == pytest.approx(-epsilon, rel=near)
-    shorter = 2.0 / math.sqrt(1000.0) * L**3 / (1.0 + L**2) * epsilon
-    assert (plain.T - cycle.T) / shorter == pytest.approx(1.0, rel=near)
-
-
 def test_the_axis_jumps_up_to_a_tenth_of_a_millimetre_a_second() -> None:
     assert 1e3 * coulomb_limit(Parameters(**AXIS)) == pytest.approx(3.95, abs=0.005)
     (found,) = ranges({"tau_s": 0.1}, (1e-6, 0.1), **AXIS)
