@@ -183,12 +183,4 @@ FACTS = (
         )
         for below, c in ((0.0, 0.0), (10.0, 3.0))
     ),
-    Fact(
-        "a swing that settles on a corner comes to its end",
-        {**curve([(0.0, 0.2), (0.02, 0.3), (0.04, 0.7)]), "c": 2.0, "x_dot_start": 0.03},
-        [10.0] * 3 + [1e9],
-        lambda p: {"x_dot": p.v},
-        sides=AT_ONCE,
-        law="stribeck",
-    ),
 )

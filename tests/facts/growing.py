@@ -174,12 +174,6 @@ FACTS = (
         factor=10.0,
     ),
     Fact(
-        "in slip F_s is that of a fresh stop",
-        {"tau_s": 0.1, "z_start": 0.006},
-        [0.01],
-        lambda p: {"F_s": p.F_k, "mode": 1},
-    ),
-    Fact(
         "a stick that never ends grows by the logarithm for ever",
         {"tau_s": 1.0, "B": 0.1, "v": 0.0, "z_start": 0.002},
         [1e9],

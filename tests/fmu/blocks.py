@@ -2,7 +2,7 @@
 
 import math
 import random
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -53,31 +53,12 @@ class Segment:
     changes: dict[str, float] = field(default_factory=dict)
 
 
-Splitter = Callable[[float], Iterable[float]]
 Draw = Callable[[random.Random], tuple[dict[str, float], list[Segment]]]
-
-
-def whole(length: float) -> Iterable[float]:
-    """Split nothing."""
-    return (length,)
-
-
-def uneven(generator: random.Random, most: int = 40) -> Splitter:
-    """Return a splitter into random steps, tiny ones among them, that add up to the length."""
-
-    def split(length: float) -> Iterable[float]:
-        shares = [generator.random() ** 4 + 1e-9 for _ in range(generator.randint(2, most))]
-        steps = [length * share / math.fsum(shares) for share in shares]
-        steps[-1] += math.fsum([length, *(-step for step in steps)])
-        return steps
-
-    return split
 
 
 def drive(
     values: Mapping[str, float],
     segments: Sequence[Segment],
-    split: Splitter = whole,
     spec: Spec = SPEC,
     start_time: float = 0.0,
 ) -> list[dict[str, float]]:
@@ -88,9 +69,8 @@ def drive(
     for segment in segments:
         for name, value in segment.changes.items():
             block.set(name, value)
-        for step in split(segment.length):
-            block.advance(time, step)
-            time += step
+        block.advance(time, segment.length)
+        time += segment.length
         record.append(outputs(block))
     return record
 

@@ -9,7 +9,7 @@ import pytest
 
 from fmukit.model import ModelError
 
-from .blocks import draw_ageing, drive, log_uniform, make_block, outputs, uneven
+from .blocks import log_uniform, make_block, outputs
 
 W = math.sqrt(1000.0)
 
@@ -47,18 +47,6 @@ def test_setting_the_same_value_or_one_that_is_not_in_the_slip_changes_no_bit() 
         if n == 40:
             assert outputs(static)["t_slip"] == outputs(plain)["t_slip"] > 0.0
             assert outputs(static)["x"] == outputs(plain)["x"]
-
-
-def test_durations_do_not_depend_on_how_steps_cut_them_by_a_bit() -> None:
-    generator = random.Random(63)
-    names = ("t_stick", "t_slip", "T", "delta_x", "spring_drop", "x_dot_peak", "n_slips")
-    for _ in range(60):
-        values, segments = draw_ageing(generator)
-        for segment in segments:
-            segment.changes.clear()
-        once, often = drive(values, segments), drive(values, segments, uneven(generator))
-        for one, many in zip(once, often, strict=True):
-            assert [one[name] for name in names] == [many[name] for name in names]
 
 
 def test_a_slip_stopped_at_its_last_bit_does_not_jump() -> None:

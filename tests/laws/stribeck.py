@@ -1,6 +1,5 @@
 """Blocks under Stribeck's law for the tests: made, driven, drawn at random."""
 
-import functools
 import math
 import random
 from collections.abc import Sequence
@@ -8,20 +7,17 @@ from collections.abc import Sequence
 from stickslip_fmu.block import Block
 from stickslip_fmu.laws.stribeck.law import STRIBECK
 from stickslip_fmu.spec import spec_of
-from tests.fmu import blocks
-from tests.fmu.blocks import Segment, draw, log_uniform
+from tests.fmu.blocks import Segment, block_of, draw, log_uniform
 
 SPEC = spec_of(STRIBECK)
 Points = list[tuple[float, float]]
 
 FALLS_TWICE: Points = [(0.0, 0.5), (0.02, 0.3), (0.15, 0.45), (0.4, 0.2), (0.6, 0.25)]
 
-drive = functools.partial(blocks.drive, spec=SPEC)
-
 
 def make_block(**values: float) -> Block:
     """Return a block with these values and start values for the others."""
-    return blocks.block_of(SPEC, values)
+    return block_of(SPEC, values)
 
 
 def curve(points: Sequence[Sequence[float]]) -> dict[str, float]:

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import pytest
 
 from fmukit.model import ModelError
 from stickslip_verification import truth
-from tests.conftest import built, kinds
-from tests.driver import loaded
 from tests.fmu.blocks import outputs
 from tests.laws.stribeck import SPEC, curve, make_block
 
@@ -138,26 +135,6 @@ def test_what_is_ignored_is_named_in_one_warning() -> None:
 def test_a_rate_beyond_the_range_is_refused() -> None:
     with pytest.raises(ModelError, match="v_s = 1e-307 m/s is out of range: its rate"):
         make_block(v_s=1e-307, m=0.01, load=1e3)
-
-
-@pytest.mark.gate
-@pytest.mark.parametrize("kind", kinds("python-2", "python-3", "native-2", "native-3"))
-@pytest.mark.parametrize(
-    "values", [{}, {"shape": 2, "c": 1.0}, {"shape": 3, "n_points": 3, "mu_2": 0.4}], ids=str
-)
-def test_the_fmu_is_named_by_the_law_and_gives_the_blocks_bits(
-    kind: str, values: dict[str, float]
-) -> None:
-    fmu = loaded(built(kind, "stribeck"))
-    assert fmu.identifier == "StickSlipStribeck"
-    instance, block = fmu.started(**values), make_block(**values)
-    for n in range(8):
-        instance.step(0.125)
-        block.advance(0.125 * n, 0.125)
-        found: Callable[[str], float] = outputs(block).__getitem__
-        names = ("x", "z", "F_friction", "Q_friction", "t_slip", "mu_k_used")
-        assert instance.get(*names) == [found(name) for name in names]
-    instance.free()
 
 
 def test_what_both_models_have_keeps_number_and_name_and_own_rows_follow() -> None:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import tracemalloc
 from collections.abc import Mapping
-from dataclasses import fields
 from random import Random
 from typing import Any
 
@@ -14,7 +12,6 @@ import pytest
 from numpy.typing import NDArray
 
 from stickslip_ref import (
-    Cycle,
     Parameters,
     coulomb_limit,
     critical_lambda,
@@ -202,21 +199,6 @@ def test_fields_broadcast() -> None:
     for name, value in vars(spread).items():
         np.testing.assert_array_equal(getattr(made, name), value)
     assert np.shape(steady_cycle(Parameters(k=np.array([]))).T) == (0,)
-
-
-def test_a_large_field_takes_no_memory_beyond_its_results() -> None:
-    count = 300_000
-    p = Parameters(**field(count))
-    tracemalloc.start()
-    try:
-        made = (steady_cycle(p), coulomb_limit(p))
-        left, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    assert left > (len(fields(Cycle)) * 8 - 7) * count
-    assert made[0].f is not None
-    # Some forty arrays of 16384 doubles, 5 MB, and 8 MB that are never touched.
-    assert peak - left < 16e6
 
 
 def test_a_slip_may_graze_rest_to_the_last_bit() -> None:

@@ -12,7 +12,7 @@ import pytest
 from stickslip_verification import truth
 from stickslip_verification.truth import FrictionLaw, Numbers, Series, Step
 from stickslip_verification.truth.parameters import high_precision
-from stickslip_verification.truth.zeros import polynomial_zeros
+from tests.facts.coulomb import damped, of_lambda
 from tests.fmu.blocks import draw
 
 MP = high_precision(50)
@@ -37,55 +37,40 @@ def assert_equal(one: truth.Run, other: truth.Run, tolerance: Any = TOLERANCE) -
             assert abs(a[name] - b[name]) <= tolerance * largest, name
 
 
-@pytest.mark.parametrize("seed", range(16))
-def test_march_is_the_closed_form_on_any_sequence(seed: int) -> None:
+def any_sequence(seed: int) -> tuple[Mapping[str, float], list[Step]]:
     values, segments = draw(Random(f"march {seed}"))
-    w, zeta = (
-        (values["k"] / values["m"]) ** 0.5,
-        0.5 * values["c"] / (values["k"] * values["m"]) ** 0.5,
-    )
-    steps = [
-        Step(min(each.length, 6.0 / w / max(1.0, zeta)), each.changes) for each in segments[:5]
-    ]
-    assert_equal(truth.run(values, steps), truth.run(values, steps, law=Marched()))
-
-
-def of_lambda(value: float) -> dict[str, float]:
-    """Return the coefficients of an undamped cycle of this lambda at the default k, m, v."""
-    return {"mu_k": 0.3, "mu_s": 0.3 + value * 0.02 * 1000.0**0.5 / 9.81}
-
-
-def beside_limit(distance: float) -> dict[str, float]:
-    """Return a setting with lambda = lambda_c (1 + distance), zeta 0.1."""
-    w = MP.sqrt(1000)
-    Delta = (MP.mpf(0.5) - MP.mpf(0.3)) * MP.mpf(9.81) / 1000
-    c = 0.2 * float(w)
-    critical = truth.critical_lambda(MP.mpf(c) / (2 * w))
-    return {"c": c, "v": float(w * Delta / (critical * (1 + MP.mpf(distance))))}
+    w = (values["k"] / values["m"]) ** 0.5
+    longest = 6.0 / w / max(1.0, 0.5 * values["c"] / (values["m"] * w))
+    return values, [Step(min(each.length, longest), each.changes) for each in segments[:5]]
 
 
 @pytest.mark.parametrize(
-    "values",
+    ("values", "steps"),
     [
-        {},
-        of_lambda(1e-3),
-        of_lambda(1e-9),
-        {"mu_s": 0.3},
-        {"mu_s": 0.3, "c": 1.0},
-        {"mu_s": 0.0, "mu_k": 0.0},
-        {"mu_k": 0.0, "F_ext": 3.0},
-        {"v": 0.0, "x_dot_start": 3.0, "mu_s": 0.1, "mu_k": 0.05},
-        {"v": -0.02, "x_dot_start": 0.3},
-        # Critical damping exactly.
-        {"k": 1024.0, "c": 64.0, "z_start": 0.02},
-        {"k": 1024.0, "c": 64.0, "v": 0.0, "x_dot_start": 1.0},
-        {"v": 0.0, "x_dot_start": 3.0, "c": 1000.0},
-        *map(beside_limit, (1e-9, -1e-9)),
+        *map(any_sequence, range(16)),
+        *(
+            (values, [Step(0.37)] * 4)
+            for values in [
+                {},
+                of_lambda(1e-3),
+                of_lambda(1e-9),
+                {"mu_s": 0.3},
+                {"mu_s": 0.3, "c": 1.0},
+                {"mu_s": 0.0, "mu_k": 0.0},
+                {"mu_k": 0.0, "F_ext": 3.0},
+                {"v": 0.0, "x_dot_start": 3.0, "mu_s": 0.1, "mu_k": 0.05},
+                {"v": -0.02, "x_dot_start": 0.3},
+                # Critical damping exactly.
+                {"k": 1024.0, "c": 64.0, "z_start": 0.02},
+                {"k": 1024.0, "c": 64.0, "v": 0.0, "x_dot_start": 1.0},
+                {"v": 0.0, "x_dot_start": 3.0, "c": 1000.0},
+                *(damped(0.1, d) for d in (1e-9, -1e-9)),
+            ]
+        ),
     ],
     ids=str,
 )
-def test_march_is_the_closed_form_at_the_corners(values: Mapping[str, float]) -> None:
-    steps = [Step(0.37)] * 4
+def test_march_is_the_closed_form(values: Mapping[str, float], steps: Sequence[Step]) -> None:
     assert_equal(truth.run(values, steps), truth.run(values, steps, law=Marched()))
 
 
@@ -99,20 +84,6 @@ def test_more_digits_confirm_the_fewer_and_leave_the_global_precision() -> None:
     plain = [truth.run({"c": 11.0, "v": 0.001}, [Step(9.0)], digits=n) for n in (30, 80)]
     assert_equal(plain[0], plain[1], MP.mpf("1e-29"))
     assert mpmath.mp.prec == before
-
-
-@pytest.mark.parametrize(
-    "roots", [[], [0.6], [0.3, 0.300001], [0.1, 0.2, 0.3, 0.4, 0.6], [0.999], [0.6, 1.5]]
-)
-def test_zeros_of_a_polynomial_are_isolated(roots: Sequence[float]) -> None:
-    # Two complex zeros close to the axis do not count.
-    product = Series(MP, [MP.mpf("0.7") ** 2 + MP.mpf("1e-20"), MP.mpf("-1.4"), MP.one])
-    for root in roots:
-        product = product * Series(MP, [-MP.mpf(root), MP.one])
-    found = polynomial_zeros(MP, [product.term(n) for n in range(len(roots) + 3)], MP.one)
-    inside = [MP.mpf(root) for root in roots if root < 1]
-    assert len(found) == len(inside)
-    assert all(abs(a - b) < TOLERANCE for a, b in zip(found, inside, strict=True))
 
 
 def test_coefficients_of_a_series_are_the_derivatives_over_factorials() -> None:
