@@ -122,15 +122,27 @@ FACTS = (
         factor=100.0,
         law="stribeck",
     ),
-    Fact(
-        "a flat curve is Coulomb's law",
-        curve([(0.0, 0.3), (0.01, 0.3), (0.02, 0.3), (0.07, 0.3)]),
-        [0.97],
-        cycle,
-        integrated=10.0,
-        why="the gap: theory (17)",
-        sides=QUICK,
-        law="stribeck",
+    *(
+        Fact(
+            f"{name} is Coulomb's law",
+            own,
+            [0.97],
+            cycle,
+            factor=factor,
+            integrated=10.0,
+            why="the gap: theory (17); the fall is over after (v_s/v)^(2/3) of the slip",
+            sides=sides,
+            law="stribeck",
+        )
+        for name, own, factor, sides in (
+            (
+                "a flat curve",
+                curve([(0.0, 0.3), (0.01, 0.3), (0.02, 0.3), (0.07, 0.3)]),
+                1.0,
+                QUICK,
+            ),
+            ("a fast fall", {"v_s": 1e-12}, 1e7, AT_ONCE),
+        )
     ),
     *(
         Fact(

@@ -131,11 +131,6 @@ TUNED: list[tuple[float, dict[str, float]]] = [
 ]
 
 
-def _two_pulls(p: Exact) -> dict[str, Real]:
-    age, begin = 1 + MP.mpf(0.1), p.k * p.v * 0.1
-    return {"t_stick": age + p.but(v=0.01).stick(begin, age), "mode": 1}
-
-
 def _changed_in_slip(p: Exact) -> dict[str, Real]:
     ((_, _, done),) = _cycles(p, 1)
     new = p.but(tau_s=0.02, B=0.05, t_0=0.01)
@@ -178,13 +173,6 @@ FACTS = (
         {"tau_s": 1.0, "B": 0.1, "v": 0.0, "z_start": 0.002},
         [1e9],
         lambda p: {"mode": 0, "n_slips": 0, "F_s": p.F_k + p.growth(MP.mpf(1e9))},
-    ),
-    Fact(
-        "changes of the pull leave the age",
-        {"tau_s": 0.2, "B": 0.01, "t_0": 0.05},
-        [0.1, (1.0, {"v": 0.0}), (0.35, {"v": 0.01})],
-        _two_pulls,
-        factor=10.0,
     ),
     Fact(
         "growth that changes in a slip acts from the stop on",

@@ -162,32 +162,6 @@ def test_mirror_and_scaling_change_no_digit(case: Case, symmetry: Symmetry) -> N
                 assert off <= (1e-40 * abs(one[name]) if case.side is TRUTH else 0.0), name
 
 
-def test_stick_keeps_the_mass_to_the_bit_and_slip_shows_its_friction(case: Case) -> None:
-    for generator, drawn in case.settings("stick"):
-        setting, _ = cut(drawn, generator, 6)
-        values = {**setting.values}
-        before: Row | None = None
-        for segment, row in zip(setting.segments, case.side.rows(setting), strict=True):
-            values |= segment.changes
-            assert row["x_pull"] == pytest.approx(row["x"] + row["z"], rel=1e-15, abs=1e-300)
-            assert row["F"] == values["k"] * row["z"]
-            if row["mode"] == 0:
-                assert row["x_dot"] == 0
-                assert row["F_friction"] == pytest.approx(
-                    -(row["F"] + values.get("F_ext", 0.0)), rel=1e-15
-                )
-            else:
-                assert row["mode"] * row["x_dot"] >= 0
-                assert row["mode"] * row["F_friction"] <= 0
-            if (
-                before
-                and before["mode"] == row["mode"] == 0
-                and before["n_slips"] == row["n_slips"]
-            ):
-                assert row["x"] == before["x"]
-            before = row
-
-
 SHAPES: dict[str, dict[str, float]] = {
     "whole": {"shape": 1, "v_s": 0.05},
     "not whole": {"shape": 1, "v_s": 0.05, "delta": 1.5},

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from random import Random
 
 import pytest
@@ -34,33 +33,15 @@ UNITS = (
 )
 
 
-@dataclass(frozen=True)
-class Law:
-    """A friction law, how its settings are drawn, how many in full, digits of the truth."""
-
-    name: str
-    draw: Draw
-    far: int
-    digits: int = 25
-
-
-LAWS = {
-    "constant": Law("coulomb", draw, 800, 30),
-    "growing at rest": Law("coulomb", draw_ageing, 400),
-    "smooth": Law("stribeck", draw_smooth, 40),
-    "a curve": Law("stribeck", draw_curve, 120),
-}
-
-
-def drawn(law: Law, draw: Random) -> Setting:
+def drawn(law: str, draw: Draw, generator: Random) -> Setting:
     """Draw a motion whose inputs, stiffness, damping and friction change, in slip and at rest."""
-    values, segments = law.draw(draw)
-    longest = (2.0 if law.name == "stribeck" else 20.0) * math.sqrt(values["m"] / values["k"])
+    values, segments = draw(generator)
+    longest = (2.0 if law == "stribeck" else 20.0) * math.sqrt(values["m"] / values["k"])
     for segment in segments[:4]:
         segment.length = min(segment.length, longest)
     # The reference takes what changes at the start as what it starts with: no work is booked.
     segments[0].changes.pop("k", None)
-    return Setting(values, segments[:4], law.name)
+    return Setting(values, segments[:4], law)
 
 
 def motion(setting: Setting, digits: int, part: float = 0.0) -> truth.Run:
@@ -112,21 +93,29 @@ def assert_is_the_truth(side: Side, setting: Setting, exact: truth.Run, digits: 
                 assert off <= near * scale + moved, (name, off / scale, moved / scale, setting)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize(
+    ("law", "draw", "count", "digits"),
+    [
+        ("coulomb", draw, 800, 30),
+        ("coulomb", draw_ageing, 400, 25),
+        ("stribeck", draw_smooth, 40, 25),
+        ("stribeck", draw_curve, 120, 25),
+    ],
+)
 @pytest.mark.parametrize("share", [1, *(pytest.param(n, marks=pytest.mark.soak) for n in (2, 3))])
 @pytest.mark.filterwarnings("ignore::stickslip_ref.FrictionClampWarning")
 def test_block_and_reference_give_every_output_of_the_truth(
-    sized: Sized, share: int, name: str
+    sized: Sized, share: int, law: str, draw: Draw, count: int, digits: int
 ) -> None:
-    law, left_out = LAWS[name], 0
-    for n in range(sized(law.far)):
-        setting = drawn(law, Random(f"far {share} {n}"))
-        exact = motion(setting, law.digits)
+    left_out = 0
+    for n in range(sized(count)):
+        setting = drawn(law, draw, Random(f"far {share} {n}"))
+        exact = motion(setting, digits)
         if exact.margin < NEAR:
             left_out += 1
             continue
-        assert_is_the_truth(BLOCK, setting, exact, law.digits)
+        assert_is_the_truth(BLOCK, setting, exact, digits)
         # An integration sees no shallower stop, and takes a while.
         if exact.margin > 1e-6 and n % 4 == 0:
-            assert_is_the_truth(REFERENCE, setting, exact, law.digits)
-    assert left_out <= max(1, sized(law.far) // 50)
+            assert_is_the_truth(REFERENCE, setting, exact, digits)
+    assert left_out <= max(1, sized(count) // 50)

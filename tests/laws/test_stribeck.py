@@ -14,7 +14,6 @@ from tests.laws.stribeck import SPEC, curve, make_block
 W = math.sqrt(1000.0)
 LEINE = {"m": 1.0, "g": 1.0, "k": 1.0, "mu_s": 1.0, "mu_k": 0.0, "shape": 2, "v_s": 1.0 / 3.0}
 """F = F_s/(1 + 3 |u|): Leine et al., Nonlinear Dynamics 16 (1998) 41, 10.1023/A:1008289604683."""
-COULOMB_SLIP = 2.0 / W * (math.pi - math.atan(W * 0.2 * 9.81 / 1000.0 / 0.02))
 
 
 def test_leine_s_cycle_has_the_published_displacement() -> None:
@@ -30,22 +29,6 @@ def test_leine_s_cycle_has_the_published_displacement() -> None:
             nearest, largest = abs(lack), found["z"] + 0.5 * lack * lack / acceleration
     # The published digits; the parabola is right to the cube of a step of 2^-7.
     assert largest == pytest.approx(1.133944669704, abs=2e-7)
-
-
-def slip_time(**values: float) -> float:
-    """Return the length of the first slip [s]."""
-    p = {"mu_s": 0.5, "v": 0.02, "v_s": 0.01, **values}
-    block = make_block(**p)
-    block.advance(0.0, p["mu_s"] * 9.81 / (1000.0 * p["v"]) + 0.25)
-    assert block.meter.n_slips >= 1
-    return float(outputs(block)["t_slip"])
-
-
-@pytest.mark.parametrize(("delta", "order"), [(2.0, 2.0 / 3.0), (3.0, 0.6), (1.5, 0.75)])
-def test_a_fast_fall_is_coulombs_law_with_its_rate(delta: float, order: float) -> None:
-    # From rest m u' = k V t + D (u/v_s)^delta: both are alike at t ~ v_s^(delta/(2 delta - 1)).
-    errors = [abs(slip_time(v_s=v_s, delta=delta) - COULOMB_SLIP) for v_s in (2e-12, 1e-12)]
-    assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.02)
 
 
 @pytest.mark.gate
@@ -75,17 +58,6 @@ def test_stable_sliding_is_kept_for_ever_at_once(own: dict[str, float]) -> None:
     found = outputs(block)
     assert found["x_dot"] == pytest.approx(0.03, rel=1e-14)
     assert found["F"] == pytest.approx(force, rel=1e-14)
-
-
-def test_unstable_sliding_grows_to_a_stop_from_any_small_swing() -> None:
-    # A swing of 1e-9 v grows at N (mu_s - mu_k)/(v_s 2 m) / (1 + v/v_s)^2.
-    growth, force = 0.2 * 9.81 / 0.1 / 9.0 / 2.0, 9.81 * (0.3 + 0.2 / 3.0)
-    start = {"z_start": force / 1000.0, "x_dot_start": 0.2 * (1.0 + 1e-9)}
-    block = make_block(shape=2, v=0.2, v_s=0.1, **start)
-    block.advance(0.0, 0.9 * math.log(1e9) / growth)
-    assert block.meter.n_slips == 0
-    block.advance(0.0, 0.3 * math.log(1e9) / growth)
-    assert block.meter.n_slips >= 1
 
 
 def test_a_stop_that_grazes_is_decided_to_a_relative_1e_12() -> None:

@@ -11,14 +11,12 @@ from stickslip_ref import FrictionClampWarning, Parameters
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"m": 0.0}, "m = 0.0 kg is out of range; it must be finite and > 0 kg"),
         ({"mu_s": -1.0}, "^mu_s = -1.0 is out of range; it must be finite and >= 0"),
         ({"load": -9.82}, "load = -9.82 N .* >= -m g = -9.81 N"),
         ({"k": np.array([[1.0, -3.0]])}, r"k\[0, 1\] = -3\.0 N/m is out of range"),
         ({"v": "20"}, "v = '20' is not a number"),
         ({"k": np.ones(2), "v": np.ones(3)}, r"k \(2,\), v \(3,\)"),
         ({"k": 1e308, "m": 1e-308}, "k = 1e[+]308.* m = 1e-308.* out of range together"),
-        ({"k": 1e-300, "m": 1e300}, "out of range together"),
         ({"k": 1e-320}, "out of range together"),
         ({"c": 1e300}, "out of range together"),
         ({"k": np.array([1e-200, 1.0]), "m": np.array([1e200, 1.0])}, "k = 1e-200 N/m, m = 1e[+]2"),
