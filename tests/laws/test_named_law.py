@@ -46,12 +46,6 @@ def test_a_law_with_the_model_name_of_another_is_not_built(tmp_path: Path) -> No
         build(tmp_path, law="tests.laws.test_own_law:NAMESAKE")
 
 
-def test_a_case_knows_its_law_and_the_parameters_of_it(tmp_path: Path) -> None:
-    case = read(tmp_path)
-    assert case.law == NAME
-    assert (case.start["u_2"], case.start["delta"]) == (3.0, 2.0)
-
-
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

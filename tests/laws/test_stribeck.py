@@ -77,24 +77,6 @@ def test_a_stop_that_grazes_is_decided_to_a_relative_1e_12() -> None:
         assert not stops(low * (1.0 + lack))
 
 
-@pytest.mark.parametrize("distance", [-1e-9, 1e-9, -1e-7, 1e-7])
-def test_a_corner_touched_is_no_event_and_a_corner_passed_is_one(distance: float) -> None:
-    v, swing = 0.05, 0.02
-    corner = (v + swing) * (1.0 - distance)
-    # Constant below the corner and steep above, so a crossing shows in the swing.
-    points = [(0.0, 0.3), (corner, 0.3), (2.0 * corner, 1.3)]
-    start = {"z_start": 0.3 * 9.81 / 1000.0, "x_dot_start": v + swing}
-    block = make_block(**curve(points), v=v, **start)
-    block.advance(0.0, 2.0 * math.pi / W)
-    lost = 1.0 - (outputs(block)["x_dot"] - v) / swing
-    # Above the corner the speed is a parabola, `beyond` high and 2 t long; the slope damps it.
-    beyond = max(distance, 0.0) * (v + swing)
-    t = math.sqrt(2.0 * beyond / swing) / W
-    expected = 9.81 / corner * (4.0 / 3.0) * beyond * t / swing
-    assert lost == pytest.approx(expected, rel=5e-3, abs=1e-14)
-    assert block.meter.n_slips == 0
-
-
 def test_what_is_ignored_is_named_in_one_warning() -> None:
     two = curve([(0.0, 0.5), (0.1, 0.3)])
     assert make_block(**two).warning() is None

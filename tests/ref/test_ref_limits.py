@@ -82,14 +82,6 @@ def test_the_search_finds_the_closed_form_of_coulombs_law(zeta: float) -> None:
     assert critical_velocity(p).proven
 
 
-def test_without_damping_coulombs_law_has_no_end() -> None:
-    assert critical_velocity(Parameters()).highest == math.inf
-    assert critical_velocity(Parameters(c=100.0)).cycle == ()
-    assert critical_velocity(Parameters(), between=(0.1, 0.2)).cycle == (
-        Interval(0.1, 0.2, "none", "none"),
-    )
-
-
 def test_without_damping_friction_that_hardly_falls_sticks_too() -> None:
     p = Parameters(mu_s=0.5, mu_k=0.499)
     (only,) = critical_velocity(p, "stribeck", {"v_s": 6.0, "delta": 3.0}, (1e-5, 0.03)).cycle

@@ -50,9 +50,3 @@ def test_arrays_are_shared_with_the_caller_and_not_writable() -> None:
     with pytest.raises(ValueError, match="read-only"):
         np.asarray(p.k)[0] = 5.0
     assert k.flags.writeable
-
-
-def test_equal_parameters_are_equal() -> None:
-    assert Parameters(k=np.array([1.0, 2.0])) == Parameters(k=np.array([1.0, 2.0]))
-    assert Parameters() != Parameters(v=0.03)
-    assert hash(Parameters()) == hash(Parameters())
