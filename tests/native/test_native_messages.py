@@ -48,7 +48,7 @@ OF_A_CURVE: list[dict[str, float]] = [
     {"shape": 3, "n_points": 3, "u_4": 0.7, "mu_4": 0.1},
     {"shape": 3, "mu_k": 0.9, "u_3": 1e22},
     {"shape": 1, "mu_1": 0.9},
-    {"v_s": 1e-308},
+    {"v_s": 2.3e-308, "mu_k": 0.0},
 ]
 CLAMPED = [
     ((0.3, 0.5), (0.3, 0.5), (0.3, 0.6), (0.3, 0.5)),
@@ -175,7 +175,7 @@ EVERY = {
     "stribeck": (
         "shape = 4 is out of range", "n_points is fixed", "it must be at most mu_s = 0.5",
         "it must be above u_2 = 0.1 m/s", "is ignored: shape is 3", "is ignored: n_points = 3",
-        "v_s = 1e-308 m/s is out of range: its rate",
+        "v_s = 2.3e-308 m/s is out of range: its rate",
     ),
 }  # fmt: skip
 OF_VERSION = {
