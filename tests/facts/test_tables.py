@@ -125,15 +125,3 @@ def test_a_step_that_is_none_is_refused(step: float) -> None:
         _block("coulomb", {}).advance(0.0, step)
     with pytest.raises(ValueError, match=r"h = .* is outside h > 0"):
         truth.run({}, [Step(step)])
-
-
-@pytest.mark.parametrize("time", [math.nan, math.inf])
-def test_a_time_that_is_none_is_refused(time: float) -> None:
-    block = _block("coulomb", {})
-    block.advance(0.0, 0.1)
-    with pytest.raises(ModelError, match="communication point t = "):
-        block.advance(time, 0.1)
-    with pytest.raises(ValueError, match="time = "):
-        simulate(Parameters(), 1.0, changes=[Change(time, {"v": 1.0})])
-    with pytest.raises(ValueError, match="start_time = "):
-        truth.run({}, [Step(0.1)], start_time=time)

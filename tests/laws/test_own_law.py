@@ -10,7 +10,7 @@ import pytest
 
 import stickslip_ref as ref
 from stickslip_fmu.laws import named as block
-from stickslip_ref import Parameters, simulate
+from stickslip_ref import Parameters
 from stickslip_verification import truth
 from stickslip_verification.truth import Number, Numbers, Series
 from tests.facts.closed import MP, Real
@@ -144,18 +144,6 @@ def test_a_law_without_a_stick_is_followed_whole(side: Side, error: float) -> No
         assert row["mode"] == MP.sign(x_dot)
         assert row["n_slips"] == row["t_event"] == 0
     assert {row["mode"] for row in found} == {-1, 1}
-
-
-def test_what_stops_a_slip_does_not_throw_it_back() -> None:
-    class Grabbing(ref.Coulomb):
-        def break_away_force(self, p: Parameters, age: float = 0.0, state: ref.State = ()) -> float:
-            return 3.0
-
-        def slip_friction(self, p: Parameters, speed: float, state: ref.State = ()) -> float:
-            return 5.0
-
-    p = Parameters(v=0.0, z_start=0.004, x_dot_start=0.01)
-    assert [event.kind for event in simulate(p, 0.5, law=Grabbing()).events] == ["re-stick"]
 
 
 FINDERS = [

@@ -157,14 +157,3 @@ def test_a_velocity_that_was_not_searched_has_no_answer() -> None:
     for v in (0.0, 0.5 * found.between[0], -2.0 * found.between[1]):
         with pytest.raises(ValueError, match="m/s is out of range; the velocities searched are"):
             found.motions(v)
-
-
-@pytest.mark.gate
-def test_a_slow_layer_is_not_leapt_over() -> None:
-    p = Parameters(
-        m=0.04160216590251779, k=140.24203687661213, c=0.025903983501884567,
-        mu_s=0.4301392888905115, mu_k=0.2551120858119786,
-    )  # fmt: skip
-    own = {"shape": 1.0, "v_s": 1.9343965346137023e-05, "delta": 5.0}
-    found = critical_velocity(p, "stribeck", own, (0.1175, 0.1195)).highest
-    assert found == pytest.approx(0.1184685860, rel=1e-6)
