@@ -82,14 +82,12 @@ def walk_in(root: Path, commands: str) -> None:
 
 
 def test_an_output_is_added_as_contributing_says(changed: Path) -> None:
-    """Its changes and its case lead to an FMU whose new output is held against the truth."""
     (commands,) = blocks("Add an output", "bash")
     walk_in(changed, commands)
 
 
 @needs("cc")
 def test_the_native_fmu_has_the_added_output_too(changed: Path) -> None:
-    """The native FMU of the same changes passes the same case."""
     (commands,) = blocks("Add an output", "bash")
     native = commands.replace("build --bare", "build --bare --native --this-machine")
     walk_in(changed, native.replace("StickSlip.fmu", "StickSlip_native.fmu"))
