@@ -14,6 +14,7 @@ import pytest
 from stickslip_verification import load_mutants
 from stickslip_verification.drive.planting import plant
 
+pytestmark = pytest.mark.gate
 TOOL = Path(__file__).parents[1] / "tools" / "same.py"
 
 ROW = {

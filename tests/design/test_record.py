@@ -37,6 +37,7 @@ def test_a_force_along_the_way_changes_no_motion(axis: Axis, feed: float) -> Non
     assert tilted.ahead == pytest.approx(level.ahead, abs=1e-10)
 
 
+@pytest.mark.gate
 def test_a_motion_does_not_depend_on_how_finely_it_is_shown() -> None:
     fine, coarse = record(SERVO, 5e-4, 0.6), record(SERVO, 5e-4, 40.0 * 0.6)
     same_times = fine.ahead[::40]

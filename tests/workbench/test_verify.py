@@ -169,6 +169,7 @@ def test_the_linter_names_what_is_wrong(command: Command, tmp_path: Path) -> Non
     assert "'seems' is no reason" in answer.out
 
 
+@pytest.mark.gate
 def test_the_verdict_is_packed_into_our_fmu_alone(
     command: Command, tmp_path: Path, fmu_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -191,6 +192,7 @@ def test_the_verdict_is_packed_into_our_fmu_alone(
     assert own.read_bytes() == before
 
 
+@pytest.mark.gate
 def test_a_verify_without_a_file_judges_what_is_built(command: Command, tmp_path: Path) -> None:
     judged = "from stickslip.commands.shared import current_fmu; print(current_fmu())"
     assert command.in_fresh_process("build", "--bare").code == 0
