@@ -58,7 +58,7 @@ test-bare: $(VENV)/ready-to-test
 	$(BIN)/python -m tests.bare none
 	$(BIN)/python -m tests.bare half
 
-# Everything at full size, an hour at most; it prints the time of each part.
+# Everything at full size, an hour or two; it prints the time of each part.
 soak: $(VENV)/ready-to-test
 	tests/soak.sh $(BIN)
 
