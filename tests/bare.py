@@ -37,6 +37,8 @@ def main(machine: str, arguments: list[str]) -> int:
     """Run the tests on a machine, "none" or "half"; print what they say and what was not told."""
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--color=no", "--gate"]
     command += ["--numprocesses", "logical", "--dist", "worksteal"]
+    # They need what pip brings, and take minutes.
+    command += ["--ignore", "tests/workbench/test_documents.py"]
     with tempfile.TemporaryDirectory(prefix="bare-") as folder:
         done = subprocess.run(
             [*command, *(arguments or ["-m", "needs"])],
