@@ -63,7 +63,8 @@ def setting(number: int) -> Setting:
     kind = ("coulomb", "dwell", "dwell reversing", "formula", "curve")[number % 5]
     p = {"m": log_uniform(draw, 0.1, 1e3), "mu_s": log_uniform(draw, 0.05, 1.5)}
     p["k"] = p["m"] * log_uniform(draw, 5.0, 500.0) ** 2
-    p["mu_k"] = p["mu_s"] / draw.uniform(*((2.5, 12.0) if kind[6:] else (1.02, 2.5)))
+    ratios = {"dwell": (1.02, 2.5), "dwell reversing": (2.5, 12.0)}
+    p["mu_k"] = p["mu_s"] / log_uniform(draw, *ratios.get(kind, (1.02, 6.0)))
     w = math.sqrt(p["k"] / p["m"])
     zeta = draw.choice([0.0, log_uniform(draw, 1e-4, 0.3), log_uniform(draw, 1e-2, 0.3)])
     p["c"] = 2.0 * zeta * p["m"] * w
