@@ -88,8 +88,7 @@ def setting(number: int) -> Setting:
         p |= _curve(draw, p["mu_s"], p["mu_k"], gap * log_uniform(draw, 0.03, 3.0))
         v = p[f"u_{draw.randint(2, int(p['n_points']))}"] * log_uniform(draw, 0.05, 5.0)
     p["v"] = max(v, p["mu_s"] * GRAVITY / (w * 2.0 * math.pi * SLOWEST))
-    law = "stribeck" if "shape" in p else "coulomb"
-    return Setting(number, kind, law, p)
+    return Setting(number, kind, "stribeck" if "shape" in p else "coulomb", p)
 
 
 def _curve(draw: Random, mu_s: float, mu_k: float, u: float) -> dict[str, float]:
