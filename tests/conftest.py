@@ -43,11 +43,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Give all processes of this run one folder for temporary files, which is removed at its end.
-
-    Simulators and processes that crash leave files behind. The truth and the reference of the cases
-    are there too, computed once for all processes.
-    """
+    """Give all processes of this run one folder for temporary files, removed at its end."""
     from stickslip_verification.drive.kept import FOLDER
 
     if config.getoption("soak"):
@@ -159,7 +155,6 @@ def built(kind: str, law: str = "coulomb") -> Path:
 
 @pytest.fixture(scope="session")
 def fmu_path() -> Path:
-    """Return the Python FMU of FMI 2.0."""
     return built("python-2")
 
 
@@ -173,7 +168,6 @@ def kinds(*names: str) -> list[ParameterSet]:
 
 @pytest.fixture(params=kinds())
 def fmu(request: pytest.FixtureRequest) -> Path:
-    """Return the FMU of each kind: Python and native, FMI 2.0 and 3.0."""
     return built(request.param)
 
 

@@ -102,7 +102,6 @@ class Fmu:
         self.messages.append((status, category, text.decode(errors="backslashreplace")))
 
     def call(self, name: str, *arguments: Any) -> int:
-        """Return the status of an FMI function, named without `fmi2` or `fmi3`."""
         passed = (_passed(each, self.version) for each in arguments)
         return int(self.library[f"fmi{self.version}{name}"](*passed))
 
@@ -124,7 +123,6 @@ class Fmu:
         return address
 
     def instance(self, name: str = "a") -> "Instance":
-        """Return a new instance, nothing set."""
         return Instance(self, name)
 
     def started(self, start_time: float = 0.0, **values: float) -> "Instance":
@@ -146,24 +144,20 @@ class Instance:
         self.time = 0.0
 
     def status(self, name: str, *arguments: Any) -> int:
-        """Return the status of a call."""
         return self.fmu.call(name, self.address, *arguments)
 
     def call(self, name: str, *arguments: Any) -> None:
-        """Make a call that must succeed."""
         before = len(self.fmu.messages)
         status = self.status(name, *arguments)
         if status not in (OK, WARNING):
             raise Refused(name, status, [text for *_, text in self.fmu.messages[before:]])
 
     def start(self, start_time: float = 0.0, **values: float) -> None:
-        """Set values and go through initialization."""
         self.set(**values)
         self.enter(start_time)
         self.call("ExitInitializationMode")
 
     def enter(self, start_time: float = 0.0) -> None:
-        """Enter initialization mode."""
         self.time = start_time
         if self.fmu.version == 2:
             self.call("SetupExperiment", 0, 0.0, start_time, 0, 0.0)
@@ -172,7 +166,6 @@ class Instance:
             self.call("EnterInitializationMode", False, 0.0, start_time, False, 0.0)
 
     def step(self, h: float, times: int = 1) -> None:
-        """Make steps of one length."""
         for _ in range(times):
             shown = [c.byref(c.c_double()) for _ in range(4)]
             more = (1,) if self.fmu.version == 2 else (True, *shown)
@@ -191,12 +184,10 @@ class Instance:
         return [bool(each) if kind == "Boolean" else each for each in listed]
 
     def set(self, **values: float) -> None:
-        """Set variables, one call each."""
         for name, value in values.items():
             self.values("Set", self.fmu.types[name], [self.fmu.references[name]], [value])
 
     def get(self, *names: str) -> list[Any]:
-        """Return variables, those of one type by one call."""
         found: dict[str, Any] = {}
         for kind in {self.fmu.types[name] for name in names}:
             alike = [name for name in names if self.fmu.types[name] == kind]
@@ -211,36 +202,29 @@ class Instance:
         return dict(zip(names, self.get(*names), strict=True))
 
     def reset(self) -> None:
-        """Make the instance as it was when made."""
         self.call("Reset")
 
     def terminate(self) -> None:
-        """End the simulation."""
         self.call("Terminate")
 
     def free(self) -> None:
-        """Free the instance."""
         self.fmu.library[f"fmi{self.fmu.version}FreeInstance"](self.address)
 
     def _of_state(self, verb: str, suffix: str = "") -> str:
         return f"{verb}FMU{'state' if self.fmu.version == 2 else 'State'}{suffix}"
 
     def save(self) -> c.c_void_p:
-        """Return a handle of the state."""
         state = c.c_void_p()
         self.call(self._of_state("Get"), c.byref(state))
         return state
 
     def restore(self, state: c.c_void_p) -> None:
-        """Set a state."""
         self.call(self._of_state("Set"), state)
 
     def forget(self, state: c.c_void_p) -> None:
-        """Free a state."""
         self.call(self._of_state("Free"), c.byref(state))
 
     def pack(self) -> bytes:
-        """Return the present state as bytes."""
         state = self.save()
         try:
             return self.pack_state(state)
@@ -248,7 +232,6 @@ class Instance:
             self.forget(state)
 
     def pack_state(self, state: c.c_void_p) -> bytes:
-        """Return a state as bytes."""
         size = c.c_size_t()
         self.call(self._of_state("Serialized", "Size"), state, c.byref(size))
         data = (c.c_ubyte * size.value)()
@@ -256,7 +239,6 @@ class Instance:
         return bytes(data)
 
     def unpack(self, data: bytes) -> c.c_void_p:
-        """Return a handle of the state that bytes hold."""
         state = c.c_void_p()
         verb = "DeSerialize" if self.fmu.version == 2 else "Deserialize"
         # Exactly as long as the content, so that reading beyond it is found.
@@ -265,7 +247,6 @@ class Instance:
         return state
 
     def resume(self, data: bytes) -> None:
-        """Set the state that bytes hold."""
         state = self.unpack(data)
         self.restore(state)
         self.forget(state)
@@ -281,16 +262,14 @@ _LOADED: dict[str, Fmu] = {}
 
 
 def loaded(path: str | Path) -> Fmu:
-    """Return an FMU, loaded once in a process."""
     return _LOADED.setdefault(str(path), _LOADED.get(str(path)) or Fmu(path))
 
 
 def play(path: str, script: Sequence[Sequence[Any]]) -> list[Any]:
-    """Return what each line of a script gives on a new instance.
+    """Return what each line, a method of `Instance` and its arguments, gives on a new instance.
 
-    A line is the name of a method of `Instance` and its arguments, a dictionary at the end being
-    values by name; or "save", "restore" of what was saved, "rewrite": the state as bytes and back.
-    A line that is refused gives {"refused": status, "messages": [...]}.
+    Values by name stand last. Or a line is "save", "restore" of what was saved, "rewrite": the
+    state as bytes and back. A line that is refused gives {"refused": status, "messages": [...]}.
     """
     instance = loaded(path).instance()
     state: c.c_void_p | None = None
@@ -328,10 +307,7 @@ class DiedError(Exception):
 
 
 class Host:
-    """A process that has FMUs and not the project; it calls functions of modules of the tests.
-
-    One that has ended is started anew by the next call.
-    """
+    """A process without the project that calls functions of the tests; started anew if dead."""
 
     def __init__(self, **environment: str) -> None:
         self.environment = environment
@@ -339,13 +315,7 @@ class Host:
         self._errors: Path | None = None
 
     def call(self, function: Callable[..., Any], *arguments: Any, timeout: float = 120.0) -> Any:
-        """Return `function(*arguments)`, computed there; all of it goes through JSON.
-
-        Raises
-        ------
-        DiedError
-            If the process ends before it answers.
-        """
+        """Return `function(*arguments)`, computed there; all of it goes through JSON."""
         if self.process is None or self.process.poll() is not None:
             self._start()
         assert self.process is not None
@@ -416,7 +386,6 @@ class Bar(MetaPathFinder):
     """Refuses the project's packages."""
 
     def find_spec(self, name: str, path: Any, target: Any = None) -> None:
-        """Raise ImportError for a package of the project."""
         root = name.partition(".")[0]
         ours = root in ("examples", "fmukit", "stickslip") or root.startswith("stickslip_")
         # What an FMU brings is named by its content.

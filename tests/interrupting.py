@@ -35,10 +35,7 @@ def session(*command: str, folder: Path, scratch: Path) -> Iterator[Popen[str]]:
 
 
 def wait_for_work(leader: Popen[Any], seconds: float) -> None:
-    """Wait until a session has used so much processor time [s], however busy the machine is.
-
-    Its leader was started with `start_new_session`; what has ended does not count.
-    """
+    """Wait until a session has used so much processor time [s], however busy the machine is."""
     while leader.poll() is None and sum(_processor_times(leader.pid)) < seconds:
         time.sleep(0.05)
     assert leader.returncode is None, leader.communicate()

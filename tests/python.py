@@ -8,10 +8,7 @@ from typing import Any
 def python(
     *arguments: object, timeout: float = 120.0, **more: Any
 ) -> subprocess.CompletedProcess[str]:
-    """Run this Python to its end and return its output; it must end with exit code 0.
-
-    `timeout` [s] and `more` are options of `subprocess.run`.
-    """
+    """Run this Python to its end; it must end with exit code 0."""
     command = [sys.executable, *map(str, arguments)]
     done = subprocess.run(
         command, capture_output=True, text=True, check=False, timeout=timeout, **more

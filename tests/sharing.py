@@ -7,10 +7,7 @@ from pathlib import Path
 
 
 def made_once(name: str, make: Callable[[Path], None]) -> Path:
-    """Return a folder of this name that `make` has filled, once for all processes of the run.
-
-    If `make` raises, the next process tries it in a folder of its own.
-    """
+    """Return a folder that `make` has filled once for all processes of the run."""
     root = Path(tempfile.gettempdir()) / f"shared-{name}"
     root.mkdir(exist_ok=True)
     with (root / "lock").open("w") as lock:

@@ -36,7 +36,6 @@ def applied(diff: str, root: Path) -> list[Path]:
 
 
 def copied(names: Iterable[str], target: Path) -> None:
-    """Copy files and folders of the project to the same places below `target`."""
     for name in names:
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         if (ROOT / name).is_dir():

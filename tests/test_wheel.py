@@ -50,7 +50,6 @@ class Environment:
     folder: Path
 
     def run(self, program: str, *words: str) -> subprocess.CompletedProcess[str]:
-        """Run a program of the environment."""
         kept = {name: text for name, text in os.environ.items() if not name.startswith(LEADS)}
         return subprocess.run(
             [str(self.root / "bin" / program), *words],
@@ -63,7 +62,6 @@ class Environment:
         )
 
     def pip(self, *words: str) -> subprocess.CompletedProcess[str]:
-        """Run pip of the environment."""
         return self.run("python", "-m", "pip", "--quiet", "--disable-pip-version-check", *words)
 
     def stickslip(self, *words: str) -> str:
@@ -75,8 +73,6 @@ class Environment:
 
 @pytest.fixture(scope="module")
 def wheel() -> Path:
-    """Return the wheel of this source tree."""
-
     def build(folder: Path) -> None:
         # No isolated build: hatchling is among the tools that the tests are installed with.
         options = ["--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder)]
@@ -88,18 +84,13 @@ def wheel() -> Path:
 
 @pytest.fixture(scope="module")
 def names(wheel: Path) -> set[str]:
-    """Return the names of the files in the wheel."""
     with zipfile.ZipFile(wheel) as archive:
         return set(archive.namelist())
 
 
 @pytest.fixture(scope="module")
 def installed(wheel: Path, pytestconfig: pytest.Config) -> Environment:
-    """Return a fresh environment with the wheel, and what it needs.
-
-    In CI and with --soak that comes from the registry; else the environment of the tests lends it,
-    but not the source tree that is installed there.
-    """
+    """Return a fresh environment with the wheel; only CI and --soak install what it needs."""
 
     def set_up(folder: Path) -> None:
         environment = Environment(folder / "venv", folder)

@@ -24,5 +24,4 @@ RIGID = Axis(
 
 
 def driven(**changed: Any) -> Axis:
-    """Return the servo axis with numbers of its drive changed."""
     return replace(SERVO, drive=replace(DRIVE, **changed))

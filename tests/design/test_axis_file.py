@@ -54,10 +54,7 @@ PER_TURN = 200.0 * math.pi
 
 
 def written(changes: str = "") -> str:
-    """Return an axis file changed by lines: `key = value`, in place of the keys that it excludes.
-
-    `-key` leaves a key out; from a line `[section]` on, lines are added at the end.
-    """
+    """Return an axis file with lines `key = value` changed, `-key` left out, `[section]` added."""
     sections = {**{name: dict(keys) for name, keys in RIGID.items()}, "drive": dict(DRIVE)}
     sections["demand"] = {}
     lines = changes.splitlines()

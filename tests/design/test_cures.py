@@ -44,7 +44,6 @@ def exact_jump(p: Parameters) -> float | None:
 
 
 def at(p: Parameters, cure: Cure, value: Any) -> Parameters:
-    """Return the block with a cure's parameter set."""
     return replace(p, **{cure.parameter: value})
 
 

@@ -10,7 +10,6 @@ HEAD = "speed,mu\n0,0.4\n"
 
 
 def read(folder: Path, text: str, normal_force: float | None = None) -> Curve:
-    """Return the curve of a file with this text."""
     file = folder / "curve.csv"
     file.write_text(text, encoding="utf-8")
     return read_curve(file, normal_force)

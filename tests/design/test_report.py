@@ -22,12 +22,10 @@ if TYPE_CHECKING:
 
 @cache
 def page(name: str) -> str:
-    """Return the report of an axis."""
     return html(verdicts.ALL[name]())
 
 
 def words_in(page: str) -> str:
-    """Return the words of a page with one blank between them."""
     plain = re.sub(r"<style>.*?</style>|<svg.*?</svg>|<title>.*?</title>", " ", page, flags=re.S)
     return " ".join(re.sub(r"\s+([,:;.])", r"\1", re.sub(r"<[^>]*>", " ", plain)).split())
 
@@ -67,7 +65,6 @@ LARGEST = max(verdicts.JUMPS)
 
 
 def allowing(jump: float) -> Axis:
-    """Return the juddering axis where a jump up to this one is allowed."""
     return replace(verdicts.AXIS, demand=Demand(largest_jump=jump))
 
 

@@ -26,13 +26,11 @@ FILE = (
 
 @pytest.fixture(scope="module")
 def servo() -> Verdict:
-    """Return the verdict on the servo axis, asked at 2 and 0.5 mm/s."""
     return design(axis_file_of(FILE))
 
 
 @pytest.fixture(scope="module")
 def rigid() -> Verdict:
-    """Return the verdict on the rigid axis, asked at 3 mm/s."""
     return design(RIGID)
 
 

@@ -27,7 +27,6 @@ AXIS = Axis(
 
 
 def point(feed: float, critical: float, jump: float | None = None, **more: Any) -> OperatingPoint:
-    """Return an operating point at a feed [m/s]."""
     return OperatingPoint(
         feed=feed, margin=feed / critical if critical else math.inf, jumps=jump is not None,
         from_rest=more.pop("from_rest", None), jump=jump,
@@ -79,7 +78,6 @@ def juddering() -> Verdict:
 
 @cache
 def rigid() -> Verdict:
-    """Return an axis on a rigid drive."""
     axis = replace(
         AXIS, name="Slide of a grinder", drive=None, demand=Demand(feeds=FEEDS[1:4]), spread={}
     )
@@ -95,7 +93,6 @@ def rigid() -> Verdict:
 
 @cache
 def unstable() -> Verdict:
-    """Return an axis with more position gain than the 72.2 1/s that it bears."""
     axis = replace(AXIS, name="Axis, K_v = 100 1/s", drive=replace(DRIVE, K_v=100.0))
     return replace(
         juddering(), axis=axis, stable=False, critical_feed=math.nan,

@@ -11,8 +11,6 @@ from tests.sharing import made_once
 
 @pytest.fixture(scope="session")
 def fmus(fmu_path: Path) -> Path:
-    """Return a folder with StickSlip.fmu and ServoDrive.fmu."""
-
     def make(folder: Path) -> None:
         shutil.copy(fmu_path, folder / "StickSlip.fmu")
         build_drive(folder)

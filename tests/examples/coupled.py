@@ -32,7 +32,6 @@ def make_block(**values: float) -> Block:
 
 
 def servo(values: Mapping[str, float]) -> ServoDrive:
-    """Return the drive with values that are not those at the start."""
     settings = Settings.at_start()
     for name, value in values.items():
         settings = settings.changed(name, value)
@@ -70,7 +69,6 @@ def couple(axis: Axis, steps: Iterable[float]) -> Motion:
 
 
 def velocity_loop(omega_v: float) -> dict[str, Any]:
-    """Return the changes that make a velocity loop of this bandwidth [rad/s]."""
     return {"omega_v": omega_v, "T_n": critically_damped(omega_v)}
 
 

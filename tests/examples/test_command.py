@@ -102,7 +102,6 @@ def axis_file(fmus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def own(fmus: Path) -> Run:
-    """Return what the example's own master finds, from the first step's end on."""
     names = [name.partition(".")[2] for name in ssp.OUTPUTS]
     run = simulate(fmus, Axis(), STOP, STEP)
     return {name: run[name][1:] for name in names}

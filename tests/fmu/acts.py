@@ -21,7 +21,6 @@ _STEPS = (0.013, 1e-13, 0.0371, 0.25, 3e-5, 1.0, 1.7e-13, 0.09)
 
 
 def _went_on(instance: Instance) -> list[dict[str, Any]]:
-    """Return all that is shown from here on."""
     shown = [instance.everything()]
     for n, step in enumerate(_STEPS):
         instance.set(v=0.01 * n, k=900.0 + 50.0 * n, load=0.3 * n)
@@ -31,10 +30,7 @@ def _went_on(instance: Instance) -> list[dict[str, Any]]:
 
 
 def written(path: str, places: list[tuple[dict[str, float], float]]) -> list[list[Any]]:
-    """Return what is shown after runs with these values to these times, and the state there.
-
-    Of a state the bytes, hexadecimal, and the time.
-    """
+    """Return what is shown after runs with these values to these times, with the state there."""
     found = []
     for values, reached in places:
         instance = loaded(path).started(**values)
@@ -45,7 +41,6 @@ def written(path: str, places: list[tuple[dict[str, float], float]]) -> list[lis
 
 
 def resumed(path: str, states: list[tuple[str, float]]) -> list[list[Any]]:
-    """Return what instances show that took these states and nothing else."""
     shown = []
     for data, time in states:
         instance = loaded(path).instance()
@@ -71,10 +66,7 @@ def _places(tree: Any, name: str = "") -> Iterator[tuple[Any, Any, str]]:
 
 
 def spoilt(path: str) -> tuple[int, list[str]]:
-    """Spoil a state in every place; return how often, and which of these were taken.
-
-    One is taken that is refused by an error which was not meant, too.
-    """
+    """Spoil a state in every place; return how often, and which were taken or met another error."""
     instance = loaded(path).started(c=0.5)
     instance.step(0.02, times=30)
     state = json.loads(instance.pack())
@@ -222,10 +214,7 @@ def lost(path: str, what: str, times: int) -> list[float]:
 
 
 def of_versions(paths: list[str]) -> list[list[Any]]:
-    """Return what each of several FMUs shows, all loaded before, all stepped in turns.
-
-    Then once more of a new instance of each: what was loaded last must not answer for the others.
-    """
+    """Return what FMUs show, loaded before and stepped in turns, then a new instance of each."""
     fmus = [loaded(path) for path in paths]
     names = [[name for name in ("x", "z") if name in fmu.references] for fmu in fmus]
     running = [fmu.started() for fmu in fmus]

@@ -16,12 +16,10 @@ OUTPUTS = [each for each in TABLE.rows if each.causality == "output"]
 
 @cache
 def spec_named(law: str) -> Spec:
-    """Return the specification of the block under a friction law given by its name."""
     return spec_of(friction_law(law).law)
 
 
 def make_block(**values: float) -> Block:
-    """Return a block with these values and the table's start values for the others."""
     return block_of(SPEC, values)
 
 
@@ -33,7 +31,6 @@ def block_of(spec: Spec, values: Mapping[str, float]) -> Block:
 
 
 def outputs(block: Block) -> dict[str, float]:
-    """Return every output of the table."""
     block.refresh()
     found = {}
     for variable in OUTPUTS:
@@ -62,7 +59,6 @@ def drive(
     spec: Spec = SPEC,
     start_time: float = 0.0,
 ) -> list[dict[str, float]]:
-    """Return the outputs at the end of each segment."""
     block = block_of(spec, values)
     time = start_time
     record = []
@@ -76,7 +72,6 @@ def drive(
 
 
 def log_uniform(generator: random.Random, low: float, high: float) -> float:
-    """Draw a number whose logarithm is uniform."""
     return math.exp(generator.uniform(math.log(low), math.log(high)))
 
 

@@ -16,7 +16,6 @@ _DESCRIPTION = "modelDescription.xml"
 
 
 def description_of(fmu: Path) -> bytes:
-    """Return the model description as it stands in the file."""
     with zipfile.ZipFile(fmu) as archive:
         return archive.read(_DESCRIPTION)
 
@@ -32,7 +31,6 @@ def by_schema(fmu: Path) -> list[str]:
 
 
 def by_fmpy(fmu: Path) -> list[str]:
-    """Return what fmpy's validation finds."""
     return list(validate_fmu(str(fmu)))
 
 

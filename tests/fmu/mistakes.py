@@ -44,7 +44,6 @@ def _with_logger(logger: Any) -> fmi2CallbackFunctions:
 
 
 def _printing() -> fmi2CallbackFunctions:
-    """Return callbacks that have C's printf read each message, as simulators written in C do."""
     callbacks = _with_logger(fmi2CallbackLoggerTYPE(lambda *_: None))
     addLoggerProxy(c.byref(callbacks))
     return callbacks

@@ -13,7 +13,6 @@ CONTEXT.dps = 60
 
 
 def exact(zeta: float, tau: float) -> tuple[float, ...]:
-    """Return the responses for w = 1."""
     a, t = CONTEXT.mpf(zeta), CONTEXT.mpf(tau)
     b = CONTEXT.sqrt(CONTEXT.mpc(1 - a * a))
     cosine = (CONTEXT.exp(-a * t) * CONTEXT.cos(b * t)).real

@@ -39,7 +39,6 @@ def pendulums(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
 
 
 def swung(host: Host, fmu: Path, script: list[Any]) -> list[Any]:
-    """Return angle and angular velocity wherever the script asks for them."""
     start = ["start", {"l": 0.5, "d": 0.3, "phi_start": 0.2}]
     return [shown for shown in host.call(play, fmu, [start, *script]) if shown is not None]
 

@@ -9,11 +9,7 @@ STEP = 0.01
 
 @dataclass(frozen=True)
 class Case:
-    """A run of so many communication steps.
-
-    Parameters and inputs are set at the start, by name in SI; inputs also at the communication
-    point where the step of this number begins.
-    """
+    """A run of so many communication steps; inputs are set at the start and before step NUMBER."""
 
     name: str
     start: Mapping[str, float]

@@ -52,7 +52,6 @@ class Host:
         )
 
     def answers(self, script: str) -> list[list[float]]:
-        """Run a script that must succeed in silence; return what its `get` lines show."""
         done = self(script)
         assert (done.stderr[-2000:], done.returncode) == ("", 0)
         return [[float(value) for value in line.split(",")] for line in done.stdout.splitlines()]

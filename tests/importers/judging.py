@@ -15,11 +15,7 @@ EXACT = ("mode", "sticking", "n_slips")
 
 
 def deviations(case: Case, rows: Rows, nested: bool = False) -> dict[str, float]:
-    """Return the largest deviation of every output over the communication points.
-
-    Lengths as parts of 2 Delta, forces of F_s, speeds of the peak velocity of a slip, energies of
-    F_s 2 Delta, t_event of the shortest slip; all at the start values of the case. Durations, f
-    and mu_k_used relative to what is exact. Of mode, sticking and n_slips the largest difference.
+    """Return the largest deviation of every output, of mode, sticking and n_slips the difference.
 
     Of the second of two blocks (`nested`), which is pushed over a step by the F that the first
     showed at the end of the step before: what was recorded of that is exact here.

@@ -48,7 +48,6 @@ _CHOICE = (
 
 
 def build(kind: str, folder: Path) -> Path:
-    """Build the FMU of one kind, a key of `VALUES`: an input `given` and an output `shown`."""
     declared = "Integer" if kind == "Enumeration" else kind
     variability = f"Fmi2Variability.{'continuous' if kind == 'Real' else 'discrete'}"
     script = folder / f"echo_{kind.lower()}.py"

@@ -35,22 +35,16 @@ def host(importer: str) -> Host:
 
 
 def preload(importer: str) -> Mapping[str, str]:
-    """Return the variables that `stickslip host` sets, for an importer that is not Python."""
     return prepare([importer], None, os.environ).changes if importer in NOT_PYTHON else {}
 
 
 def ask(importer: str, what: str, *arguments: Any, process: Host | None = None) -> tuple[Any, str]:
-    """Call a method of the importer's simulation, the path of the FMU its first argument.
-
-    Return what it returned, and what the process wrote: that of the importer where None is given.
-    Raises `DiedError` where it crashes or hangs.
-    """
+    """Call a method of the importer's simulation; return its answer and what the process wrote."""
     process = process or host(importer)
     answer = process.call(act, f"by_{importer}", f"SIMULATION.{what}", *arguments)
     return answer, process.errors()
 
 
 def run(importer: str, fmu: Path, case: str, how: str = "run") -> Rows:
-    """Run a case; `how` may be "pair", and "in_threads" for fmucontainer."""
     rows: Rows = ask(importer, how, fmu, asdict(CASES[case]))[0]
     return rows

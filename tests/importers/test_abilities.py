@@ -33,7 +33,6 @@ COLUMNS = {
 
 
 def table(heading: str) -> dict[str, dict[str, str]]:
-    """Return the cells of a table by importer and column."""
     section = DOCUMENT.split(f"\n## {heading}\n")[1].split("\n## ")[0]
     lines = [
         re.sub("[*`]|exception: ", "", line) for line in re.findall(r"^\|(.*)\|$", section, re.M)
@@ -117,7 +116,6 @@ def test_importers_and_versions_in_the_document_are_those_that_were_tried() -> N
 
 
 def step_in(folder: Path) -> None:
-    """Step the FMU in a process that unpacks it there, and encodes the address."""
     folder.mkdir()
     process = Host(TMPDIR=str(folder))
     try:

@@ -26,14 +26,12 @@ SCRIPTS = {file.stem.removeprefix("with_"): file for file in sorted(EXAMPLES.glo
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """Return a folder with what the lines of the document need."""
     shutil.copy(built("python-2"), tmp_path / "StickSlip.fmu")
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     return tmp_path
 
 
 def shell_lines(heading: str) -> str:
-    """Return the lines for a shell in a section of the document."""
     section = DOCUMENT.split(f"\n## {heading}\n")[1].split("\n## ")[0]
     return "".join(re.findall(r"^```sh\n(.*?)^```$", section, re.MULTILINE | re.DOTALL))
 
@@ -62,7 +60,6 @@ def test_an_example_ends_with_the_result_in_the_document(importer: str, folder: 
 
 
 def columns(file: Path) -> dict[str, list[float]]:
-    """Return the columns of a table by the names of the variables."""
     with file.open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream, skipinitialspace=True))
     return {

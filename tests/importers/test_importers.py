@@ -16,7 +16,6 @@ from tests.needs import NEEDS, needs
 
 
 def among(importers: Iterable[str]) -> list[ParameterSet]:
-    """Return importers as values of a parameter: one of them is for `make test`."""
     marks = {name: [needs(name)] if name in NEEDS else [pytest.mark.gate] for name in importers}
     marks |= {"fmpy": [], "fmucontainer": [pytest.mark.gate, needs("fmucontainer")]}
     return [pytest.param(name, marks=marks[name]) for name in importers]

@@ -8,8 +8,6 @@ NAME = "tests.laws.renamed:RENAMED"
 
 
 class Renamed(Stribeck):
-    """The block's side."""
-
     interface = Stribeck.interface._replace(model="RenamedFriction")
 
 

@@ -16,12 +16,10 @@ FALLS_TWICE: Points = [(0.0, 0.5), (0.02, 0.3), (0.15, 0.45), (0.4, 0.2), (0.6, 
 
 
 def make_block(**values: float) -> Block:
-    """Return a block with these values and start values for the others."""
     return block_of(SPEC, values)
 
 
 def curve(points: Sequence[Sequence[float]]) -> dict[str, float]:
-    """Return the parameters of a curve through points of speed [m/s] and coefficient."""
     values: dict[str, float] = {"shape": 3, "n_points": len(points), "mu_1": points[0][1]}
     for number, (speed, mu) in enumerate(points[1:], 2):
         values[f"u_{number}"], values[f"mu_{number}"] = speed, mu
@@ -29,10 +27,7 @@ def curve(points: Sequence[Sequence[float]]) -> dict[str, float]:
 
 
 def draw_curve(generator: random.Random) -> tuple[dict[str, float], list[Segment]]:
-    """Draw a block over a random curve with its knots about the speeds of its slips, and changes.
-
-    Slopes are up to 3 times the critical damping, falling and rising.
-    """
+    """Draw a block over a curve with slopes up to 3 times the critical damping, and changes."""
     values, segments = draw(generator)
     mu_s, v = values["mu_s"], abs(values["v"])
     w = math.sqrt(values["k"] / values["m"])

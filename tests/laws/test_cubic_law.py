@@ -28,17 +28,14 @@ class Cubic(Coulomb):
     constant_in_slip = False
 
     def slip_friction(self, p: Parameters, speed: float, state: object = ()) -> float:
-        """Return the friction [N] at a speed [m/s]."""
         q = speed / V_M
         return float(p.N * (MU_S - 1.5 * (MU_S - MU_M) * (q - q * q * q / 3.0)))
 
     def speeds(self, p: Parameters) -> tuple[float, ...]:
-        """Return the speed of the least friction [m/s]."""
         return (V_M,)
 
 
 def block(e: float, b: float) -> Parameters:
-    """Return the block of these numbers of the head of this file."""
     m, g = 1.0, 9.81
     w = m * g * (MU_S - MU_M) / (m * V_M * e)
     c = 2.0 * b * m * g * (MU_S - MU_M) / V_M

@@ -1,8 +1,4 @@
-"""One maker of FMUs that are not ours: other names and units, another method, faults, misdeeds.
-
-fmu = Foreign("SliderMm", "mm", keys=UNDAMPED)
-verify(fmu.path, cases, names=fmu.names)
-"""
+"""One maker of FMUs that are not ours: other names and units, another method, faults, misdeeds."""
 
 from __future__ import annotations
 
@@ -43,29 +39,11 @@ Row = tuple[str, str, int, str, str]
 class Foreign:
     """A foreign FMU, made when its path is first asked for.
 
-    Attributes
-    ----------
-    name
-        Its model name.
-    vocabulary
-        ours, mm or si: see `vocabularies`; mirrored is mm with the axis turned round.
-    keys
-        The variables that it has, by the suite's names; all by default.
-    fmi
-        Major version of FMI.
-    states
-        Whether it can get, set and serialize its state.
-    tunable
-        Whether parameters may change between steps.
-    conventions, order, step
-        See `foreign_block.ForeignBlock`, and start: every output is 0 until the first step.
-    fault
-        Of `ForeignBlock`, or of calls. moves when read: a step is taken when an output is read.
-        clamp when set: mu_k is held to mu_s as it is then. state loses pending: what was set and
-        is not in force.
-    misdeed
-        What it does on its third step: crash, hang, raise, discard, eat a gigabyte, print or log a
-        lot, terminate (FMI 3.0), or leave a daemon and its number in a file: "daemon FILE".
+    `vocabulary` is ours, mm, si or mirrored: mm with the axis turned round. `keys` are the
+    variables that it has, by the suite's names; all by default. `conventions`, `order`, `step` and
+    `fault` are of `ForeignBlock`. Convention start: every output is 0 until the first step. Faults
+    of calls: moves when read; clamp when set, of mu_k to mu_s as it is then; state loses pending,
+    what is set and not in force. On its third step it does its `misdeed`, see `foreign_face`.
     """
 
     name: str
@@ -95,7 +73,6 @@ class Foreign:
         return rows
 
     def _sort(self, key: str) -> tuple[str, str]:
-        """Return causality and variability."""
         if key in INPUTS:
             return "input", "continuous"
         if key in FIXED or (key in TUNABLE and not self.tunable):
@@ -106,23 +83,19 @@ class Foreign:
 
     @property
     def names(self) -> NameMap:
-        """The map of the suite's names to its own."""
         rows = self.rows.items()
         return NameMap({key: Target(name, sign=sign) for key, (name, _, sign, *_) in rows})
 
     @property
     def names_file(self) -> Path:
-        """The same as a file."""
         return self.path.with_suffix(".toml")
 
     @cached_property
     def path(self) -> Path:
-        """The FMU."""
         digest = hashlib.sha256(repr(self).encode()).hexdigest()[:12]
         return made_once(f"foreign-{digest}", self._make) / f"{self.name}.fmu"
 
     def opened(self, names: NameMap | None = None) -> FmuFile:
-        """Return it opened, by its names unless others are given."""
         return FmuFile(self.path, self.names if names is None else names)
 
     def _make(self, folder: Path) -> None:
@@ -160,8 +133,6 @@ class Foreign:
 
 
 class Described(NamedTuple):
-    """A variable of a description."""
-
     name: str
     unit: str
     causality: str = "output"

@@ -19,20 +19,10 @@ START = {
 
 
 class Slip:
-    """A slip from its start on by power series about the ends of steps.
+    """A slip by power series about the ends of steps, of `step` in units of 1/max(w, c/m).
 
-    Of the net force e and the velocity u: e' = k (v - u), m u' = e - c u. Series of order 1 are
-    Euler's method; up to order 4 they are that of Runge and Kutta, as the equations
-    are linear.
-
-    Parameters
-    ----------
-    order, step
-        Of the series; the length of a step in units of 1/max(w, c/m).
-    m, k, v, c
-        As in the block.
-    s, net, u
-        Direction, net force and velocity at the start.
+    Of the net force e and the velocity u: e' = k (v - u), m u' = e - c u. `start` is direction, e,
+    u. As the equations are linear, order 1 is Euler's method, up to 4 those of Runge and Kutta.
     """
 
     def __init__(
@@ -62,11 +52,9 @@ class Slip:
         return moved_e, moved_u
 
     def stretched(self, t: float) -> float:
-        """Return by how much z has grown since the start [m]."""
         return (self._at(t)[0] - self.net) / self.k
 
     def velocity(self, t: float) -> float:
-        """Return the velocity of the mass [m/s]."""
         return self._at(t)[1]
 
     def _along(self, t: float) -> float:
@@ -118,24 +106,14 @@ slip_of = lru_cache(maxsize=8)(Slip)
 
 
 class ForeignBlock:
-    """The block with its meter and its energies.
+    """The block with its meter and its energies, of values in SI by the suite's names.
 
-    Parameters
-    ----------
-    values
-        What is given, by the suite's names [SI]; `START` where it is not.
-    start_time
-        Time of the start [s].
-    conventions
-        Where it differs from the block of the suite. not yet: what the meter does not know yet is
-        -1. clamp: mu_k above mu_s is taken as mu_s. reversal: a reversal, and a start in motion,
-        count as break-aways for T. first stick: it does not set t_stick. instants: at the end of a
-        step that is the very instant of a transition, a break-away has happened and a stop has not.
-    order, step
-        See `Slip`; by default nothing but rounding is lost.
-    fault
-        static friction high: by 0.5 %. undamped back: no damping after a reversal until the mass
-        sticks.
+    Conventions: not yet: what the meter does not know yet is -1. clamp: mu_k above mu_s is taken as
+    mu_s. reversal: a reversal, and a start in motion, count as break-aways for T. first stick: it
+    does not set t_stick. instants: at the end of a step that is the very instant of a transition, a
+    break-away has happened and a stop has not. Faults: static friction high, by 0.5 %; undamped
+    back, after a reversal until the mass sticks. By default `order` and `step` lose nothing but
+    rounding.
     """
 
     def __init__(
@@ -171,14 +149,12 @@ class ForeignBlock:
 
     @property
     def normal(self) -> float:
-        """Normal force [N]; a load that takes the weight off leaves none."""
         weight = self.p["m"] * self.p["g"]
         force = weight + self.p["load"]
         return force if force > EQUAL * weight else 0.0
 
     @property
     def mu_k(self) -> float:
-        """Kinetic coefficient in use."""
         mu_s, mu_k = self.p["mu_s"], self.p["mu_k"]
         if mu_k <= mu_s:
             return mu_k
@@ -186,18 +162,15 @@ class ForeignBlock:
 
     @property
     def static(self) -> float:
-        """Static friction [N]."""
         high = 1.005 if self.fault == "static friction high" else 1.0
         return high * self.p["mu_s"] * self.normal
 
     @property
     def driving(self) -> float:
-        """Spring and external force [N]."""
         return self.p["k"] * self.z + self.p["F_ext"]
 
     @property
     def damping(self) -> float:
-        """Damping in force [N.s/m]."""
         return 0.0 if self.fault == "undamped back" and self.reversed else self.p["c"]
 
     def _loose(self) -> int:
@@ -215,7 +188,6 @@ class ForeignBlock:
         self.arc |= {"work": self.work, "heat": self.heat}
 
     def _end(self, until: float) -> float:
-        """Return the age at which the arc ends, infinite if not `until` then."""
         if self.mode:
             slip = self._slip()
             slip.search(until)
@@ -235,7 +207,6 @@ class ForeignBlock:
         return slip_of(self.order, self.step, *of_block, *start)
 
     def change(self, values: Mapping[str, float]) -> None:
-        """Put values in force, at the present state."""
         self._note_peak()
         self.tuning += 0.5 * (values.get("k", self.p["k"]) - self.p["k"]) * self.z**2
         self.p.update(values)
@@ -332,7 +303,6 @@ class ForeignBlock:
             self._begin_arc()
 
     def outputs(self) -> dict[str, float]:
-        """Return the outputs [SI]."""
         slipping = -(self.mode * self.mu_k * self.normal + self.damping * self.u)
         return {
             "x": self.x, "x_dot": self.u, "x_pull": self.x + self.z, "z": self.z,

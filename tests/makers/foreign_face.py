@@ -28,11 +28,7 @@ and the second failure would crash the host."""
 
 
 class Face:
-    """Variables of a block and the calls of FMI, beside a slave of pythonfmu or pythonfmu3.
-
-    An input or tunable parameter acts from the start of the next step. Outputs show the end of the
-    last step. What is made is in `settings`, see `tests.makers.Foreign`.
-    """
+    """Variables and calls of FMI of a block, made as `settings` say: see `tests.makers.Foreign`."""
 
     settings: dict[str, Any]
 
@@ -92,7 +88,6 @@ class Face:
         return root
 
     def setup_experiment(self, start_time: float, *_: Any) -> None:
-        """Keep the start time."""
         self.start_time = start_time
 
     def _make(self) -> ForeignBlock:
@@ -110,13 +105,11 @@ class Face:
             raise
 
     def take(self, key: str, value: float) -> None:
-        """Keep a value [SI] that the master sets."""
         self.given[key] = value
         if self.fault == "clamp when set":
             self.given["mu_k"] = min(self.given["mu_k"], self.given["mu_s"])
 
     def see(self, key: str) -> float:
-        """Return an output [SI]."""
         if self.owed > 0.0:
             self._move(0.0, self.owed)
             self.owed = 0.0
@@ -171,7 +164,6 @@ class Face:
 
 
 def misbehave(what: str, face: Any) -> None:
-    """Do something that an FMU should not do."""
     if what == "crash":
         ctypes.string_at(0)
     if what.startswith("daemon "):

@@ -1,7 +1,4 @@
-"""A foreign FMU 3.0 in C: one variable of each type of number, which keep what they are given.
-
-Its step meets an event each time, and returns after one second if it is longer.
-"""
+"""A foreign FMU 3.0 in C with a variable of each type of number, whose steps end after 1 s."""
 
 from __future__ import annotations
 

@@ -1,8 +1,4 @@
-"""Names, units and signs of foreign FMUs, by the names of the suite.
-
-An entry is the suite's name, the foreign one, its unit where it has one; a sign before the foreign
-name says that it counts the other way.
-"""
+"""Foreign names by the suite's, with units; a sign before one says that it counts the other way."""
 
 OURS = """
 m m kg; g g m/s2; k k N/m; c c N.s/m; mu_s mu_s; mu_k mu_k
@@ -69,7 +65,6 @@ kN N 1e3; ms s 1e-3; kHz Hz 1e3; mJ J 1e-3
 
 
 def entries(text: str) -> list[list[str]]:
-    """Return the words of each entry."""
     return [entry.split() for entry in text.strip().replace("\n", ";").split(";")]
 
 

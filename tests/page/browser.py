@@ -27,7 +27,6 @@ PATIENCE = 120_000
 
 @contextmanager
 def started() -> Iterator[Browser]:
-    """Start a browser."""
     # An extra that only these tests need: without it the others still run.
     from playwright.sync_api import sync_playwright
 

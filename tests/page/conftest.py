@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="session")
 def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the page, written to a file as `stickslip page` does."""
     file = tmp_path_factory.mktemp("page") / "stick-slip.html"
     file.write_text(page_text(), encoding="utf-8")
     return file

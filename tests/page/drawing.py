@@ -40,17 +40,14 @@ class Piece:
 
     @property
     def is_line(self) -> bool:
-        """Tell whether it is straight."""
         return len(self.points) == 2
 
     @property
     def start(self) -> Point:
-        """Return where it begins."""
         return self.points[0]
 
     @property
     def end(self) -> Point:
-        """Return where it ends."""
         return self.points[-1]
 
 
@@ -65,15 +62,12 @@ class TimeAxis:
 
     @property
     def span(self) -> float:
-        """Return the length of the view [s]."""
         return self.end - self.start
 
     def place(self, t: float) -> float:
-        """Return the pixel of a time [s]."""
         return self.left + (t - self.start) / self.span * self.width
 
     def time(self, place: float) -> float:
-        """Return the time [s] of a pixel."""
         return self.start + (place - self.left) / self.width * self.span
 
 
@@ -84,7 +78,6 @@ def time_axis(window: Window, chart: str = "x-chart") -> TimeAxis:
 
 
 def place(window: Window, chart: str, t: float) -> Point:
-    """Return where on the screen a time [s] lies, in the middle of a chart's height."""
     window.page.locator(f"#{chart}").scroll_into_view_if_needed()
     left, top, _, height = window.box(f"#{chart}")
     return left + time_axis(window, chart).place(t), top + 0.5 * height
@@ -114,7 +107,6 @@ def curve(window: Window, selector: str) -> list[Piece]:
 
 
 def lines(window: Window, selector: str) -> list[Piece]:
-    """Return the straight pieces of one drawn curve."""
     return [each for each in curve(window, selector) if each.is_line]
 
 
@@ -139,7 +131,6 @@ def cursor(window: Window) -> float:
 
 
 def dot(window: Window, chart: str) -> Point:
-    """Return the place [px] of the mark of the mass."""
     mark = f"#{chart} .dot:not(.pull)"
     return float(window.part(mark, "cx")), float(window.part(mark, "cy"))
 
@@ -160,10 +151,7 @@ def value_at(window: Window, chart: str, axis: Literal["x", "y"], at: float) -> 
 
 
 def quantity(words: str, pattern: str) -> tuple[float, float]:
-    """Return a quantity in a text [SI] and half of its last digit.
-
-    The first group of the pattern stands before it.
-    """
+    """Return a quantity [SI] behind the pattern in a text, and half of its last digit."""
     match = re.search(pattern + r"(−?[\d.]+)\s?([^\s,:;)]*)", words.replace("\u00a0", " "))
     assert match, (pattern, words)
     size = SIZES[match[2].rstrip(".")]

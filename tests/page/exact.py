@@ -47,7 +47,6 @@ class Exact:
 
 
 def is_decidable(setting: Setting) -> bool:
-    """Tell whether a rounding of the setting cannot change that it has, or lacks, a cycle."""
     return abs(float(coulomb_limit(parameters(setting))) / setting["v"] - 1.0) > DECIDABLE
 
 
@@ -58,7 +57,6 @@ def on_a_grid(times: Sequence[float]) -> list[float]:
 
 
 def _instants(exact: Exact) -> list[float]:
-    """Return times [s] in the first load-up and in three cycles, or in a slip without end."""
     p, cycle = exact.p, exact.cycle
     first = float(p.F_s / (p.k * p.v))
     phases = [(0.0, first)]

@@ -45,10 +45,7 @@ def with_damping(draw: Random) -> dict[str, float]:
 
 
 def near_critical(draw: Random) -> dict[str, float]:
-    """Draw a speed on either side of the critical one, nearer to it than 1e-8 or as far as 0.9.
-
-    The slip then ends in a grazing stop, or just fails to.
-    """
+    """Draw a speed beside the critical one, from 2e-9 of it to 0.9: stops that graze."""
     p = damped_by(log_uniform(draw, 1e-4, 0.9), block(draw))
     p["mu_k"] = p["mu_s"] * (1.0 - log_uniform(draw, 1e-3, 1.0))
     distance = draw.choice((1.0, -1.0)) * log_uniform(draw, 2e-9, 0.9)
@@ -75,7 +72,6 @@ def wide(draw: Random) -> dict[str, float]:
 
 
 def damped_by(zeta: float, p: Setting) -> dict[str, float]:
-    """Return the same setting with the damping c [N.s/m] of a damping ratio."""
     return {**p, "c": 2.0 * zeta * math.sqrt(p["k"] * p["m"])}
 
 

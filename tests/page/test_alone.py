@@ -65,10 +65,7 @@ def test_no_request_leaves_the_page(browser: Browser, page_file: Path, tmp_path:
 
 
 def requests_in(log: Path) -> set[str]:
-    """Return the addresses on the network that a net log says a page has asked for.
-
-    What the browser asks for itself, such as its own updates, has "not an origin" as initiator.
-    """
+    """Return the addresses that pages asked for by a net log; the browser's own have no origin."""
     record = json.loads(log.read_text(encoding="utf-8"))
     start = record["constants"]["logEventTypes"]["URL_REQUEST_START_JOB"]
     started = [each["params"] for each in record["events"] if each["type"] == start]

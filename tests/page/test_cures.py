@@ -88,7 +88,6 @@ def test_each_value_and_each_lack_of_one_is_that_of_python(
 
 @pytest.fixture
 def table(window: Window) -> Window:
-    """Give the page scrolled to the table of cures, which is drawn when it comes into sight."""
     window.page.locator("#cures").scroll_into_view_if_needed()
     window.until("document.querySelector('#cures-lead').textContent !== ''")
     return window

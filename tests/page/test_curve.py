@@ -11,7 +11,6 @@ from tests.page.window import Window
 
 
 def curve(window: Window) -> Any:
-    """Return the curve in use."""
     window.drawn()
     return window.js("stickslip.curve")
 

@@ -24,10 +24,7 @@ METER = ("T", "t_slip", "t_stick", "delta_x", "spring_drop", "x_dot_peak")
 
 
 class Run(NamedTuple):
-    """A setting under a curve, and what the block gives at some times [s]; whether it came to rest.
-
-    A second break-away shows a stick unseen.
-    """
+    """A setting under a curve, the block's outputs at some times [s], whether it came to rest."""
 
     setting: Setting
     curve: Curve
@@ -45,10 +42,7 @@ def own_of(curve: Curve) -> dict[str, float]:
 
 
 def drawn(draw: Random) -> tuple[Setting, Curve]:
-    """Draw a setting and a curve with its points about the speeds of its slips.
-
-    Slopes are up to 3 times the critical damping, falling and rising.
-    """
+    """Draw a setting, and a curve with slopes up to 3 times the critical damping."""
     p = draw.choice([block, with_damping])(draw)
     w, N = math.sqrt(p["k"] / p["m"]), p["m"] * p["g"] + p["load"]
     fast = p["mu_s"] * N / p["m"] / w + p["v"]

@@ -85,7 +85,6 @@ def test_each_point_of_each_curve_lies_where_the_reference_puts_it(
 
 
 def middle(window: Window) -> tuple[float, float]:
-    """Return the middle of the point [px] in the window."""
     window.page.locator("#plane").scroll_into_view_if_needed()
     window.until("document.querySelector('#plane-point').style.transform !== ''")
     window.drawn()

@@ -24,7 +24,6 @@ _ROWS = """
 
 
 def rows(window: Window) -> dict[str, dict[str, Any]]:
-    """Return what each row of the table holds and shows."""
     window.drawn()
     found: dict[str, dict[str, Any]] = window.js(_ROWS)
     return found

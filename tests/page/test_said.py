@@ -32,7 +32,6 @@ SENTENCES = {each["id"]: each for each in table("said", "sentence")}
 
 
 def values_of(name: str) -> dict[str, float]:
-    """Return the setting of a sentence, mu_k as it is asked for."""
     return {**START, **SENTENCES[name]["set"]}
 
 
@@ -127,7 +126,6 @@ def under_its_curve(name: str) -> float:
 
 
 def asked(window: Window, name: str) -> Any:
-    """Return the numbers of a sentence by the page, at its own setting."""
     known = [name, values_of(name), SENTENCES[name].get("curve")]
     return window.js("asked => stickslip.said(...asked)", known)
 

@@ -7,7 +7,6 @@ from tests.page.window import SI, Window
 
 
 def reached(window: Window, name: str, *keys: str) -> float:
-    """Return the value of a parameter in use after keys on its slider."""
     window.press(name, *keys)
     return window.N if name == "N" else float(window.setting[name])
 

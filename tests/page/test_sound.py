@@ -64,7 +64,6 @@ def test_the_harmonics_are_those_of_the_motion(window: Window) -> None:
 
 
 def recording(window: Window, seconds: float) -> Array:
-    """Return the samples of the present setting's sound, at its full level."""
     samples = window.js("seconds => stickslip.record(seconds).then(s => [...s])", seconds)
     return np.array(samples)[round(FADE * RATE) :]
 

@@ -48,7 +48,6 @@ shares => {
 
 
 def stage(window: Window, shares: list[float] | None = None) -> list[dict[str, Any]]:
-    """Return state and drawing at some moments of the view."""
     found: list[dict[str, Any]] = window.js(_STAGE, shares or [n / 40 for n in range(40)])
     return found
 

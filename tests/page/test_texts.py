@@ -52,7 +52,6 @@ def texts() -> Iterator[tuple[str, Known, str, Curve]]:
 
 
 def complete(row: Mapping[str, Any]) -> dict[str, float]:
-    """Return the setting of a row: its preset or the start values, with its own values."""
     return {**PRESETS[row.get("preset", "default")], **row.get("set", {})}
 
 

@@ -61,7 +61,6 @@ def test_what_is_typed_is_taken_to_the_last_bit_in_its_unit_or_the_one_beside(
 
 
 def of_command(text: str, unit: str) -> float | str:
-    """Return the value that the command reads, or its refusal."""
     try:
         return parse(text, unit, "--x")
     except CommandError as error:

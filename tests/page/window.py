@@ -51,12 +51,10 @@ class Window:
         self.ready()
 
     def reload(self) -> None:
-        """Load the page anew, with the address that it has now."""
         self.page.reload()
         self.ready()
 
     def ready(self) -> None:
-        """Wait until the script answers."""
         try:
             self.until("window.stickslip !== undefined")
         except Exception as error:
@@ -64,14 +62,10 @@ class Window:
             raise
 
     def js(self, source: str, asked: object = None) -> Any:
-        """Return what an expression, or a function of one argument, gives in the page.
-
-        Numbers pass as text, which keeps doubles to the last bit, infinities and no-numbers too.
-        """
+        """Return what an expression or function gives; doubles pass as text, to the last bit."""
         return _numbers(json.loads(self.page.evaluate(_CALL % source, json.dumps(asked))))
 
     def until(self, condition: str, asked: object = None) -> None:
-        """Wait until an expression, or a function of one argument, is true."""
         self.page.wait_for_function(condition, arg=asked)
 
     def drawn(self) -> None:
@@ -85,45 +79,36 @@ class Window:
 
     @property
     def setting(self) -> Any:
-        """Return the values in use, SI, unrounded."""
         return self.js("stickslip.setting")
 
     @property
     def cycle(self) -> Any:
-        """Return the numbers of the cycle in use, SI, unrounded."""
         return self.js("stickslip.cycle")
 
     @property
     def N(self) -> float:  # noqa: N802 - the symbol
-        """Return the normal force in use [N]."""
         p = self.setting
         return float(p["m"] * p["g"] + p["load"])
 
     @property
     def view(self) -> tuple[float, float]:
-        """Return first and last time that are seen [s]."""
         found = self.js("stickslip.view")
         return float(found["from"]), float(found["to"])
 
     def look(self, start: float, end: float) -> None:
-        """Let the charts show a stretch of time [s]."""
         self.js("([from, to]) => { stickslip.view = { from, to }; }", [start, end])
 
     def states(self, times: Sequence[float]) -> Any:
-        """Return the state at each time [s], SI."""
         return self.js("ts => ts.map(t => stickslip.at(t))", list(times))
 
     def preset(self, name: str) -> None:
-        """Press the button of a preset and see it drawn."""
         self.page.click(f"[data-preset={name}]")
         self.drawn()
 
     def type(self, name: str, text: str) -> None:
-        """Type a text for a parameter, in place of what stands there."""
         self.page.fill(f"#{name}", text)
 
     def press(self, slider: str, *keys: str) -> None:
-        """Press keys on the slider of a parameter."""
         self.page.focus(f"#{slider}-slider")
         for key in keys:
             self.page.keyboard.press(key)
@@ -147,7 +132,6 @@ class Window:
         self.drawn()
 
     def box(self, selector: str) -> tuple[float, float, float, float]:
-        """Return left, top, width and height [px] of a part of the page in the window."""
         box = self.page.locator(selector).first.bounding_box()
         assert box is not None
         return box["x"], box["y"], box["width"], box["height"]
@@ -158,11 +142,9 @@ class Window:
         return self.page.inner_text(selector).replace("\u00a0", " ")
 
     def part(self, selector: str, name: str) -> str:
-        """Return an attribute of a part of the page, empty where it has none."""
         return self.page.get_attribute(selector, name) or ""
 
     def style(self, selector: str, name: str) -> str:
-        """Return a property of the style of a part of the page."""
         source = "(e, name) => getComputedStyle(e)[name]"
         return str(self.page.eval_on_selector(selector, source, name))
 
@@ -210,10 +192,7 @@ class Window:
 def another(
     browser: Browser, file: Path, script: str = "", fragment: str = "", **options: Any
 ) -> Iterator[Window]:
-    """Give a window of another kind, such as a phone's, with a script that runs before the page's.
-
-    It must end without an error. `options` are those of `Browser.new_context`.
-    """
+    """Give another kind of window, its script before the page's; it must end without an error."""
     options = {"viewport": SIZE, "reduced_motion": "reduce", **options}
     with browser.new_context(**options) as context:
         window = Window(context, file)

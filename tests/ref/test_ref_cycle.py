@@ -30,7 +30,6 @@ Field = dict[str, NDArray[np.float64]]
 
 
 def machine(draw: Random) -> dict[str, float]:
-    """Draw a machine of any size."""
     mu_s = log_uniform(draw, 0.01, 1.5)
     return {
         "k": log_uniform(draw, 10.0, 1e8),

@@ -1,8 +1,4 @@
-"""Curves as other tools make them: small simulators of their own, and the exact motion.
-
-Every maker takes parameters (SI, by name), a duration [s] and steps, and gives times, positions,
-velocities and spring forces of a mass that starts at rest with a relaxed spring, pulled forward.
-"""
+"""Curves as other tools make them, of a mass pulled from rest: simulators and the exact motion."""
 
 import math
 from collections.abc import Mapping
@@ -46,12 +42,10 @@ class Made(NamedTuple):
         return Made(*(column[chosen] for column in self))
 
     def printed(self, digits: int) -> "Made":
-        """Print the numbers to so many digits."""
         return Made(*(np.array([float(f"{x:.{digits}g}") for x in column]) for column in self))
 
 
 def scored(made: Made, p: Parameters, columns: str = "x") -> Score:
-    """Score the columns of a made motion."""
     return score(Curve.of(made.t, **{name: getattr(made, name) for name in columns.split()}), p)
 
 
@@ -61,7 +55,6 @@ def with_defaults(p: Parameters) -> dict[str, float]:
 
 
 def exact(p: Parameters, times: Floats) -> Made:
-    """Give the block's motion by the reference."""
     run = stickslip_ref.simulate(
         stickslip_ref.Parameters(**p), float(times[-1]), start_time=float(times[0]), times=times
     )

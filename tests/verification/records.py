@@ -31,13 +31,11 @@ Fault = Callable[[Draft], None]
 
 @cache
 def named(name: str) -> Case:
-    """Return the suite's case of this id."""
     return load_case(CASES_FOLDER / f"{name}.toml")
 
 
 @cache
 def exact_of(name: str) -> Exact:
-    """Return the exact motion of the suite's case of this id, rounded once."""
     return kept(exact_motion, named(name))
 
 
@@ -59,7 +57,6 @@ def invariants_of(name: str) -> tuple[ResidualInvariant, ...]:
 
 
 def planted(record: Run, *faults: Fault) -> Run:
-    """Return a copy of a record with faults in it."""
     copies = {name: np.array(samples) for name, samples in record.outputs.items()}
     draft = Draft(copies, dict(record.initial))
     for fault in faults:
@@ -83,18 +80,15 @@ def seen(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> set[str
 
 
 def checked(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> dict[str, CheckResult]:
-    """Return the results of the checks of a case, by check."""
     case, exact = named(name), exact_of(name)
     return {check.id: judge(case, check, contract, exact, record) for check in case.checks}
 
 
 def failures(name: str, record: Run) -> dict[str, CheckResult]:
-    """Return the checks of a case that a record fails as our FMU, by check."""
     return {check: result for check, result in checked(name, record).items() if not result.passed}
 
 
 def value(name: str, number: float, at: int) -> Fault:
-    """Put a number in one place of an output."""
     return lambda draft: draft.outputs[name].__setitem__(at, number)
 
 
@@ -104,8 +98,6 @@ def at_start(name: str, number: float) -> Fault:
 
 
 def scaled(name: str, factor: float) -> Fault:
-    """Multiply an output."""
-
     def fault(draft: Draft) -> None:
         draft.outputs[name] *= factor
         draft.initial[name] *= factor
@@ -119,8 +111,6 @@ def shown(name: str, samples: Callable[[Mapping[str, Series]], Series]) -> Fault
 
 
 def lagging(name: str) -> Fault:
-    """Show an output one step late."""
-
     def fault(draft: Draft) -> None:
         draft.outputs[name] = np.append(draft.initial[name], draft.outputs[name][:-1])
 
@@ -128,8 +118,6 @@ def lagging(name: str) -> Fault:
 
 
 def without(name: str) -> Fault:
-    """Leave an output out."""
-
     def fault(draft: Draft) -> None:
         del draft.outputs[name], draft.initial[name]
 

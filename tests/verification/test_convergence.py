@@ -23,7 +23,6 @@ PARTS = LEVELS / LEVELS[8]
 
 
 def judged(errors: Sequence[float] | NDArray[np.float64]) -> list[CheckResult]:
-    """Return the results of the order, and of whether its range is asymptotic."""
     order = ObservedOrder("default", "z", LEVELS.tolist(), list(errors), (), 1.0)
     return list(judge_order(INVARIANT, "default", REFERENCE_CONTRACT, Answer(order)))
 

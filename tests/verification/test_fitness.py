@@ -38,7 +38,6 @@ def fits(name: str, run: Run) -> dict[str, Fit]:
 
 
 def errors(name: str, run: Run) -> dict[str, float]:
-    """Return the errors by quantity, those that apply."""
     return {name: fit.error for name, fit in fits(name, run).items() if fit.error is not None}
 
 

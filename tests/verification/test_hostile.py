@@ -133,7 +133,6 @@ def test_a_process_that_is_lost_costs_its_task(
 
 
 def lives(process: int) -> bool:
-    """Whether a process is there, a zombie left out."""
     try:
         text = Path(f"/proc/{process}/stat").read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -165,7 +164,6 @@ if __name__ == "__main__":
 
 
 def suite(folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
-    """Run an FMU in another process, with a folder for temporary files."""
     script = folder.parent / f"{folder.name}.py"
     script.write_text(SUITE, encoding="utf-8")
     env = {**os.environ, "PYTHONPATH": str(Path.cwd()), "TMPDIR": str(folder)}

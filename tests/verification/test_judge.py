@@ -55,7 +55,6 @@ LAWS = {"stribeck-exponential", "curve-between-ranges", "hyperbolic-leine"}
 
 
 def cases() -> list[ParameterSet]:
-    """Return the cases; those with a costly truth are of the soak."""
     files = sorted(CASES_FOLDER.glob("*.toml"))
     costly = {file.stem for file in files if "\nlaw = " in file.read_text(encoding="utf-8")} - LAWS
     soak = dict.fromkeys({*costly, "long-run"}, pytest.mark.soak)

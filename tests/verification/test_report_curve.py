@@ -16,7 +16,6 @@ from .records import exact_of, named, planted, value, without
 
 @cache
 def motion(case: str) -> Motion:
-    """Return the exact motion of a case, beside itself as the FMU."""
     exact, of = exact_of(case), named(case)
     return Motion(case, of.title, of.about, exact.record, exact.event_times, {"fmu": exact.record})
 

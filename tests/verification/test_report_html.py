@@ -39,7 +39,6 @@ BAD: dict[str, Any] = {"passed": False, "error": 1.0}
 
 
 def text_of(page: str) -> str:
-    """Return what a reader sees, with single blanks."""
     seen = re.sub(r"<(style|script).*?</\1>|<[^>]+>", " ", page, flags=re.DOTALL)
     return " ".join(unescape(seen).split())
 

@@ -33,7 +33,6 @@ def on_ours() -> Verdict:
 
 
 def judged(fmu: Foreign, *cases: str, **more: Any) -> Verdict:
-    """Return the verdict on a foreign FMU."""
     tried, usual = list(map(named, cases)), {"fresh_processes": False, "jobs": 1}
     return verify(fmu.path, tried, names=fmu.names, **{**usual, **more})
 

@@ -19,7 +19,6 @@ Stuffing = tuple[str | zipfile.ZipInfo, str | bytes]
 
 
 def stuffed(folder: Path, *files: Stuffing, method: int = zipfile.ZIP_DEFLATED) -> Path:
-    """Write the slider with more files."""
     to = folder / "stuffed.fmu"
     with zipfile.ZipFile(SLIDER.path) as old, zipfile.ZipFile(to, "w", method) as new:
         for entry in old.infolist():

@@ -14,6 +14,5 @@ def command(
     tmp_path: Path,
     fmu_path: Path,
 ) -> Command:
-    """Return the command in an empty working folder."""
     monkeypatch.chdir(tmp_path)
     return Command(monkeypatch, capsys, fmu_path)

@@ -26,7 +26,6 @@ class Command:
         self._patch, self._capture, self._fmu = patch, capture, fmu
 
     def __call__(self, *arguments: object) -> Answer:
-        """Run `stickslip` with these arguments in this process."""
         self._patch.setattr(sys, "argv", ["stickslip", *map(str, arguments)])
         self._capture.readouterr()
         with pytest.raises(SystemExit) as ended:
@@ -37,7 +36,6 @@ class Command:
         return Answer(code, said.out, said.err)
 
     def passes(self, *arguments: object) -> str:
-        """Return what a command prints, which must succeed."""
         answer = self(*arguments)
         assert answer.code == 0, answer.err + answer.out
         return answer.out

@@ -26,7 +26,6 @@ MOST_BYTES = 420_000
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the FMU as `stickslip build` leaves it."""
     return build(tmp_path_factory.mktemp("built") / "StickSlip.fmu")
 
 

@@ -21,7 +21,6 @@ from stickslip_verification import events_between
 
 
 def run(interval: float = 0.01, stop_time: float = 2.0) -> Run:
-    """Return the default motion, sampled; its events are those of the reference."""
     return simulate_reference(Experiment(TABLE.start_values(), 0.0, stop_time, interval))[0]
 
 

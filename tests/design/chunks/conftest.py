@@ -7,7 +7,6 @@ import pytest
 
 @pytest.fixture
 def marks(tmp_path: Path) -> Path:
-    """Return a folder in which a study marks what it computes."""
     folder = tmp_path / "marks"
     folder.mkdir()
     return folder

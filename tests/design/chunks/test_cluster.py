@@ -35,7 +35,6 @@ class Dask:
         self.address: str = json.loads(file.read_text(encoding="utf-8"))["address"]
 
     def add_worker(self, threads: int = 1) -> None:
-        """Start a worker."""
         options = ("--nthreads", str(threads), "--no-nanny", "--local-directory", str(self._folder))
         self.workers.append(self._start("worker", self.address, *options))
 
@@ -66,7 +65,6 @@ def started(folder: Path) -> Iterator[Dask]:
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Dask]:
-    """Give a scheduler with two workers."""
     with started(tmp_path_factory.mktemp("dask")) as dask:
         dask.add_worker()
         dask.add_worker()

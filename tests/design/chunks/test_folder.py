@@ -103,7 +103,6 @@ def test_a_late_chunk_that_overlaps_others_is_dropped(tmp_path: Path) -> None:
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    """Return the files of a folder and what they hold."""
     return {file.name: file.read_bytes() for file in sorted(folder.iterdir())}
 
 

@@ -21,12 +21,9 @@ _ALONE = threading.Lock()
 
 @dataclass(frozen=True)
 class Toy:
-    """A study of `count` points that depend on the seed.
+    """A study of `count` points, which refuses chunks off its quantum and a second thread.
 
-    It refuses chunks off its quantum and a second thread. A point takes `pace` seconds in the
-    process of the study, `pace_of_workers` in those that it starts; `marks` is a folder with a file
-    for each chunk that was computed. In worker processes `kills` chunks end theirs by SIGKILL, a
-    chunk `hangs` for five minutes, a file has at most `largest` bytes. Point `raises` raises.
+    `marks` gets a file for each chunk. In workers `kills` chunks end theirs, one `hangs`.
     """
 
     count: int = 1000
@@ -42,11 +39,9 @@ class Toy:
 
     @property
     def identity(self) -> Mapping[str, Any]:
-        """What the results depend on: the seed."""
         return {"toy": {"seed": self.seed, "over": [*range(1, 100), self.count]}}
 
     def compute(self, start: int, stop: int) -> Columns:
-        """Return a number, an integer and the failures of points."""
         assert start % self.quantum == 0
         assert stop % self.quantum == 0 or stop == self.count
         assert _ALONE.acquire(blocking=False)
@@ -89,13 +84,11 @@ def failure(point: int) -> str:
 
 
 def times_computed(marks: Path) -> Counter[int]:
-    """Return how often each point was computed."""
     ranges = [file.name.split("-")[:2] for file in marks.glob("*-*-*")]
     return Counter(point for start, stop in ranges for point in range(int(start), int(stop)))
 
 
 def processes(marks: Path) -> set[int]:
-    """Return the processes that computed chunks."""
     return {int(file.name.split("-")[2]) for file in marks.glob("*-*-*")}
 
 

@@ -41,7 +41,6 @@ GROWING = ZETA.replace("[friction]", '[friction]\ntau_s = "20 ms"')
 
 
 def between(low: float, high: float, count: int = 40) -> NDArray[np.float64]:
-    """Return numbers of a range, in no order."""
     return np.random.default_rng(round(1e6 * high)).uniform(low, high, count)
 
 

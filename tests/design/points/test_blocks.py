@@ -70,7 +70,6 @@ def falling(seed: int, count: int) -> Points:
 
 
 def parameters(points: Mapping[str, Any], number: int, law: str) -> stickslip_ref.Parameters:
-    """Return one point as the reference takes it."""
     values = {name: float(column[number]) for name, column in points.items()}
     of_law = stickslip_ref.friction_law(law)
     own = {name: values.pop(name) for name in tuple(values) if name in of_law.parameters}

@@ -15,7 +15,6 @@ HERE = Path(__file__).parent
 
 @pytest.fixture(scope="session")
 def troubled(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return an FMU that goes wrong on demand."""
     folder = tmp_path_factory.mktemp("troubled")
     script = shutil.copy(HERE / "troubled.py", folder)
     return Path(FmuBuilder.build_FMU(Path(script), dest=folder))
@@ -23,7 +22,6 @@ def troubled(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def feed_axis(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the SSP file of the feed axis: servo drive and block."""
     folder = tmp_path_factory.mktemp("feed_axis")
     shutil.copy(fmu_path, folder / "StickSlip.fmu")
     build_drive(folder)

@@ -16,12 +16,10 @@ TAIL = '[outputs]\nx = "last"\n'
 
 @pytest.fixture(scope="module")
 def block(fmu_path: Path) -> Model:
-    """Return the FMU's description."""
     return read_model(fmu_path)
 
 
 def planned(text: str, model: Model | Path, folder: Path) -> Sweep:
-    """Return the study of a plan for a model."""
     file = folder / "plan.toml"
     file.write_text(text, encoding="utf-8")
     return prepare(model, file)

@@ -47,7 +47,6 @@ def children_of(process: int) -> list[int]:
 
 
 def has_ended(process: int) -> bool:
-    """Tell whether a process has ended, waited for or not."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
     except (FileNotFoundError, ProcessLookupError):
@@ -55,7 +54,6 @@ def has_ended(process: int) -> bool:
 
 
 def hanging_in(folder: Path) -> int:
-    """Wait till an FMU hangs, and return its process."""
     file = waited_for(lambda: next(folder.glob("hangs-*"), None))
     assert file is not None
     return int(file.name.removeprefix("hangs-"))

@@ -30,7 +30,6 @@ def planned(**changes: Any) -> dict[str, Any]:
 
 
 def results(model: Path, plan: dict[str, Any], *bounds: int) -> Columns:
-    """Return the results of a plan, computed in the chunks between these bounds."""
     study = prepare(model, plan)
     parts = [study.compute(*ends) for ends in pairwise((0, *bounds, study.count))]
     release()
@@ -38,7 +37,6 @@ def results(model: Path, plan: dict[str, Any], *bounds: int) -> Columns:
 
 
 def bits(columns: Columns) -> dict[str, Any]:
-    """Return results so that they compare by their bits."""
     return {
         name: column.tolist() if name == "failure" else column.tobytes()
         for name, column in columns.items()

@@ -49,7 +49,6 @@ class Troubled(Fmi2Slave):  # type: ignore[misc]
         self.runs = self.seen if self.on else 0
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Integrate, or go wrong."""
         self.y += self.gain * self.u * step_size
         if self.trouble == 1:
             Path(tempfile.gettempdir(), f"hangs-{os.getpid()}").touch()

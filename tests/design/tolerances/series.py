@@ -11,7 +11,6 @@ MASS, STIFFNESS, ZETA, MU_K = 500.0, 4e7, 0.05, 0.15
 
 
 def series(**changed: str) -> AxisFile:
-    """Return the file of a series on a rigid drive, with other values of its numbers."""
     values = {"mass": f'"{MASS} kg"', "stiffness": f'"{STIFFNESS} N/m"', "zeta": str(ZETA),
               "load": '"0 N"', "mu_s": "0.20", "mu_k": str(MU_K)} | changed  # fmt: skip
     lines = [f"{name} = {value}" for name, value in values.items()]
@@ -20,10 +19,7 @@ def series(**changed: str) -> AxisFile:
 
 
 def gap(feed: float) -> float:
-    """Return the difference of mu_s and mu_k from which on the axis jumps at a feed [m/s].
-
-    v_c = w Delta / lambda_c(zeta) is proportional to that difference.
-    """
+    """Return the gap from which on the axis jumps at a feed: v_c = w Delta / lambda_c."""
     N = float(Parameters(m=MASS, k=STIFFNESS).N)
     return feed * float(critical_lambda(ZETA)) * math.sqrt(STIFFNESS * MASS) / N
 

@@ -34,7 +34,6 @@ def asked(file: AxisFile | None = None, **arguments: Any) -> Scatter:
 
 
 def four_errors(share: float, count: float) -> float:
-    """Return four standard errors of a share."""
     return 4.0 * math.sqrt(share * (1.0 - share) / count)
 
 
@@ -98,7 +97,6 @@ def test_studies_are_the_same_to_the_bit_in_any_chunks_and_from_any_process() ->
 
 
 def population(zeta: str = "0.05", **arguments: Any) -> Population:
-    """Return the machines of a series."""
     defaults = {"vary": BOTH, "correlation": {PAIR: 0.5}, "seed": 1}
     return question(series(zeta=zeta), **{**defaults, **arguments}).population
 

@@ -1,8 +1,6 @@
-"""What each call must give: the contract of any of our FMUs, apart from the faces.
+"""The rules of phases, of who may be set when and of failures, a second time, apart from the faces.
 
-The rules of phases, of who may be set when and of failures stand here a second time. The motion is
-that of a block driven straight: a state is a deep copy of it, so nothing here saves or restores as
-an FMU does.
+The motion is that of a block driven straight; a state is a deep copy of it.
 """
 
 import copy
@@ -27,7 +25,6 @@ _WARNED = re.compile("clamped to|is ignored")
 
 @cache
 def spec_under(law: str) -> Spec:
-    """Return the block under a friction law."""
     return spec_of(friction_law(law).law)
 
 
@@ -57,7 +54,6 @@ class Life:
     warned: Any = None
 
     def state(self) -> dict[str, Any]:
-        """Return a copy of what a state brings back."""
         names = ("settings", "phase", "start_time", "time", "block")
         return {name: copy.deepcopy(getattr(self, name)) for name in names}
 

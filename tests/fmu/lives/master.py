@@ -52,10 +52,7 @@ _USUAL: dict[str, dict[str, float]] = {
 
 
 class Master:
-    """One careless master with its instances; `mistakes` is the chance of one at each choice.
-
-    Instances and places for states are numbered from `mark` on.
-    """
+    """A careless master with its instances; these and places for states count from `mark` on."""
 
     def __init__(self, kind: str, law: str, seed: int, mark: int = 0) -> None:
         self.mark = mark

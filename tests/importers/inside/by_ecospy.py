@@ -47,7 +47,6 @@ class Ecos(Simulation):
         self.opened.init(parameter_set="start")
 
     def uri(self, fmu: str) -> str:
-        """Return what Ecos calls the FMU by."""
         return fmu
 
     @property

@@ -32,15 +32,12 @@ class Fmpy(Simulation):
         self._begin()
 
     def made(self) -> str:
-        """Return the FMU to instantiate."""
         return self.fmu
 
     def of_blocks(self, instantiate: Any) -> dict[str, Any]:
-        """Return an instance for each block."""
         return {block: instantiate() for block in self.blocks}
 
     def named(self, name: str, block: str) -> Any:
-        """Return the variable of a block."""
         return self.variables[name]
 
     def _begin(self) -> None:
@@ -108,7 +105,6 @@ SIMULATION = Fmpy
 
 @cache
 def unpacked(fmu: str) -> tuple[str, Any]:
-    """Return the folder that an FMU is unpacked in, and its description."""
     folder = str(fmpy.extract(fmu))
     return folder, fmpy.read_model_description(folder)
 

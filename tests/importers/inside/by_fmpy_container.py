@@ -26,7 +26,6 @@ class Pairs(list[Any]):
     """The mapping of variables to those inside, as a list: ModelVariable cannot be a key."""
 
     def items(self) -> Any:
-        """Return the pairs."""
         return self
 
 
@@ -35,7 +34,6 @@ class FmpyContainer(Container):
 
     @staticmethod
     def nest(fmu: str, blocks: tuple[str, ...], threads: bool) -> str:
-        """Make the container and return its path."""
         inside = fmpy.read_model_description(fmu)
         components = {name: Component(name, Path(fmu), inside) for name in blocks}
         # The container counts its variables from its time, which has to be there.
@@ -72,7 +70,6 @@ class FmpyContainer(Container):
 
 
 def _connection(components: Any, inside: Any) -> Connection:
-    """Connect two Reals."""
     ends = []
     for _, name in LINK:
         [end] = [copy.copy(each) for each in inside.modelVariables if each.name == name]

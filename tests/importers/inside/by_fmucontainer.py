@@ -21,12 +21,10 @@ class Fmucontainer(Container):
 
     @classmethod
     def in_threads(cls, fmu: str, case: Any) -> Any:
-        """Run a case, each block stepped in a thread of its own."""
         return type("InThreads", (cls,), {"threads": True}).pair(fmu, case)  # type: ignore[attr-defined]
 
     @staticmethod
     def nest(fmu: str, blocks: tuple[str, ...], threads: bool) -> str:
-        """Call `fmucontainer` on a description of the container and return the FMU it made."""
         linked = LINK if blocks == PAIR else ()
         exposed: dict[str, list[list[str]]] = {"input": [], "output": []}
         variables = fmpy.read_model_description(fmu).modelVariables

@@ -116,7 +116,6 @@ class Simulation:
 
     @classmethod
     def tried(cls, fmu: str, kinds: dict[str, Any]) -> dict[str, bool]:
-        """Return which probes find that the importer does it; of kinds, an FMU and a value."""
         probes: dict[str, Any] = {
             name: partial(getattr(cls, name), fmu) if hasattr(cls, name) else partial(cls.offers, s)
             for name, s in PROBES.items()
@@ -184,7 +183,6 @@ class Simulation:
 
     @classmethod
     def warn(cls, fmu: str) -> None:
-        """Have the FMU send a warning, with messages asked for."""
         with cls(fmu, {"mu_k": 0.9}, messages=True) as simulation:
             simulation.step()
 
@@ -206,7 +204,6 @@ class Simulation:
         return "goes on: every output is 0" if shown == {0.0} else f"goes on with {shown}"
 
     def go(self) -> list[float]:
-        """Make 30 steps, in which the block slips, and return where it is after each."""
         ways = []
         for _ in range(30):
             self.step()
@@ -215,6 +212,5 @@ class Simulation:
 
 
 def outputs(fmu: str) -> list[str]:
-    """Return the names of all outputs."""
     variables = fmpy.read_model_description(fmu).modelVariables
     return [each.name for each in variables if each.causality == "output"]

@@ -10,8 +10,6 @@ from tests.sharing import made_once
 
 
 def for_all(version: Literal[2, 3] = 2) -> Path:
-    """Return the native FMU of an FMI version for all platforms, built once."""
-
     def make(folder: Path) -> None:
         packer.build(folder, face=version)
 

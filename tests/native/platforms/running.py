@@ -1,7 +1,6 @@
-"""The libraries of the native FMU, run on other platforms: a host in C, and calls as its input.
+"""The libraries of the native FMU on other platforms: a host in C, and calls as its input.
 
-Linux ARM64 runs in `qemu-aarch64` with the C library of Debian for ARM64. Windows runs in Wine,
-whose C runtime takes the place of Microsoft's.
+Linux ARM64 runs in `qemu-aarch64`; Windows in Wine, whose C runtime takes Microsoft's place.
 """
 
 import math
@@ -79,10 +78,7 @@ class Machine:
 
 
 def machine(name: str, fmu: Path, folder: Path, environment: Mapping[str, str]) -> Machine:
-    """Compile the host for LINUX, ARM or WINDOWS into an empty folder, and return it.
-
-    The emulator gets `environment` beside the variables of this process.
-    """
+    """Compile the host for LINUX, ARM or WINDOWS into an empty folder, and return it."""
     (platform,) = (each for each in PLATFORMS if each.fmi3 == name)
     fmpy.extract(str(fmu), str(folder))
     host = folder / ("host.exe" if platform.system == "windows" else "host")
@@ -102,10 +98,7 @@ def machine(name: str, fmu: Path, folder: Path, environment: Mapping[str, str]) 
 
 @contextmanager
 def wine(folder: Path) -> Iterator[dict[str, str]]:
-    """Make a Windows for Wine, 700 MB, in a folder that does not exist yet; give its variables.
-
-    Its processes and the folder are gone at the end.
-    """
+    """Make a Windows for Wine, 700 MB, in a new folder; give its variables."""
     ours = {"WINEPREFIX": str(folder), "WINEDEBUG": "-all"}
     variables = {**os.environ, **ours}
     server = str(Path(WINE).with_name("wineserver"))
@@ -127,7 +120,6 @@ def line(call: str, *words: object) -> str:
 
 
 def set_values(values: Mapping[str, float]) -> str:
-    """Return the call that sets real variables by name."""
     pairs = ((TABLE.by_name[name].number, float(value)) for name, value in values.items())
     return line("set", *(word for pair in pairs for word in pair))
 
@@ -149,10 +141,7 @@ def start(values: Mapping[str, float], time: float) -> list[str]:
 
 
 def sequence(seed: int, steps: int = 12) -> list[list[str]]:
-    """Return the calls of one random sequence: of the start, then of each step.
-
-    Steps differ in length by five powers of ten, some are refused; after each the outputs are read.
-    """
+    """Return the calls of a random sequence: of the start, then of each step, some refused."""
     random_ = random.Random(seed)
     values: dict[str, float] = dict(TABLE.start_values())
     for name in _SET_AT_START:
@@ -179,10 +168,7 @@ def sequence(seed: int, steps: int = 12) -> list[list[str]]:
 
 
 def neighbour(script: Sequence[str], random_: random.Random) -> list[str]:
-    """Return the same calls; start state and step lengths are moved by their last digit.
-
-    What is 0 remains 0, and so do ties that the parameters make, such as mu_k = mu_s.
-    """
+    """Return the calls with start state and step lengths moved by a digit, unless 0."""
     calls = []
     for each in script:
         call, *words = each.split()
@@ -203,11 +189,7 @@ def _moved(word: str, random_: random.Random) -> str:
 
 @dataclass
 class Differences:
-    """Real values on one platform against those on another.
-
-    `largest` is a part of the scale: the largest value till then, in the same sequence, of the
-    outputs with that unit.
-    """
+    """Values of two platforms; `largest` in parts of the largest one till then with that unit."""
 
     values: int = 0
     largest: float = 0.0
@@ -216,7 +198,6 @@ class Differences:
 
     @property
     def small(self) -> bool:
-        """Whether the events are the same, with values within the tolerance."""
         return self.same_events and self.largest <= TOLERANCE
 
 

@@ -71,10 +71,7 @@ def answers(scripts: Sequence[list[str]], machine: Machine) -> list[list[Answer]
 
 
 def at_a_tie(script: list[str], ours: list[Answer], linux: Machine) -> bool:
-    """Whether the last digit of the start state or of a step decides what happens in a sequence.
-
-    So it is where the mass has come to rest in balance, and rounding alone is left to move it.
-    """
+    """Whether the last digits of start state and steps decide, as for a mass at rest in balance."""
     chance = random.Random(1)
     moved = answers([neighbour(script, chance) for _ in range(NEIGHBOURS)], linux)
     return any(not differences(script, ours, each).small for each in moved)
