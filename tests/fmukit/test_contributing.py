@@ -13,14 +13,8 @@ pytestmark = pytest.mark.gate
 SECTION = "A model of your own"
 
 
-def test_the_parts_of_the_section_are_the_pendulum_of_these_tests() -> None:
-    text = "\n\n\n".join(part.rstrip("\n") for part in blocks(SECTION, "python")) + "\n"
-    assert text == Path(__file__).with_name("pendulum.py").read_text(encoding="utf-8")
-
-
 def test_a_model_is_built_as_contributing_says(tmp_path: Path) -> None:
-    text = "\n\n\n".join(blocks(SECTION, "python"))
-    (tmp_path / "pendulum.py").write_text(text, encoding="utf-8")
+    (tmp_path / "pendulum.py").write_text("\n".join(blocks(SECTION, "python")), "utf-8")
     (commands,) = blocks(SECTION, "bash")
     assert "No problems found" in walk(commands, tmp_path)
     with (tmp_path / "swing.csv").open(encoding="utf-8") as stream:

@@ -8,7 +8,6 @@ from typing import Literal
 import fmpy
 import pytest
 
-from fmukit.packer import write_archive
 from stickslip_fmu import packer
 from stickslip_fmu.spec import TABLE
 from stickslip_ref import COULOMB, Parameters
@@ -68,12 +67,4 @@ def test_a_failed_build_leaves_the_old_file_and_no_half_written_one(
     with pytest.raises(OSError, match="disk full"):
         packer.build(target)
     assert target.read_bytes() == b"old"
-    assert [path.name for path in tmp_path.iterdir()] == ["StickSlip.fmu"]
-
-
-def test_an_archive_that_cannot_take_its_place_leaves_nothing(tmp_path: Path) -> None:
-    target = tmp_path / "StickSlip.fmu"
-    target.mkdir()
-    with pytest.raises(IsADirectoryError):
-        write_archive({"modelDescription.xml": b"<fmiModelDescription/>"}, target)
     assert [path.name for path in tmp_path.iterdir()] == ["StickSlip.fmu"]

@@ -1,4 +1,4 @@
-"""A pendulum, whose table and model stand in one file, as an FMU of both FMI versions."""
+"""The pendulum of CONTRIBUTING.md, whose parts make one file, as an FMU of both FMI versions."""
 
 import math
 import subprocess
@@ -15,9 +15,9 @@ from fmukit.packer import build_fmu
 from tests.driver import Host, play
 from tests.fmu.acts import printed_log
 from tests.fmu.conformity import CHECKERS, by_fmpy, by_schema, description_of
-from tests.fmukit.grumbling import TOLD
+from tests.verification.test_contributing import blocks
 
-PENDULUM = "from tests.fmukit.pendulum import SPEC"
+PENDULUM = "\n".join(blocks("A model of your own", "python"))
 FACES: tuple[Literal[2, 3], ...] = (2, 3)
 STEPS = [(0.01, 0.0), (1e-13, 0.0), (0.7, 2.0), (0.003, -1.0), (2.5, 0.5), (0.125, 0.0)]
 """Length [s] and push [rad/s2] of each step."""
@@ -84,10 +84,21 @@ def test_values_that_do_not_go_together_are_refused_in_the_models_own_words(
     assert "Pendulum: d = 4.0 1/s is out of range: below sqrt(g/l)" in host.errors()
 
 
+TOLD = "swings are 20 % slower than rated, 100 %s of them"
+GRUMBLING = f"""
+class Grumbling(Pendulum):
+    def warning(self):
+        return {TOLD!r}
+
+
+SPEC = SPEC._replace(model=Grumbling)
+"""
+
+
 def test_a_percent_sign_in_a_warning_reaches_the_log(
     tmp_path: Path, face: Literal[2, 3], host: Host
 ) -> None:
-    fmu = build_fmu("from tests.fmukit.grumbling import SPEC", tmp_path / "p.fmu", "p_", face=face)
+    fmu = build_fmu(PENDULUM + GRUMBLING, tmp_path / "p.fmu", "p_", face=face)
     assert TOLD in "".join(host.call(printed_log, fmu))
     assert TOLD in host.errors()
 
@@ -118,8 +129,7 @@ def test_the_kit_packs_where_nothing_else_of_ours_is(tmp_path: Path, host: Host)
         spec = find_spec(name)
         assert spec is not None
         (tmp_path / name).symlink_to(Path(spec.origin or "").parent, target_is_directory=True)
-    model = Path(__file__).with_name("pendulum.py")
-    (tmp_path / "pendulum.py").write_bytes(model.read_bytes())
+    (tmp_path / "pendulum.py").write_text(PENDULUM, encoding="utf-8")
     # Neither the environment nor its site-packages: Python's library alone.
     command = [sys.executable, "-I", "-S", "-c", ALONE, str(tmp_path)]
     subprocess.run(command, check=True, cwd=tmp_path)
@@ -128,11 +138,10 @@ def test_the_kit_packs_where_nothing_else_of_ours_is(tmp_path: Path, host: Host)
 
 NOTED = """
 from fmukit.model import Annotation
-from tests.fmukit.pendulum import SPEC as PENDULUM
 
 MASTER = Annotation("org.example.master", "Rate", {"unit": "Hz", "value": "100"})
 PLOT = Annotation("org.example.plot", "Colour", {"name": "blue & \\"green\\" <"})
-SPEC = PENDULUM._replace(annotations=(MASTER, PLOT))
+SPEC = SPEC._replace(annotations=(MASTER, PLOT))
 """
 
 
@@ -143,7 +152,7 @@ SPEC = PENDULUM._replace(annotations=(MASTER, PLOT))
 def test_annotations_of_a_model_stand_where_the_schema_has_them(
     tmp_path: Path, face: Literal[2, 3], path: str, key: str
 ) -> None:
-    fmu = build_fmu(NOTED, tmp_path / "Noted.fmu", "noted_", face=face)
+    fmu = build_fmu(PENDULUM + NOTED, tmp_path / "Noted.fmu", "noted_", face=face)
     assert by_schema(fmu) == by_fmpy(fmu) == []
     found = ElementTree.fromstring(description_of(fmu)).findall(path)
     assert [(each.get(key), [(one.tag, one.attrib) for one in each]) for each in found] == [
@@ -153,9 +162,6 @@ def test_annotations_of_a_model_stand_where_the_schema_has_them(
 
 
 BUOYANT = """
-from tests.fmukit.pendulum import SPEC as PENDULUM
-from tests.fmukit.pendulum import Pendulum, Settings
-from fmukit.table import Table
 from water import BUOYANCY, DENSITY
 
 TABLE = Settings.table
@@ -170,7 +176,7 @@ class Buoyant(Pendulum):
     pass
 
 
-SPEC = PENDULUM._replace(name="Buoyant", values=Wet, model=Buoyant)
+SPEC = SPEC._replace(name="Buoyant", values=Wet, model=Buoyant)
 """
 WATER = """
 from fmukit.table import Quantity, Variable
@@ -185,7 +191,7 @@ def test_a_model_may_be_put_together_of_modules_from_anywhere(
 ) -> None:
     (tmp_path / "water.py").write_text(WATER, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
-    fmu = build_fmu(BUOYANT, tmp_path / "Buoyant.fmu", "buoyant_")
+    fmu = build_fmu(PENDULUM + BUOYANT, tmp_path / "Buoyant.fmu", "buoyant_")
     description = fmpy.read_model_description(str(fmu))
     assert (description.modelName, description.coSimulation.modelIdentifier) == ("Buoyant",) * 2
     assert description.modelVariables[-1].name == "density"
