@@ -1,7 +1,7 @@
 """A judge of blocks that shares nothing with the code it judges: what the native FMU does for long.
 
 Each block is started 20 times and run until what happens repeats. The outputs of the FMU say what
-it is: its cycle meter at the break-aways, its velocity in between. A thousand blocks cost 8 CPU minutes.
+it is: its cycle meter at break-aways, its velocity in between. All 1,000 cost 8 CPU minutes.
 """
 
 from __future__ import annotations
