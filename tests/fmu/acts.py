@@ -9,6 +9,7 @@ import random
 import shutil
 import sys
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from tests.driver import Fmu, Instance, Refused, loaded
 
 # Steps that meet events anywhere, hold some, and hold next to nothing.
 _STEPS = (0.013, 1e-13, 0.0371, 0.25, 3e-5, 1.0, 1.7e-13, 0.09)
+_CHANCE = random.Random(7)
 
 
 def _went_on(instance: Instance) -> list[dict[str, Any]]:
@@ -110,87 +112,63 @@ def _in_use() -> tuple[int, int]:
     return sys.getallocatedblocks(), function().field7
 
 
-def _iterate(fmu: Fmu) -> Callable[[], None]:
+def _iterate(instance: Instance) -> None:
     """Save, step, restore and free, as a master does that iterates over its steps."""
-    instance = fmu.started(c=0.5)
-
-    def do() -> None:
-        state = instance.save()
-        instance.step(0.01)
-        instance.restore(state)
-        freed = c.c_void_p(state.value)
-        instance.forget(state)
-        # The wrapper leaves the pointer as it was, for masters to free again.
-        instance.forget(freed)
-        # Every state is of another moment.
-        instance.step(1e-4)
-
-    return do
+    state = instance.save()
+    instance.step(0.01)
+    instance.restore(state)
+    freed = c.c_void_p(state.value)
+    instance.forget(state)
+    # The wrapper leaves the pointer as it was, for masters to free again.
+    instance.forget(freed)
+    # Every state is of another moment.
+    instance.step(1e-4)
 
 
-def _serialize(fmu: Fmu) -> Callable[[], None]:
-    instance = fmu.started(c=0.5)
-
-    def do() -> None:
-        instance.resume(instance.pack())
-        instance.step(1e-3)
-
-    return do
+def _serialize(instance: Instance) -> None:
+    instance.resume(instance.pack())
+    instance.step(1e-3)
 
 
-def _ask_ever_other_lists(fmu: Fmu) -> Callable[[], None]:
-    instance, chance = fmu.started(), random.Random(7)
-    reals = [name for name, kind in fmu.types.items() if kind in ("Real", "Float64")]
-    alone = instance.everything()
-
-    def do() -> None:
-        names = chance.sample(reals, 5)
-        assert instance.get(*names) == [alone.get(name, 0.0) for name in names]
-
-    return do
+@cache
+def _known(instance: Instance) -> dict[str, Any]:
+    return instance.everything()
 
 
-def _repeat(fmu: Fmu) -> Callable[[], None]:
-    instance = fmu.instance()
-
-    def do() -> None:
-        instance.start()
-        instance.step(0.3)
-        with contextlib.suppress(Refused):
-            instance.step(-1.0)
-        with contextlib.suppress(Refused):
-            instance.terminate()
-        fmu.messages.clear()
-        instance.reset()
-
-    return do
+def _ask_ever_other_lists(instance: Instance) -> None:
+    reals = [name for name, kind in instance.fmu.types.items() if kind in ("Real", "Float64")]
+    names = _CHANCE.sample(reals, 5)
+    assert instance.get(*names) == [_known(instance).get(name, 0.0) for name in names]
 
 
-def _ask_after_a_failure(fmu: Fmu) -> Callable[[], None]:
-    instance = fmu.started()
-
-    def do() -> None:
-        with contextlib.suppress(Refused):
-            instance.step(-1.0)
-        with contextlib.suppress(Refused):
-            instance.save()
-        fmu.messages.clear()
-        instance.reset()
-        instance.start()
-
-    return do
+def _repeat(instance: Instance) -> None:
+    instance.reset()
+    instance.start()
+    instance.step(0.3)
+    with contextlib.suppress(Refused):
+        instance.step(-1.0)
+    with contextlib.suppress(Refused):
+        instance.terminate()
+    instance.fmu.messages.clear()
 
 
-def _remake(fmu: Fmu) -> Callable[[], None]:
-    def do() -> None:
-        instance = fmu.started()
-        instance.step(0.3)
-        instance.free()
+def _ask_after_a_failure(instance: Instance) -> None:
+    with contextlib.suppress(Refused):
+        instance.step(-1.0)
+    with contextlib.suppress(Refused):
+        instance.save()
+    instance.fmu.messages.clear()
+    instance.reset()
+    instance.start()
 
-    return do
+
+def _remake(instance: Instance) -> None:
+    other = instance.fmu.started()
+    other.step(0.3)
+    other.free()
 
 
-TURNS = {
+TURNS: dict[str, Callable[[Instance], None]] = {
     "iteration": _iterate,
     "serialization": _serialize,
     "lists of variables": _ask_ever_other_lists,
@@ -203,13 +181,13 @@ TURNS = {
 def lost(path: str, what: str, times: int) -> list[float]:
     """Return how many blocks of Python's and bytes of C's memory a turn of something loses."""
     with Path(os.devnull).open("w") as nowhere, contextlib.redirect_stderr(nowhere):
-        do = TURNS[what](loaded(path))
+        turn, instance = TURNS[what], loaded(path).started(c=0.5)
         # More turns than the FMU keeps freed states, and lists of variables.
         for _ in range(768):
-            do()
+            turn(instance)
         before = _in_use()
         for _ in range(times):
-            do()
+            turn(instance)
         return [(now - then) / times for now, then in zip(_in_use(), before, strict=True)]
 
 
