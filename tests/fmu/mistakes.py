@@ -25,6 +25,8 @@ DIES = None
 
 _HUGE = c.c_size_t(2**62)
 _ONE, _NONE = c.c_size_t(1), c.c_size_t(0)
+_FIRST, _DOUBLE, _BYTES = (c.c_uint * 1)(0), (c.c_double * 1)(), (c.c_ubyte * 9)()
+_WRONG = bytes(range(256)) * 100
 _KINDS = ("Real", "Integer", "Boolean", "String")
 
 
@@ -35,64 +37,57 @@ def _blank(resources: str) -> str:
     return link.as_uri()
 
 
-def _with_logger(logger: Any) -> fmi2CallbackFunctions:
+def _of_scheme(scheme: str) -> Callable[[str], str]:
+    return lambda uri: uri.replace("file://", scheme)
+
+
+def _without_logger(logger: Any = None) -> fmi2CallbackFunctions:
     callbacks = fmi2CallbackFunctions()
-    callbacks.logger = logger
+    callbacks.logger = logger or fmi2CallbackLoggerTYPE()
     callbacks.allocateMemory = defaultCallbacks.allocateMemory
     callbacks.freeMemory = defaultCallbacks.freeMemory
     return callbacks
 
 
 def _printing() -> fmi2CallbackFunctions:
-    callbacks = _with_logger(fmi2CallbackLoggerTYPE(lambda *_: None))
+    callbacks = _without_logger(fmi2CallbackLoggerTYPE(lambda *_: None))
     addLoggerProxy(c.byref(callbacks))
     return callbacks
 
 
-INSTANTIATIONS: dict[str, tuple[dict[str, Any], int | None]] = {
-    "The GUID is wrong": ({"guid": b"x"}, OK),
-    "The GUID is NULL": ({"guid": None}, OK),
-    "A model-exchange instance is requested": ({"kind": 0}, OK),
-    "The instance name is empty": ({"name": b""}, OK),
-    "The instance name has a million characters": ({"name": b"x" * 10**6}, OK),
-    "The instance name is not ASCII, but UTF-8": ({"name": "Größe 摩擦 🧱".encode()}, OK),
-    "The callbacks are NULL, logging off": ({"callbacks": None}, OK),
-    "The folder of resources is a path, not a URI": (
-        {"resources": lambda uri: uri.removeprefix("file://")},
-        OK,
-    ),
-    "The folder of resources ends in a slash": ({"resources": lambda uri: uri + "/"}, OK),
-    "The URI of the folder has `%20` for a blank": ({"resources": _blank}, OK),
-    "The instance name holds `%s%n`, logging on": (
-        {"name": b"%s%n%d%%", "logging": 1, "callbacks": _printing},
-        OK,
-    ),
-    "The instance name is NULL": ({"name": None}, DIES),
-    "The instance name is not UTF-8": ({"name": b"\xff\xfe"}, DIES),
-    "The folder of resources is NULL": ({"resources": lambda _: None}, DIES),
-    "The folder of resources does not exist": (
-        {"resources": lambda _: "file:///nowhere/resources"},
-        DIES,
-    ),
-    "The callbacks are NULL, logging on": ({"callbacks": None, "logging": 1}, DIES),
-    "The folder of resources is `file:/...`, with one slash": (
-        {"resources": lambda uri: uri.replace("file://", "file:")},
-        DIES,
-    ),
-    "The folder of resources is `file://localhost/...`": (
-        {"resources": lambda uri: uri.replace("file://", "file://localhost")},
-        DIES,
-    ),
-    "The URI of the folder has an escape other than `%20`, as for `ü` or `#`": (
-        {"resources": lambda uri: uri[:-1] + "%73"},
-        DIES,
-    ),
-    "Logging is on and the logger is NULL": (
-        {"callbacks": lambda: _with_logger(fmi2CallbackLoggerTYPE()), "logging": 1},
-        DIES,
-    ),
+_PRINTING = {"callbacks": _printing, "logging": 1}
+"""C's printf reads each message, as simulators written in C have it."""
+
+SURVIVED_AT_THE_START: dict[str, dict[str, Any]] = {
+    "The GUID is wrong": {"guid": b"x"},
+    "The GUID is NULL": {"guid": None},
+    "A model-exchange instance is requested": {"kind": 0},
+    "The instance name is empty": {"name": b""},
+    "The instance name has a million characters": {"name": b"x" * 10**6},
+    "The instance name is not ASCII, but UTF-8": {"name": "Größe 摩擦 🧱".encode()},
+    "The callbacks are NULL, logging off": {"callbacks": None},
+    "The folder of resources is a path, not a URI": {"resources": _of_scheme("")},
+    "The folder of resources ends in a slash": {"resources": lambda uri: uri + "/"},
+    "The URI of the folder has `%20` for a blank": {"resources": _blank},
+    "The instance name holds `%s%n`, logging on": {"name": b"%s%n%d%%", **_PRINTING},
 }
-"""By the master's mistake: arguments of fmi2Instantiate, and the status of the run after it."""
+"""By the master's mistake: arguments of fmi2Instantiate; the run after it returns OK."""
+ENDING_AT_THE_START: dict[str, dict[str, Any]] = {
+    "The instance name is NULL": {"name": None},
+    "The instance name is not UTF-8": {"name": b"\xff\xfe"},
+    "The folder of resources is NULL": {"resources": lambda _: None},
+    "The folder of resources does not exist": {"resources": lambda _: "file:///nowhere/resources"},
+    "The callbacks are NULL, logging on": {"callbacks": None, "logging": 1},
+    "The folder of resources is `file:/...`, with one slash": {"resources": _of_scheme("file:")},
+    "The folder of resources is `file://localhost/...`": {
+        "resources": _of_scheme("file://localhost")
+    },
+    "The URI of the folder has an escape other than `%20`, as for `ü` or `#`": {
+        "resources": lambda uri: uri[:-1] + "%73"
+    },
+    "Logging is on and the logger is NULL": {**_PRINTING, "callbacks": _without_logger},
+}
+"""As above; the process does not survive the run."""
 
 
 def _instantiated(fmu: Fmu, changed: dict[str, Any]) -> int:
@@ -103,17 +98,10 @@ def _instantiated(fmu: Fmu, changed: dict[str, Any]) -> int:
         callbacks = changed["callbacks"] and changed["callbacks"]()
     given = {"name": b"a", "kind": 1, "guid": fmu.token, "logging": 0, **changed}
     uri = changed.get("resources", str)(resources)
+    arguments = (*(given[name] for name in ("name", "kind", "guid")), uri and uri.encode())
     function = fmu.library.fmi2Instantiate
     function.restype = c.c_void_p
-    address = function(
-        given["name"],
-        given["kind"],
-        given["guid"],
-        uri and uri.encode(),
-        callbacks and c.byref(callbacks),
-        0,
-        given["logging"],
-    )
+    address = function(*arguments, callbacks and c.byref(callbacks), 0, given["logging"])
     instance = Instance.__new__(Instance)
     instance.fmu, instance.address = fmu, c.c_void_p(address)
     return _revived(instance)
@@ -153,7 +141,7 @@ def _unsupported(i: Instance) -> list[int]:
 
 
 def _text(i: Instance, text: bytes | None) -> list[int]:
-    return [i.status("SetString", (c.c_uint * 1)(0), _ONE, (c.c_char_p * 1)(text))]
+    return [i.status("SetString", _FIRST, _ONE, (c.c_char_p * 1)(text))]
 
 
 def _category(i: Instance, text: bytes | None, count: c.c_size_t = _ONE) -> list[int]:
@@ -162,6 +150,14 @@ def _category(i: Instance, text: bytes | None, count: c.c_size_t = _ONE) -> list
 
 def _got(i: Instance, references: Any, count: c.c_size_t, values: Any) -> list[int]:
     return [i.status("GetReal", references, count, values)]
+
+
+def _freed(i: Instance, state: Any) -> list[int]:
+    return [i.status("FreeFMUstate", state)]
+
+
+def _failing(i: Instance) -> list[int]:
+    return sorted({i.status("DoStep", 0.0, -1.0, 1) for _ in range(1000)})
 
 
 def _freed_without_a_call(i: Instance) -> list[int]:
@@ -193,21 +189,20 @@ def _set_after_free(i: Instance) -> list[int]:
 
 
 def _null_of_a_failed_get(i: Instance) -> list[int]:
-    state, size, data = c.c_void_p(), c.c_size_t(), (c.c_ubyte * 9)()
+    state, size = c.c_void_p(), c.c_size_t()
     i.status("DoStep", 0.0, -1.0, 1)
     seen = set()
     for _ in range(50):
         seen.add(i.status("GetFMUstate", c.byref(state)))
         seen.add(i.status("SetFMUstate", state))
         seen.add(i.status("SerializedFMUstateSize", state, c.byref(size)))
-        seen.add(i.status("SerializeFMUstate", state, data, c.c_size_t(9)))
+        seen.add(i.status("SerializeFMUstate", state, _BYTES, c.c_size_t(9)))
         i.forget(state)
     return sorted(seen)
 
 
 def _cut(i: Instance) -> list[int]:
-    data = (c.c_ubyte * 9)()
-    return [i.status("SerializeFMUstate", i.save(), data, c.c_size_t(9)), *_read(i, bytes(data))]
+    return [*_written(i, _BYTES, 9), *_read(i, bytes(_BYTES))]
 
 
 def _read(i: Instance, data: bytes) -> list[int]:
@@ -230,7 +225,8 @@ def _used_after_free(i: Instance, call: str, *arguments: Any) -> list[int]:
     return [i.status(call, *arguments)]
 
 
-MISTAKES: dict[str, tuple[Callable[[Instance], list[int]], list[int] | None]] = {
+Calls = Callable[[Instance], list[int]]
+SURVIVED: dict[str, tuple[Calls, list[int]]] = {
     "NULL is freed": (lambda i: [i.fmu.library.fmi2FreeInstance(None) and 0], [0]),
     "No value is got or set, with NULL lists": (_lists, [OK]),
     "An unknown log category is switched on": (lambda i: _category(i, b"nonsense"), [OK]),
@@ -239,14 +235,8 @@ MISTAKES: dict[str, tuple[Callable[[Instance], list[int]], list[int] | None]] = 
         _unsupported,
         [*[ERROR] * 4, OK],
     ),
-    "A state that is NULL is freed": (
-        lambda i: [i.status("FreeFMUstate", c.byref(c.c_void_p()))],
-        [OK],
-    ),
-    "A thousand failures in a row": (
-        lambda i: sorted({i.status("DoStep", 0.0, -1.0, 1) for _ in range(1000)}),
-        [FATAL],
-    ),
+    "A state that is NULL is freed": (lambda i: _freed(i, c.byref(c.c_void_p())), [OK]),
+    "A thousand failures in a row": (_failing, [FATAL]),
     "An instance is freed after a failure": (_failed_and_freed, [FATAL]),
     "An instance is freed before any other call, logging on": (_freed_without_a_call, []),
     "A NULL string is set": (lambda i: _text(i, None), [FATAL]),
@@ -260,66 +250,47 @@ MISTAKES: dict[str, tuple[Callable[[Instance], list[int]], list[int] | None]] = 
     "A state is set and serialized that a failed get left NULL": (_null_of_a_failed_get, [FATAL]),
     "A buffer is smaller than the serialized state": (_cut, [OK, FATAL]),
     "A state is deserialized from no bytes": (lambda i: _read(i, b""), [FATAL]),
-    "A state is deserialized from wrong bytes": (
-        lambda i: _read(i, bytes(range(256)) * 100),
-        [FATAL],
-    ),
-    "An instance is freed twice": (lambda i: _used_after_free(i, "FreeInstance"), DIES),
-    "A call has a NULL instance": (lambda i: [i.fmu.call("DoStep", None, 0.0, 0.1, 1)], DIES),
-    "A call has a freed instance": (lambda i: _used_after_free(i, "DoStep", 0.0, 0.1, 1), DIES),
-    "A value is got with a NULL list of references": (
-        lambda i: _got(i, None, _ONE, (c.c_double * 1)()),
-        DIES,
-    ),
-    "A value is got into a NULL list": (lambda i: _got(i, (c.c_uint * 1)(0), _ONE, None), DIES),
-    "More values are got than memory can hold": (
-        lambda i: _got(i, (c.c_uint * 1)(0), _HUGE, (c.c_double * 1)()),
-        DIES,
-    ),
-    "A NULL log category is switched on": (lambda i: _category(i, None), DIES),
-    "More log categories are switched on than memory can hold": (
-        lambda i: _category(i, b"a", _HUGE),
-        DIES,
-    ),
-    "The last successful time is requested into NULL": (
-        lambda i: [i.status("GetRealStatus", 2, None)],
-        DIES,
-    ),
-    "The pointer to a state is NULL": (lambda i: [i.status("FreeFMUstate", None)], DIES),
-    "A NULL state is set, and no get failed before": (
-        lambda i: [i.status("SetFMUstate", None)],
-        DIES,
-    ),
-    "A NULL state is serialized, and no get failed before": (
-        lambda i: [i.status("SerializedFMUstateSize", None, c.byref(c.c_size_t()))],
-        DIES,
-    ),
-    "The state is a number, not a pointer": (
-        lambda i: [i.status("SetFMUstate", c.c_void_p(0x1234))],
-        DIES,
-    ),
-    "A buffer is far larger than the serialized state": (
-        lambda i: _written(i, (c.c_ubyte * 2**28)(), 2**28),
-        DIES,
-    ),
-    "The buffer is NULL": (lambda i: _written(i, None, 10), DIES),
-    "A state is deserialized from more bytes than memory can hold": (
-        lambda i: [
-            i.status("DeSerializeFMUstate", (c.c_ubyte * 9)(), _HUGE, c.byref(c.c_void_p()))
-        ],
-        DIES,
-    ),
+    "A state is deserialized from wrong bytes": (lambda i: _read(i, _WRONG), [FATAL]),
 }
 """By the master's mistake: the calls on an instance in the run, and their statuses."""
+ENDING: dict[str, Calls] = {
+    "An instance is freed twice": lambda i: _used_after_free(i, "FreeInstance"),
+    "A call has a NULL instance": lambda i: [i.fmu.call("DoStep", None, 0.0, 0.1, 1)],
+    "A call has a freed instance": lambda i: _used_after_free(i, "DoStep", 0.0, 0.1, 1),
+    "A value is got with a NULL list of references": lambda i: _got(i, None, _ONE, _DOUBLE),
+    "A value is got into a NULL list": lambda i: _got(i, _FIRST, _ONE, None),
+    "More values are got than memory can hold": lambda i: _got(i, _FIRST, _HUGE, _DOUBLE),
+    "A NULL log category is switched on": lambda i: _category(i, None),
+    "More log categories are switched on than memory can hold": (
+        lambda i: _category(i, b"a", _HUGE)
+    ),
+    "The last successful time is requested into NULL": lambda i: [
+        i.status("GetRealStatus", 2, None)
+    ],
+    "The pointer to a state is NULL": lambda i: _freed(i, None),
+    "A NULL state is set, and no get failed before": lambda i: [i.status("SetFMUstate", None)],
+    "A NULL state is serialized, and no get failed before": (
+        lambda i: [i.status("SerializedFMUstateSize", None, c.byref(c.c_size_t()))]
+    ),
+    "The state is a number, not a pointer": lambda i: [i.status("SetFMUstate", c.c_void_p(0x1234))],
+    "A buffer is far larger than the serialized state": (
+        lambda i: _written(i, (c.c_ubyte * 2**28)(), 2**28)
+    ),
+    "The buffer is NULL": lambda i: _written(i, None, 10),
+    "A state is deserialized from more bytes than memory can hold": (
+        lambda i: [i.status("DeSerializeFMUstate", _BYTES, _HUGE, c.byref(c.c_void_p()))]
+    ),
+}
+"""By the master's mistake: the calls that the process does not survive."""
 
 
 def tried(path: str) -> dict[str, Any]:
     """Return by mistake the statuses, None where the process dies of it, or the traceback."""
     fmu = loaded(path)
     found: dict[str, Any] = {}
-    for title, (changed, _) in INSTANTIATIONS.items():
+    for title, changed in (SURVIVED_AT_THE_START | ENDING_AT_THE_START).items():
         found[title] = _apart(fmu, partial(_instantiated, fmu, changed))
-    for title, (calls, _) in MISTAKES.items():
+    for title, calls in (ENDING | {title: calls for title, (calls, _) in SURVIVED.items()}).items():
         found[title] = _apart(fmu, partial(_mistaken, fmu, calls))
     return found
 
