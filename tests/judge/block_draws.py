@@ -106,18 +106,13 @@ def _curve(draw: Random, mu_s: float, mu_k: float, u: float) -> dict[str, float]
 
 
 def starts(drawn: Setting) -> list[dict[str, float]]:
-    """Return the 20 starts of a block: from rest with a relaxed spring, near even sliding,
-
-    falling out of large slips, and from sticks of ages up to several times that of growth.
-    """
+    """Return 20 starts: at rest, near even sliding, in large slips, in sticks of several ages."""
     p, k, v = drawn.values, drawn.values["k"], drawn.values["v"]
     even = (drawn.friction(v) + p["c"] * v) / k
     scale = p.get("tau_s") or p.get("t_0") or 0.0
     reach = drawn.hold(10.0 * scale) / k
-    sliding = [
-        {"x_dot_start": v * (1.0 + faster), "z_start": even + v / drawn.w * longer}
-        for faster, longer in DISTURBED
-    ]
+    disturbed = ((v * (1.0 + faster), even + v / drawn.w * longer) for faster, longer in DISTURBED)
+    sliding = [{"x_dot_start": x_dot, "z_start": z} for x_dot, z in disturbed]
     falling = [{"z_start": part * reach} for part in (1.02, 1.5, 2.5, -1.3)]
     parts = (0.02, 0.1, 0.3, 1.0, 3.0)
     ages = [part * (min(scale, reach / v) or 0.2 * reach / v) for part in parts]

@@ -7,7 +7,7 @@ it is: its cycle meter at break-aways, its velocity in between. All 1,000 cost 8
 from __future__ import annotations
 
 import math
-from collections import namedtuple
+from collections import deque, namedtuple
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -22,6 +22,8 @@ STICKS = 16
 """Break-aways in one look: a motion of up to 8 sticks is seen to repeat."""
 SAME = 1e-6
 """Difference of two periods of one motion, relative."""
+LEAST_STICK = 1e-9
+"""A shorter stick, as a part of the period, only touches rest."""
 EVEN = 1e-5
 """A swing by less than this part of the pull has died away."""
 LASTS = 64
@@ -83,6 +85,7 @@ class _Watch:
     def __init__(self, instance: Instance, drawn: Setting) -> None:
         self.instance, self.v, self.k = instance, drawn.values["v"], drawn.values["k"]
         self.period = 2.0 * math.pi / drawn.w
+        self.events: deque[float] = deque(maxlen=8)
 
     def settled(self) -> Seen:
         """Look at the motion after ever longer times, until two looks agree."""
@@ -101,15 +104,15 @@ class _Watch:
 
     def _look(self) -> Seen:
         """Follow some sticks, or, where none comes in a dozen periods, the velocity."""
-        self.now = self._sample()
+        self.now, slipping = self._sample(), 0
         broken: list[_Sample] = []
-        slipping = 0
         while len(broken) <= STICKS and slipping < 50:
             if self._breaks_away():
                 broken.append(self.now)
                 slipping = 0
             slipping += self.now.mode != 0
-        return _sticks(broken, self.v) if len(broken) > STICKS else self._swing()
+        rested = [sample for sample in broken if sample.t_stick > LEAST_STICK * sample.T]
+        return _sticks(rested, self.v) if len(rested) > STICKS else self._swing()
 
     def _sample(self) -> _Sample:
         return _Sample(*self.instance.get(*_Sample._fields))
@@ -126,9 +129,12 @@ class _Watch:
             return bool(now.mode)
         if (now.T, now.t_stick) != (before.T, before.t_stick):
             return True
-        # A stick shorter than the step and as long as the last: it lies after the slip's end.
-        rested = now.t_event - before.t_event - now.t_slip
-        return now.n_slips > before.n_slips and bool(rested > 1e-9 * (now.t_slip + self.period))
+        # A stick shorter than the step and as long as the last: a period after another event.
+        if now.t_event == before.t_event or now.mode < 0 or now.T == 0.0:
+            return False
+        self.events.append(now.t_event)
+        apart = (now.t_event - event - now.T for event in self.events)
+        return any(abs(gap) < 1e-9 * (now.T + 1e-6 * now.t_event) for gap in apart)
 
     def _swing(self) -> Seen:
         """Measure the velocity, sampled 48 times a period for four periods."""
@@ -145,11 +151,9 @@ class _Watch:
             if now < 0.0 <= after:
                 rises.append(n + now / (now - after))
         amplitude = 0.5 * (high - low)
-        if amplitude < EVEN:
-            return Seen("even")
-        turns = len(rises) - 1
-        frequency = turns / ((rises[-1] - rises[0]) * h) if turns > 0 else math.nan
-        return Seen("swings", amplitude, frequency, reverses=low < -1.0)
+        frequency = (len(rises) - 1) / (h * (rises[-1] - rises[0])) if rises[1:] else math.nan
+        swings = Seen("swings", amplitude, frequency, reverses=low < -1.0)
+        return Seen("even") if amplitude < EVEN else swings
 
 
 def _sticks(broken: Sequence[_Sample], v: float) -> Seen:
@@ -158,10 +162,10 @@ def _sticks(broken: Sequence[_Sample], v: float) -> Seen:
     def same(a: _Sample, b: _Sample) -> bool:
         return _near(a.T, b.T, SAME) and abs(a.t_stick - b.t_stick) < SAME * a.T
 
-    lengths = range(1, STICKS // 2 + 1)
-    repeating = (n for n in lengths if all(map(same, broken[-n:], broken[-2 * n : -n])))
-    repeats = next(repeating, 0)
-    n = repeats or lengths[-1]
+    most = STICKS // 2
+    counts = (n for n in range(1, most + 1) if all(map(same, broken[-n:], broken[-2 * n : -n])))
+    repeats = next(counts, 0)
+    n = repeats or most
     period = sum(sample.T for sample in broken[-n:]) / n
     t_stick = sum(sample.t_stick for sample in broken[-n:]) / n
     reverses = broken[-1].n_slips - broken[-1 - n].n_slips > n
