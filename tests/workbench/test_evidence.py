@@ -14,7 +14,6 @@ import pytest
 from fmpy.util import read_csv
 
 from stickslip_fmu.spec import TABLE
-from stickslip_ref import Parameters, simulate
 from stickslip_verification.drive.fmu.digest import content_digest
 
 from .running import Command
@@ -113,9 +112,3 @@ def test_the_experiment_gives_the_result(built: Path, tmp_path: Path) -> None:
     run = fmpy.simulate_fmu(str(built), stop_time=stop_time, output_interval=step, output=names)
     for name in packed.dtype.names:
         assert np.array_equal(packed[name], run[name]), name
-
-
-def test_no_sample_falls_on_an_event() -> None:
-    events = np.array([event.time for event in simulate(Parameters(), 10.0).events])
-    samples = 0.01 * np.arange(1001)
-    assert np.min(np.abs(events[:, None] - samples[None, :])) > 1e-6

@@ -10,11 +10,13 @@ from stickslip.errors import CommandError
 from stickslip.files import check_writable, writing
 
 
-def test_a_link_stays_a_link(tmp_path: Path) -> None:
+@pytest.mark.parametrize("is_there", [True, False])
+def test_a_link_stays_a_link_also_to_a_file_that_is_made(tmp_path: Path, is_there: bool) -> None:
     folder = tmp_path / "far"
     folder.mkdir()
     real, link = folder / "run.csv", tmp_path / "run.csv"
-    real.write_bytes(b"old")
+    if is_there:
+        real.write_bytes(b"old")
     link.symlink_to("far/run.csv")
     with writing(link, "--output-file") as stream:
         stream.write(b"new")
@@ -22,15 +24,6 @@ def test_a_link_stays_a_link(tmp_path: Path) -> None:
     assert real.read_bytes() == b"new"
     assert sorted(tmp_path.iterdir()) == [folder, link]
     assert list(folder.iterdir()) == [real]
-
-
-def test_a_link_to_nothing_yet_makes_the_file(tmp_path: Path) -> None:
-    link = tmp_path / "run.csv"
-    link.symlink_to(tmp_path / "real.csv")
-    with writing(link, "--output-file") as stream:
-        stream.write(b"new")
-    assert (tmp_path / "real.csv").read_bytes() == b"new"
-    assert link.is_symlink()
 
 
 def test_a_named_pipe_is_written_into(tmp_path: Path) -> None:

@@ -83,15 +83,6 @@ def test_the_native_fmu_carries_the_licences_of_its_runtime_and_of_no_wrapper() 
     assert parts(2, RUNTIME)["licenses/start.txt"] == b"All rights reversed"
 
 
-def test_the_native_fmu_is_documented_without_python() -> None:
-    native = parts(3, {})["documentation/index.html"].decode()
-    python = parts(3)["documentation/index.html"].decode()
-    for word in ("libpython", "pythonfmu", "standard error", "LD_PRELOAD"):
-        assert word in python
-        assert word not in native
-    assert "<code>sources/</code>" in native
-
-
 def test_the_icon_is_a_small_square_picture() -> None:
     picture = icon()
     with matplotlib.rc_context({"savefig.bbox": "tight", "lines.linewidth": 9.0}):

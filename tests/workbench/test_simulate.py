@@ -110,15 +110,6 @@ def test_the_table_shows_the_cycle_three_times_and_the_csv_every_output(
 
 
 @each_engine
-def test_units_typed_are_si_values(command: Command, tmp_path: Path, engine: str) -> None:
-    with_units = ["--v", "20mm/s", "--k", "1 kN/m", "--m", "1000 g", "--stop-time", "500 ms"]
-    plain = ["--v", "0.02", "--k", "1000", "--m", "1", "--stop-time", "0.5"]
-    for name, values in (("a.csv", with_units), ("b.csv", plain)):
-        assert command.simulate(engine, *values, "--output-file", name).code == 0
-    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
-
-
-@each_engine
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [

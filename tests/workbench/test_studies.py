@@ -15,7 +15,6 @@ from stickslip_design import chunks
 from stickslip_design.axis import example, template
 from stickslip_design.datasets import read_grid, read_points
 from stickslip_design.report import html
-from stickslip_native.packer import build as build_native
 from stickslip_ref import Parameters, steady_cycle
 from tests.design import verdicts
 from tests.design.chunks.toy import Toy
@@ -172,16 +171,6 @@ def test_a_template_of_a_sweep_is_printed_or_written(command: Command, fmu_path:
     text = Path("new.toml").read_text(encoding="utf-8")
     assert 'x = "last"' in text
     assert command.passes("sweep", fmu_path, "--template") == text
-
-
-@needs("cc", "studies")
-def test_the_native_fmu_is_swept_to_the_same_bits(command: Command, fmu_path: Path) -> None:
-    native = build_native(Path("native.fmu").absolute(), this_machine=True)
-    for fmu, folder in ((fmu_path, "one"), (native, "other")):
-        command.passes("sweep", fmu, "plan.toml", "-o", folder, "--workers", 1)
-    one, other = (read_grid(f"{folder}/sweep.zarr").load() for folder in ("one", "other"))
-    for name in ("delta_x", "T"):
-        assert one[name].values.tobytes() == other[name].values.tobytes()
 
 
 def test_more_than_a_billion_points_are_computed_if_that_is_meant_and_a_note_is_told_once(
