@@ -190,10 +190,13 @@ class Bench:
         """Return this thread's copy of the tree."""
         if not hasattr(self.local, "copy"):
             self.local.copy = self.folder / str(threading.get_ident())
-            left_out = shutil.ignore_patterns(".git", ".venv", "build", "report", "__pycache__")
-            shutil.copytree(self.tree, self.local.copy, ignore=left_out)
+            shutil.copytree(self.tree, self.local.copy, ignore=self._left_out)
         copy: Path = self.local.copy
         return copy
+
+    def _left_out(self, folder: str, names: list[str]) -> list[str]:
+        made = (".git", ".venv", "build", "report") if Path(folder) == self.tree else ()
+        return [name for name in names if name in made or name == "__pycache__"]
 
     def tried(self, mutant: Mutant) -> str | None:
         """Return the test that detects a mutant, or None."""
@@ -215,6 +218,8 @@ class Bench:
             (self.costs.get(file.relative_to(self.copy()).as_posix(), 1.0), file)
             for folder in (*TESTS[part], *SHARED)
             for file in (self.copy() / "tests" / folder).rglob("test_*.py")
+            # Other machines' libraries are tried by `make native-platforms` alone.
+            if "platforms" not in file.parts
         )
         quick: list[str] = []
         others: list[str] = []
