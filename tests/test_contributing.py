@@ -1,63 +1,15 @@
 """The section "Add an output" of CONTRIBUTING.md, done as it says in a copy of the project."""
 
 import os
-import shutil
-import subprocess
-import sys
-from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
+from tests.contributing import applied, blocks, copied, walk
 from tests.needs import needs
-from tests.verification.test_contributing import blocks
 
-ROOT = Path(__file__).parents[1]
 pytestmark = pytest.mark.gate
 FLOORS = ("fmu_src", "src", "verification", "workbench")
-
-
-def applied(diff: str, root: Path) -> list[Path]:
-    """Apply a diff without line numbers: what each hunk takes away must be there exactly once."""
-    changed = []
-    for part in diff.split("--- a/")[1:]:
-        name, _, hunks = part.partition("\n+++ b/")
-        file = root / name
-        text = file.read_text(encoding="utf-8")
-        for hunk in hunks.split("\n@@\n")[1:]:
-            lines = hunk.rstrip("\n").split("\n")
-            old = "\n".join(line[1:] for line in lines if line[:1] != "+")
-            new = "\n".join(line[1:] for line in lines if line[:1] != "-")
-            assert text.count(old) == 1, f"{name}: {old}"
-            text = text.replace(old, new)
-        file.write_text(text, encoding="utf-8")
-        changed.append(file)
-    return changed
-
-
-def copied(names: Iterable[str], target: Path) -> None:
-    for name in names:
-        (target / name).parent.mkdir(parents=True, exist_ok=True)
-        if (ROOT / name).is_dir():
-            ignored = shutil.ignore_patterns("__pycache__")
-            shutil.copytree(ROOT / name, target / name, ignore=ignored)
-        else:
-            shutil.copy(ROOT / name, target / name)
-
-
-def walk(commands: str, folder: Path, **environment: str) -> str:
-    """Run lines of the shell, all of which must succeed, in a folder; return what they print."""
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        ["/bin/sh", "-e", "-c", commands],
-        cwd=folder,
-        env={**os.environ, "PATH": path, **environment},
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.test_contributing import walk
-from tests.verification.test_contributing import blocks
+from tests.contributing import blocks, walk
 
 pytestmark = pytest.mark.gate
 SECTION = "A model of your own"

@@ -12,10 +12,10 @@ import fmpy
 import pytest
 
 from fmukit.packer import build_fmu
+from tests.contributing import blocks
 from tests.driver import Host, play
 from tests.fmu.acts import printed_log
 from tests.fmu.conformity import CHECKERS, by_fmpy, by_schema, description_of
-from tests.verification.test_contributing import blocks
 
 PENDULUM = "\n".join(blocks("A model of your own", "python"))
 FACES: tuple[Literal[2, 3], ...] = (2, 3)

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.test_contributing import applied, copied, walk
-from tests.verification.test_contributing import blocks
+from tests.contributing import applied, blocks, copied, walk
 
 COPIED = ("CONTRIBUTING.md", "pyproject.toml", "docs/importing.md", "examples/importing", "tests")
 

@@ -11,11 +11,11 @@ import pytest
 from stickslip_verification.truth import Step
 from stickslip_verification.truth import run as exact_run
 from tests.conftest import built
+from tests.contributing import walk
 from tests.importers.cases import CASES
 from tests.importers.judging import deviations
 from tests.importers.running import IMPORTERS, NOT_PYTHON, Rows
 from tests.needs import each, needs
-from tests.test_contributing import walk
 
 ROOT = Path(__file__).parents[2]
 DOCUMENT = (ROOT / "docs" / "importing.md").read_text(encoding="utf-8")

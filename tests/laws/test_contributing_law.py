@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import re
-import shlex
-import sys
 from pathlib import Path
-from typing import Any
 
 import fmpy
 import fmpy.validation
 import pytest
 
+from tests.contributing import blocks, section, walk
 from tests.python import python
 
-TEXT = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
-COMMAND = Path(sys.executable).parent / "stickslip"
+TITLE = "A friction law"
 TRUTH = """
 from stickslip_verification import truth
 from stickslip_verification.truth import Step
@@ -28,20 +24,16 @@ print(float(run.samples[0]["t_slip"]))
 
 @pytest.mark.gate
 def test_a_friction_law_is_added_as_contributing_says(tmp_path: Path) -> None:
-    section = TEXT[TEXT.index("## A friction law\n") :].split("\n## ")[0]
-    files = re.findall(r"^\d\. `(rising/\w+\.py)`", section, re.MULTILINE)
-    texts = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
+    files = re.findall(r"^\d\. `(rising/\w+\.py)`", section(TITLE), re.MULTILINE)
+    texts = blocks(TITLE, "python")
     assert len(files) == len(texts) == 4
     (tmp_path / "rising").mkdir()
     for name, text in zip(files, texts, strict=True):
         (tmp_path / name).write_text(text, encoding="utf-8")
-    (commands,) = re.findall(r"```bash\n(.*?)```", section, re.DOTALL)
-    there: dict[str, Any] = {
-        "cwd": tmp_path,
-        "env": {**os.environ, "PYTHONPATH": str(tmp_path), "COLUMNS": "100"},
-    }
+    (commands,) = blocks(TITLE, "bash")
     _, block, reference = (
-        python(COMMAND, *shlex.split(line)[1:], **there).stdout for line in commands.splitlines()
+        walk(line, tmp_path, PYTHONPATH=str(tmp_path), COLUMNS="100")
+        for line in commands.splitlines()
     )
     (fmu,) = tmp_path.rglob("RisingFriction.fmu")
     assert not fmpy.validation.validate_fmu(str(fmu))
@@ -50,5 +42,5 @@ def test_a_friction_law_is_added_as_contributing_says(tmp_path: Path) -> None:
     assert (rise.valueReference, rise.unit, rise.start) == (38, "s/m", "0.01")
     assert block.split("\n", 1)[1] == reference.split("\n", 1)[1]
     (shown,) = re.findall(r"t_slip +ms +([\d.]+)", block)
-    exact = float(python("-c", TRUTH, **there).stdout)
+    exact = float(python("-c", TRUTH, cwd=tmp_path, env={"PYTHONPATH": str(tmp_path)}).stdout)
     assert shown == f"{1000.0 * exact:.6g}"
