@@ -2,8 +2,8 @@
 
 ``python tools/mutants.py run RESULTS`` draws the mutants with a fixed seed, runs the tests that
 could see each one and writes what detected it; what is in the file already is not run again, so an
-ended run goes on. ``--tree`` measures another checkout, whose tests are then run. The test files of
-a part's folders come cheapest first, as `COSTS` of an earlier run says (``make test`` writes it);
+ended run goes on. ``--tree`` measures another checkout, whose tests are then run. The tests of all
+parts come first, then the files of a part's folders, the cheapest first, as `COSTS` of an earlier run says (``make test`` writes it);
 those that fit into 60 CPU seconds decide for most, and only survivors meet the others.
 """
 
@@ -215,7 +215,7 @@ class Bench:
 
     def _picked(self, part: str) -> tuple[list[str], list[str]]:
         files = sorted(
-            (self.costs.get(file.relative_to(self.copy()).as_posix(), 1.0), file)
+            (folder not in SHARED, self.costs.get(str(file.relative_to(self.copy())), 1.0), file)
             for folder in (*TESTS[part], *SHARED)
             for file in (self.copy() / "tests" / folder).rglob("test_*.py")
             # Other machines' libraries are tried by `make native-platforms` alone.
@@ -224,7 +224,7 @@ class Bench:
         quick: list[str] = []
         others: list[str] = []
         spent = 0.0
-        for cost, file in files:
+        for _, cost, file in files:
             spent += cost
             (quick if spent < QUICK else others).append(str(file))
         return quick, others
