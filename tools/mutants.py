@@ -3,8 +3,9 @@
 ``python tools/mutants.py run RESULTS`` draws the mutants with a fixed seed, runs the tests that
 could see each one and writes what detected it; what is in the file already is not run again, so an
 ended run goes on. ``--tree`` measures another checkout, whose tests are then run. The tests of all
-parts come first, then the files of a part's folders, the cheapest first, as `COSTS` of an earlier run says (``make test`` writes it);
-those that fit into 60 CPU seconds decide for most, and only survivors meet the others.
+parts come first, then the files of a part's folders, the cheapest first, as `COSTS` of an earlier
+run says (``make test`` writes it). Those that fit into 60 CPU seconds decide for most, and only
+survivors meet the others.
 """
 
 import argparse
