@@ -85,16 +85,6 @@ def test_options_change_what_they_name_and_nothing_else() -> None:
     assert axis_with({"K_v": 30.0}, True) == Axis(K_v=30.0)
 
 
-def test_a_master_that_is_missing_is_told_with_what_installs_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
-    command.check_master(command.Master.FMPY)
-    for master, package in (("ecos", "ecospy, and of Deb"), ("libcosim", "libcosimpy")):
-        with pytest.raises(CommandError, match=f"python -m pip install {package}"):
-            command.check_master(command.Master(master))
-
-
 @pytest.fixture(scope="module")
 def axis_file(fmus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return ssp.write_ssp(tmp_path_factory.mktemp("ssp") / "FeedAxis.ssp", Axis(), fmus)

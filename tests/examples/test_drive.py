@@ -2,7 +2,6 @@
 
 import json
 import math
-import zipfile
 from pathlib import Path
 
 import fmpy
@@ -13,15 +12,12 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from examples.feed_axis import ssp
 from examples.feed_axis.axis import Axis
-from examples.feed_axis.build import build_drive
 from examples.feed_axis.servo_drive.model import ServoDrive
 from examples.feed_axis.servo_drive.motion import Inertia, Place, Pull
 from examples.feed_axis.servo_drive.setpoint import SetPoint
 from examples.feed_axis.servo_drive.table import Settings
 from fmukit.model import ModelError
-from tests.driver import Host, play
 
 from .coupled import FILTERED, servo
 
@@ -178,30 +174,3 @@ def test_the_fmu_starts_as_the_axis_is_and_has_no_findings(fmus: Path) -> None:
     assert float(description.defaultExperiment.stepSize) == Axis().T_s
     assert all(each.dependencies == [] for each in description.outputs)
     assert all(each.unit for each in variables if each.type == "Real")
-
-
-def test_files_do_not_tell_when_they_were_made(fmus: Path, tmp_path: Path) -> None:
-    assert build_drive(tmp_path).read_bytes() == (fmus / "ServoDrive.fmu").read_bytes()
-    for file in (fmus / "ServoDrive.fmu", ssp.write_ssp(tmp_path / "one.ssp", Axis(), fmus)):
-        with zipfile.ZipFile(file) as archive:
-            assert {each.date_time for each in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
-
-
-def test_the_fmu_refuses_with_a_reason_and_lives_on(fmus: Path, host: Host) -> None:
-    drive = fmus / "ServoDrive.fmu"
-    for script, words in (
-        (
-            [["set", {"K_v": -1.0}]],
-            "K_v = -1.0 1/s is out of range: it must be finite",
-        ),
-        ([["start"], ["set", {"K_v": 1.0}]], "K_v is fixed: it cannot change after initialization"),
-        (
-            [["start", {"k": 1e12}]],
-            "T_s = 0.00025 s is out of range: it must be at most 2.4",
-        ),
-    ):
-        *_, answer = host.call(play, drive, script)
-        assert words in " ".join(answer["messages"]), script
-    # A new instance is none the worse, and a step may have the last digits of an importer.
-    script = [["start"], ["step", 0.00999999999999979], ["get", "x_command"]]
-    assert host.call(play, drive, script)[-1][0] > 0.0

@@ -1,4 +1,4 @@
-"""Instances, versions and threads in one process keep to themselves."""
+"""Instances and versions in one process keep to themselves."""
 
 import shutil
 import sys

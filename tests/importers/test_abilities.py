@@ -2,8 +2,6 @@
 
 import re
 import string
-import tomllib
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +11,7 @@ from tests.conftest import built
 from tests.driver import DiedError, Host, play
 from tests.importers import kinds
 from tests.importers.running import IMPORTERS, NOT_PYTHON, ask, preload
-from tests.needs import NEEDS, each, needs
+from tests.needs import each
 
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.gate
@@ -104,15 +102,6 @@ def test_what_comes_of_a_refused_value(importer: str, when: str) -> None:
         in_a_word = re.match("goes on|crash|", outcome)
         assert in_a_word is not None
         assert WHAT_IT_CAN[importer]["a refused start value"] == (in_a_word[0] or "stops")
-
-
-@needs(*(name for name in IMPORTERS if name in NEEDS))
-def test_importers_and_versions_in_the_document_are_those_that_were_tried() -> None:
-    assert sorted(WHAT_IT_CAN) == sorted(REFUSED) == sorted(IMPORTERS)
-    named = re.findall(r"`pip install ([\w-]+)`, tried with ([\d.]+\d)", DOCUMENT)
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extra = re.findall(r"[\w-]+(?=>=)", " ".join(project["optional-dependencies"]["importers"]))
-    assert sorted(named) == sorted((package, version(package)) for package in ["fmpy", *extra])
 
 
 def step_in(folder: Path) -> None:

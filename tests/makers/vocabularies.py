@@ -44,7 +44,7 @@ MIRRORED |= {"x_dot_peak"}
 Friction, which is the force on the way there, keeps it.
 """
 
-_BASES: dict[str, dict[str, float]] = {
+BASES: dict[str, dict[str, float]] = {
     "kg": {"kg": 1},
     "m": {"m": 1},
     "m/s": {"m": 1, "s": -1},
@@ -69,7 +69,7 @@ def entries(text: str) -> list[list[str]]:
 
 
 UNITS: dict[str, dict[str, float]] = {
-    **_BASES,
-    **{unit: {**_BASES[si], "factor": float(factor)} for unit, si, factor in entries(_OTHERS)},
+    **BASES,
+    **{unit: {**BASES[si], "factor": float(factor)} for unit, si, factor in entries(_OTHERS)},
 }
 """Units of the foreign FMUs: what each is in the base units of FMI."""

@@ -4,6 +4,7 @@ import hashlib
 import json
 import math
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.model.verdict import (
     ChosenContract,
     Detection,
+    Kind,
     ObservedOrder,
     Second,
     Table,
@@ -21,24 +23,15 @@ from stickslip_verification.model.verdict import (
 from stickslip_verification.report import provenance
 from stickslip_verification.report.junit import as_junit
 
+PASSED = CheckResult(
+    case="default", check="t_slip-exact", quantity="t_slip", unit="s", truth=Kind.CLOSED_FORM,
+    side="fmu", expected=0.1, got=0.1, error=0.0, tolerance=1e-12, because="rounding", passed=True,
+)  # fmt: skip
+
 
 def result(**values: Any) -> CheckResult:
     """Make a passed result, but for `values`."""
-    usual: dict[str, Any] = {
-        "case": "default",
-        "check": "t_slip-exact",
-        "quantity": "t_slip",
-        "unit": "s",
-        "truth": "closed_form",
-        "side": "fmu",
-        "expected": 0.1,
-        "got": 0.1,
-        "error": 0.0,
-        "tolerance": 1e-12,
-        "because": "rounding",
-        "passed": True,
-    }
-    return CheckResult(**{**usual, **values})
+    return replace(PASSED, **values)
 
 
 DRIFTED = Second(0.1, 0.2, drift=1.0, tolerance=1e-9)

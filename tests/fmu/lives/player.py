@@ -1,8 +1,6 @@
 """Makes the calls of random lives; without the project, so that it runs in any process."""
 
 import ctypes as c
-import sys
-import threading
 from typing import Any
 
 from tests.driver import OK, Fmu, Instance, Refused, loaded
@@ -19,25 +17,6 @@ SKIPPED = -1
 def play(path: str, lives: list[list[Call]]) -> list[list[Outcome]]:
     """Return the outcome of each call of each life."""
     return [Player(loaded(path)).lived(calls) for calls in lives]
-
-
-def play_in_threads(path: str, shares: list[list[list[Call]]]) -> list[list[list[Outcome]]]:
-    """Return the same, without messages, of lives that share a process in threads."""
-    found: dict[int, list[list[Outcome]]] = {}
-
-    def work(n: int) -> None:
-        lives = [Player(loaded(path)).lived(calls) for calls in shares[n]]
-        found[n] = [[[*outcome[:2], []] for outcome in life] for life in lives]
-
-    # The threads take turns at any moment.
-    sys.setswitchinterval(1e-5)
-    threads = [threading.Thread(target=work, args=(n,)) for n in range(len(shares))]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    sys.setswitchinterval(5e-3)
-    return [found[n] for n in range(len(shares))]
 
 
 class Player:

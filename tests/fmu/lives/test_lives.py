@@ -10,7 +10,7 @@ from tests.conftest import Sized, built, kinds
 from tests.driver import DiedError, Host
 from tests.fmu.lives.contract import Contract, Expected, objection
 from tests.fmu.lives.master import Master
-from tests.fmu.lives.player import Call, play, play_in_threads
+from tests.fmu.lives.player import Call, play
 
 Life = list[tuple[Call, Expected]]
 
@@ -79,14 +79,3 @@ def test_fifty_lives_at_once_go_as_each_goes_alone(kind: str, host: Host) -> Non
     random.Random(6).shuffle(turns)
     going = [iter(life) for life in lives]
     assert not finding(host, built(kind), [[next(going[n]) for n in turns]])
-
-
-@pytest.mark.parametrize("kind", kinds())
-def test_four_threads_live_as_one(kind: str, host: Host) -> None:
-    lives = [
-        [[call for call, _ in Master(kind, "coulomb", seed).life()] for seed in range(n, 100, 4)]
-        for n in range(4)
-    ]
-    path = built(kind)
-    alone = [host.call(play_in_threads, path, [share])[0] for share in lives]
-    assert host.call(play_in_threads, path, lives) == alone
