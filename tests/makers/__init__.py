@@ -7,7 +7,7 @@ import re
 import subprocess
 import zipfile
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -169,14 +169,13 @@ def description(name: str, variables: Sequence[Described]) -> str:
     )
 
 
-def pack_library(source: Path, fmu: Path, description: str, options: Collection[str] = ()) -> Path:
-    """Compile a source in C to the library of an FMU, and pack it with its description."""
+def numbers(fmu: Path) -> Path:
+    """Compile and pack an FMU 3.0 in C with a variable of each type of number."""
     library = fmu.with_suffix(fmpy.sharedLibraryExtension)
-    subprocess.run(["cc", "-shared", "-fPIC", *options, "-o", library, source, "-lm"], check=True)
-    folder = fmpy.platform if 'fmiVersion="2.0"' in description else fmpy.platform_tuple
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", library, HERE / "numbers.c"], check=True)
     with zipfile.ZipFile(fmu, "w") as archive:
-        archive.writestr(DESCRIPTION, description)
-        archive.write(library, f"binaries/{folder}/{library.name}")
+        archive.write(HERE / "numbers.xml", DESCRIPTION)
+        archive.write(library, f"binaries/{fmpy.platform_tuple}/{library.name}")
     return fmu
 
 
