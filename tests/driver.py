@@ -56,17 +56,7 @@ class _Callbacks(c.Structure):
 
 
 class Fmu:
-    """One FMU, unpacked and loaded.
-
-    Attributes
-    ----------
-    version
-        Major version of FMI.
-    references, types
-        Of each variable by its name; a type as it stands in the names of calls.
-    messages
-        What all instances logged: status, category, text.
-    """
+    """One FMU, unpacked and loaded, with references and types by name, and all messages."""
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)

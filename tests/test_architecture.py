@@ -55,17 +55,6 @@ def test_a_package_imports_from_outside_what_is_listed(package: str) -> None:
     assert not {each for each in found if each[1].partition(".")[0] not in allowed}
 
 
-@pytest.mark.parametrize("package", FOLDERS)
-def test_only_public_names_cross_the_floors(package: str) -> None:
-    crossing = {
-        (file.name, f"{module}.{name}")
-        for file in FOLDERS[package].rglob("*.py")
-        for module, name in imports(file)
-        if module.partition(".")[0] in FOLDERS.keys() - {package}
-    }
-    assert not {each for each in crossing if "._" in each[1].replace(".__", "")}
-
-
 def test_the_verification_takes_the_reference_by_its_front_door() -> None:
     files = FOLDERS["stickslip_verification"].rglob("*.py")
     assert not {module for file in files for module, _ in imports(file)} & {

@@ -126,18 +126,14 @@ def install(environment: Environment, wheel: Path) -> None:
     )
 
 
-def test_nothing_leads_from_the_installed_wheel_to_the_source_tree(
-    installed: Environment,
-) -> None:
+def test_nothing_leads_from_the_installed_wheel_to_the_source_tree(installed: Environment) -> None:
     found, path = json.loads(installed.run("python", "-c", WHERE).stdout)
     assert all(Path(origin).is_relative_to(installed.root) for origin in found)
     path = [entry for entry in path if entry and entry != LENT]
     assert not any(Path(entry).is_relative_to(ROOT) for entry in path)
 
 
-def test_the_installed_command_builds_verifies_simulates_and_scores(
-    installed: Environment,
-) -> None:
+def test_the_installed_command_builds_verifies_simulates_and_scores(installed: Environment) -> None:
     installed.stickslip("build", "--bare", "--output", "fmus")
     words = ("--fmu", "fmus/StickSlip.fmu", "--cases", "one-step", "--output", "report")
     installed.stickslip("verify", *words)

@@ -42,8 +42,7 @@ whole = cache(solve)
 
 
 @pytest.mark.parametrize(
-    "part",
-    [pytest.param(name, marks=() if name == "all" else pytest.mark.gate) for name in PARTS],
+    "part", [pytest.param(name, marks=() if name == "all" else pytest.mark.gate) for name in PARTS]
 )
 def test_halving_the_step_quarters_the_distance_from_the_whole_loop(part: str) -> None:
     axis = Axis(**EXACT, **PARTS[part])

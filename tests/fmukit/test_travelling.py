@@ -54,10 +54,7 @@ def test_imports_between_what_travels_become_relative_at_any_depth(write: Write)
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        (
-            "from nowhere.at_all import x",
-            "nowhere, which cellar imports, cannot be packed: no",
-        ),
+        ("from nowhere.at_all import x", "nowhere, which cellar imports, cannot be packed: no"),
         (
             "import stickslip_fmu.block",
             "line 1 imports stickslip_fmu.block, which is not in Python's standard library",

@@ -1,14 +1,13 @@
 """The tables of docs/importing.md say of each importer what it was seen to do."""
 
 import re
-import string
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests.conftest import built
-from tests.driver import DiedError, Host, play
+from tests.driver import DiedError, Host
 from tests.importers import kinds
 from tests.importers.running import IMPORTERS, NOT_PYTHON, ask, preload
 from tests.needs import each
@@ -102,24 +101,3 @@ def test_what_comes_of_a_refused_value(importer: str, when: str) -> None:
         in_a_word = re.match("goes on|crash|", outcome)
         assert in_a_word is not None
         assert WHAT_IT_CAN[importer]["a refused start value"] == (in_a_word[0] or "stops")
-
-
-def step_in(folder: Path) -> None:
-    folder.mkdir()
-    process = Host(TMPDIR=str(folder))
-    try:
-        process.call(play, built("python-2"), [["start"], ["step", 0.01]])
-    finally:
-        process.end()
-
-
-def test_the_document_calls_safe_what_is_safe_in_the_name_of_a_folder(tmp_path: Path) -> None:
-    told = DOCUMENT.split("\n- **Put the FMU where the path is safe.**")[1].partition("\n- ")[0]
-    safe, _, unsafe = told.partition("Of the resource URI")
-    named = {*re.findall("`(.)`", safe)} - {"/"}
-    assert len(named) == 4
-    step_in(tmp_path / "".join([string.ascii_letters, string.digits, " ", *named]))
-    for character in "%(":
-        assert f"`{character}`" in unsafe
-        with pytest.raises(DiedError, match="exit code -"):
-            step_in(tmp_path / f"a{character}b")

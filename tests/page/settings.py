@@ -9,6 +9,7 @@ from random import Random
 from typing import Any
 
 from stickslip_ref import FrictionClampWarning, Parameters, critical_lambda
+from tests.fmu.blocks import log_uniform
 
 NAMES = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
 Setting = Mapping[str, float]
@@ -73,11 +74,6 @@ def wide(draw: Random) -> dict[str, float]:
 
 def damped_by(zeta: float, p: Setting) -> dict[str, float]:
     return {**p, "c": 2.0 * zeta * math.sqrt(p["k"] * p["m"])}
-
-
-def log_uniform(draw: Random, lowest: float, highest: float) -> float:
-    """Draw between two positive bounds, each decade alike."""
-    return math.exp(draw.uniform(math.log(lowest), math.log(highest)))
 
 
 def table(section: str, rows: str) -> list[dict[str, Any]]:

@@ -103,9 +103,7 @@ def test_the_keyboard_alone_works_the_page(window: Window) -> None:
     assert window.setting == PRESETS["violin-bow"]
 
 
-def test_a_screen_reader_hears_each_value_with_its_unit_and_the_result_once(
-    window: Window,
-) -> None:
+def test_a_screen_reader_hears_each_value_with_its_unit_and_the_result_once(window: Window) -> None:
     for name in SI:
         window.press(name, "ArrowLeft", "ArrowRight", "ArrowRight")
         number, _, unit = window.part(f"#{name}-slider", "aria-valuetext").partition(" ")

@@ -93,9 +93,7 @@ def table(window: Window) -> Window:
     return window
 
 
-def test_a_button_halves_the_jump_or_ends_the_cycle_and_changes_nothing_else(
-    table: Window,
-) -> None:
+def test_a_button_halves_the_jump_or_ends_the_cycle_and_changes_nothing_else(table: Window) -> None:
     pressed = table.js(PRESS, [*PRESETS.values(), *loaded_and_lifted(100)[50:56]])
     for each in pressed:
         assert each["changed"] == [each["parameter"]], each

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.fmu.blocks import log_uniform
 from tests.page import drawing
 from tests.page.drawing import PIXEL
-from tests.page.settings import CORNERS, log_uniform, table
+from tests.page.settings import CORNERS, table
 from tests.page.window import Window
 
 COARSE = 0.8

@@ -11,8 +11,10 @@ import pytest
 from stickslip_ref import Parameters, critical_velocity
 from tests.conftest import built
 from tests.driver import loaded
+from tests.fmu.blocks import log_uniform
+from tests.laws import stribeck
 from tests.page.exact import BOUND, ROUNDING, on_a_grid
-from tests.page.settings import NAMES, Setting, block, log_uniform, with_damping
+from tests.page.settings import NAMES, Setting, block, with_damping
 from tests.page.window import Window
 
 Curve = Sequence[Sequence[float]]
@@ -31,14 +33,6 @@ class Run(NamedTuple):
     times: Sequence[float]
     outputs: Sequence[Mapping[str, float]]
     rests: bool
-
-
-def own_of(curve: Curve) -> dict[str, float]:
-    """Return a curve as parameters of the friction law."""
-    values = {"shape": 3.0, "n_points": float(len(curve)), "mu_1": curve[0][1]}
-    for number, (speed, mu) in enumerate(curve[1:], 2):
-        values[f"u_{number}"], values[f"mu_{number}"] = speed, mu
-    return values
 
 
 def drawn(draw: Random) -> tuple[Setting, Curve]:
@@ -63,7 +57,7 @@ def run(p: Setting, curve: Curve) -> Run:
     instants = [0.5 * first, *(first + 0.37 * n * turn for n in range(1, 25))]
     # A stick is no longer than the load-up from the spring's opposite end; a long one is not seen.
     times = on_a_grid([*instants, instants[-1] + min(2.0 * first, 40.0 * turn)])
-    values = {name: p[name] for name in NAMES if name != "mu_k"} | own_of(curve)
+    values = {name: p[name] for name in NAMES if name != "mu_k"} | stribeck.curve(curve)
     instance = loaded(built("python-2", "stribeck")).instance()
     instance.start(**{n: int(x) if n in ("shape", "n_points") else x for n, x in values.items()})
     outputs = []
@@ -163,7 +157,7 @@ def test_the_bar_ends_where_the_reference_finds_the_limits(window: Window, sized
         p, curve = drawn(draw)
         p = {**p, "mu_k": min(p["mu_k"], p["mu_s"])}
         between = (p["v"] / 30.0, p["v"] * 30.0)
-        limits = critical_velocity(Parameters(**p), "stribeck", own_of(curve), between)
+        limits = critical_velocity(Parameters(**p), "stribeck", stribeck.curve(curve), between)
         found = regimes(window, p, curve, *between)
         cycles = [end for each in limits.cycle for end in (each.low, each.high)]
         # The reference integrates to a grazing stop, whose speed is known to half of the digits.

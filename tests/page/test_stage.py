@@ -78,9 +78,7 @@ def test_block_spring_and_force_bar_are_drawn_to_one_scale(window: Window) -> No
             assert one == pytest.approx(other, abs=4 * PIXEL), name
 
 
-def test_stick_and_slip_are_told_apart_and_the_marks_are_whole_jumps_behind(
-    window: Window,
-) -> None:
+def test_stick_and_slip_are_told_apart_and_the_marks_are_whole_jumps_behind(window: Window) -> None:
     moments = stage(window)
     (a, x_a), (b, x_b) = ((moments[n]["block"], moments[n]["state"]["x"]) for n in (0, -1))
     jump = (b - a) / (x_b - x_a) * window.cycle["delta_x"]

@@ -29,20 +29,10 @@ PREFIXES = ["", "", *["p", "n", "u", "µ", "μ", "m", "c", "d", "k", "M", "G", "
 SIGNS = (".", "·", "*", " . ", "/", " / ")
 POWERS = ["", "", "", "2", "-1", "^2", "**3", "²", "^-12", "0"]
 LOST = ("m/", "/s", "kkg", "m m", "furlong", "-", "N..m", "m***2", "m^", "in", ",5", "²", "T", "µ")
-KNOWN: tuple[str, ...] = (
-    "mm/min",
-    "um/s",
-    "km/h",
-    "mm/year",
-    "m.s-1",
-    "N/µm",
-    "kN/mm",
-    "kg/s2",
-    "TN/m",
-    "g",
-    "t",
-)
-KNOWN += ("mg", "kN.s/m", "kg/min", "N·s/mm", "N", "kg.m/s²", "%", "ms", "year", "m/s/s", "cm")
+KNOWN = """
+mm/min um/s km/h mm/year m.s-1 N/µm kN/mm kg/s2 TN/m g t mg kN.s/m kg/min N·s/mm N kg.m/s² % ms year
+m/s/s cm
+"""
 
 
 def test_what_is_typed_is_taken_to_the_last_bit_in_its_unit_or_the_one_beside(
@@ -109,7 +99,9 @@ def quantity(draw: Random) -> str:
         draw.choice(PREFIXES) + draw.choice(WHOLES) + draw.choice(POWERS) + draw.choice(SIGNS)
         for _ in range(draw.randrange(1, 4))
     ]
-    unit = draw.choice(["", draw.choice(KNOWN), draw.choice(KNOWN), "".join(parts).rstrip("./ ·*")])
+    unit = draw.choice(
+        ["", draw.choice(KNOWN.split()), draw.choice(KNOWN.split()), "".join(parts).rstrip("./ ·*")]
+    )
     return f"{draw.choice(['', '', '-', '+'])}{number}{exponent}{draw.choice(['', ' '])}{unit}"
 
 

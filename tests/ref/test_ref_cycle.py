@@ -11,13 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stickslip_ref import (
-    Parameters,
-    coulomb_limit,
-    critical_lambda,
-    simplified,
-    steady_cycle,
-)
+from stickslip_ref import Parameters, coulomb_limit, critical_lambda, simplified, steady_cycle
 from stickslip_verification import truth
 from tests.facts import closed
 from tests.facts.closed import MP, Exact

@@ -67,9 +67,7 @@ def is_fresh(probe: str) -> bool:
     return probe.startswith(("memory-of", "state-in-a-fresh-process", "environment"))
 
 
-def test_a_probe_in_a_fresh_process_is_left_out_unless_a_fault_foretells_it(
-    fmu_path: Path,
-) -> None:
+def test_a_probe_in_a_fresh_process_is_left_out_unless_a_fault_foretells_it(fmu_path: Path) -> None:
     leak = load_mutants("memory-of-instances")
     options: dict[str, Any] = {"mutants": leak, "whole_matrix": False}
     verdict = verify(fmu_path, TRIED[:1], fresh_processes=False, jobs=1, **options)

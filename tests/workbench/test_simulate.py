@@ -214,14 +214,6 @@ def test_a_fault_of_ours_is_not_wrong_use(
     assert re.fullmatch(r"stickslip: internal error.*\n", answer.err)
 
 
-def test_a_temporary_folder_with_an_umlaut_is_no_obstacle(
-    command: Command, tmp_path: Path, fmu_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "ü").mkdir()
-    monkeypatch.setenv("TMPDIR", str(tmp_path / "ü"))
-    assert command.in_fresh_process("simulate", "--fmu", fmu_path, "--stop-time", "1").code == 0
-
-
 def test_bounds_of_the_critical_search_are_those_typed_or_hold_the_velocity(
     command: Command,
 ) -> None:

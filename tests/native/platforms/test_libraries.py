@@ -81,9 +81,7 @@ def test_on_windows_the_universal_c_runtime_is_enough(version: Version) -> None:
 
 
 @versions
-def test_on_macos_version_11_is_enough_and_code_for_arm_is_signed(
-    version: Version,
-) -> None:
+def test_on_macos_version_11_is_enough_and_code_for_arm_is_signed(version: Version) -> None:
     contents = libraries(version, ".dylib").values()
     found = [each for content in contents for each in lief.MachO.parse(list(content))]
     # FMI 2.0: a universal library, and one for ARM alone.
