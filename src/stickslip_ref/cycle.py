@@ -46,6 +46,10 @@ class Cycle:
         Extreme velocity of the mass [m/s], with the sign of ``v``; docs/theory.md (11).
     exists : bool or array of bool
         Whether a mass that breaks away from rest re-sticks and repeats; docs/theory.md (13).
+    attractors : int or array of int
+        Number of attractors with sticks that were found: cycles, sequences of several sticks and
+        irregular ones. Where static friction grows at rest there may be several; `dwell_attractors`
+        lists them.
     """
 
     F_s: FloatOrArray
@@ -59,6 +63,7 @@ class Cycle:
     f: FloatOrArray
     x_dot_peak: FloatOrArray
     exists: bool | NDArray[np.bool_]
+    attractors: int | NDArray[np.int_]
 
 
 @dataclass(frozen=True)
@@ -105,12 +110,15 @@ def steady_cycle(p: Parameters) -> Cycle:
         Floats where all fields of ``p`` are, else arrays of their common shape. There is no cycle
         at ``v = 0``; with damping, none for ``lambda < lambda_c``, ``zeta >= 1`` or
         ``mu_s = mu_k``. Where ``p.own`` lets static friction grow with the time at rest, the cycle
-        of `dwell_cycle`.
+        that a start from rest with a relaxed spring leads to, after ``age_start``; docs/theory.md
+        (23).
     """
     if dwells(p) and 0 not in p.shape:
         return Cycle(*_each_alone(p))
     operands = (p.m, p.g, p.k, p.c, p.mu_s, p.mu_k_used, p.v, p.load)
-    return Cycle(*evaluate(_cycle, operands, p.shape, [*[np.float64] * 10, np.bool_]))
+    results = evaluate(_cycle, operands, p.shape, [*[np.float64] * 10, np.bool_])
+    results.append(results[-1].astype(int) if p.shape else int(results[-1]))
+    return Cycle(*results)
 
 
 def _each_alone(p: Parameters) -> list[Any]:

@@ -160,7 +160,7 @@ def _sticks(broken: Sequence[_Sample], v: float) -> Seen:
     """Return the shortest repetition of the sticks before these break-aways, from the last ones."""
 
     def same(a: _Sample, b: _Sample) -> bool:
-        return _near(a.T, b.T, SAME) and abs(a.t_stick - b.t_stick) < SAME * a.T
+        return _near(a.T, b.T, SAME) and _near(a.t_stick, b.t_stick, SAME)
 
     most = STICKS // 2
     counts = (n for n in range(1, most + 1) if all(map(same, broken[-n:], broken[-2 * n : -n])))
