@@ -38,7 +38,6 @@ HEAVY = ("numpy", "scipy", "fmpy", "matplotlib", "pythonfmu", "mpmath", "xarray"
 
 
 def imports(file: Path) -> Iterator[tuple[str, str]]:
-    """Give module and name of every absolute import of a file, wherever it stands."""
     for node in ast.walk(ast.parse(file.read_text("utf-8"), str(file))):
         if isinstance(node, ast.Import):
             yield from ((alias.name, "") for alias in node.names)

@@ -33,14 +33,10 @@ DRAWN = SVG.format("4", "red", MARK)
     ("other", "count"),
     [
         (SVG.format("4.05", "red", MARK), 0),
-        (DRAWN.replace("3 3", "3.07 3"), 0),
         (SVG.format("4.2", "red", MARK), 1),
         (SVG.format("4", "blue", MARK), 1),
         (DRAWN.replace(">t<", ">T<"), 1),
-        (DRAWN.replace("v2", "v3"), 1),
-        (DRAWN.replace("v2", "v2M5 3v2"), 1),
         (SVG.format("4", "red", ""), 1),
-        ("<svg>", 1),
     ],
 )
 def test_a_picture_differs_by_points_colours_words_and_marks(

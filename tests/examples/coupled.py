@@ -53,7 +53,6 @@ class Motion:
 
 
 def couple(axis: Axis, steps: Iterable[float]) -> Motion:
-    """Step drive and block side by side, each with what the other gave at the step's start."""
     block, drive = make_block(**axis.of_table()), servo(axis.of_drive()).drive
     motion = Motion(block)
     block.refresh()

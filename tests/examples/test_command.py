@@ -118,8 +118,6 @@ def test_masters_that_step_both_at_once_agree_in_every_bit_or_nanosecond(
 
 
 class Refused(Axis):
-    """An axis with a position gain that the drive refuses."""
-
     def of_drive(self) -> dict[str, float]:
         return {**super().of_drive(), "K_v": -1.0}
 
@@ -161,7 +159,6 @@ def test_the_file_is_a_valid_ssp_with_the_same_numbers_in_both_places(axis_file:
 
 
 def parameters(tree: ElementTree.Element) -> dict[str, tuple[str, str]]:
-    """Return type and value of every parameter by name."""
     return {
         str(each.get("name")): (each[0].tag.removeprefix(SSV), str(each[0].get("value")))
         for each in tree.iter(f"{SSV}Parameter")

@@ -44,8 +44,6 @@ def outputs(block: Block) -> dict[str, float]:
 
 @dataclass
 class Segment:
-    """A stretch of time that begins with changes of inputs and parameters."""
-
     length: float
     changes: dict[str, float] = field(default_factory=dict)
 

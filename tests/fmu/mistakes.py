@@ -91,7 +91,6 @@ ENDING_AT_THE_START: dict[str, dict[str, Any]] = {
 
 
 def _instantiated(fmu: Fmu, changed: dict[str, Any]) -> int:
-    """Return the highest status of a run of an instance that was made in a wrong way."""
     resources = (fmu.folder / "resources").as_uri()
     callbacks = fmu._callbacks
     if "callbacks" in changed:

@@ -14,7 +14,6 @@ UNITS = {"kg": Unit({"kg": 1})}
 
 
 def row(number: int, name: str, **other: Any) -> Variable:
-    """Return a parameter, but for what is given."""
     given = {"type": MASS, "causality": "parameter", "variability": "fixed", "start": 1.0}
     return Variable(number, name, **{**given, "description": name, **other})
 

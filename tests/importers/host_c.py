@@ -73,7 +73,6 @@ def without_libpython(program: Path, fmu: Path) -> Host:
 
 
 def script_of(case: Case) -> str:
-    """Return the lines that run a case and read its outputs at the start and after each step."""
     look = f"get {' '.join(OUTPUTS)}\n"
     script = f"setup 0\n{_set(case.start)}enter\nexit\n{look}"
     for number in range(case.steps):

@@ -44,7 +44,6 @@ def deviations(case: Case, rows: Rows, nested: bool = False) -> dict[str, float]
 
 @cache
 def _exact(name: str, times: tuple[float, ...], pushed: tuple[float, ...] | None) -> Run:
-    """Return the exact course of a case at these times, with F_ext from step to step if given."""
     case = CASES[name]
     # Some importers show the state at the start, some begin with the end of the first step.
     points = times if times[0] == 0.0 else (0.0, *times)
@@ -63,7 +62,6 @@ def _exact(name: str, times: tuple[float, ...], pushed: tuple[float, ...] | None
 
 
 def _scales(case: Case) -> dict[str, float]:
-    """Return what the deviation of an output is a part of, where that is not its own value."""
     p = Exact(case.start)
     length, F_s = float(2 * p.Delta), float(p.F_s)
     return {

@@ -47,7 +47,6 @@ def draw_curve(generator: random.Random) -> tuple[dict[str, float], list[Segment
 
 
 def draw_smooth(generator: random.Random) -> tuple[dict[str, float], list[Segment]]:
-    """Draw a block with any shape, exponent and speed of the fall, and changes of all of them."""
     values, segments = draw(generator)
     fast = values["mu_s"] * 9.81 / math.sqrt(values["k"] / values["m"]) + abs(values["v"])
     values["shape"] = generator.choice([1, 1, 2])

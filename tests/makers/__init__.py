@@ -60,7 +60,6 @@ class Foreign:
 
     @cached_property
     def rows(self) -> Mapping[str, Row]:
-        """Its variables by the suite's names."""
         mirrored = self.vocabulary == "mirrored"
         text = vocabularies.MM if mirrored else getattr(vocabularies, self.vocabulary.upper())
         rows: dict[str, Row] = {}
@@ -185,7 +184,6 @@ def altered(
     description: Callable[[str], str] = str,
     keep: Callable[[str], bool] = lambda _: True,
 ) -> Path:
-    """Write a copy of an FMU with its description changed and only some of its files."""
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(to, "w") as new:
         for entry in old.infolist():
             content = old.read(entry)

@@ -38,7 +38,6 @@ class Slip:
         self.searched, self.touches = 0, False
 
     def _at(self, t: float) -> tuple[float, float]:
-        """Return e and u at a time."""
         number = int(t / self.h)
         while len(self.ends) <= number:
             self.ends.append(self._moved(*self.ends[-1], self.h))
@@ -65,7 +64,6 @@ class Slip:
         return self.s * (e - self.c * u)
 
     def search(self, until: float) -> None:
-        """Find the first maximum of the velocity along s, and the stop, up to a time [s]."""
         while self.searched * self.h <= until and self.stop == math.inf:
             low, high = self.searched * self.h, (self.searched + 1) * self.h
             self.searched += 1
@@ -214,7 +212,6 @@ class ForeignBlock:
         self._begin_arc()
 
     def advance(self, now: float, h: float) -> None:
-        """Move on by h [s] from the time `now`."""
         left = h
         early = "instants" in self.conventions
         while left > 0.0:
@@ -231,7 +228,6 @@ class ForeignBlock:
                 (self._stop if self.mode else self._break_away)()
 
     def _move(self, age: float) -> None:
-        """Set the state to an age of the arc [s]."""
         arc, p = self.arc, self.p
         arc["age"] = age
         if self.mode == 0:
@@ -274,7 +270,6 @@ class ForeignBlock:
         self._begin_arc(net)
 
     def _note_peak(self) -> None:
-        """Remember the extreme velocity of the arc up to its age."""
         if self.mode:
             slip, age = self._slip(), self.arc["age"]
             greatest = min(slip.greatest, age)

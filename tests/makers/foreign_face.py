@@ -73,7 +73,6 @@ class Face:
         self.register_variable(variable, nested=False)  # type: ignore[attr-defined]
 
     def to_xml(self, *options: Any) -> Element:
-        """Add the units, which the stock description of FMI 2.0 leaves out."""
         root: Element = super().to_xml(*options)  # type: ignore[misc]
         if not self.is_3:
             definitions = Element("UnitDefinitions")

@@ -42,7 +42,6 @@ def launched(chromium: BrowserType, *arguments: str) -> Browser:
 
 
 def watched(page: Page) -> list[str]:
-    """Return the list to which the errors of a page will be added."""
     errors: list[str] = []
 
     def note(message: ConsoleMessage) -> None:

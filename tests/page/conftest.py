@@ -24,7 +24,6 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def only_window(browser: Browser, page_file: Path) -> Iterator[Window]:
-    """Give the window that all tests share: one of its own would cost a second each."""
     allowed = ["clipboard-read", "clipboard-write"]
     with browser.new_context(permissions=allowed) as context:
         yield Window(context, page_file)

@@ -85,7 +85,6 @@ ASK = """questions => questions.map(([values, times]) => {
 
 
 def ratios(answer: Mapping[str, Any], exact: Exact) -> Ratios:
-    """Return the largest error of each quantity over its bound; infinite where wrong in kind."""
     return {
         **_cycle(answer, exact),
         **_events(answer["events"], exact),
@@ -181,7 +180,6 @@ def _states(got: Sequence[Mapping[str, Any]], exact: Exact) -> Ratios:
 
 
 def _sizes(exact: Exact) -> dict[str, tuple[float, float]]:
-    """Return the largest size and rate of each part of the state; forces are at least F_s."""
     p = exact.p
 
     def largest(*names: str) -> float:

@@ -130,7 +130,6 @@ def test_a_screen_reader_hears_each_value_with_its_unit_and_the_result_once(wind
 
 
 def luminance(window: Window, selector: str, name: str) -> float:
-    """Return the relative luminance of a colour of an element, WCAG 2.2."""
     parts = [int(each) / 255.0 for each in re.findall(r"\d+", window.style(selector, name))[:3]]
     linear = [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
     return sum(weight * x for weight, x in zip((0.2126, 0.7152, 0.0722), linear, strict=True))

@@ -110,7 +110,6 @@ def typed_anywhere(draw: Random) -> dict[str, float]:
 
 
 def deeds(draw: Random) -> list[dict[str, Any]]:
-    """Draw what a restless person does to a picture."""
     kinds = ["zoom", "zoom", "move", "scrub", "wheel"]
     return [
         {"kind": draw.choice(kinds), "way": draw.random(), "place": draw.random()}

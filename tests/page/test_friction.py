@@ -51,7 +51,6 @@ def drawn(draw: Random) -> tuple[Setting, Curve]:
 
 
 def run(p: Setting, curve: Curve) -> Run:
-    """Drive the block: through the first load-up, over some swings and over the second stick."""
     first = p["mu_s"] * (p["m"] * p["g"] + p["load"]) / (p["k"] * p["v"])
     turn = 2.0 * math.pi * math.sqrt(p["m"] / p["k"])
     instants = [0.5 * first, *(first + 0.37 * n * turn for n in range(1, 25))]
@@ -136,7 +135,6 @@ def test_states_and_cycle_under_a_curve_are_those_of_the_block(
 
 
 def regimes(window: Window, p: Setting, curve: Curve, low: float, high: float) -> Any:
-    """Return the ranges of the bar over the speeds [m/s] between, at its finest."""
     window.set(curve, **p)
     return window.js("([c, a, b]) => stickslip.regimes(c, a, b, 0.01)", [curve, low, high])
 

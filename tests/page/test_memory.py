@@ -12,13 +12,11 @@ from tests.page.window import Window
 
 
 def address(window: Window) -> str:
-    """Wait until the address has followed the setting, and return what stands after #."""
     window.until("location.hash.startsWith('#k=' + stickslip.setting.k)")
     return str(window.js("location.hash.slice(1)"))
 
 
 def go_to(window: Window, fragment: str, ready: str) -> None:
-    """Put a setting into the address bar of the open page, and wait till it is taken."""
     window.js("fragment => { location.hash = fragment; }", fragment)
     window.until(ready)
     window.drawn()

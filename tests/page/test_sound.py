@@ -102,7 +102,6 @@ def scaled_to(f: float) -> Setting:
 
 
 def heard(window: Window) -> str:
-    """Return what the page says of its sound, once it has followed the setting."""
     window.drawn()
     window.page.wait_for_timeout(80)
     return window.text("#sound-said")

@@ -29,7 +29,6 @@ def address(window: Window, begin: str) -> None:
 
 
 def dotted(window: Window) -> Any:
-    """Return the curves of the setting before, as they are drawn."""
     window.drawn()
     ghosts = "document.querySelectorAll('.curve.ghost')"
     return window.js(f"[...{ghosts}].map(each => each.getAttribute('d') ?? '')")

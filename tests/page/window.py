@@ -124,7 +124,6 @@ class Window:
         self.pull(places[0], top + height / 2, places[1] - places[0], 0.0)
 
     def pull(self, x: float, y: float, dx: float, dy: float) -> None:
-        """Press the mouse at a place [px], move it, and let it go."""
         self.page.mouse.move(x, y)
         self.page.mouse.down()
         self.page.mouse.move(x + dx, y + dy, steps=5)
@@ -137,7 +136,6 @@ class Window:
         return box["x"], box["y"], box["width"], box["height"]
 
     def text(self, selector: str) -> str:
-        """Return the text seen in a part of the page once it is drawn, with plain blanks."""
         self.drawn()
         return self.page.inner_text(selector).replace("\u00a0", " ")
 
@@ -149,17 +147,14 @@ class Window:
         return str(self.page.eval_on_selector(selector, source, name))
 
     def paths(self) -> Mapping[str, str]:
-        """Return what the pictures show, the cursor apart: the data of every curve."""
         self.drawn()
         return {each: self.part(each, "d") for each in (*CURVES, "#phase-chart .curve.mass")}
 
     def si_of(self, name: str) -> float:
-        """Return what stands in the field of a parameter with the unit beside it, SI."""
         typed = f"{self.page.input_value(f'#{name}')} {self.page.inner_text(f'#{name}-unit')}"
         return parse(typed, SI[name], name)
 
     def said(self, name: str) -> str:
-        """Return what stands under a control, if it can be seen."""
         note = self.page.locator(f"#{name}-said")
         return note.inner_text() if note.is_visible() else ""
 
@@ -179,7 +174,6 @@ class Window:
         return any(re.search(r"NaN|undefined|Infinity", each) for each in seen)
 
     def save(self, button: str, folder: Path) -> Path:
-        """Press a button that saves a file, and return the file."""
         self.drawn()
         with self.page.expect_download() as download:
             self.page.click(f"#{button}")

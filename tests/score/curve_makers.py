@@ -21,7 +21,6 @@ ROUNDING = 1e-11
 
 
 def ratios(*scores: Score) -> Floats:
-    """Return the errors of figures in parts of their resolution."""
     figures = [getattr(result, name) for result in scores for name in QUANTITIES]
     return np.array([
         max(abs(figure.error) - ROUNDING * abs(figure.exact), 0.0) / figure.resolution

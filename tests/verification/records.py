@@ -65,7 +65,6 @@ def planted(record: Run, *faults: Fault) -> Run:
 
 
 def judged(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> dict[str, CheckResult]:
-    """Return the results of the invariants that the exact motion has a place for, by invariant."""
     case, exact = named(name), exact_of(name)
     return {
         invariant.id: judge_residual(invariant, case, contract, exact, record)
@@ -74,7 +73,6 @@ def judged(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> dict[
 
 
 def seen(name: str, record: Run, contract: Contract = EXACT_CONTRACT) -> set[str]:
-    """Return the invariants that a record breaks."""
     results = judged(name, record, contract).items()
     return {id_ for id_, r in results if not r.passed and r.not_applicable is None}
 
@@ -93,7 +91,6 @@ def value(name: str, number: float, at: int) -> Fault:
 
 
 def at_start(name: str, number: float) -> Fault:
-    """Show a number after initialization."""
     return lambda draft: draft.initial.__setitem__(name, number)
 
 
@@ -106,7 +103,6 @@ def scaled(name: str, factor: float) -> Fault:
 
 
 def shown(name: str, samples: Callable[[Mapping[str, Series]], Series]) -> Fault:
-    """Show what is computed from all outputs as one of them."""
     return lambda draft: draft.outputs.__setitem__(name, samples(draft.outputs))
 
 

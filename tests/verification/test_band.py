@@ -33,7 +33,6 @@ def band_of(name: str) -> Band:
 
 
 def judged(name: str, run: Run, band: Band | None = None) -> CheckResult:
-    """Judge every output of a run of a case."""
     empty = blank(MANNER, name, PHYSICS_CONTRACT)
     return judge_in_band(empty, OUTPUT_NAMES, PHYSICS_CONTRACT, band or band_of(name), run)
 

@@ -30,7 +30,6 @@ HEAD, TOOL = "<VendorAnnotations>", '<Tool name="org.stickslip.contract">'
 
 @pytest.fixture
 def silent(fmu_path: Path, tmp_path: Path) -> Path:
-    """Return our FMU with a description that names no contract."""
     nothing = edited(("<VendorAnnotations>.*</VendorAnnotations>", ""))
     return altered(fmu_path, tmp_path / "silent.fmu", nothing)
 

@@ -26,7 +26,6 @@ DOWN: dict[str, Any] = {"error": 1e-13}
 
 
 def moves(folder: Path, before: list[Any], now: list[Any]) -> Moves:
-    """Compare a verdict with a report of another one, through its file."""
     write_json(Verdict(before, PROVENANCE), folder / "old.json")
     return compare(read_earlier_report(folder / "old.json"), Verdict(now))
 

@@ -28,7 +28,6 @@ SLIPS = DEFAULT.outputs["n_slips"]
 
 
 def fits(name: str, run: Run) -> dict[str, Fit]:
-    """Return the fits of a run as the one of an FMU in a case, by quantity."""
     exact = exact_of(name)
     try:
         matched = Answer(moments(named(name), exact, run))
@@ -46,7 +45,6 @@ def without(run: Run, *names: str) -> Run:
 
 
 def changed(**outputs: np.ndarray) -> Run:
-    """Return the exact run of the default case with other samples of some outputs."""
     return replace(DEFAULT, outputs={**DEFAULT.outputs, **outputs})
 
 

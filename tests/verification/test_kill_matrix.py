@@ -47,7 +47,6 @@ def suite() -> dict[str, Mutant]:
 
 
 def fault(name: str, **changes: object) -> Mutant:
-    """Return a planted fault of the suite, with changes to its description."""
     return replace(suite()[name], **changes)  # type: ignore[arg-type]
 
 

@@ -25,7 +25,6 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
 
 
 def findings(folder: Path, old: str = "^", new: str = "", name: str = CASE.name) -> set[str]:
-    """Return the findings of a folder to which the case, changed, is added."""
     text, count = re.subn(old, new, CASE.read_text(encoding="utf-8"), count=1)
     assert count == 1
     (folder / name).write_text(text, encoding="utf-8")

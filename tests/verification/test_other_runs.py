@@ -108,7 +108,6 @@ SMALL = exact_of("grazing").record
 
 
 def judged(invariant: str, other: Answer[Run], contract: Contract = EXACT_CONTRACT) -> CheckResult:
-    """Return the result of a small case whose other run came to `other`."""
     exact, case = exact_of("grazing"), named("grazing")
     band = numerical(exact, kept(nearby_motions, case)) if contract.banded else None
     return judge_run(INVARIANTS[invariant], case, contract, exact, exact.record, other, band)

@@ -30,7 +30,6 @@ PASSED = CheckResult(
 
 
 def result(**values: Any) -> CheckResult:
-    """Make a passed result, but for `values`."""
     return replace(PASSED, **values)
 
 

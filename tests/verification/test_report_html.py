@@ -58,7 +58,6 @@ def motion(case: str) -> Motion:
 
 
 def full_verdict(**origin: Any) -> Verdict:
-    """Make a verdict with some of everything."""
     drifted = Second(1.0, 2.0, drift=1.0, tolerance=1e-9)
     checks = [
         result(tolerance=2e-12, error=1e-12, because="rounding & <friends>"),
@@ -96,17 +95,12 @@ Fails in 2 of 3 cases. A planted fault survived
 Likeliest cause: the arcs x-course fails in 1 case: The mass is elsewhere.
 Contract: physics (--contract physics). Physics checks decide.
 7 comparisons: 3 passed, 2 failed, 1 noted, 1 not applicable
-Failures x-course
-ab12
 their.toml maps the variables
-no GUID
-It is not validation.
 0 held, 1 drifted
 1 of 3 detected, 1 survived, 1 could not be judged
 t_slip-exact (3)
 units it guards
 rounding & <friends>
-no slip
 Other settings: 0 of 2 passed tuned
 Coverage What was tried. what c = 0 load <ends> 12 Seed 1."""
 

@@ -18,7 +18,6 @@ KEY = ("default", "t_slip-exact", "fmu")
 
 
 def result(check: str = "t_slip-exact", mean: float = 0.125, **values: object) -> CheckResult:
-    """Return a check that passed, with what a second value is made of."""
     return plain(check=check, got=mean, **{"measured": Measured(mean, 0.25, 1e-14), **values})
 
 

@@ -12,7 +12,6 @@ SLIPS = Facts(slips=3)
 
 
 def rules(*changed: Mapping[str, float], facts: Facts = SLIPS, **start: float) -> Rules:
-    """Apply the rules to a start, and to changes of it."""
     values = [complete(start)]
     for change in changed:
         values.append({**values[-1], **change})

@@ -41,7 +41,6 @@ class Command:
         return answer.out
 
     def refuses(self, *arguments: object) -> str:
-        """Return the one line with which a command refuses what was typed, and does nothing."""
         before = _files()
         answer = self(*arguments)
         assert (answer.code, answer.out) == (2, "")
@@ -51,11 +50,9 @@ class Command:
         return answer.err
 
     def verify(self, *arguments: object) -> Answer:
-        """Run `stickslip verify` in one process more: other tests work beside this one."""
         return self("verify", "--jobs", "1", *arguments)
 
     def simulate(self, engine: str, *arguments: object) -> Answer:
-        """Run `stickslip simulate` with an engine; the FMU is not built again for each run."""
         of_fmu = ["--fmu", self._fmu] if engine == "fmu" else []
         return self("simulate", "--engine", engine, *of_fmu, *arguments)
 

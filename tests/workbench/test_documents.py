@@ -97,7 +97,6 @@ def _sections(data: dict[str, dict[str, Any]]) -> Iterator[str]:
 
 
 def rows(page: str, heading: str) -> list[list[str]]:
-    """Return the cells of the table of a page whose head begins with a text."""
     _, _, rest = PAGES[page].partition(f"| {heading} |")
     body = rest.partition("\n\n")[0].splitlines()[2:]
     return [[cell.strip("| ") for cell in line.strip("|").split(" | ")] for line in body]

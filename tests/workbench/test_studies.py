@@ -191,7 +191,6 @@ def test_more_than_a_billion_points_are_computed_if_that_is_meant_and_a_note_is_
 
 @pytest.fixture
 def studied(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Put a verdict made by hand in place of the study."""
     one, *_ = verdicts.rigid().cures
     cures = (
         replace(one, name="stiffer", held="c held"),

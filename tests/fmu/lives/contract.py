@@ -59,8 +59,6 @@ class Life:
 
 
 class Contract:
-    """The instances and states of one sequence of calls on an FMU of some kind."""
-
     def __init__(self, kind: str, law: str) -> None:
         self.native, self.face = kind.startswith("native"), int(kind[-1])
         self.spec = spec_under(law)
@@ -74,7 +72,6 @@ class Contract:
         self._warns = False
 
     def expected(self, call: Call) -> Expected:
-        """Return what a call must give, and be as after it."""
         name, i, *arguments = call
         self._warns = False
         try:
@@ -100,7 +97,6 @@ class Contract:
         return {"Real": "Float64", "Integer": integer}.get(quantity.kind, quantity.kind)
 
     def where(self, i: int) -> str:
-        """Return the phase of an instance, and the mode while it steps."""
         life = self.lives[i]
         if life.fault is not None or life.phase != "stepping":
             return "failed" if life.fault is not None else life.phase

@@ -15,7 +15,6 @@ SKIPPED = -1
 
 
 def play(path: str, lives: list[list[Call]]) -> list[list[Outcome]]:
-    """Return the outcome of each call of each life."""
     return [Player(loaded(path)).lived(calls) for calls in lives]
 
 

@@ -29,7 +29,6 @@ REFUSED = {(n, at) for n in ("set", "get", "step") for at in (*_BEFORE, "stick",
 
 
 def finding(host: Host, path: Path, lives: list[Life]) -> tuple[Life, str] | None:
-    """Return the first life that is not as it must be, up to the call that tells, and why."""
     try:
         outcomes = host.call(play, path, [[call for call, _ in life] for life in lives])
     except DiedError as died:

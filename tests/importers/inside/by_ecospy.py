@@ -21,8 +21,6 @@ _WORDS = {
 
 
 class Ecos(Simulation):
-    """A simulation with a fixed step."""
-
     offering = (ecospy.EcosSimulation,)
 
     def open(self) -> None:

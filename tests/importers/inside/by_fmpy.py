@@ -13,8 +13,6 @@ from .simulation import ALONE, NotOfferedError, Simulation
 
 
 class Fmpy(Simulation):
-    """Instances of an FMU, each a block."""
-
     offering = (FMU2Slave,)
     errors = (FMICallException, NotOfferedError)
 

@@ -30,8 +30,6 @@ class Pairs(list[Any]):
 
 
 class FmpyContainer(Container):
-    """Blocks stepped one after the other."""
-
     @staticmethod
     def nest(fmu: str, blocks: tuple[str, ...], threads: bool) -> str:
         inside = fmpy.read_model_description(fmu)

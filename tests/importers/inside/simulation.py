@@ -95,7 +95,6 @@ class Simulation:
 
     @classmethod
     def pair(cls, fmu: str, case: Any) -> Any:
-        """Run a case with two blocks in one simulation; rows of the second are `nested`."""
         return cls.run(fmu, case, PAIR)
 
     def play(self, case: Any) -> dict[str, Any]:
@@ -177,7 +176,6 @@ class Simulation:
 
     @classmethod
     def offers(cls, words: str) -> bool:
-        """Return whether a public name of the importer has one of these words."""
         names = {name for each in cls.offering for name in dir(each) if not name.startswith("_")}
         return any(re.search(words, name) for name in names)
 

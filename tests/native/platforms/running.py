@@ -136,7 +136,6 @@ READ = tuple(
 
 
 def start(values: Mapping[str, float], time: float) -> list[str]:
-    """Return the calls from any phase to the start of a run."""
     return ["reset", set_values(values), line("setup", time), "enter", "exit"]
 
 
@@ -204,7 +203,6 @@ class Differences:
 def differences(
     script: Sequence[str], expected: Sequence[Answer], given: Sequence[Answer]
 ) -> Differences:
-    """Compare the answers to the calls of one sequence."""
     found, scale = Differences(), {row.unit: 0.0 for row in REALS}
     for call, ours, theirs in zip(script, expected, given, strict=True):
         found.same_messages &= ours.messages == theirs.messages
