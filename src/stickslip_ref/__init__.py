@@ -19,14 +19,19 @@ from .laws import (
 )
 from .limits import critical_velocity
 from .parameters import Bound, FloatOrArray, FrictionClampWarning, Parameters
-from .ranges import CriticalVelocity, Interval
+from .ranges import EVEN, STICKS, SWINGS, CriticalVelocity, Interval, merged
+from .regime import SETTLED, Kind, Regime, StickSlip, Swinging, regime
 from .simulation import RTOL, Change, simulate
 from .trajectory import Event, MeasuredCycle, Trajectory
 
 __all__ = [
     "COULOMB",
+    "EVEN",
     "RTOL",
+    "SETTLED",
+    "STICKS",
     "STRIBECK",
+    "SWINGS",
     "Bound",
     "Change",
     "Coulomb",
@@ -37,18 +42,24 @@ __all__ = [
     "FrictionClampWarning",
     "FrictionLaw",
     "Interval",
+    "Kind",
     "MeasuredCycle",
     "OwnParameter",
     "Parameters",
+    "Regime",
     "Shape",
     "SimplifiedCycle",
     "State",
+    "StickSlip",
     "Stribeck",
+    "Swinging",
     "Trajectory",
     "coulomb_limit",
     "critical_lambda",
     "critical_velocity",
     "friction_law",
+    "merged",
+    "regime",
     "simplified",
     "simulate",
     "steady_cycle",

@@ -89,7 +89,8 @@ def merged(intervals: list[Interval]) -> tuple[Interval, ...]:
     for each in sorted(intervals):
         if found and each.low <= found[-1].high * (1.0 + 4.0 * 2.0**-52):
             last = found.pop()
-            found.append(Interval(last.low, each.high, last.low_end, each.high_end))
+            high, high_end = max((last.high, last.high_end), (each.high, each.high_end))
+            found.append(Interval(last.low, high, last.low_end, high_end))
         elif each.high > each.low and not math.isnan(each.low):
             found.append(each)
     return tuple(found)

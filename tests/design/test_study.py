@@ -94,8 +94,8 @@ def test_at_a_cure_of_a_servo_axis_its_jumps_end_and_a_hundredth_before_they_do_
 
 def test_what_is_asked_is_answered_the_slowest_feed_first(servo: Verdict) -> None:
     slow, fast = servo.points
-    assert (slow.feed, slow.jumps, slow.from_rest) == (5e-4, True, True)
-    assert (fast.feed, fast.jumps, fast.from_rest) == (2e-3, False, False)
+    assert (slow.feed, slow.jumps, slow.after_start) == (5e-4, True, True)
+    assert (fast.feed, fast.jumps, fast.after_start) == (2e-3, False, False)
     # As the two FMUs of docs/feed-axis.md have it, to the digits there.
     assert slow.frequency == pytest.approx(27.1, abs=0.1)
     assert fast.margin == pytest.approx(2.0 / 1.5506, rel=1e-3)

@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 from stickslip_design.axis import Assumed, Axis, Demand, Drive, Friction, low_pass, notch
 from stickslip_design.loop.hunting import Hunting
@@ -11,6 +10,7 @@ from stickslip_design.loop.response import open_loop
 from stickslip_design.loop.stability import gain_limits, swing
 from stickslip_design.record import record
 from stickslip_design.verdict import AxisCure, OperatingPoint, Verdict
+from stickslip_ref import Interval, Kind, Regime, StickSlip
 
 JUMPS = (1.387e-5, 1.844e-5, 2.931e-5)
 FEEDS = (1 / 30e3, 5e-4, 1.2e-3, 5e-3, 0.5)
@@ -26,15 +26,20 @@ AXIS = Axis(
 )  # fmt: skip
 
 
-def point(feed: float, critical: float, jump: float | None = None, **more: Any) -> OperatingPoint:
+def point(
+    feed: float, critical: float, jump: float | None = None, from_rest: bool | None = None
+) -> OperatingPoint:
+    cycle = None if jump is None else StickSlip(jump, jump / feed)
+    kind: Kind = "even" if jump is None else "sticks"
     return OperatingPoint(
-        feed=feed, margin=feed / critical if critical else math.inf, jumps=jump is not None,
-        from_rest=more.pop("from_rest", None), jump=jump,
-        frequency=None if jump is None else feed / jump,
-        simplified_jump=1.226e-5, simplified_frequency=feed / 1.226e-5, **more,
+        regime=Regime(feed, 0.05, 60.0, (), cycle, kind, 0.1),
+        margin=feed / critical if critical else math.inf, after_start=from_rest,
+        simplified_jump=1.226e-5, simplified_frequency=feed / 1.226e-5,
     )  # fmt: skip
 
 
+CYCLE = StickSlip(JUMPS[0], JUMPS[0] / FEEDS[0], True)
+HUNTS = Regime(FEEDS[0], 0.05, 60.0, (), CYCLE, "sticks", math.inf)
 EVEN = "no jump at the slowest feed"
 CURES = (
     AxisCure("faster", "feeds", "m/s", FEEDS[0], 1.55e-3, 2.5, EVEN),
@@ -55,15 +60,16 @@ def juddering() -> Verdict:
     critical = 1.5506e-3
     starts = (True, True, False, None, None)
     first, *points = (
-        point(feed, critical, jump, from_rest=from_rest)
+        point(feed, critical, jump, from_rest)
         for feed, jump, from_rest in zip(FEEDS, (*JUMPS, None, None), starts, strict=True)
     )
     return Verdict(
-        axis=AXIS, stable=True, critical_feed=critical, critical_range=(1.212e-3, 1.927e-3),
+        axis=AXIS, stable=True, cycle=(Interval(0.0, critical, "none", "grazing"),), unstable=(),
+        critical_feed=critical, critical_range=(1.212e-3, 1.927e-3),
         rigid_critical_feed=3.947e-3, estimated_critical_feed=1.604e-3,
         simplified_critical_feed=4.612e-3, from_rest=9.903e-4, sliding=swing(AXIS),
         stuck=swing(AXIS, sliding=False), gains=gain_limits(AXIS),
-        points=(replace(first, hunts=True), *points),
+        points=(replace(first, regime=HUNTS), *points),
         hunting=Hunting(1.3592e-5, 0.85136, 6.8018e-6), cures=CURES,
         responses=tuple(
             open_loop(AXIS, cut, sliding=on)
@@ -71,7 +77,7 @@ def juddering() -> Verdict:
         ),
         before=record(AXIS, 5e-4, 0.3), after=record(AXIS, 2e-3, 0.3),
         sentence="At 2 mm/min this axis jumps 13.9 µm, 2.4 times a second; from 1.55 mm/s on it "
-        "cannot. Cheapest cure: raise the slowest feed to 1.55 mm/s.",
+        "cannot. Smallest change: raise the slowest feed to 1.55 mm/s.",
         unanswered=("Reversal of the feed: the jumps are those of one direction.",) * 2,
     )  # fmt: skip
 
@@ -84,6 +90,7 @@ def rigid() -> Verdict:
     critical = 3.947e-3
     return replace(
         juddering(), axis=axis, critical_feed=critical, critical_range=(critical, critical),
+        cycle=(Interval(0.0, critical, "none", "grazing"),),
         rigid_critical_feed=critical, estimated_critical_feed=None, from_rest=None, sliding=None,
         stuck=None, gains=None, hunting=None, responses=(), cures=CURES[:3],
         points=tuple(map(point, FEEDS[1:4], [critical] * 3, (2.1e-5, 3.3e-5, None))),
@@ -96,7 +103,7 @@ def unstable() -> Verdict:
     axis = replace(AXIS, name="Axis, K_v = 100 1/s", drive=replace(DRIVE, K_v=100.0))
     return replace(
         juddering(), axis=axis, stable=False, critical_feed=math.nan,
-        critical_range=(math.nan, math.nan), estimated_critical_feed=None, from_rest=None,
+        cycle=(), critical_range=(math.nan, math.nan), estimated_critical_feed=None, from_rest=None,
         sliding=swing(axis), stuck=swing(axis, sliding=False), gains=gain_limits(axis), points=(),
         hunting=None, cures=(), before=None, after=None,
         responses=tuple(open_loop(axis, cut) for cut in ("force", "position")),

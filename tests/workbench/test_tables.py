@@ -1,6 +1,7 @@
 """Tables on terminals of any width: names and numbers stay whole."""
 
 import io
+import math
 from dataclasses import replace
 
 import pytest
@@ -12,7 +13,7 @@ from stickslip.show.score_table import score_table
 from stickslip.show.verdict_table import verdict_table
 from stickslip.simulate.engines import experiment, reference_parameters, simulate_reference
 from stickslip_fmu.spec import TABLE
-from stickslip_ref import CriticalVelocity, Interval
+from stickslip_ref import CriticalVelocity, Interval, Regime, StickSlip, Swinging
 from stickslip_score import Cause, Compared, Score
 from stickslip_verification import CheckResult, Verdict
 from stickslip_verification.model.verdict import Kind
@@ -34,6 +35,8 @@ SCORE = Score(
     findings=("the figures come from one cycle only",),
     cycles=1,
 )
+BOTH = Regime(0.2, 0.01, 5.0, (), StickSlip(1e-3, 0.1), "sticks", math.inf)
+SWINGS = Regime(0.045, -0.01, 5.0, (Swinging(0.54, 5.0),), None, "swings", math.inf)
 FOUND = CriticalVelocity(
     unstable=(Interval(1e-3, 0.05, "none", "eigenvalue"),),
     cycle=(Interval(1e-3, 0.04, "none", "grazing"), Interval(0.15, 0.38, "reversal", "fold")),
@@ -87,14 +90,14 @@ def test_a_score_in_units_that_people_read(width: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("v", "told"),
+    ("there", "told"),
     [
         (None, "a cycle with a stick exists 1 mm/s search 40 mm/s grazing"),
         (None, "150 mm/s reversal 380 mm/s fold"),
         (None, "steady sliding is unstable 1 mm/s search 50 mm/s eigenvalue"),
-        (-0.2, "at 200 mm/s: the mass sticks and slips, or by its start the mass slides evenly"),
-        (0.045, "at 45 mm/s: the mass swings and never sticks"),
+        (BOTH, "at 200 mm/s the mass sticks and slips; can move evenly after another start"),
+        (SWINGS, "at 45 mm/s the mass swings by ± 54 % of the speed, without a stop"),
     ],
 )
-def test_critical_velocities(v: float | None, told: str) -> None:
-    assert told in [" ".join(line.split()) for line in lines(critical_table(FOUND, v), 120)]
+def test_critical_velocities(there: Regime | None, told: str) -> None:
+    assert told in [" ".join(line.split()) for line in lines(critical_table(FOUND, there), 120)]

@@ -6,16 +6,56 @@ import math
 from dataclasses import replace
 from typing import Final, NamedTuple
 
-from stickslip_ref import coulomb_limit, critical_velocity, simulate, steady_cycle
+from stickslip_ref import (
+    EVEN,
+    CriticalVelocity,
+    Regime,
+    coulomb_limit,
+    critical_velocity,
+    regime,
+    simulate,
+    steady_cycle,
+)
 
 from .axis import Axis
-from .loop.jumps import limit_of_jumps
-from .loop.stability import swing
+from .loop.courses import Courses, regime_in_loop
+from .loop.jumps import Limit, limit_of_jumps
+from .loop.lines import line_at
+from .loop.ranges import jump_ranges
+from .loop.stability import is_stable, swing, unstable_feeds
 
 _CYCLES: Final = 12
 """Cycles after which a jump under a law without a closed form is read."""
 _BESIDE: Final = 1e-9
 """A range of feeds this narrow is one feed."""
+
+
+def limits_of(axis: Axis) -> CriticalVelocity:
+    """Return the feeds at which an axis may stick and slip, and at which even motion is unstable.
+
+    The loop of a servo axis must be stable with the table sliding fast.
+    """
+    if axis.drive is None:
+        return critical_velocity(axis.block(1.0), axis.friction.law, axis.friction.own)
+    return CriticalVelocity(unstable_feeds(axis), jump_ranges(axis), (0.0, math.inf), False)
+
+
+def regime_of(axis: Axis, feed: float, limit: Limit | None = None) -> Regime:
+    """Return what an axis does at a feed [m/s].
+
+    Parameters
+    ----------
+    axis
+        The axis, the loop of a servo axis stable.
+    feed
+        The feed [m/s], above 0.
+    limit
+        With a drive and friction that does not change with the speed, the end of its jumps if that
+        is known.
+    """
+    if axis.drive is None:
+        return regime(axis.block(feed), axis.friction.law, axis.friction.own)
+    return regime_in_loop(axis, feed, limit)
 
 
 def critical_feed(axis: Axis, highest: float = math.inf) -> float:
@@ -46,10 +86,16 @@ def rigid_critical_feed(axis: Axis) -> float:
     return critical_velocity(p, axis.friction.law, axis.friction.own).highest
 
 
-def has_cycle(axis: Axis, feed: float) -> bool:
-    """Return whether a cycle with a stick exists at a feed [m/s] on a rigid drive."""
-    friction, beside = axis.friction, (feed * (1.0 - _BESIDE), feed)
-    return bool(critical_velocity(axis.block(feed), friction.law, friction.own, beside).cycle)
+def judders(axis: Axis, feed: float) -> bool:
+    """Return whether an axis may stick and slip or swing at a feed [m/s]; an unstable loop does."""
+    friction = axis.friction
+    if axis.drive is None:
+        beside = feed * (1.0 - _BESIDE), feed
+        found = critical_velocity(axis.block(feed), friction.law, friction.own, beside)
+        return found.motions(feed) != (EVEN,)
+    if not is_stable(axis) or swing(axis, line=line_at(axis, feed)).damping < 0.0:
+        return True
+    return Courses(axis, feed).course("jumps").kind != EVEN
 
 
 def estimated_critical_feed(axis: Axis) -> float:

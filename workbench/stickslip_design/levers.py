@@ -14,7 +14,7 @@ from .critical import (
     critical_feed,
     damped,
     estimated_critical_feed,
-    has_cycle,
+    judders,
     jumps_of,
     rigid_critical_feed,
 )
@@ -35,6 +35,9 @@ _CLOSE: Final = 2e-3
 _MOST: Final = 12
 _BEYOND: Final = 1.5
 """How far above the feed a critical feed is looked for; beyond it is only "too high"."""
+
+_HEAVY: Final = 1.25
+"""A mass changed by more than this, 20 % less, is a change that hardly an axis allows."""
 
 END: Final = "no jump at the slowest feed"
 BELOW: Final = "a jump that is allowed"
@@ -158,30 +161,33 @@ def _levers_of_drive(axis: Axis, drive: Drive) -> Iterator[Lever]:
         yield Lever("longer integral time", "T_n", "s", True, drive.T_n, integral)
 
 
-def cures(axis: Axis, feed: float) -> tuple[AxisCure, ...]:
-    """Return how far each number must move till an axis no longer jumps at a feed.
+def cures(axis: Axis, feed: float, now: float, aim: str = END) -> tuple[AxisCure, ...]:
+    """Return how far each number must move till an axis moves evenly at a feed.
 
     Where a largest jump is asked for, also how far to bring the jump down to it.
 
     Parameters
     ----------
     axis
-        An axis whose critical feed is above the feed.
+        An axis that jumps or swings at the feed.
     feed
-        The slowest feed [m/s], above 0.
+        The feed [m/s], above 0.
+    now
+        The upper end of the feeds at which it does so [m/s].
+    aim
+        What the changes are for, in words.
 
     Returns
     -------
     tuple of AxisCure
-        The smallest change first; those that do not help last. Of a number that could move both
-        ways or be held in two ways, each is there.
+        The smallest change first; those that do not help last, and before them a mass that hardly
+        an axis allows. Of a number that could move both ways or be held in two ways, each is there.
     """
-    now = critical_feed(axis)
-    found = [_cure(lever, _end(lever, feed, now), END) for lever in levers(axis)]
+    found = [_cure(lever, _end(lever, feed, now), aim) for lever in levers(axis)]
     faster = now / feed
     found.append(
         AxisCure(
-            "faster", "feeds", "m/s", feed, now if faster < math.inf else None, faster, END,
+            "faster", "feeds", "m/s", feed, now if faster < math.inf else None, faster, aim,
             note="" if faster < math.inf else "without damping the jumps have no end",
         )
     )  # fmt: skip
@@ -193,7 +199,12 @@ def cures(axis: Axis, feed: float) -> tuple[AxisCure, ...]:
             if factor is not None:
                 found.append(_cure(lever, factor, BELOW))
     # A faster feed is no cure of the axis.
-    return tuple(sorted(found, key=lambda cure: (cure.number == "feeds", cure.effort)))
+    return tuple(sorted(found, key=_rank))
+
+
+def _rank(cure: AxisCure) -> tuple[bool, bool, float]:
+    heavy = cure.number == "mass" and _HEAVY < cure.effort < math.inf
+    return cure.number == "feeds", heavy or cure.then is None, cure.effort
 
 
 def cured(axis: Axis, cure: AxisCure, more: float = 1.0) -> Axis:
@@ -220,7 +231,10 @@ def _end(lever: Lever, feed: float, now: float) -> float | None:
     """Return the factor at which jumping ends at the feed; None where it does not, or unstable."""
     if lever.at(1.0).drive is None:
         return _factor_of_rigid(lever, feed)
-    found = _factor_of_servo(lever, feed, now)
+    if lever.at(1.0).friction.law == "coulomb":
+        found = _factor_of_servo(lever, feed, now)
+    else:
+        found = _factor_by_side(lever, feed, _CLOSE)
     return found if found is not None and is_stable(lever.at(found)) else None
 
 
@@ -245,14 +259,19 @@ def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> floa
 
 def _factor_of_rigid(lever: Lever, feed: float) -> float | None:
     """Return the factor at which the closed form is at the feed, or the search finds no cycle."""
+    if lever.at(1.0).friction.constant:
+        return _first(lambda factor: rigid_critical_feed(lever.at(factor)), feed, 1.0)
+    return _factor_by_side(lever, feed, _CLOSE_BY_SIDE)
+
+
+def _factor_by_side(lever: Lever, feed: float, close: float) -> float | None:
+    """Return the factor at which it no longer judders at the feed."""
 
     def side(factor: float) -> float:
         # Not the limit, which takes a search, but on which side of it the feed is.
-        return feed * (2.0 if has_cycle(lever.at(factor), feed) else 0.5)
+        return feed * (2.0 if judders(lever.at(factor), feed) else 0.5)
 
-    if lever.at(1.0).friction.constant:
-        return _first(lambda factor: rigid_critical_feed(lever.at(factor)), feed, 1.0)
-    return _first(side, feed, 1.0, finer=_COARSE, close=_CLOSE_BY_SIDE)
+    return _first(side, feed, 1.0, finer=_COARSE, close=close)
 
 
 def _first(

@@ -7,26 +7,27 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
-from stickslip_ref import simplified
+from stickslip_ref import CriticalVelocity, merged, simplified
 
 from .axis import Axis, AxisFile, Number
 from .critical import (
     critical_feed,
     estimated_critical_feed,
-    jumps_of,
+    limits_of,
+    regime_of,
     rigid_critical_feed,
     simplified_critical_feed,
 )
-from .levers import END, cured, cures
+from .levers import BELOW, END, cured, cures
 from .loop.hunting import Hunting, hunting
-from .loop.jumps import Limit, limit_of_jumps
+from .loop.jumps import Limit
 from .loop.response import Response, open_loop
 from .loop.rest import Start
 from .loop.stability import gain_limits, is_stable, swing
 from .one_thread import one_thread
 from .record import Record, record
-from .verdict import AxisCure, OperatingPoint, Verdict, cheapest
-from .words import in_words
+from .verdict import AxisCure, OperatingPoint, Verdict, judder, smallest
+from .words import feed_in_words, in_words
 
 _UNANSWERED: Final = (
     "Reversal and backlash: the axis moves in one direction.",
@@ -35,10 +36,6 @@ _UNANSWERED: Final = (
     "Other modes: screw, table and frame are one mass and one spring.",
 )
 _OF_LOOP: Final = "Counts of the encoders and the limit of the motor's force are left out."
-_OF_FALL: Final = (
-    "Swinging without rest: above the critical feed, where friction still falls with the speed, "
-    "the table may swing and never stand."
-)
 _OF_GROWTH: Final = "In the loop static friction grows with tau_s alone, and not with B."
 
 _PERIODS: Final = 8.0
@@ -63,22 +60,23 @@ def design(axis: Axis | AxisFile) -> Verdict:
     """
     file = axis if isinstance(axis, AxisFile) else None
     axis = axis.axis() if isinstance(axis, AxisFile) else axis
-    rigid = rigid_critical_feed(axis)
-    limit = Limit(rigid, None)
-    stable = axis.drive is None or is_stable(axis)
-    if axis.drive is not None:
-        limit = limit_of_jumps(axis) if stable else Limit(math.inf, None)
-    start = _from_rest(axis, limit.feed) if stable else None
-    points = tuple(_points(axis, limit.feed, start)) if stable else ()
-    found = cures(axis, points[0].feed) if points and points[0].jumps else ()
-    before, after = _motions(axis, points, found)
     loop, constant = axis.drive is not None, axis.friction.constant
+    stable = _is_stable(axis)
+    limits = limits_of(axis) if stable else CriticalVelocity((), (), (0.0, math.inf), False)
+    critical = limits.highest if stable else math.inf
+    start = _from_rest(axis, critical) if stable else None
+    points = tuple(_points(axis, limits, start)) if stable else ()
+    judders = judder(points)
+    found = _cures(axis, limits, points) if judders is not None else ()
+    before, after = _motions(axis, judders, found)
     return Verdict(
         axis=axis,
         stable=stable,
-        critical_feed=limit.feed,
-        critical_range=_range(file, axis, limit.feed) if stable else (limit.feed, limit.feed),
-        rigid_critical_feed=rigid,
+        cycle=limits.cycle,
+        unstable=limits.unstable,
+        critical_feed=critical,
+        critical_range=_range(file, axis, critical) if stable else (critical, critical),
+        rigid_critical_feed=rigid_critical_feed(axis) if loop else critical,
         estimated_critical_feed=estimated_critical_feed(axis) if loop and constant else None,
         simplified_critical_feed=simplified_critical_feed(axis),
         from_rest=start,
@@ -91,7 +89,7 @@ def design(axis: Axis | AxisFile) -> Verdict:
         cures=found,
         before=before,
         after=after,
-        sentence=in_words(axis, limit.feed, points, found, stable=stable),
+        sentence=in_words(axis, limits, points, found, stable=stable),
         unanswered=tuple(_left_out(axis)),
     )
 
@@ -109,35 +107,61 @@ def _from_rest(axis: Axis, highest: float) -> float | None:
     return Start(axis, axis.demand.acceleration).limit(highest)
 
 
-def _points(axis: Axis, critical: float, start: float | None) -> Iterator[OperatingPoint]:
+def _points(axis: Axis, limits: CriticalVelocity, start: float | None) -> Iterator[OperatingPoint]:
+    limit = None
+    if axis.drive is not None and axis.friction.law == "coulomb" and limits.cycle:
+        limit = Limit(limits.highest, None)
     for feed in sorted(axis.demand.feeds):
         simple = simplified(axis.block(feed))
-        familiar = float(simple.delta_x), float(simple.f)
-        margin = feed / critical if critical > 0.0 else math.inf
-        rests = None if start is None else feed <= start
-        if feed > critical:
-            yield OperatingPoint(feed, margin, False, rests, None, None, *familiar)
-            continue
-        jumps = jumps_of(axis, feed)
-        if jumps is None:
-            yield OperatingPoint(feed, margin, True, rests, None, None, *familiar, hunts=True)
-        else:
-            yield OperatingPoint(feed, margin, True, rests, *jumps, *familiar)
+        yield OperatingPoint(
+            regime=regime_of(axis, feed, limit),
+            margin=_margin(limits, feed),
+            after_start=None if start is None else feed <= start,
+            simplified_jump=float(simple.delta_x),
+            simplified_frequency=float(simple.f),
+        )
+
+
+def _margin(limits: CriticalVelocity, feed: float) -> float:
+    """Return the factor by which a feed is away from those that judder; `OperatingPoint`."""
+    judders = merged([*limits.cycle, *limits.unstable])
+    inside = [interval for interval in judders if feed in interval]
+    if inside:
+        return feed / inside[0].high
+    below = [feed / interval.high for interval in judders if interval.high < feed]
+    above = [interval.low / feed for interval in judders if interval.low > feed]
+    return min([*below, *above], default=math.inf)
+
+
+def _cures(
+    axis: Axis, limits: CriticalVelocity, points: Sequence[OperatingPoint]
+) -> tuple[AxisCure, ...]:
+    """Return what makes the slowest feed that judders even."""
+    point = judder(points)
+    assert point is not None
+    inside = [
+        interval.high
+        for interval in merged([*limits.cycle, *limits.unstable])
+        if point.feed in interval
+    ]
+    aim = (
+        END if point is points[0] and point.jumps else f"even motion at {feed_in_words(point.feed)}"
+    )
+    return cures(axis, point.feed, max(inside, default=point.feed), aim)
 
 
 def _motions(
-    axis: Axis, points: Sequence[OperatingPoint], found: Sequence[AxisCure]
+    axis: Axis, judders: OperatingPoint | None, found: Sequence[AxisCure]
 ) -> tuple[Record | None, Record | None]:
-    """Return the motion at the slowest feed, as it is and beyond the cheapest cure."""
-    best = cheapest(found)
-    if not best or points[0].jump is None:
+    """Return the motion at the feed that judders, as it is and beyond the smallest change."""
+    best = smallest(found)
+    if judders is None or not best or judders.frequency is None:
         return None, None
     # The end of the jumps shows more than a smaller one.
-    cure = next((each for each in best if each.aim == END), best[0])
-    feed = points[0].feed
-    span = _PERIODS / (points[0].frequency or 1.0)
+    cure = next((cure for cure in best if cure.aim != BELOW), best[0])
+    span = _PERIODS / judders.frequency
     after = cured(axis, cure, _BEYOND)
-    return record(axis, feed, span), record(after, feed, span)
+    return record(axis, judders.feed, span), record(after, judders.feed, span)
 
 
 def _range(file: AxisFile | None, axis: Axis, critical: float) -> tuple[float, float]:
@@ -183,8 +207,6 @@ def _responses(axis: Axis) -> Iterator[Response]:
 
 def _left_out(axis: Axis) -> Iterator[str]:
     yield from _UNANSWERED
-    if axis.friction.law != "coulomb":
-        yield _OF_FALL
     if axis.drive is not None:
         yield _OF_LOOP
         if axis.friction.own.get("B"):

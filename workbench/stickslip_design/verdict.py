@@ -5,9 +5,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
+
+from stickslip_ref import Interval, Regime
 
 from .axis import Axis
 from .loop.hunting import Hunting
@@ -25,33 +28,56 @@ class OperatingPoint:
 
     Attributes
     ----------
-    feed
-        The feed [m/s].
+    regime
+        What happens there.
     margin
-        The feed over the critical feed [-]; infinite where the axis never jumps.
-    jumps
-        Whether a motion in jumps exists at the feed.
-    from_rest
+        The factor by which the feed is away from feeds at which the axis judders [-]: the feed over
+        their upper end, below 1 where it judders; their lower end over the feed where it is slower
+        than they are. Infinite where there are none.
+    after_start
         Whether the axis jumps there after a start from rest; None where no acceleration is stated,
         or the drive is rigid.
-    jump, frequency
-        Way [m] of a jump, and jumps a second [1/s]; None where there are none.
     simplified_jump, simplified_frequency
-        The same by the familiar formulas of a rigid drive.
-    hunts
-        Whether the drive turns the table back between two jumps, so that there is no even row of
-        them: the feed is slower than the integral of the drive.
+        Way [m] of a jump, and jumps a second [1/s], by the familiar formulas of a rigid drive.
     """
 
-    feed: float
+    regime: Regime
     margin: float
-    jumps: bool
-    from_rest: bool | None
-    jump: float | None
-    frequency: float | None
+    after_start: bool | None
     simplified_jump: float
     simplified_frequency: float
-    hunts: bool = False
+
+    @property
+    def feed(self) -> float:
+        """The feed [m/s]."""
+        return self.regime.speed
+
+    @property
+    def jumps(self) -> bool:
+        """Whether a motion in jumps exists at the feed."""
+        return self.regime.stick_slip is not None
+
+    @property
+    def judders(self) -> bool:
+        """Whether a motion that is not even exists at the feed: it jumps, or swings."""
+        return self.jumps or bool(self.regime.swings) or not self.regime.even
+
+    @property
+    def jump(self) -> float | None:
+        """Way of a jump [m]; None where there is none, or no even row of them."""
+        cycle = self.regime.stick_slip
+        return None if cycle is None else _finite(cycle.jump)
+
+    @property
+    def frequency(self) -> float | None:
+        """Jumps, or swings, a second [1/s]; None as `jump`."""
+        if self.regime.stick_slip is not None:
+            return _finite(1.0 / self.regime.stick_slip.period)
+        return self.regime.swings[0].frequency if self.regime.swings else None
+
+
+def _finite(value: float) -> float | None:
+    return None if math.isnan(value) else value
 
 
 @dataclass(frozen=True)
@@ -71,7 +97,8 @@ class AxisCure:
     effort
         The factor of the change, above 1; by it the cures are ranked. Infinite where none does.
     aim
-        "no jump at the slowest feed", or "a jump that is allowed".
+        "no jump at the slowest feed", "even motion" at the slowest feed that judders, or "a jump
+        that is allowed".
     held
         What is held while it changes, in words; empty where nothing needs saying.
     note
@@ -98,7 +125,9 @@ class Verdict:
     axis
         The axis.
     stable
-        Whether the loop is stable; a rigid drive is.
+        Whether the loop is stable with a table that slides fast; a rigid drive is.
+    cycle, unstable
+        The feeds [m/s] at which a cycle with jumps exists, and at which even motion is unstable.
     critical_feed
         The highest feed that is reached in jumps [m/s]; 0: it never jumps, infinite: at every feed.
     critical_range
@@ -124,10 +153,11 @@ class Verdict:
     responses
         Open loops; empty on a rigid drive.
     cures
-        What ends the jump at the slowest feed, the cheapest first; empty where there is none.
+        What makes the slowest feed that judders even, the smallest change first; empty where none
+        does.
     before, after
-        The motion after a break-away at the slowest feed, as it is, and beyond the cheapest cure;
-        None where nothing judders, and where nothing cures it.
+        The motion after a break-away at that feed, as it is, and beyond the smallest change; None
+        where nothing judders, and where nothing cures it.
     sentence
         The answer in words.
     unanswered
@@ -136,6 +166,8 @@ class Verdict:
 
     axis: Axis
     stable: bool
+    cycle: tuple[Interval, ...]
+    unstable: tuple[Interval, ...]
     critical_feed: float
     critical_range: tuple[float, float]
     rigid_critical_feed: float
@@ -155,13 +187,23 @@ class Verdict:
     unanswered: tuple[str, ...]
 
     @property
-    def cheapest(self) -> tuple[AxisCure, ...]:
-        """The cheapest cure of each aim, without those that are none to name."""
-        return cheapest(self.cures)
+    def smallest(self) -> tuple[AxisCure, ...]:
+        """The smallest change of each aim, without those that are none to name."""
+        return smallest(self.cures)
+
+    @property
+    def judder(self) -> OperatingPoint | None:
+        """The slowest feed at which the axis judders; None where it does at none."""
+        return judder(self.points)
 
 
-def cheapest(cures: Iterable[AxisCure]) -> tuple[AxisCure, ...]:
-    """Return the cheapest cure of each aim, of cures that are in order.
+def judder(points: Iterable[OperatingPoint]) -> OperatingPoint | None:
+    """Return the slowest of some points, in order, at which the axis judders."""
+    return next((point for point in points if point.judders), None)
+
+
+def smallest(cures: Iterable[AxisCure]) -> tuple[AxisCure, ...]:
+    """Return the smallest change of each aim, of cures that are in order.
 
     A faster feed is none, since the feed is what is asked for, and none is a number that must
     change by more than a factor of `WORTHWHILE`.

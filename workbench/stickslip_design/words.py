@@ -6,10 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+from stickslip_ref import CriticalVelocity, Interval
+
 from .axis import Axis
 from .loop.stability import gain_limits
-from .shown import EXACT, number, per_minute, told
-from .verdict import WORTHWHILE, AxisCure, OperatingPoint, cheapest
+from .shown import EXACT, number, per_minute, shown_in, told
+from .verdict import WORTHWHILE, AxisCure, OperatingPoint, judder, smallest
 
 _SLOW: Final = 1e-3
 """Feeds below this are given in mm/min [m/s]."""
@@ -24,7 +26,7 @@ def feed_in_words(feed: float) -> str:
 
 def in_words(
     axis: Axis,
-    critical: float,
+    limits: CriticalVelocity,
     points: Sequence[OperatingPoint],
     cures: Sequence[AxisCure],
     *,
@@ -36,34 +38,71 @@ def in_words(
     ----------
     axis
         The axis.
-    critical
-        Its critical feed [m/s].
+    limits
+        The feeds at which it jumps, and at which even motion is unstable.
     points
         Its operating points, the slowest feed first.
     cures
-        The cures, the cheapest first.
+        The cures, the smallest change first.
     stable
         Whether its loop is stable.
     """
     if not stable:
         return _unstable(axis)
-    if critical == 0.0:
-        return "This axis does not jump at any feed."
-    ends = f"from {told(critical, 'm/s')} on it cannot"
-    if math.isinf(critical):
-        ends = "without damping the jumps have no end at any feed"
-        if axis.drive is None and axis.c == 0.0:
-            ends += ": state c or zeta of the axis"
+    worst = judder(points)
+    ends = _ends(axis, limits)
+    if worst is not None:
+        at = feed_in_words(worst.feed)
+        return " ".join([f"{_judder(worst, at)}; {ends}.", *_start(axis, worst), *_smallest(cures)])
+    if not limits.cycle and not limits.unstable:
+        return "This axis does not jump at any feed, and moves evenly at each."
     if not points:
-        return f"This axis can jump; {ends}."
-    slowest = points[0]
-    at = feed_in_words(slowest.feed)
-    if not slowest.jumps:
+        return f"This axis can judder; {ends}."
+    least = min(points, key=lambda point: point.margin)
+    return (
+        f"At the feeds asked for this axis moves evenly; {_where(limits)}. "
+        f"The least margin is {number(least.margin)}, at {feed_in_words(least.feed)}."
+    )
+
+
+def ranges_in_words(ranges: Sequence[Interval]) -> str:
+    """Return ranges of the feed in words: up to 3.95 mm/s, from 4.26 to 56.6 mm/s."""
+    return " and ".join(_range(interval) for interval in ranges)
+
+
+def _where(limits: CriticalVelocity) -> str:
+    """Return where an axis jumps and swings."""
+    said = [f"it jumps {ranges_in_words(limits.cycle)}"] if limits.cycle else []
+    if limits.unstable:
+        said.append(f"even motion is unstable {ranges_in_words(limits.unstable)}")
+    return "; ".join(said)
+
+
+def _range(interval: Interval) -> str:
+    if interval.low_end == "none":
         return (
-            f"At {at}, the slowest feed, this axis cannot jump: its jumps end at "
-            f"{told(critical, 'm/s')}, so the margin is {number(slowest.margin)}."
+            f"up to {told(interval.high, 'm/s')}" if interval.high < math.inf else "at every feed"
         )
-    return " ".join([f"{_judder(slowest, at)}; {ends}.", *_start(axis, slowest), *_cheapest(cures)])
+    if math.isinf(interval.high):
+        return f"from {told(interval.low, 'm/s')} on"
+    return f"from {shown_in(interval.low, 'm/s')} to {told(interval.high, 'm/s')}"
+
+
+def _ends(axis: Axis, limits: CriticalVelocity) -> str:
+    """Return where jumps and swings end."""
+    said = []
+    if limits.cycle:
+        critical = limits.highest
+        if math.isinf(critical):
+            said.append("without damping the jumps have no end at any feed")
+            if axis.drive is None and axis.c == 0.0:
+                said[0] += ": state c or zeta of the axis"
+        elif len(limits.cycle) == 1 and limits.cycle[0].low_end == "none":
+            said.append(f"from {told(critical, 'm/s')} on it cannot")
+        else:
+            return _where(limits)
+    said += [_where(limits._replace(cycle=()))] if limits.unstable else []
+    return "; ".join(said)
 
 
 def _unstable(axis: Axis) -> str:
@@ -81,14 +120,24 @@ def _unstable(axis: Axis) -> str:
 
 
 def _judder(point: OperatingPoint, at: str) -> str:
+    cycle, swings = point.regime.stick_slip, point.regime.swings
+    if cycle is None and swings:
+        swing = swings[0]
+        return (
+            f"At {at} this axis swings by ± {number(100.0 * swing.amplitude, 2)} % of the feed, "
+            f"{number(swing.frequency)} times a second, and never stops"
+        )
+    if cycle is None:
+        return f"At {at} even motion of this axis is unstable"
     if point.jump is None or point.frequency is None:
         return f"At {at} this axis hunts along the way: the drive turns it back between two jumps"
     often = f"{number(point.frequency, 2)} times a second"
-    return f"At {at} this axis jumps {told(point.jump, 'm')}, {often}"
+    back = ", turning back between them" if cycle.reverses else ""
+    return f"At {at} this axis jumps {told(point.jump, 'm')}, {often}{back}"
 
 
 def _start(axis: Axis, point: OperatingPoint) -> list[str]:
-    if point.from_rest is not False:
+    if point.after_start is not False:
         return []
     acceleration = axis.demand.acceleration or 0.0
     return [
@@ -97,12 +146,12 @@ def _start(axis: Axis, point: OperatingPoint) -> list[str]:
     ]
 
 
-def _cheapest(cures: Sequence[AxisCure]) -> list[str]:
-    found = cheapest(cures)
+def _smallest(cures: Sequence[AxisCure]) -> list[str]:
+    found = smallest(cures)
     if not found:
         return [f"No number alone ends that, changed by a factor of {WORTHWHILE:g}."]
     best = found[0]
     assert best.then is not None
     now, then = told(best.now, best.unit, EXACT), told(best.then, best.unit, EXACT)
     held = f" ({best.held} held)" if best.held else ""
-    return [f"Cheapest cure: {best.name}, {best.number} from {now} to {then}{held}."]
+    return [f"Smallest change: {best.name}, {best.number} from {now} to {then}{held}."]

@@ -59,7 +59,7 @@ def critical(
     """
     from stickslip.show.critical_table import critical_table
     from stickslip.simulate.engines import reference_parameters
-    from stickslip_ref import critical_velocity
+    from stickslip_ref import critical_velocity, regime
 
     typed = {"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k, "v": v, "load": load}
     typed |= {"tau_s": tau_s, "B": B, "t_0": t_0}
@@ -75,12 +75,12 @@ def critical(
             found = critical_velocity(parameters, law, between=between)
             if v is not None and (wider := _holding(abs(values["v"]), between, found.between)):
                 found = critical_velocity(parameters, law, between=wider)
-            table_of_limits = critical_table(found, values["v"] if v is not None else None)
+            there = regime(parameters, law) if v is not None and values["v"] else None
         except (ValueError, RuntimeError) as error:
             raise CommandError(" ".join(str(error).split())) from error
     for warning in caught:
         say(f"warning: {warning.message}")
-    console().print(table_of_limits)
+    console().print(critical_table(found, there))
 
 
 def _holding(

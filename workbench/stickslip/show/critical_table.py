@@ -9,13 +9,8 @@ from rich.table import Table
 from rich.text import Text
 
 from stickslip.show.scales import VELOCITIES, scale_for
-from stickslip_ref import CriticalVelocity, Interval
+from stickslip_ref import CriticalVelocity, Interval, Regime
 
-_MOTIONS = {
-    "sticks": "the mass sticks and slips",
-    "swings": "the mass swings and never sticks",
-    "even": "the mass slides evenly",
-}
 _KINDS = {
     "eigenvalue": "eigenvalue",
     "grazing": "grazing",
@@ -25,8 +20,8 @@ _KINDS = {
 }
 
 
-def critical_table(found: CriticalVelocity, v: float | None = None) -> RenderableType:
-    """Make the table of a limit, with the motions that exist at `v` [m/s] where it is given."""
+def critical_table(found: CriticalVelocity, there: Regime | None = None) -> RenderableType:
+    """Make the table of a limit, with what happens at a velocity where it is given."""
     table = Table(box=SIMPLE_HEAD)
     table.add_column("", overflow="fold")
     for heading in ("from", "", "to", ""):
@@ -38,11 +33,15 @@ def critical_table(found: CriticalVelocity, v: float | None = None) -> Renderabl
         for row in _rows(name, ranges, proven=found.proven):
             table.add_row(*row)
     notes = [] if found.proven else [_searched(found)]
-    if v is not None:
-        motions = found.motions(v)
-        said = ", or by its start ".join(_MOTIONS[each] for each in motions)
-        notes.insert(0, f"at {_speed(abs(v))}: {said}")
+    if there is not None:
+        notes.insert(0, f"at {_speed(there.speed)} the mass {there.words}{_settles(there)}")
     return Group(table, *(Text(note) for note in notes))
+
+
+def _settles(there: Regime) -> str:
+    if there.kinds != ("even",) or math.isinf(there.settling):
+        return ""
+    return f": within 5 % of the speed {there.settling:.3g} s after it breaks away from rest"
 
 
 def _rows(name: str, ranges: Sequence[Interval], *, proven: bool) -> list[list[str]]:

@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 
 from ..axis import Axis
 from ..one_thread import one_thread
+from .lines import lines_of
 from .motion import OF_TABLE, Event, Motion, Point, after, margins_of, rising_again
 from .system import LAST, MOTOR, SPEED, TABLE, Mode, System
 
@@ -27,6 +28,10 @@ _SHARE: Final = 0.7
 _BEGINNINGS: Final = tuple(0.5**n for n in range(1, 14))
 """Where the search begins, in units of w times the relief. Slower, the integral of a drive that
 measures on the table turns it back in its rests: it hunts along the way."""
+_RUNG: Final = 1.5
+"""From feed to feed where jumps are looked for, if friction changes with the speed."""
+_SLOWER, _FASTER = 0.02, 5.0
+"""How far these reach beyond the speeds of the friction and of the jumps."""
 _MOST: Final = 2_000
 """Steps of a search."""
 
@@ -200,7 +205,7 @@ def jump_at(axis: Axis, feed: float) -> Jump | None:
 
 
 @one_thread
-def limit_of_jumps(axis: Axis, highest: float = math.inf) -> Limit:
+def limit_of_jumps(axis: Axis, highest: float = math.inf, begin: float | None = None) -> Limit:
     """Return the highest feed that a servo axis reaches in jumps when the feed rises slowly.
 
     Parameters
@@ -209,13 +214,20 @@ def limit_of_jumps(axis: Axis, highest: float = math.inf) -> Limit:
         An axis with a drive.
     highest
         Where the search ends [m/s].
+    begin
+        A feed with jumps to begin at [m/s]; else one is looked for.
 
     Notes
     -----
     At the end the least speed of a slip comes to 0 (grazing). The cycle is carried along; each step
     goes part of the way to where that speed, by its last change, would be 0.
     """
-    found = _begun(axis, highest)
+    if begin is None:
+        found = _begun(axis, highest)
+    else:
+        cycle = Jumping(axis, begin)
+        jumps = cycle.at(begin)
+        found = None if jumps is None else (cycle, jumps)
     if found is None:
         return Limit(0.0, None)
     cycle, jumps = found
@@ -244,15 +256,27 @@ def limit_of_jumps(axis: Axis, highest: float = math.inf) -> Limit:
 
 def _begun(axis: Axis, highest: float) -> tuple[Jumping, list[Jump]] | None:
     """Return the cycle at the highest of the feeds tried at which it forms; None without one."""
-    whole = 2.0 * (axis.F_s - axis.F_k) / axis.k * math.sqrt(axis.k / axis.m)
-    for share in _BEGINNINGS:
-        feed = min(share * whole, highest)
+    for feed in dict.fromkeys(min(feed, highest) for feed in beginnings(axis)):
         if feed > 0.0:
             cycle = Jumping(axis, feed)
             jumps = cycle.at(feed)
             if jumps is not None:
                 return cycle, jumps
     return None
+
+
+def beginnings(axis: Axis) -> list[float]:
+    """Return the feeds at which a cycle is looked for [m/s], the highest first."""
+    w = math.sqrt(axis.k / axis.m)
+    whole = 2.0 * (axis.F_s - axis.F_k) / axis.k * w
+    if axis.friction.law == "coulomb":
+        return [share * whole for share in _BEGINNINGS]
+    # Where friction changes with the speed a cycle may begin above a feed, and begin again.
+    knots = [line.low for line in lines_of(axis)[1:]]
+    scales = [scale for scale in (*knots, axis.F_s / axis.k * w) if scale > 0.0]
+    low, high = _SLOWER * min(scales), _FASTER * max(scales)
+    count = math.ceil(math.log(high / low) / math.log(_RUNG))
+    return [high * (low / high) ** (number / count) for number in range(count + 1)]
 
 
 def _least(jumps: list[Jump]) -> float:

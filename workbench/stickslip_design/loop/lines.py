@@ -68,3 +68,12 @@ def lines_of(axis: Axis) -> tuple[Line, ...]:
         )
     ]  # fmt: skip
     return (*lines, Line(float(speeds[-1]), math.inf, float(forces[-1]), 0.0))
+
+
+def line_at(axis: Axis, feed: float) -> Line:
+    """Return the dry friction of the guideway about a feed [m/s]: the line that touches it."""
+    friction = axis.friction
+    if friction.law != "stribeck" or friction.is_curve:
+        return next(line for line in lines_of(axis) if feed <= line.high)
+    p = STRIBECK.complete(axis.block(1.0), friction.own)
+    return Line(feed, math.inf, STRIBECK.slip_friction(p, feed), STRIBECK.slope(p, feed))

@@ -10,16 +10,24 @@ from typing import Final, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from stickslip_ref import Interval, merged
+
 from ..axis import Axis
 from ..one_thread import one_thread
+from .lines import Line, line_at, lines_of
 from .system import INTEGRAL, SPEED, TABLE, Mode, System
 
+EIGENVALUE: Final = "eigenvalue"
 _STUCK: Final = Mode(0, 1)
 
 _FINER: Final = 1.05
 """Factor from gain to gain in the search for a limit."""
 _MOST: Final = 1e3
 """How far beyond a gain its limit is searched."""
+_SLOWEST: Final = 1e-3
+_FEEDS: Final = 160
+"""Feeds at which the damping of a smooth fall is looked at, and the slowest over the first line's
+end."""
 _ROUNDING: Final = 1e-9
 """What the integral of a position that does not follow may differ from standing still."""
 
@@ -61,7 +69,7 @@ class GainLimits(NamedTuple):
 
 
 @one_thread
-def swing(axis: Axis, *, sliding: bool = True) -> Swing:
+def swing(axis: Axis, *, sliding: bool = True, line: Line | None = None) -> Swing:
     """Return the least damped swing of a servo axis.
 
     Parameters
@@ -70,17 +78,55 @@ def swing(axis: Axis, *, sliding: bool = True) -> Swing:
         An axis with a drive.
     sliding
         With the table sliding in one direction, or stuck.
+    line
+        The friction about the feed; else that of a fast table, which no longer falls.
 
     Notes
     -----
     An eigenvalue z from sample to sample is a motion exp(s t) with s = ln(z)/T_s. Without a swing:
     damping infinite, frequency 0.
     """
-    system = System(axis)
+    system = System(axis, None if line is None else (line,))
     z = _eigenvalues(system, system.sliding if sliding else _STUCK)
     s = np.log(z[z.imag > 0.0]) / system.drive.T_s
     found = [Swing(float(-each.real / abs(each)), float(abs(each))) for each in s]
     return min(found, default=Swing(math.inf, 0.0))
+
+
+@one_thread
+def unstable_feeds(axis: Axis) -> tuple[Interval, ...]:
+    """Return the feeds [m/s] at which even motion of a servo axis grows into a swing.
+
+    A falling friction takes damping away where it falls; elsewhere the loop is as `is_stable` says.
+    """
+    if axis.friction.law != "stribeck":
+        return ()
+
+    def damping(feed: float) -> float:
+        return swing(axis, line=line_at(axis, feed)).damping
+
+    lines = lines_of(axis)
+    if axis.friction.is_curve:
+        bands = [(line.low, line.high) for line in lines]
+        found = [band for band, line in zip(bands, lines, strict=True) if _grows(axis, line)]
+        return merged([Interval(*band, EIGENVALUE, EIGENVALUE) for band in found])
+    feeds = np.geomspace(_SLOWEST * lines[1].low, lines[-1].low, _FEEDS)
+    values = [damping(feed) for feed in feeds]
+    ends = [
+        float(brentq(damping, feeds[n], feeds[n + 1], rtol=1e-9))
+        for n in range(len(feeds) - 1)
+        if (values[n] < 0.0) != (values[n + 1] < 0.0)
+    ]
+    if values[0] < 0.0:
+        ends.insert(0, 0.0)
+    return tuple(
+        Interval(low, high, EIGENVALUE, EIGENVALUE)
+        for low, high in zip(ends[::2], ends[1::2], strict=True)
+    )
+
+
+def _grows(axis: Axis, line: Line) -> bool:
+    return swing(axis, line=line).damping < 0.0
 
 
 @one_thread

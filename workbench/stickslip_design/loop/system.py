@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from ..axis import Axis, Drive
-from .lines import lines_of
+from .lines import Line, lines_of
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -76,6 +76,8 @@ class System:
     axis
         An axis with a drive. A smooth fall of its friction is taken as straight lines; of what
         grows while the table rests tau_s counts alone.
+    lines
+        Its friction in slip, where it is not that of the axis.
 
     Attributes
     ----------
@@ -98,10 +100,10 @@ class System:
         If the axis has no drive.
     """
 
-    def __init__(self, axis: Axis) -> None:
+    def __init__(self, axis: Axis, lines: tuple[Line, ...] | None = None) -> None:
         if axis.drive is None:
             raise ValueError("an axis on a rigid drive has no loop")
-        self.axis, self.drive, self.lines = axis, axis.drive, lines_of(axis)
+        self.axis, self.drive, self.lines = axis, axis.drive, lines or lines_of(axis)
         whole, rest = _whole_samples(self.drive)
         waiting = whole + (2 if rest > 0.0 else 1)
         filters = LAST + 1 + waiting

@@ -18,7 +18,7 @@ from stickslip_ref import CriticalVelocity, coulomb_limit, critical_velocity, st
 
 from ..axis import Axis, AxisError, AxisFile, Number
 from ..axis.build import key_of
-from ..critical import jumps_of
+from ..critical import jumps_of, limits_of
 from ..loop.jumps import limit_of_jumps
 from ..loop.stability import is_stable
 
@@ -247,12 +247,14 @@ def _answer(axis: Axis, feeds: Sequence[float], *, regimes_only: bool) -> _Answe
 
 def _loop(axis: Axis, feeds: Sequence[float]) -> tuple[float, list[int]]:
     """Return the critical feed [m/s] of a servo axis and its regimes."""
-    critical = limit_of_jumps(axis).feed
-    return critical, [STICKS if v <= critical else EVEN for v in feeds]
+    found = limits_of(axis)
+    return found.highest, [_regime(found, v) for v in feeds]
 
 
 def _loop_regimes(axis: Axis, feeds: Sequence[float]) -> tuple[float, list[int]]:
     """Return the regimes of a servo axis, whose jumps are followed up to the highest feed only."""
+    if axis.friction.law != "coulomb":
+        return _loop(axis, feeds)
     # A cycle that does not form at slow feeds may do so above them all.
     reached = limit_of_jumps(axis, max(feeds)).feed or limit_of_jumps(axis).feed
     return math.nan, [STICKS if v <= reached else EVEN for v in feeds]

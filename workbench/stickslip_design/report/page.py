@@ -32,7 +32,7 @@ def html(verdict: Verdict) -> str:
         standing=tables.standing(verdict),
         critical=tables.critical(verdict),
         margin=tables.margin(verdict),
-        cheapest=[(cure, tables.change(cure)) for cure in verdict.cheapest],
+        smallest=[(cure, tables.change(cure)) for cure in verdict.smallest],
         bars=[
             (name, _drawn(plots.feeds(verdict, width), f"bar-{name}", "Motions over the feed"))
             for name, width in (("wide", plots.WIDE), ("narrow", plots.NARROW))

@@ -34,6 +34,7 @@ NARROW: Final = 3.5
 _FILLS: Final[dict[Motion, tuple[str, str]]] = {
     "jumps": (ORANGE, ""),
     "both": ("#f6d3b8", "////"),
+    "swings": ("#e9c46a", "...."),
     "even": ("#a9d3ea", ""),
 }
 """Colour and hatch of a motion: told apart with every colour vision, and in grey."""
@@ -135,7 +136,7 @@ def feeds(verdict: Verdict, width: float = WIDE) -> Figure | None:
 
 
 def before_and_after(verdict: Verdict, width: float = WIDE) -> Figure | None:
-    """Draw the table's motion after a break-away, as the axis is and with the cheapest cure.
+    """Draw the table's motion after a break-away, as the axis is and with the smallest change.
 
     Parameters
     ----------
@@ -159,7 +160,7 @@ def before_and_after(verdict: Verdict, width: float = WIDE) -> Figure | None:
         on = page.add_axes((left, low, 1.0 - left - right, 1.0 - low - high))
         for motion, colour, line, name in (
             (verdict.before, ORANGE, "-", "as it is"),
-            (verdict.after, BLUE, (0, (5, 1.5)), "with the cheapest cure"),
+            (verdict.after, BLUE, (0, (5, 1.5)), "with the smallest change"),
         ):
             ahead = 1e6 * (motion.ahead - motion.ahead.mean())
             on.plot(_MM * motion.time, ahead, color=colour, ls=line, lw=1.5, label=name)

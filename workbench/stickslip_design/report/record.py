@@ -12,10 +12,10 @@ import numpy as np
 from stickslip_fmu.release import VERSION
 
 from ..loop.stability import Swing
-from ..verdict import Verdict
+from ..verdict import OperatingPoint, Verdict
 from .tables import standing
 
-FORMAT: Final = 1
+FORMAT: Final = 2
 """Rises where a key changes its meaning or goes."""
 
 ABOUT: Final = (
@@ -29,6 +29,11 @@ UNITS: Final = {
     "margin": "1",
     "jump": "m",
     "frequency": "Hz",
+    "speed": "m/s",
+    "amplitude": "1",
+    "settling": "s",
+    "low": "m/s",
+    "high": "m/s",
     "simplified_jump": "m",
     "simplified_frequency": "Hz",
     "critical_feed": "m/s",
@@ -36,7 +41,7 @@ UNITS: Final = {
     "rigid_critical_feed": "m/s",
     "estimated_critical_feed": "m/s",
     "simplified_critical_feed": "m/s",
-    "from_rest": "m/s",
+    "from_rest": "m/s; of a regime the motion that a start from rest reaches",
     "damping": "1",
     "w": "rad/s",
     "K_v": "1/s",
@@ -89,6 +94,9 @@ UNITS: Final = {
 """The unit of every number, by its key."""
 
 
+_OF_POINT: Final = ("feed", "jumps", "judders", "jump", "frequency")
+
+
 def data(verdict: Verdict) -> dict[str, Any]:
     """Return a verdict as what JSON knows: dicts, lists, texts, finite numbers, true and null.
 
@@ -112,6 +120,9 @@ def data(verdict: Verdict) -> dict[str, Any]:
 def _plain(value: Any) -> Any:
     if isinstance(value, Swing):
         return _plain({**value._asdict(), "frequency": value.frequency})
+    if isinstance(value, OperatingPoint):
+        shown = {name: getattr(value, name) for name in _OF_POINT}
+        return {**_plain({each.name: getattr(value, each.name) for each in fields(value)}), **shown}
     if is_dataclass(value) and not isinstance(value, type):
         return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
     if hasattr(value, "_asdict"):

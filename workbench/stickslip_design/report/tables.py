@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
@@ -12,14 +13,16 @@ import numpy as np
 from ..axis import Axis, Filter
 from ..loop.response import Cut, Response
 from ..shown import EXACT, NONE, decibels, number, per_minute, shown_in, told
-from ..verdict import AxisCure, OperatingPoint, Verdict
+from ..verdict import AxisCure, Verdict
+from ..words import ranges_in_words
 
 Tone = Literal["good", "warn", "bad"]
-Motion = Literal["jumps", "both", "even"]
+Motion = Literal["jumps", "both", "swings", "even"]
 
 MOTIONS: Final[dict[Motion, str]] = {
     "jumps": "moves in jumps",
     "both": "jumps or even, by its start",
+    "swings": "swings without a stop",
     "even": "moves evenly",
 }
 CUTS: Final[dict[Cut, str]] = {"force": "at the motor's force", "position": "at the position error"}
@@ -68,7 +71,9 @@ def standing(verdict: Verdict) -> Standing:
     if not verdict.stable:
         return Standing("unstable", "bad")
     jumping = [point for point in verdict.points if point.jumps]
-    if jumping and all(point.from_rest is False for point in jumping):
+    if any(point.judders and not point.jumps for point in verdict.points):
+        return Standing("judders" if jumping else "swings", "bad")
+    if jumping and all(point.after_start is False for point in jumping):
         return Standing("depends on the start", "warn")
     if jumping:
         allowed = verdict.axis.demand.largest_jump
@@ -80,6 +85,8 @@ def standing(verdict: Verdict) -> Standing:
     if not verdict.points and verdict.critical_feed > 0.0:
         low = math.isfinite(verdict.critical_feed)
         return Standing("jumps at low feed", "warn") if low else Standing("judders", "bad")
+    if not verdict.points and verdict.unstable:
+        return Standing("swings at some feeds", "warn")
     if verdict.hunting is not None:
         return Standing("hunts at a target", "warn")
     return Standing("clean", "good")
@@ -89,14 +96,21 @@ def motions(verdict: Verdict) -> tuple[Range, ...]:
     """Return where over the feed which motion exists; empty where the loop is unstable."""
     if not verdict.stable or math.isnan(verdict.critical_feed):
         return ()
-    limit = verdict.critical_feed
-    certain = limit if verdict.from_rest is None else min(verdict.from_rest, limit)
-    found = (
-        Range(0.0, certain, "jumps"),
-        Range(certain, limit, "both"),
-        Range(limit, math.inf, "even"),
-    )
-    return tuple(each for each in found if each.high > each.low)
+    start = math.inf if verdict.from_rest is None else verdict.from_rest
+    ends = {0.0, math.inf, start}
+    ends |= {end for each in (*verdict.cycle, *verdict.unstable) for end in (each.low, each.high)}
+    found: list[Range] = []
+    for low, high in pairwise(sorted(ends)):
+        inside = 0.5 * (low + high) if high < math.inf else 2.0 * low + 1.0
+        motion: Motion = "even"
+        if any(inside in each for each in verdict.cycle):
+            motion = "jumps" if low < start else "both"
+        elif any(inside in each for each in verdict.unstable):
+            motion = "swings"
+        if found and found[-1].motion == motion:
+            low = found.pop().low
+        found.append(Range(low, high, motion))
+    return tuple(found)
 
 
 def critical(verdict: Verdict) -> str:
@@ -104,11 +118,17 @@ def critical(verdict: Verdict) -> str:
     limit = verdict.critical_feed
     if not verdict.stable or math.isnan(limit):
         return "none: the loop is unstable"
+    swings = ""
+    if verdict.unstable:
+        swings = f"; even motion is unstable {ranges_in_words(verdict.unstable)}"
     if limit == 0.0:
-        return "none: the axis never jumps"
+        return f"none: the axis never jumps{swings}"
     if math.isinf(limit):
         return "none: the axis jumps at every feed"
     text = f"{told(limit, 'm/s')} ({per_minute(limit)} mm/min)"
+    if len(verdict.cycle) > 1 or any(each.low_end != "none" for each in verdict.cycle):
+        text += f"; it jumps {ranges_in_words(verdict.cycle)}"
+    text += swings
     low, high = verdict.critical_range
     if low < high:
         text += f"; {shown_in(low, 'm/s')} to {told(high, 'm/s')} within the ± of the file"
@@ -116,12 +136,13 @@ def critical(verdict: Verdict) -> str:
 
 
 def margin(verdict: Verdict) -> str:
-    """Return the margin of the slowest feed in words; empty where no feed was asked for."""
+    """Return the least margin of the feeds in words; empty where no feed was asked for."""
     if not verdict.points:
         return ""
-    slowest = verdict.points[0]
-    at = f"{told(slowest.feed, 'm/s', EXACT)} ({per_minute(slowest.feed, EXACT)} mm/min)"
-    return f"{number(slowest.margin)} at the slowest feed, {at}"
+    least = min(verdict.points, key=lambda point: point.margin)
+    which = "the slowest feed" if least is verdict.points[0] else "the feed"
+    at = f"{told(least.feed, 'm/s', EXACT)} ({per_minute(least.feed, EXACT)} mm/min)"
+    return f"{number(least.margin)} at {which}, {at}"
 
 
 def change(cure: AxisCure) -> str:
@@ -139,31 +160,26 @@ def operating_points(verdict: Verdict) -> Grid:
     return Grid(
         (
             "feed [mm/s]", "[mm/min]", "margin", "what the axis does",
-            "jump [µm]", "familiar formula [µm]", "jumps a second [1/s]", "familiar formula [1/s]",
+            "jump [µm]", "familiar formula [µm]", "frequency [1/s]", "familiar formula [1/s]",
+            "settles in [s]", "damping [%]",
         ),
         [
             (
                 shown_in(point.feed, "m/s", EXACT),
                 per_minute(point.feed, EXACT),
                 number(point.margin),
-                _does(point),
+                point.regime.words,
                 shown_in(point.jump, "m"),
                 shown_in(point.simplified_jump, "m"),
                 number(point.frequency),
                 number(point.simplified_frequency),
+                NONE if point.judders else number(point.regime.settling),
+                number(100.0 * point.regime.damping),
             )
             for point in verdict.points
         ],
-        frozenset({0, 1, 2, 4, 5, 6, 7}),
+        frozenset({0, 1, 2, 4, 5, 6, 7, 8, 9}),
     )  # fmt: skip
-
-
-def _does(point: OperatingPoint) -> str:
-    if point.hunts:
-        return "jumps, and turns back between the jumps"
-    if not point.jumps:
-        return "moves evenly"
-    return "jumps, or moves evenly, by its start" if point.from_rest is False else "jumps"
 
 
 def critical_feeds(verdict: Verdict) -> Grid:
@@ -210,7 +226,8 @@ def loop(verdict: Verdict) -> Grid:
             if math.isfinite(swing.damping) and swing.w > 0.0:
                 damping = f"{number(100.0 * swing.damping)} %"
                 swings = f"{told(swing.frequency, 'Hz')}, damping ratio {damping}"
-            rows.append((f"least damped swing, table {name}", swings))
+            where = "sliding fast" if name == "sliding" else name
+            rows.append((f"least damped swing, table {where}", swings))
     drive, gains = verdict.axis.drive, verdict.gains
     if drive is not None and gains is not None:
         rows.append(("stable up to K_v, all else held", _borne(drive.K_v, gains.K_v, "1/s")))
@@ -279,7 +296,7 @@ def hunting(verdict: Verdict) -> tuple[str, ...]:
 
 
 def cures(verdict: Verdict) -> Grid:
-    """Return every cure, the cheapest first."""
+    """Return every cure, the smallest change first."""
     return Grid(
         ("cure", "number", "now → then", "factor", "aim", "held, and what else to know"),
         [

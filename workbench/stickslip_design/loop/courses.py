@@ -1,0 +1,302 @@
+"""Where the motion of a servo axis leads at a feed, from different starts: docs/feed-axis.md.
+
+The table is followed from event to event; where its speed is greatest and least is an event too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Final, Literal, NamedTuple
+
+from stickslip_ref import SETTLED, Kind, Regime, StickSlip, Swinging
+
+from ..axis import Axis
+from ..one_thread import one_thread
+from .jumps import Limit, limit_of_jumps, loaded
+from .lines import line_at
+from .motion import Margin, Motion, Point, after, margins_of
+from .stability import swing
+from .system import LAST, MOTOR, SPEED, TABLE, Mode, System
+
+Begin = Literal["rest", "jumps", "even"]
+
+_DEVIATION: Final = 0.02
+"""Of the table's speed from the feed where a motion near even sliding begins."""
+_STEADY: Final = 1e-3
+"""A swing is steady where its amplitude changes by less over `_SWINGS` swings, relative."""
+_SWINGS: Final = 8
+"""Extremes of the speed that are looked at together."""
+_STILL: Final = 1e-3
+"""A swing of a smaller amplitude, over the feed, is even motion."""
+_STICKS: Final = 12
+"""Sticks after which a motion sticks and slips, where the last half of them is as the first."""
+_ALIKE: Final = 0.02
+"""How far the slips of both halves may differ, relative."""
+_BESIDE: Final = 1e-3
+"""Time beside an extreme in which no other is looked for, in periods."""
+_MOST: Final = 6_000
+"""Events that are followed."""
+_LONGEST: Final = 400.0
+"""Times the period of a swing of the table on its spring that are followed after a slip begins."""
+
+
+class Course(NamedTuple):
+    """Where a motion leads.
+
+    Attributes
+    ----------
+    kind
+        "even", "swings" or "sticks".
+    swing, stick_slip
+        The swing or the cycle that it ends in.
+    settling
+        Time from the first break-away until it is even [s]; infinite where it does not end so.
+    """
+
+    kind: Kind
+    swing: Swinging | None = None
+    stick_slip: StickSlip | None = None
+    settling: float = math.inf
+
+
+class Extreme(NamedTuple):
+    """An event of the table: its name, time [s], and the table's place [m] and speed [m/s]."""
+
+    name: str
+    time: float
+    place: float
+    speed: float
+    mode: Mode
+
+
+class Courses:
+    """The motions of a servo axis at one feed.
+
+    Parameters
+    ----------
+    axis
+        An axis with a drive.
+    feed
+        The feed [m/s], above 0.
+    """
+
+    def __init__(self, axis: Axis, feed: float) -> None:
+        self._axis, self._feed = axis, feed
+        self._system = System(axis)
+        self._motion = Motion(self._system)
+        self._stable: dict[int, bool] = {}
+
+    @one_thread
+    def course(self, begin: Begin) -> Course:
+        """Return where the motion leads from rest, out of a break-away, or from even motion."""
+        extremes: list[Extreme] = []
+        for event in self._events(*self._start(begin)):
+            extremes.append(event)
+            found = self._sticks(extremes) if event.name == "stop" else self._swings(extremes)
+            if found is not None:
+                return found
+        return self._last(extremes)
+
+    def _start(self, begin: Begin) -> tuple[Mode, Point]:
+        system, axis, feed = self._system, self._axis, self._feed
+        motor = 0 if system.drive.dry > 0.0 else 1
+        if begin == "jumps":
+            return Mode(0, 1), loaded(system, feed)
+        if begin == "rest":
+            state = system.at_rest()
+            acceleration = axis.demand.acceleration
+            if acceleration is None:
+                state[system.layout.feed] = feed
+            else:
+                state[system.layout.acceleration] = acceleration
+            return Mode(0, motor), Point(state, 0.0)
+        line = next(n for n, line in enumerate(system.lines) if feed <= line.high)
+        sliding = system.lines[line]
+        force = sliding.force + sliding.slope * (feed - sliding.low) + axis.c * feed - axis.along
+        state = system.holding(force, feed)
+        state[[MOTOR, LAST]] += force / axis.k
+        if not system.drive.on_table:
+            state[system.layout.command] += force / axis.k
+        state[SPEED] = feed * (1.0 + _DEVIATION)
+        if not sliding.low < state[SPEED] < sliding.high:
+            state[SPEED] = feed * (1.0 - _DEVIATION)
+        return Mode(1, 1, line), Point(state, 0.0)
+
+    def _events(self, mode: Mode, point: Point) -> Iterator[Extreme]:
+        """Follow stops, break-aways and extremes of the speed, with the set point's ramp."""
+        system, axis = self._system, self._axis
+        period = 2.0 * math.pi * math.sqrt(axis.m / axis.k)
+        passed, rising, turned = 0.0, False, False
+        ramp = float(point.state[system.layout.acceleration])
+        left = self._feed / ramp if ramp else math.inf
+        # What holds is loaded by the feed; a drive that lags or turns back takes longer.
+        end = 8.0 * axis.F_s / (axis.k * self._feed) + _LONGEST * period
+        for _ in range(_MOST):
+            margins = margins_of(system, mode)
+            until = min(left, end)
+            if turned:
+                # Beside an extreme its own rounding would be the next one.
+                until = min(until, _BESIDE * period)
+            elif mode.table:
+                sign = 1.0 if rising else -1.0
+                name = "peak" if rising else "dip"
+                margins += (Margin(name, sign * system.rates(mode, 0)[SPEED]),)
+            reached = self._motion.follow(mode, margins, point, until)
+            elapsed = float(reached.elapsed)
+            passed, left, end = passed + elapsed, left - elapsed, end - elapsed
+            if reached.event is None and left <= 0.0:
+                state = reached.point.state.copy()
+                state[[system.layout.feed, system.layout.acceleration]] = self._feed, 0.0
+                point, left = Point(state, reached.point.offset), math.inf
+                continue
+            if reached.event is None and end <= 0.0:
+                return
+            before, turned = mode, reached.event in ("peak", "dip")
+            mode, point = after(system, mode, reached)
+            if turned:
+                rising = not rising
+            elif mode.table != before.table:
+                rising = mode.table > 0
+                end = max(end, _LONGEST * period)
+            else:
+                continue
+            assert reached.event is not None
+            speed = float(point.state[SPEED])
+            yield Extreme(reached.event, passed, float(point.state[TABLE]), speed, mode)
+
+    def _sticks(self, events: list[Extreme]) -> Course | None:
+        """Return the cycle where sticks go on alike, None where that is not yet certain."""
+        if events[-1].mode.table:
+            return None
+        sticks = [number for number, event in enumerate(events) if event.mode.table == 0]
+        if len(sticks) <= _STICKS:
+            return None
+        ways = [events[end].place - events[begin].place for begin, end in pairwise(sticks)][
+            -_STICKS:
+        ]
+        half = _STICKS // 2
+        first, last = (sum(abs(way) for way in part) for part in (ways[:half], ways[half:]))
+        if abs(last - first) > _ALIKE * first and len(sticks) < 8 * _STICKS:
+            return None
+        return Course("sticks", stick_slip=self._cycle(events, sticks[-half - 1 :]))
+
+    def _cycle(self, events: list[Extreme], sticks: list[int]) -> StickSlip:
+        reverses = any(event.mode.table < 0 for event in events[sticks[0] : sticks[-1]])
+        count = len(sticks) - 1
+        way = events[sticks[-1]].place - events[sticks[0]].place
+        time = events[sticks[-1]].time - events[sticks[0]].time
+        return StickSlip(way / count, time / count, reverses)
+
+    def _swings(self, events: list[Extreme]) -> Course | None:
+        """Return even motion or a steady swing; None where that is not yet certain."""
+        if events[-1].name not in ("peak", "dip"):
+            return None
+        run = self._run(events)
+        if len(run) < _SWINGS:
+            return None
+        last = run[-_SWINGS:]
+        off = max(abs(event.speed / self._feed - 1.0) for event in last)
+        if off < _STILL or (off < SETTLED and self._in_stable_line(last)):
+            return Course("even", settling=self._settling(events))
+        heights = [abs(b.speed - a.speed) for a, b in pairwise(run)]
+        steady = (
+            len(heights) > 2 * _SWINGS
+            and abs(heights[-1] / heights[-1 - 2 * _SWINGS] - 1.0) < _STEADY
+        )
+        if steady and not self._in_stable_line(last):
+            return Course("swings", swing=self._swing(run))
+        return None
+
+    def _run(self, events: list[Extreme]) -> list[Extreme]:
+        """Return the last extremes, back to the last stop or break-away."""
+        begin = len(events)
+        while begin and events[begin - 1].name in ("peak", "dip"):
+            begin -= 1
+        return events[begin:]
+
+    def _in_stable_line(self, run: list[Extreme]) -> bool:
+        """Return whether a swing stays on one line of the friction on which it decays."""
+        speeds = [event.speed for event in run]
+        low, high = min(speeds), max(speeds)
+        for number, line in enumerate(self._system.lines):
+            if line.low <= low and high <= line.high:
+                if number not in self._stable:
+                    self._stable[number] = swing(self._axis, line=line).damping > 0.0
+                return self._stable[number]
+        return False
+
+    def _swing(self, run: list[Extreme]) -> Swinging:
+        amplitude = 0.5 * abs(run[-1].speed - run[-2].speed) / self._feed
+        last = run[-2 * _SWINGS - 1 :]
+        frequency = 0.5 * (len(last) - 1) / (last[-1].time - last[0].time)
+        return Swinging(amplitude, frequency)
+
+    def _settling(self, events: list[Extreme]) -> float:
+        """Return the time from the first break-away until the speed stays near the feed [s]."""
+        begin = events[0].time
+        off = [n for n, event in enumerate(events) if abs(event.speed / self._feed - 1.0) > SETTLED]
+        if not off:
+            return 0.0
+        return events[min(off[-1] + 1, len(events) - 1)].time - begin
+
+    def _last(self, events: list[Extreme]) -> Course:
+        """Return where a motion leads that was followed to the end of its time."""
+        run = self._run(events)
+        sticks = [number for number, event in enumerate(events) if event.mode.table == 0]
+        if len(sticks) > 2 and sticks[-1] >= len(events) - 2 - 2 * _SWINGS:
+            return Course("sticks", stick_slip=self._cycle(events, sticks[len(sticks) // 2 :]))
+        if not run or (events and events[-1].mode.table == 0):
+            # It creeps up to the feed without an extreme, or was never pulled away.
+            return Course("even", settling=0.0)
+        heights = [abs(b.speed - a.speed) for a, b in pairwise(run)]
+        if len(heights) < 2 * _SWINGS or heights[-1] < (1.0 - _STEADY) * heights[-1 - _SWINGS]:
+            return Course("even", settling=self._settling(events))
+        return Course("swings", swing=self._swing(run))
+
+
+def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regime:
+    """Return what a servo axis does at a feed [m/s].
+
+    Parameters
+    ----------
+    axis
+        An axis with a drive, its loop stable.
+    feed
+        The feed [m/s].
+    limit
+        The end of its jumps, where it is known.
+    """
+    least = swing(axis, line=line_at(axis, feed))
+    courses = Courses(axis, feed)
+    rest = courses.course("rest")
+    out_of_jumps = courses.course("jumps")
+    found = [rest, out_of_jumps]
+    if least.damping < 0.0:
+        found.append(courses.course("even"))
+    cycles = [course.stick_slip for course in found if course.stick_slip is not None]
+    stick_slip = cycles[0] if cycles else None
+    if axis.friction.law == "coulomb":
+        stick_slip = _carried(axis, feed, limit)
+    swings: list[Swinging] = []
+    for course in found:
+        if course.swing is not None and not any(
+            abs(course.swing.amplitude / other.amplitude - 1.0) < 10.0 * _STEADY for other in swings
+        ):
+            swings.append(course.swing)
+    return Regime(
+        feed, least.damping, least.frequency, tuple(swings), stick_slip, rest.kind, rest.settling
+    )
+
+
+def _carried(axis: Axis, feed: float, limit: Limit | None) -> StickSlip | None:
+    """Return the cycle carried up from slow feeds, None above the end of the jumps."""
+    end = limit_of_jumps(axis).feed if limit is None else limit.feed
+    if end < feed:
+        return None
+    there = limit_of_jumps(axis, feed)
+    if there.jump is not None and there.feed >= feed:
+        return StickSlip(there.jump.way, 1.0 / there.rate)
+    # The drive turns the table back between two jumps.
+    return StickSlip(math.nan, math.nan, True)
