@@ -19,7 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cycle import steady_cycle
+from .dwell import dwell_attractors
 from .laws import COULOMB, FrictionLaw, friction_law
+from .laws.coulomb import dwells
 from .limits import critical_velocity
 from .parameters import Parameters
 from .ranges import EVEN, STICKS, SWINGS
@@ -183,13 +185,12 @@ def regime(
         raise ValueError("v = 0.0 m/s is out of range; what happens at a speed needs one")
     still = replace(p, v=speed, F_ext=0.0, x_start=0.0, x_dot_start=0.0)
     p = law.complete(still, {**p.own, **(own or {})})
-    stick_slip = _stick_slip(p, law)
+    stick_slip, reached = _stick_slip(p, law)
     w = float(p.w)
     damping = (float(p.c) + law.slope(p, speed)) / (2.0 * float(p.m) * w)
     inner = None if damping >= 0.0 else _course(p, law, speed * (1.0 + _DEVIATION), _even(p, law))
-    if stick_slip is None:
-        start = law.break_away_force(p, law.age_start(p)) / float(p.k)
-        outer = _course(p, law, 0.0, start)
+    if not reached:
+        outer = _course(p, law, 0.0, _last_break_away(p, law))
     else:
         outer = _Course("sticks", None, math.inf)
     swings = [found.swing for found in (outer, inner) if found is not None and found.swing]
@@ -206,18 +207,25 @@ def regime(
     )
 
 
-def _stick_slip(p: Parameters, law: FrictionLaw) -> StickSlip | None:
-    """Return the cycle with a stick, that of a start from rest."""
+def _stick_slip(p: Parameters, law: FrictionLaw) -> tuple[StickSlip | None, bool]:
+    """Return a cycle with a stick, and whether a start from rest leads to it."""
+    if law is COULOMB and dwells(p):
+        found = dwell_attractors(p)
+        if not found.attractors:
+            return None, False
+        chosen = found.from_rest or found.attractors[0]
+        cycle = steady_cycle(p)
+        alone = chosen is found.from_rest and cycle.exists
+        jump, period = (cycle.delta_x, cycle.T) if alone else (math.nan, math.nan)
+        return StickSlip(float(jump), float(period), chosen.reverses), found.from_rest is not None
     if law is COULOMB:
         cycle = steady_cycle(p)
         if not cycle.exists:
-            return None
-        # With growth a stop holds kinetic friction at first, and several slips make a cycle.
-        reverses = float(cycle.delta_x) != 0.0 and float(cycle.spring_drop) > 2.0 * float(p.F_s)
-        return StickSlip(float(cycle.delta_x), float(cycle.T), reverses)
+            return None, False
+        return StickSlip(float(cycle.delta_x), float(cycle.T)), True
     speed = float(p.v)
     if not critical_velocity(p, law, between=(speed * (1.0 - _BESIDE), speed)).cycle:
-        return None
+        return None, False
     # Every slip from break-away is alike.
     start = law.break_away_force(p) / float(p.k)
     time = 4.0 * math.pi / float(p.w) + 2.0 * start / speed
@@ -229,7 +237,21 @@ def _stick_slip(p: Parameters, law: FrictionLaw) -> StickSlip | None:
         time *= 2.0
     slips = [event for event in run.events if event.time < broke[1].time]
     reverses = any(event.kind == "reversal" for event in slips)
-    return StickSlip(broke[1].x - broke[0].x, broke[1].time - broke[0].time, reverses)
+    return StickSlip(broke[1].x - broke[0].x, broke[1].time - broke[0].time, reverses), True
+
+
+def _last_break_away(p: Parameters, law: FrictionLaw) -> float:
+    """Return the extension of the spring [m] from which a start from rest slips for ever."""
+    if not law.ages(p):
+        return law.break_away_force(p) / float(p.k)
+    # Some slips come first; the last one is longer than any that ends.
+    load_up = 2.0 * law.break_away_force(p, law.age_start(p)) / (float(p.k) * float(p.v))
+    time = load_up + _PERIODS * 2.0 * math.pi / float(p.w)
+    while True:
+        run = _followed(p, law, 0.0, 0.0, np.array([time]))
+        if run.events and run.events[-1].mode and run.events[-1].time < 0.5 * time:
+            return next(event.z for event in run.events[::-1] if event.kind == "break-away")
+        time *= 2.0
 
 
 def _even(p: Parameters, law: FrictionLaw) -> float:
