@@ -3,11 +3,12 @@
 import os
 import re
 import shutil
-import subprocess
 import sys
 import textwrap
 from collections.abc import Iterable
 from pathlib import Path
+
+from tests.python import run
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
@@ -55,13 +56,7 @@ def copied(names: Iterable[str], target: Path) -> None:
 def walk(commands: str, folder: Path, **environment: str) -> str:
     """Run lines of the shell, all of which must succeed, in a folder; return what they print."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        ["/bin/sh", "-e", "-c", commands],
-        cwd=folder,
-        env={**os.environ, "PATH": path, **environment},
-        capture_output=True,
-        text=True,
-        timeout=600,
-    )
+    env = {**os.environ, "PATH": path, **environment}
+    done = run("/bin/sh", "-e", "-c", commands, cwd=folder, env=env, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

@@ -1,17 +1,20 @@
-"""Python in a process of its own."""
+"""Programs in processes of their own, such as this Python."""
 
 import subprocess
 import sys
 from typing import Any
 
 
+def run(*command: object, **more: Any) -> subprocess.CompletedProcess[str]:
+    """Run a program to its end, whatever that is; `more` are options of `subprocess.run`."""
+    words = [*map(str, command)]
+    return subprocess.run(words, capture_output=True, text=True, check=False, **more)
+
+
 def python(
     *arguments: object, timeout: float = 120.0, **more: Any
 ) -> subprocess.CompletedProcess[str]:
     """Run this Python to its end; it must end with exit code 0."""
-    command = [sys.executable, *map(str, arguments)]
-    done = subprocess.run(
-        command, capture_output=True, text=True, check=False, timeout=timeout, **more
-    )
+    done = run(sys.executable, *arguments, timeout=timeout, **more)
     assert done.returncode == 0, done.stderr[-2000:]
     return done

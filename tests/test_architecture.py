@@ -1,7 +1,6 @@
 """What each package takes from outside; arrows between ours stand in `pyproject.toml`."""
 
 import ast
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +10,7 @@ import pytest
 
 from fmukit.packer import travelling
 from stickslip_fmu.packer import MAIN
-from tests.python import python
+from tests.python import python, run
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = {
@@ -71,7 +70,7 @@ def test_what_travels_in_the_fmu_runs_on_python_3_8(version: Literal[2, 3], tmp_
         (tmp_path / name.replace("/", "-")).write_bytes(content)
     vermin = Path(sys.executable).with_name("vermin")
     options = ["--target=3.8-", "--violations", "--eval-annotations", "--no-tips"]
-    done = subprocess.run([vermin, *options, tmp_path], capture_output=True, text=True, check=False)
+    done = run(vermin, *options, tmp_path)
     assert done.returncode == 0, done.stdout
 
 

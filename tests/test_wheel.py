@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.needs import needs
-from tests.python import python
+from tests.python import python, run
 from tests.sharing import made_once
 
 ROOT = Path(__file__).parents[1]
@@ -51,15 +51,7 @@ class Environment:
 
     def run(self, program: str, *words: str) -> subprocess.CompletedProcess[str]:
         kept = {name: text for name, text in os.environ.items() if not name.startswith(LEADS)}
-        return subprocess.run(
-            [str(self.root / "bin" / program), *words],
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=600,
-            cwd=self.folder,
-            env=kept,
-        )
+        return run(self.root / "bin" / program, *words, timeout=600, cwd=self.folder, env=kept)
 
     def pip(self, *words: str) -> subprocess.CompletedProcess[str]:
         return self.run("python", "-m", "pip", "--quiet", "--disable-pip-version-check", *words)

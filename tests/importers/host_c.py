@@ -10,6 +10,7 @@ from stickslip.host.launch import prepare
 from stickslip_fmu.spec import TABLE
 from tests.importers.cases import STEP, Case
 from tests.importers.running import Rows
+from tests.python import run
 
 SOURCE = Path(__file__).parents[2] / "examples" / "importing" / "host.c"
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
@@ -41,15 +42,8 @@ class Host:
     environment: Mapping[str, str]
 
     def __call__(self, script: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [self.program, self.fmu, "-"],
-            input=script,
-            env=self.environment,
-            capture_output=True,
-            text=True,
-            timeout=120.0,
-            check=False,
-        )
+        words = (self.program, self.fmu, "-")
+        return run(*words, input=script, env=self.environment, timeout=120.0)
 
     def answers(self, script: str) -> list[list[float]]:
         done = self(script)

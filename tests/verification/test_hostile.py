@@ -21,6 +21,7 @@ from stickslip_verification.drive import processes, workers
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.model.run import Run
 from tests.makers import SLIDER, altered, edited, misbehaving
+from tests.python import run
 from tests.verification.records import named
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="needs subreapers, which Linux has")
@@ -167,10 +168,7 @@ def suite(folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
     script = folder.parent / f"{folder.name}.py"
     script.write_text(SUITE, encoding="utf-8")
     env = {**os.environ, "PYTHONPATH": str(Path.cwd()), "TMPDIR": str(folder)}
-    command = [sys.executable, str(script), *map(str, arguments)]
-    return subprocess.run(
-        command, env=env, capture_output=True, text=True, check=False, timeout=120
-    )
+    return run(sys.executable, script, *arguments, env=env, timeout=120)
 
 
 @linux

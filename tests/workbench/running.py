@@ -1,6 +1,5 @@
 """The command, run as a person runs it."""
 
-import subprocess
 import sys
 from pathlib import Path
 
@@ -8,6 +7,7 @@ import pytest
 
 from stickslip import cli
 from tests.interrupting import PROGRAM
+from tests.python import run
 
 
 class Answer:
@@ -58,12 +58,7 @@ class Command:
 
     def in_fresh_process(self, *arguments: object) -> Answer:
         """Run `stickslip` in a process of its own: for what builds an FMU."""
-        done = subprocess.run(
-            [sys.executable, "-c", PROGRAM, *map(str, arguments)],
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        done = run(sys.executable, "-c", PROGRAM, *arguments)
         return Answer(done.returncode, done.stdout, done.stderr)
 
 

@@ -2,7 +2,6 @@
 
 import hashlib
 import re
-import subprocess
 import zipfile
 from pathlib import Path
 from urllib.parse import urljoin
@@ -15,6 +14,7 @@ from fmpy.util import read_csv
 
 from stickslip_fmu.spec import TABLE
 from stickslip_verification.drive.fmu.digest import content_digest
+from tests.python import run
 
 from .running import Command
 
@@ -53,9 +53,7 @@ def test_the_report_names_the_content_it_judged(built: Path, tmp_path: Path) -> 
     with zipfile.ZipFile(built) as archive:
         archive.extractall(folder)
     shell = line.replace("&#39;", "'").replace("&lt;", "<").replace("&gt;", ">")
-    said = subprocess.run(
-        ["sh", "-c", shell], cwd=folder, capture_output=True, text=True, check=True
-    )
+    said = run("sh", "-c", shell, cwd=folder)
     assert said.stdout.split()[0] == named
 
 

@@ -12,13 +12,13 @@ from stickslip.errors import CommandError
 from stickslip.host.elf import needed_libraries
 from stickslip.host.launch import ask, find_library, prepare
 from tests.needs import needs
+from tests.python import run
 
 MAIN = "from stickslip.cli import main; main()"
 
 
 def host(*words: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", MAIN, "host", *map(str, words)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return run(sys.executable, "-c", MAIN, "host", *words)
 
 
 @needs("libpython")

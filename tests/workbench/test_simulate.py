@@ -4,7 +4,6 @@ import hashlib
 import os
 import re
 import signal
-import subprocess
 import sys
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from stickslip.simulate.engines import Experiment, experiment, simulate_fmu, sim
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
 from tests.interrupting import PROGRAM, session, wait_for_work
+from tests.python import run
 from tests.workbench.running import Command
 
 each_engine = pytest.mark.parametrize("engine", ["fmu", "reference"])
@@ -196,9 +196,7 @@ def test_a_table_fits_any_code_page(command: Command, monkeypatch: pytest.Monkey
 )
 def test_outputs_that_are_closed_or_full(tmp_path: Path, line: str, code: int, said: str) -> None:
     program = f'"{sys.executable}" -c "{PROGRAM}" {line}'
-    done = subprocess.run(
-        ["sh", "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
+    done = run("sh", "-c", program, cwd=tmp_path)
     assert min(done.returncode, 1) == min(code, 1)
     assert said in done.stdout + done.stderr
     assert (done.stdout + done.stderr).count("\n") <= 1

@@ -1,7 +1,6 @@
 """The page in Firefox: pictures, sliders, units, motion, exports and sections, by one smoke run."""
 
 import json
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ import pytest
 from tests.needs import PUPPETEER, SMOKE, firefox, needs
 from tests.page.settings import PRESETS
 from tests.page.window import SI
+from tests.python import run
 
 pytestmark = needs("firefox")
 
@@ -20,13 +20,7 @@ PLANTED = "http://127.0.0.1:47809/planted"
 @pytest.fixture(scope="module")
 def found(page_file: Path) -> dict[str, Any]:
     """Return what one run of the script in Firefox has found."""
-    done = subprocess.run(
-        [*PUPPETEER, str(SMOKE), firefox(), str(page_file)],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
+    done = run(*PUPPETEER, SMOKE, firefox(), page_file, timeout=300)
     assert done.returncode == 0, done.stderr
     answer: dict[str, Any] = json.loads(done.stdout)
     assert answer["version"].startswith("firefox/")
