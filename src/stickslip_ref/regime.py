@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cycle import steady_cycle
-from .dwell import dwell_attractors
+from .dwell import dwell_attractors, last_break_away
 from .laws import COULOMB, FrictionLaw, friction_law
 from .laws.coulomb import dwells
 from .limits import critical_velocity
@@ -190,7 +190,9 @@ def regime(
     damping = (float(p.c) + law.slope(p, speed)) / (2.0 * float(p.m) * w)
     inner = None if damping >= 0.0 else _course(p, law, speed * (1.0 + _DEVIATION), _even(p, law))
     if not reached:
-        outer = _course(p, law, 0.0, _last_break_away(p, law))
+        ages = law.ages(p)
+        start = last_break_away(p) if ages else law.break_away_force(p) / float(p.k)
+        outer = _course(p, law, 0.0, start)
     else:
         outer = _Course("sticks", None, math.inf)
     swings = [found.swing for found in (outer, inner) if found is not None and found.swing]
@@ -238,20 +240,6 @@ def _stick_slip(p: Parameters, law: FrictionLaw) -> tuple[StickSlip | None, bool
     slips = [event for event in run.events if event.time < broke[1].time]
     reverses = any(event.kind == "reversal" for event in slips)
     return StickSlip(broke[1].x - broke[0].x, broke[1].time - broke[0].time, reverses), True
-
-
-def _last_break_away(p: Parameters, law: FrictionLaw) -> float:
-    """Return the extension of the spring [m] from which a start from rest slips for ever."""
-    if not law.ages(p):
-        return law.break_away_force(p) / float(p.k)
-    # Some slips come first; the last one is longer than any that ends.
-    load_up = 2.0 * law.break_away_force(p, law.age_start(p)) / (float(p.k) * float(p.v))
-    time = load_up + _PERIODS * 2.0 * math.pi / float(p.w)
-    while True:
-        run = _followed(p, law, 0.0, 0.0, np.array([time]))
-        if run.events and run.events[-1].mode and run.events[-1].time < 0.5 * time:
-            return next(event.z for event in run.events[::-1] if event.kind == "break-away")
-        time *= 2.0
 
 
 def _even(p: Parameters, law: FrictionLaw) -> float:

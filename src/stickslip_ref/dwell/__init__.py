@@ -3,7 +3,7 @@
 Lengths are forces over k. ``g(t)`` is what a stick of the age t holds beyond kinetic friction.
 """
 
-from .attractors import Attractor, Attractors, dwell_attractors
+from .attractors import Attractor, Attractors, dwell_attractors, last_break_away
 from .cycles import critical_speed, cycle_ranges, dwell_cycle
 
 __all__ = [
@@ -13,4 +13,5 @@ __all__ = [
     "cycle_ranges",
     "dwell_attractors",
     "dwell_cycle",
+    "last_break_away",
 ]

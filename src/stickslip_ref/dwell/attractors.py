@@ -17,8 +17,9 @@ from ..parameters import Parameters
 from .family import LEAST_STICK, Family
 from .sticks import EPS, Floats, Sticks
 
-FORCES = 256
-"""Forces of the scan, from what holds backward to what holds forward, equally spaced."""
+FORCES, FOLLOWED = 256, 64
+"""Forces of the scan, from what holds backward to what holds forward, equally spaced; and how many
+of their sticks are followed."""
 
 MOST_CYCLES = 500
 """Sticks after which a sequence that has not settled is irregular."""
@@ -78,10 +79,10 @@ class Attractors(NamedTuple):
 def dwell_attractors(p: Parameters) -> Attractors:
     """Return all sequences of sticks that go on for ever, as a scan finds them; theory (23).
 
-    Sticks of 256 ages, over all that can occur, are followed for 500 sticks at most; where the next
-    stick is the longer one at one age and the shorter one at the age beside, a cycle is solved for.
-    An attractor that draws in only sticks of ages between two of the scan may be missed; one of
-    more than 16 sticks is called irregular.
+    The scan has sticks of 256 ages over all that can occur. Where the next stick is the longer one
+    at one age and the shorter one at the age beside, a cycle is solved for; every fourth stick is
+    followed for up to 500 others. An attractor that draws in only ages between two of these may be
+    missed; one of more than 16 sticks is called irregular.
 
     Parameters
     ----------
@@ -89,6 +90,24 @@ def dwell_attractors(p: Parameters) -> Attractors:
         Numbers only, with a static friction that grows at rest in ``own``; ``|v|`` > 0 counts.
     """
     return Scan(p, abs(float(p.v))).result()
+
+
+def last_break_away(p: Parameters) -> float:
+    """Return the spring extension [m] from which a start from rest slips for ever.
+
+    Parameters
+    ----------
+    p : Parameters
+        As for `dwell_attractors`, whose ``from_rest`` is None.
+    """
+    scan = Scan(p, abs(float(p.v)))
+    age = scan.first
+    for _ in range(MOST_CYCLES):
+        following = scan.sticks.next_stick(age, scan.v)
+        if not scan.sticks.w * following > LEAST_STICK:
+            break
+        age = following
+    return scan.sticks.kinetic + float(scan.sticks.excess(age))
 
 
 class Scan:
@@ -112,15 +131,14 @@ class Scan:
             return self._monotonic()
         ages = self.sticks.ages(FORCES, self.v)
         self._solve(ages)
-        ends = self._run(np.concatenate([[self.first], ages]))
+        ends = self._run(np.concatenate([[self.first], ages[:: FORCES // FOLLOWED]]))
         different: list[Attractor] = []
-        for age in dict.fromkeys([*self.cycles, *ends.values()]):
-            attractor = self._repeated(age)
+        for attractor in self._repeated(np.array([*self.cycles, *ends.values()])):
             if not any(_same(attractor, known) for known in different):
                 different.append(attractor)
         from_rest = None
         if 0 in ends:
-            reached = self._repeated(ends[0])
+            (reached,) = self._repeated(np.array([ends[0]]))
             from_rest = next(known for known in different if _same(reached, known))
         spacing = 2.0 * holds * self.sticks.k / FORCES
         return Attractors(tuple(sorted(different)), from_rest, spacing)
@@ -198,20 +216,26 @@ class Scan:
                 break
         return ends | dict(zip(number.tolist(), ages.tolist(), strict=True))
 
-    def _repeated(self, age: float) -> Attractor:
-        """Return what the sticks from this one on repeat."""
-        if age in self.cycles:
-            return self._attractor(np.array([age]))
-        tail = np.array([age] * (2 * MOST_STICKS))
-        for n in range(1, tail.size):
-            tail[n] = self.sticks.next_stick(tail[n - 1], self.v)
+    def _repeated(self, ages: Floats) -> list[Attractor]:
+        """Return what the sticks from each of these ages on repeat; those of one age once."""
+        ages = np.sort(ages)
+        ages = ages[np.diff(ages, prepend=0.0) > _SAME * ages]
+        tails = np.empty((2 * MOST_STICKS, ages.size))
+        for n in range(2 * MOST_STICKS):
+            tails[n] = ages
+            ages = self.sticks.follow(ages, self.v)[0]
+        return [self._attractor(tail) for tail in tails.T]
+
+    def _attractor(self, tail: Floats) -> Attractor:
         for count in range(1, MOST_STICKS + 1):
             last = tail[-count:]
-            if np.all(np.abs(last - tail[-2 * count : -count]) <= _SAME * last):
-                return self._attractor(np.roll(last, -int(np.argmin(last))))
-        return self._attractor(np.array([tail.min(), tail.max()]), regular=False)
-
-    def _attractor(self, ages: Floats, regular: bool = True) -> Attractor:
+            regular = bool(np.all(np.abs(last - tail[-2 * count : -count]) <= _SAME * last))
+            if regular:
+                break
+        # A cycle is known to rounding.
+        ages = tail[:1] if count == 1 else np.roll(last, -int(np.argmin(last)))
+        if not regular:
+            ages = np.array([tail.min(), tail.max()])
         _, slips = self.sticks.follow(ages, self.v)
         return Attractor(tuple(ages.tolist()), regular, bool(np.any(slips > 1)))
 

@@ -153,6 +153,8 @@ def _why_none(p: stickslip_ref.Parameters) -> str:
         return f"the slip is over-damped (zeta = {p.zeta:.4g}) and ends in steady sliding"
     if p.Delta == 0.0:
         return "without a gap between mu_s and mu_k the damped slip ends in steady sliding"
+    if stickslip_ref.COULOMB.ages(p):
+        return f"at this speed the mass {stickslip_ref.regime(p).words}"
     v_c = float(stickslip_ref.coulomb_limit(p))
     scale = scale_for(v_c, VELOCITIES)
     return (
