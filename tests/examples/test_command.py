@@ -14,7 +14,6 @@ from examples.feed_axis import run as command
 from examples.feed_axis import ssp
 from examples.feed_axis.axis import Axis
 from examples.feed_axis.coupling import Run, simulate
-from examples.feed_axis.options import axis_with
 from stickslip.errors import CommandError
 from tests.needs import needs
 
@@ -74,15 +73,6 @@ def test_what_cannot_be_done_is_one_line(
     assert said.out == ""
     (line,) = said.err.splitlines()
     assert reason.format(**names) in line
-
-
-def test_options_change_what_they_name_and_nothing_else() -> None:
-    stiff = axis_with({"m": None, "k": "100N/um", "on_table": False}, None)
-    assert stiff == Axis(k=1e8, on_table=False)
-    # T_n follows omega_v.
-    assert axis_with({"omega_v": 600.0}, None) == Axis(omega_v=600.0, T_n=4.0 / 600.0)
-    assert axis_with({}, False) == Axis(T_n=0.0)
-    assert axis_with({"K_v": 30.0}, True) == Axis(K_v=30.0)
 
 
 @pytest.fixture(scope="module")

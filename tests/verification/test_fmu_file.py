@@ -26,14 +26,6 @@ def damaged(to: Path) -> Path:
     return to
 
 
-def exchanging(to: Path) -> Path:
-    return altered(SLIDER.path, to, TO_EXCHANGE)
-
-
-def foreign(to: Path) -> Path:
-    return altered(SLIDER.path, to, keep=lambda name: f"/{HERE}/" not in name)
-
-
 def no_fmu(to: Path) -> Path:
     with zipfile.ZipFile(to, "w") as archive:
         archive.writestr("readme.txt", "hello")
@@ -53,8 +45,14 @@ NOT_OPENED: dict[str, tuple[Callable[[Path], Path], str]] = {
     "broken": (lambda to: described(to, "<fmiModelDescription>"), ": not an FMU (no element found"),
     "other XML": (lambda to: described(to, "<a/>"), ": not an FMU (modelDescription.xml is no"),
     "FMI 1.0": (lambda to: described(to, FMI_1), ": is FMI 1.0; this suite drives FMI 2.0 and 3.0"),
-    "model exchange": (exchanging, ": has no co-simulation interface, only model exchange"),
-    "for elsewhere": (foreign, f": is not for this platform, {HERE}; it has {ELSEWHERE}"),
+    "model exchange": (
+        lambda to: altered(SLIDER.path, to, TO_EXCHANGE),
+        ": has no co-simulation interface, only model exchange",
+    ),
+    "for elsewhere": (
+        lambda to: altered(SLIDER.path, to, keep=lambda name: f"/{HERE}/" not in name),
+        f": is not for this platform, {HERE}; it has {ELSEWHERE}",
+    ),
     "damaged": (damaged, ": cannot be unpacked (Bad CRC-32 for file"),
 }
 

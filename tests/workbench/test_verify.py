@@ -18,7 +18,7 @@ from stickslip_verification.drive.fmu.digest import content_digest
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.suite.cases import CASES_FOLDER
 from stickslip_verification.suite.faults import FAULTS_FOLDER
-from tests.makers import SLIDER
+from tests.makers import SLIDER, altered, edited
 from tests.python import python
 from tests.workbench.running import Command
 
@@ -29,11 +29,7 @@ def report_in(folder: Path) -> dict[str, Any]:
 
 
 def write_without_the_jump(fmu: Path, to: Path) -> Path:
-    with zipfile.ZipFile(fmu) as good, zipfile.ZipFile(to, "w") as bad:
-        for name in good.namelist():
-            content = good.read(name).replace(b'name="delta_x"', b'name="delta_y"')
-            bad.writestr(name, content)
-    return to
+    return altered(fmu, to, edited(('name="delta_x"', 'name="delta_y"')))
 
 
 def test_our_fmu_passes_and_all_files_say_so(

@@ -22,6 +22,7 @@ from stickslip_native.compiler import FLAGS, compiler_for
 from stickslip_native.platforms import PLATFORMS
 from tests.native.bits import draw, spread
 from tests.needs import ARM_LIBRARIES, WINE
+from tests.python import run
 
 LINUX, ARM, WINDOWS = "x86_64-linux", "aarch64-linux", "x86_64-windows"
 REALS = tuple(row for row in TABLE.rows if row.kind == "Real" and not row.settable)
@@ -60,10 +61,8 @@ class Machine:
 
     def answers(self, script: Sequence[str]) -> list[Answer]:
         """Make the calls in a new instance of the FMU, and return the answer to each."""
-        done = subprocess.run(
-            self.command, input="\n".join(script) + "\n", env=self.environment,
-            capture_output=True, text=True, timeout=_LIMIT, check=False,
-        )  # fmt: skip
+        calls = "\n".join(script) + "\n"
+        done = run(*self.command, input=calls, env=self.environment, timeout=_LIMIT)
         assert (done.stderr, done.returncode) == ("", 0)
         found, messages = [], []
         for line in done.stdout.splitlines():
