@@ -24,21 +24,16 @@ def changed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
-def walk_in(root: Path, commands: str) -> None:
-    """Run lines of the shell that end with a verdict, which must have held the new output."""
-    search = os.pathsep.join(str(root / floor) for floor in FLOORS)
-    walk(commands, root, PYTHONPATH=search, COLUMNS="120")
-    report = (root / "report" / "report.json").read_text(encoding="utf-8")
+@pytest.mark.parametrize("native", [False, pytest.param(True, marks=needs("cc"))])
+def test_an_output_is_added_as_contributing_says_to_the_native_fmu_too(
+    changed: Path, native: bool
+) -> None:
+    (commands,) = blocks("Add an output", "bash")
+    if native:
+        commands = commands.replace("build --bare", "build --bare --native --this-machine")
+        commands = commands.replace("StickSlip.fmu", "StickSlip_native.fmu")
+    search = os.pathsep.join(str(changed / floor) for floor in FLOORS)
+    walk(commands, changed, PYTHONPATH=search, COLUMNS="120")
+    # The verdict must have held the new output.
+    report = (changed / "report" / "report.json").read_text(encoding="utf-8")
     assert '"check": "z_dot-course"' in report
-
-
-def test_an_output_is_added_as_contributing_says(changed: Path) -> None:
-    (commands,) = blocks("Add an output", "bash")
-    walk_in(changed, commands)
-
-
-@needs("cc")
-def test_the_native_fmu_has_the_added_output_too(changed: Path) -> None:
-    (commands,) = blocks("Add an output", "bash")
-    native = commands.replace("build --bare", "build --bare --native --this-machine")
-    walk_in(changed, native.replace("StickSlip.fmu", "StickSlip_native.fmu"))

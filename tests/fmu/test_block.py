@@ -9,7 +9,7 @@ import pytest
 
 from fmukit.model import ModelError
 
-from .blocks import log_uniform, make_block, outputs
+from .blocks import Segment, drive, log_uniform, make_block, outputs
 
 W = math.sqrt(1000.0)
 
@@ -74,13 +74,7 @@ def test_a_slip_stopped_at_its_last_bit_does_not_jump() -> None:
 )
 def test_what_leaves_the_range_of_numbers_is_refused(values: dict[str, float]) -> None:
     with pytest.raises(ModelError, match="range of double-precision"):
-        outputs_after_a_second(values)
-
-
-def outputs_after_a_second(values: dict[str, float]) -> dict[str, float]:
-    block = make_block(**values)
-    block.advance(0.0, 1.0)
-    return outputs(block)
+        drive(values, [Segment(1.0)])
 
 
 def test_a_step_of_more_transitions_than_end_is_refused() -> None:

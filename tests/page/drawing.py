@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from tests.page.window import Window
 
@@ -32,23 +32,16 @@ Point = tuple[float, float]
 Kind = Literal["stick", "slip"]
 
 
-@dataclass(frozen=True)
-class Piece:
-    """A piece of a path, straight or cubic: its points [px], controls included."""
+class Piece(NamedTuple):
+    """A piece of a path [px], straight or cubic: its ends, and its points with the controls."""
 
+    start: Point
+    end: Point
     points: tuple[Point, ...]
 
     @property
     def is_line(self) -> bool:
         return len(self.points) == 2
-
-    @property
-    def start(self) -> Point:
-        return self.points[0]
-
-    @property
-    def end(self) -> Point:
-        return self.points[-1]
 
 
 @dataclass(frozen=True)
@@ -101,7 +94,7 @@ def curve(window: Window, selector: str) -> list[Piece]:
         values = [float(each) for each in numbers.split()]
         points = tuple(zip(values[::2], values[1::2], strict=True))
         if command == "C" or (command == "L" and points != here):
-            found.append(Piece((*here, *points)))
+            found.append(Piece(here[0], points[-1], (*here, *points)))
         here = points[-1:]
     return found
 

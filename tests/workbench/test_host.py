@@ -11,14 +11,13 @@ import pytest
 from stickslip.errors import CommandError
 from stickslip.host.elf import needed_libraries
 from stickslip.host.launch import ask, find_library, prepare
+from tests.interrupting import PROGRAM
 from tests.needs import needs
 from tests.python import run
 
-MAIN = "from stickslip.cli import main; main()"
-
 
 def host(*words: object) -> subprocess.CompletedProcess[str]:
-    return run(sys.executable, "-c", MAIN, "host", *words)
+    return run(sys.executable, "-c", PROGRAM, "host", *words)
 
 
 @needs("libpython")
