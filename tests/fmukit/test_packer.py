@@ -47,13 +47,6 @@ def test_a_process_that_runs_the_fmu_can_build_it_again(fmu_path: Path, tmp_path
     assert before.tolist() == after.tolist()
 
 
-def test_files_handed_to_the_packer_travel_under_their_path(tmp_path: Path) -> None:
-    built = packer.build(tmp_path, {"documentation/index.html": b"<html></html>"})
-    with zipfile.ZipFile(built) as archive:
-        assert archive.read("documentation/index.html") == b"<html></html>"
-        assert archive.testzip() is None
-
-
 def test_a_failed_build_leaves_the_old_file_and_no_half_written_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Literal
 from xml.etree import ElementTree
 
-import fmpy
 import pytest
 
 from fmukit.packer import build_fmu
@@ -159,40 +158,3 @@ def test_annotations_of_a_model_stand_where_the_schema_has_them(
         ("org.example.master", [("Rate", {"unit": "Hz", "value": "100"})]),
         ("org.example.plot", [("Colour", {"name": 'blue & "green" <'})]),
     ]
-
-
-BUOYANT = """
-from water import BUOYANCY, DENSITY
-
-TABLE = Settings.table
-
-
-class Wet(Settings, table=Table(TABLE.units, [*TABLE.quantities.values(), DENSITY],
-                                [*TABLE.rows, BUOYANCY])):
-    pass
-
-
-class Buoyant(Pendulum):
-    pass
-
-
-SPEC = SPEC._replace(name="Buoyant", values=Wet, model=Buoyant)
-"""
-WATER = """
-from fmukit.table import Quantity, Variable
-
-DENSITY = Quantity("Density", "Real", "Density")
-BUOYANCY = Variable(6, "density", DENSITY, "parameter", "fixed", 1e3, "Density of the water")
-"""
-
-
-def test_a_model_may_be_put_together_of_modules_from_anywhere(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, host: Host
-) -> None:
-    (tmp_path / "water.py").write_text(WATER, encoding="utf-8")
-    monkeypatch.syspath_prepend(tmp_path)
-    fmu = build_fmu(PENDULUM + BUOYANT, tmp_path / "Buoyant.fmu", "buoyant_")
-    description = fmpy.read_model_description(str(fmu))
-    assert (description.modelName, description.coSimulation.modelIdentifier) == ("Buoyant",) * 2
-    assert description.modelVariables[-1].name == "density"
-    assert len(swung(host, fmu, LATER)) == 3

@@ -57,12 +57,10 @@ class Host:
 
 
 def with_libpython(program: Path, fmu: Path) -> Host:
-    """Return the host with libpython, as `stickslip host` would start it."""
     return Host(program, fmu, {**_BARE, **prepare([str(program)], None, _BARE).changes})
 
 
 def without_libpython(program: Path, fmu: Path) -> Host:
-    """Return the host as one starts it who does not know of libpython."""
     return Host(program, fmu, _BARE)
 
 

@@ -57,7 +57,6 @@ def suite_like(*failing: str) -> str:
 
 @pytest.fixture
 def shown(browser: "Browser", tmp_path: Path) -> Iterator["Shown"]:
-    """Give what opens a page in a window of some width [px], until the end of the test."""
     file = tmp_path / "index.html"
     with ExitStack() as windows:
 

@@ -54,7 +54,6 @@ def test_every_change_meets_every_phase_at_every_damping(seed: int) -> None:
 
 
 def phase_before(run: truth.Run, x_dot_start: float, time: float) -> str:
-    """Name the phase of an exact run just before a time, from its events and its start."""
     mode, reversed_ = int(np.sign(x_dot_start)), False
     for event in run.events:
         # A change is dated by the sum of the steps, to its rounding.

@@ -24,8 +24,6 @@ class StepError(Exception):
 
 
 class Libcosim(Simulation):
-    """An execution."""
-
     shows_start = False
     offering = (CosimExecution, CosimLocalSlave)
     errors = (NotOfferedError, StepError)

@@ -13,8 +13,6 @@ from .simulation import NotOfferedError
 
 
 class Proxyfmu(Ecos):
-    """A simulation whose blocks are processes."""
-
     def uri(self, fmu: str) -> str:
         put_on_path()
         return f"proxyfmu://localhost?file={fmu}"

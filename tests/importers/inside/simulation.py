@@ -186,7 +186,6 @@ class Simulation:
 
     @classmethod
     def refused(cls, fmu: str, when: str) -> str:
-        """Set what the FMU refuses "at the start" or later; return what comes of it."""
         try:
             with cls(fmu, {"k": -1.0} if when == "at the start" else {}) as simulation:
                 if when != "at the start":
