@@ -89,9 +89,10 @@ class _Watch:
 
     def settled(self) -> Seen:
         """Look at the motion after ever longer times, until two looks agree."""
-        before, wait = Seen("unsettled"), 8
+        before, wait, irregular = Seen("unsettled"), 8, 0
         for _ in range(ROUNDS):
             now = self._look()
+            irregular += now.kind == "sticks" and not now.sticks
             lasts = now.kind == "swings" == before.kind and wait > LASTS
             if lasts and _near(now.amplitude, before.amplitude, SAME * wait / 2):
                 return now
@@ -100,7 +101,7 @@ class _Watch:
                 return now
             self.instance.step(wait * (now.period if now.kind == "sticks" else self.period))
             before, wait = now, 2 * wait
-        return replace(before, sticks=0) if before.kind == "sticks" else Seen("unsettled")
+        return replace(before, sticks=0) if irregular > ROUNDS / 2 else Seen("unsettled")
 
     def _look(self) -> Seen:
         """Follow some sticks, or, where none comes in a dozen periods, the velocity."""

@@ -21,7 +21,7 @@ FORCES, FOLLOWED = 256, 64
 """Forces of the scan, from what holds backward to what holds forward, equally spaced; and how many
 of their sticks are followed."""
 
-MOST_CYCLES = 500
+MOST_CYCLES = 200
 """Sticks after which a sequence that has not settled is irregular."""
 
 MOST_STICKS = 16
@@ -81,7 +81,7 @@ def dwell_attractors(p: Parameters) -> Attractors:
 
     The scan has sticks of 256 ages over all that can occur. Where the next stick is the longer one
     at one age and the shorter one at the age beside, a cycle is solved for; every fourth stick is
-    followed for up to 500 others. An attractor that draws in only ages between two of these may be
+    followed for up to 200 others. An attractor that draws in only ages between two of these may be
     missed; one of more than 16 sticks is called irregular.
 
     Parameters
@@ -132,14 +132,15 @@ class Scan:
         ages = self.sticks.ages(FORCES, self.v)
         self._solve(ages)
         ends = self._run(np.concatenate([[self.first], ages[:: FORCES // FOLLOWED]]))
+        reached = {age: self._attractor(np.array([age])) for age in self.cycles}
+        reached |= {age: self._repeated(age) for age in ends.values() if age not in reached}
         different: list[Attractor] = []
-        for attractor in self._repeated(np.array([*self.cycles, *ends.values()])):
+        for attractor in reached.values():
             if not any(_same(attractor, known) for known in different):
                 different.append(attractor)
         from_rest = None
         if 0 in ends:
-            (reached,) = self._repeated(np.array([ends[0]]))
-            from_rest = next(known for known in different if _same(reached, known))
+            from_rest = next(known for known in different if _same(reached[ends[0]], known))
         spacing = 2.0 * holds * self.sticks.k / FORCES
         return Attractors(tuple(sorted(different)), from_rest, spacing)
 
@@ -204,8 +205,11 @@ class Scan:
                 ends |= dict.fromkeys(number[near].tolist(), age)
                 on &= ~near
             repeats = on & (np.abs(ages - before) <= _SAME * ages)
-            ends |= dict(zip(number[repeats].tolist(), ages[repeats].tolist(), strict=True))
-            on &= ~repeats
+            if repeats.any():
+                age = float(ages[repeats][0])
+                alike = repeats & (np.abs(ages - age) <= _SAME * age)
+                ends |= dict.fromkeys(number[alike].tolist(), age)
+                on &= ~alike
             if count == MOST_CYCLES // 5:
                 on &= np.cumsum(on) <= _FEW
             ages, number, before = ages[on], number[on], before[on]
@@ -216,26 +220,18 @@ class Scan:
                 break
         return ends | dict(zip(number.tolist(), ages.tolist(), strict=True))
 
-    def _repeated(self, ages: Floats) -> list[Attractor]:
-        """Return what the sticks from each of these ages on repeat; those of one age once."""
-        ages = np.sort(ages)
-        ages = ages[np.diff(ages, prepend=0.0) > _SAME * ages]
-        tails = np.empty((2 * MOST_STICKS, ages.size))
-        for n in range(2 * MOST_STICKS):
-            tails[n] = ages
-            ages = self.sticks.follow(ages, self.v)[0]
-        return [self._attractor(tail) for tail in tails.T]
-
-    def _attractor(self, tail: Floats) -> Attractor:
+    def _repeated(self, age: float) -> Attractor:
+        """Return what the sticks from this one on repeat."""
+        tail = np.array([age] * (2 * MOST_STICKS))
+        for n in range(1, tail.size):
+            tail[n] = self.sticks.next_stick(tail[n - 1], self.v)
         for count in range(1, MOST_STICKS + 1):
             last = tail[-count:]
-            regular = bool(np.all(np.abs(last - tail[-2 * count : -count]) <= _SAME * last))
-            if regular:
-                break
-        # A cycle is known to rounding.
-        ages = tail[:1] if count == 1 else np.roll(last, -int(np.argmin(last)))
-        if not regular:
-            ages = np.array([tail.min(), tail.max()])
+            if np.all(np.abs(last - tail[-2 * count : -count]) <= _SAME * last):
+                return self._attractor(np.roll(last, -int(np.argmin(last))))
+        return self._attractor(np.array([tail.min(), tail.max()]), regular=False)
+
+    def _attractor(self, ages: Floats, regular: bool = True) -> Attractor:
         _, slips = self.sticks.follow(ages, self.v)
         return Attractor(tuple(ages.tolist()), regular, bool(np.any(slips > 1)))
 
