@@ -6,7 +6,7 @@ import pytest
 
 from stickslip_design.curve_file import Curve, CurveError, read_curve
 
-HEAD = "speed,mu\n0,0.4\n"
+HEAD = "speed [m/s],mu\n0,0.4\n"
 
 
 def read(folder: Path, text: str, normal_force: float | None = None) -> Curve:
@@ -37,7 +37,7 @@ def test_a_curve_sets_the_points_of_the_friction_law_however_tools_write_it(
 
 
 def test_below_the_lowest_speed_friction_stays_what_it_is(tmp_path: Path) -> None:
-    curve = read(tmp_path, "u,mu\n0.001,0.4\n0.01,0.3\n")
+    curve = read(tmp_path, "u [m/s],mu\n0.001,0.4\n0.01,0.3\n")
     assert curve.speeds == (0.0, 0.001, 0.01)
     assert curve.coefficients == (0.4, 0.4, 0.3)
 
@@ -48,7 +48,8 @@ def test_below_the_lowest_speed_friction_stays_what_it_is(tmp_path: Path) -> Non
         ("0,0.4\n1,0.3\n", "line 1: the header names no column of speed"),
         (f"{HEAD}2,0.3\n2,0.2\n", "line 4: speed = 2 m/s is out of range: above that of"),
         ("speed [kg],mu\n0,0.4\n1,0.3\n", "line 2: '0 kg' is a mass"),
-        ("speed,mu\n" + "".join(f"{n},0.3\n" for n in range(1, 13)), "has 13 points"),
+        ("speed [m/s],mu\n" + "".join(f"{n},0.3\n" for n in range(1, 13)), "has 13 points"),
+        ("speed,mu\n0,0.4\n5,0.3\n", "line 3: 5 has no unit; write it in the header"),
         ("speed,force [N]\n0,4\n1,3\n", "line 1: has forces; name the normal force"),
     ],
 )

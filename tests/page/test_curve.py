@@ -97,11 +97,12 @@ def test_a_table_is_pasted_and_saved_as_the_command_reads_it(
     points = zip(read.speeds, read.coefficients, strict=True)
     assert [list(each) for each in points] == curve(window)
     for text, told in (
-        ("speed,mu\n0,0.4\n1,x\n", "Line 3: “x” is not a finite number."),
+        ("speed [m/s],mu\n0,0.4\n1,x\n", "Line 3: “x” is not a finite number."),
         ("speed [kg],mu\n0,0.4\n1,0.2\n", "Line 2"),
-        ("v,mu\n0,0.4\n-1,0.2\n", "above 0 m/s"),
+        ("v [m/s],mu\n0,0.4\n-1,0.2\n", "above 0 m/s"),
         ("v,force\n0,1\n1,2\n", "must name speed and mu"),
         ("v,mu\n0,0.4\n", "2 to 12"),
+        ("v,mu\n0,0.4\n5,0.2\n", "Line 3: 5 has no unit; write: speed [mm/s], mu"),
     ):
         paste(window, text)
         window.until(

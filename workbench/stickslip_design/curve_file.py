@@ -1,14 +1,15 @@
 """Measured friction curves: a CSV file of speed and friction, as parameters of the friction law.
 
-The file has one header line that names its columns, with units if they are not SI, and 2 to 12
-rows with rising speeds, of one direction of motion:
+The file has one header line that names its columns with their units, and 2 to 12 rows with rising
+speeds, of one direction of motion:
 
     speed [mm/s], mu
     0, 0.42
     5, 0.31
     50, 0.27
 
-In place of `mu` a column `force [N]` goes with the normal force under which it was measured.
+In place of `mu` a column `force [N]` goes with the normal force under which it was measured. A
+speed or force without a unit, in the header or behind the number, is refused.
 """
 
 import csv
@@ -17,7 +18,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from .quantity import QuantityError, typed
+from .quantity import QuantityError, parts_of, typed
 
 SPEEDS: Final = ("speed", "velocity", "v", "u", "x_dot")
 COEFFICIENTS: Final = ("mu", "coefficient", "friction_coefficient", "cof")
@@ -101,13 +102,14 @@ def read_curve(file: Path, normal_force: float | None) -> Curve:
             f"{file}: line {number}: has forces; name the normal force under which they "
             "were measured, such as --normal-force '200 N'"
         )
+    of_friction = ("N", "force [N]") if is_force else ("1", "")
     points: list[tuple[float, float]] = []
     for number, cells in rows:
         where = f"{file}: line {number}:"
         if len(cells) != len(header):
             raise CurveError(f"{where} has {len(cells)} cells, and the header {len(header)}")
-        u = _number(_typed(cells, speed), "m/s", where)
-        mu = _number(_typed(cells, friction), "N" if is_force else "1", where)
+        u = _number(_typed(cells, speed), "m/s", "speed [mm/s]", where)
+        mu = _number(_typed(cells, friction), *of_friction, where)
         if u < 0.0:
             raise CurveError(f"{where} speed = {u:g} m/s is out of range: at least 0; {_REMEDY}")
         if points and not u > points[-1][0]:
@@ -129,11 +131,18 @@ def read_curve(file: Path, normal_force: float | None) -> Curve:
     return Curve(speeds, coefficients, is_force)
 
 
-def _number(text: str, unit: str, where: str) -> float:
+def _number(text: str, unit: str, heading: str, where: str) -> float:
+    """Read a cell; `heading` shows how a column is headed whose numbers need a unit, 0 apart."""
     try:
-        return typed(text, unit)
+        number = typed(text, unit)
     except QuantityError as error:
         raise CurveError(f"{where} {text!r} {error}") from None
+    if heading and number != 0.0 and not parts_of(text)[1]:
+        raise CurveError(
+            f"{where} {text} has no unit; write it in the header, as {heading!r}, or behind the "
+            "number"
+        )
+    return number
 
 
 def _lines(file: Path) -> Iterator[tuple[int, list[str]]]:
@@ -171,7 +180,7 @@ def _columns(file: Path, number: int, header: list[str]) -> tuple[_Column, _Colu
         raise CurveError(
             f"{file}: line {number}: the header names no column of "
             f"{'speed' if 'speed' not in found else 'friction'}; it is {', '.join(header)!r}, "
-            "expected such as 'speed [mm/s],mu' or 'speed [m/s],force [N]'"
+            "expected such as 'speed [mm/s],mu' or 'speed [mm/s],force [N]'"
         )
     return found["speed"], friction, "mu" not in found
 

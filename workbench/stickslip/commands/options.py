@@ -51,8 +51,8 @@ MeasuredCurve = Annotated[
     typer.Option(
         "--curve",
         metavar="FILE.csv",
-        help="Measured friction curve, for --law stribeck: columns of speed and mu, or of speed "
-        "and force with --normal-force.",
+        help="Measured friction curve, for --law stribeck: columns such as 'speed [mm/s]' and "
+        "mu, or force [N] with --normal-force.",
     ),
 ]
 NormalForce = Annotated[

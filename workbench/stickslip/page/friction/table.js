@@ -8,7 +8,7 @@ import { typedText } from "../controls/typed.js";
  * @import { Reader } from "../view/spelled.js"
  */
 
-/** The columns that are looked for, each with its SI unit. */
+/** The columns that are looked for, each with its SI unit. A speed other than 0 needs one typed. */
 const COLUMNS = [
   { names: "speed|velocity|v|u|x_dot", unit: "m/s" },
   { names: "mu|coefficient|friction[ _]coefficient|cof", unit: "" },
@@ -43,15 +43,17 @@ export function curveIn(text, reader) {
     const heading = RegExp(`^\\s*(?:${names})\\s*(?:[[(](.*)[\\])])?\\s*$`, "i");
     const place = titles.findIndex((title) => heading.test(title));
     if (place < 0) throw RangeError("The first line must name speed and mu, as: speed [mm/s], mu");
-    return { place, unit, shown: heading.exec(titles[place])[1] || unit };
+    return { place, unit, shown: heading.exec(titles[place])[1] };
   });
   const points = rows.map(({ line, at }) => {
     const cells = line.split(mark);
     const [u, mu] = columns.map(({ place, unit, shown }) => {
       const cell = cells[place] ?? "";
       const typed = mark === "," ? cell : cell.replace(",", ".");
-      const { value, wrong } = reader.read(typed, unit, shown);
+      const { value, wrong } = reader.read(typed, unit, shown || unit);
       if (wrong) throw RangeError(`Line ${at}: “${cell.trim()}” ${wrong}.`);
+      if (unit && !shown && value && /[\d.]\s*$/.test(typed))
+        throw RangeError(`Line ${at}: ${cell.trim()} has no unit; write: speed [mm/s], mu`);
       return value;
     });
     return /** @type {[number, number]} */ ([u, mu]);
