@@ -38,14 +38,12 @@ _BESIDE: Final = 1e-9
 """A range of speeds this narrow is one speed."""
 _DEVIATION: Final = 0.02
 """Of the velocity from the pulling speed where a motion near steady sliding begins."""
-_PERIODS, _SAMPLES, _WINDOWS = 8, 64, 60
+_PERIODS, _SAMPLES, _WINDOWS = 8, 64, 30
 """Periods of the spring that are followed at a time, samples of each, and how often at most."""
 _STEADY: Final = 1e-4
 """A swing is steady where its amplitude changes by less over a window, relative."""
 _STILL: Final = 1e-3
 """A swing of a smaller amplitude, over the pulling speed, is steady sliding."""
-_RTOL: Final = 1e-9
-"""Tolerance of the integration, far below what amplitudes are asked to."""
 _BAND: Final = 64
 """Speeds of a swing at which the slope of the friction is looked at."""
 
@@ -192,7 +190,8 @@ def regime(
     if not reached:
         ages = law.ages(p)
         start = last_break_away(p) if ages else law.break_away_force(p) / float(p.k)
-        outer = _course(p, law, 0.0, start)
+        closed = law.constant_in_slip and p.zeta < 1.0
+        outer = _slides_on(p, law, start) if closed else _course(p, law, 0.0, start)
     else:
         outer = _Course("sticks", None, math.inf)
     swings = [found.swing for found in (outer, inner) if found is not None and found.swing]
@@ -251,7 +250,7 @@ def _even(p: Parameters, law: FrictionLaw) -> float:
 def _followed(p: Parameters, law: FrictionLaw, x_dot: float, z: float, times: Floats) -> Trajectory:
     """Return the motion from a velocity [m/s] and an extension of the spring [m]."""
     start = replace(p, x_dot_start=x_dot, z_start=z)
-    return simulate(start, float(times[-1]), times=times, rtol=_RTOL, law=law, own=p.own)
+    return simulate(start, float(times[-1]), times=times, law=law, own=p.own)
 
 
 class _Course(NamedTuple):
@@ -260,6 +259,26 @@ class _Course(NamedTuple):
     kind: Kind
     swing: Swinging | None
     settling: float
+
+
+def _slides_on(p: Parameters, law: FrictionLaw, z: float) -> _Course:
+    """Return where the slip from rest leads that does not end, under friction that is constant.
+
+    Relative to the pull its velocity is ``exp(-zeta t) ((lambda - zeta)/nu sin(nu t) - cos(nu t))``
+    at the times t/w; docs/theory.md (13).
+    """
+    w, zeta = float(p.w), float(p.zeta)
+    lambda_ = w * (z - law.slip_friction(p, 0.0) / float(p.k)) / float(p.v)
+    nu = math.sqrt((1.0 - zeta) * (1.0 + zeta))
+    across = (lambda_ - zeta) / nu
+    amplitude = math.hypot(1.0, across)
+    if zeta == 0.0:
+        return _Course("swings", Swinging(amplitude, w / (2.0 * math.pi)), math.inf)
+    # After it no swing is off; before it the last one is.
+    last = math.log(amplitude / SETTLED) / zeta
+    t = np.linspace(max(0.0, last - 2.0 * math.pi / nu), last, 4 * _SAMPLES)
+    off = np.exp(-zeta * t) * np.abs(across * np.sin(nu * t) - np.cos(nu * t)) > SETTLED
+    return _Course("even", None, float(t[np.flatnonzero(off)[-1]]) / w if off.any() else 0.0)
 
 
 def _course(p: Parameters, law: FrictionLaw, x_dot: float, z: float) -> _Course:
@@ -283,6 +302,9 @@ def _course(p: Parameters, law: FrictionLaw, x_dot: float, z: float) -> _Course:
             return _Course("even", None, last_off)
         if abs(amplitude / before - 1.0) < _STEADY and not _decays(p, law, amplitude):
             return _Course("swings", Swinging(amplitude, _frequency(times, relative)), math.inf)
+    if amplitude > (1.0 + _STEADY) * before:
+        # It grows so slowly that its end is not seen: that of a start from rest is known.
+        return _Course("sticks", None, math.inf)
     if _decays(p, law, amplitude):
         rate = -math.log(amplitude / before) / window
         left = math.log(amplitude / SETTLED) / rate if rate > 0.0 else math.inf
