@@ -52,7 +52,7 @@ def test_the_fmu_has_all_that_the_python_fmu_has_but_what_is_of_python(command: 
             f"--native --this-machine --law {renamed.NAME}", "cc", "linux",
             f"{renamed.NAME!r} has no native side; coulomb and stribeck have one",
         ),
-        ("--native", "cc", "linux", "pip install 'stickslip[native]'"),
+        ("--native", "cc", "linux", "pip install ziglang=="),
         ("--native --this-machine", None, "linux", "there is no C compiler: a program cc"),
         ("--native --this-machine", "cc", "freebsd14", "none of x86_64-linux, aarch64-linux,"),
     ],

@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
+from stickslip.advice import advised
 from stickslip.commands.build import build
 from stickslip.commands.critical import critical
 from stickslip.commands.design import design
@@ -104,11 +105,11 @@ def _exit_code() -> int:
     try:
         code = app(prog_name="stickslip", standalone_mode=False)
     except CommandError as error:
-        say(str(error))
+        say(advised(str(error), sys.argv[1:]))
         return WRONG_USE
     except TyperException as error:
         text = error.format_message().replace("Value error, ", "").rstrip(".")
-        say(f"{text}; see stickslip --help")
+        say(f"{advised(text, sys.argv[1:])}; see stickslip --help")
         return WRONG_USE
     except KeyboardInterrupt:
         code = INTERRUPTED
