@@ -101,8 +101,8 @@ def test_a_table_is_pasted_and_saved_as_the_command_reads_it(
         ("speed [kg],mu\n0,0.4\n1,0.2\n", "Line 2"),
         ("v [m/s],mu\n0,0.4\n-1,0.2\n", "above 0 m/s"),
         ("v,force\n0,1\n1,2\n", "must name speed and mu"),
-        ("v,mu\n0,0.4\n", "2 to 12"),
-        ("v,mu\n0,0.4\n5,0.2\n", "Line 3: 5 has no unit; write: speed [mm/s], mu"),
+        ("v [m/s],mu\n0,0.4\n", "2 to 12"),
+        ("v,mu\n0,0.4\n5,0.2\n", "with units: speed [mm/s], mu"),
     ):
         paste(window, text)
         window.until(

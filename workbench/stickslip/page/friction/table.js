@@ -8,7 +8,7 @@ import { typedText } from "../controls/typed.js";
  * @import { Reader } from "../view/spelled.js"
  */
 
-/** The columns that are looked for, each with its SI unit. A speed other than 0 needs one typed. */
+/** The columns that are looked for, each with its SI unit, which the heading of a speed must name. */
 const COLUMNS = [
   { names: "speed|velocity|v|u|x_dot", unit: "m/s" },
   { names: "mu|coefficient|friction[ _]coefficient|cof", unit: "" },
@@ -40,20 +40,19 @@ export function curveIn(text, reader) {
   const mark = /[;\t]/.exec(header?.line)?.[0] ?? ",";
   const titles = header?.line.split(mark) ?? [];
   const columns = COLUMNS.map(({ names, unit }) => {
-    const heading = RegExp(`^\\s*(?:${names})\\s*(?:[[(](.*)[\\])])?\\s*$`, "i");
+    const heading = RegExp(`^\\s*(?:${names})\\s*(?:[[(](.*)[\\])])${unit ? "" : "?"}\\s*$`, "i");
     const place = titles.findIndex((title) => heading.test(title));
-    if (place < 0) throw RangeError("The first line must name speed and mu, as: speed [mm/s], mu");
-    return { place, unit, shown: heading.exec(titles[place])[1] };
+    if (place < 0)
+      throw RangeError("The first line must name speed and mu, with units: speed [mm/s], mu");
+    return { place, unit, shown: heading.exec(titles[place])[1] || unit };
   });
   const points = rows.map(({ line, at }) => {
     const cells = line.split(mark);
     const [u, mu] = columns.map(({ place, unit, shown }) => {
       const cell = cells[place] ?? "";
       const typed = mark === "," ? cell : cell.replace(",", ".");
-      const { value, wrong } = reader.read(typed, unit, shown || unit);
+      const { value, wrong } = reader.read(typed, unit, shown);
       if (wrong) throw RangeError(`Line ${at}: “${cell.trim()}” ${wrong}.`);
-      if (unit && !shown && value && /[\d.]\s*$/.test(typed))
-        throw RangeError(`Line ${at}: ${cell.trim()} has no unit; write: speed [mm/s], mu`);
       return value;
     });
     return /** @type {[number, number]} */ ([u, mu]);
