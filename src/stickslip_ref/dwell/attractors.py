@@ -30,8 +30,8 @@ MOST_STICKS = 16
 _FEW = 8
 """Sequences of the scan that are followed to MOST_CYCLES, after a fifth of it."""
 
-_SAME = 1e-8
-"""Two sticks of one length, relative: some thousand roundings in sticks after sticks."""
+_SAME = 1e-7
+"""Two sticks of one length, relative: where neighbours hardly come nearer, roundings add up."""
 
 _REACHES = (0.1, 0.01, 1e-3, 1e-4, 1e-5, 1e-6)
 """How near to a cycle, relative, sticks are tried whether they come nearer."""
@@ -185,8 +185,10 @@ class Scan:
             reach = share * age
             beside = np.array([age - reach, age, age + reach])
             after, slips = self.sticks.follow(beside, self.v)
-            # Slips of one number are one branch of the map, which rises or falls all along.
-            if np.all(np.abs(after - age) < reach) and np.all(slips == slips[0]):
+            second, slips_after = self.sticks.follow(after, self.v)
+            # Slips of one number are one branch of the map, which rises or falls all along: two
+            # steps rise.
+            if np.all(np.abs(second - age) < reach) and len({*slips, *slips_after}) == 1:
                 self.cycles[age] = reach
                 return
 
