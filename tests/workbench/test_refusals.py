@@ -52,7 +52,11 @@ REFUSED = [
     ("map --over v=1..9 mm/s", "no such file | v=1..9mm/s, or 'v=1..9 mm/s'"),
     ("simulate --load -10", "load = -10.0 N | >= -m g = -9.81 N"),
     ("simulate --start-time 2 --stop-time 1", "--stop-time '1' | > 2 s"),
-    ("simulate --output-interval 1e-12", "--output-interval '1e-12' | at least 1e-06 s"),
+    ("simulate --output-interval 1e-12", "--output-interval '1e-12' | at least 1e-05 s"),
+    # One period is 0.31527 s, by (11) of the theory.
+    ("simulate --stop-time 1e9", "about 3.17e+09 slips, and 1000000 are | --most-slips 317190"),
+    ("simulate --stop-time 1e4 --engine reference", "3.17e+04 slips, and 10000 are"),
+    ("simulate --law stribeck --law-parameter v_s=1mm/s --stop-time 1e9", "e+09 slips"),
     ("simulate --output-file missing/run.csv", "--output-file | no folder missing"),
     ("simulate --output-file .", "--output-file | it is a folder"),
     ("simulate --plot run.gif", "--plot run.gif | .png, .svg or .pdf"),

@@ -5,6 +5,7 @@ import os
 import re
 import signal
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from stickslip.simulate.engines import Experiment, experiment, simulate_fmu, sim
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
 from tests.interrupting import PROGRAM, session, wait_for_work
-from tests.python import run
+from tests.python import python, run
 from tests.workbench.running import Command
 
 each_engine = pytest.mark.parametrize("engine", ["fmu", "reference"])
@@ -88,6 +89,19 @@ def test_build_prints_path_size_and_digest(command: Command, tmp_path: Path) -> 
     assert (tmp_path / "c" / "other.fmu").read_bytes() == content
 
 
+def test_the_fmu_of_a_run_is_the_block_without_its_documentation(
+    command: Command, fmu_path: Path
+) -> None:
+    built = "from pathlib import Path; from stickslip.commands.shared import build_for_run as b"
+    python("-c", f"{built}; b(Path(), 'coulomb')")
+    with zipfile.ZipFile("StickSlip.fmu") as bare, zipfile.ZipFile(fmu_path) as documented:
+        names = bare.namelist()
+        assert {name.partition("/")[0] for name in names} == {
+            "binaries", "modelDescription.xml", "resources"
+        }  # fmt: skip
+        assert all(bare.read(name) == documented.read(name) for name in names)
+
+
 @each_engine
 def test_the_table_shows_the_cycle_three_times_and_the_csv_every_output(
     command: Command, tmp_path: Path, engine: str
@@ -100,6 +114,7 @@ def test_the_table_shows_the_cycle_three_times_and_the_csv_every_output(
     # 3.924 mm / 6.305 mm - 1
     assert "-37.77 %" in jump
     assert "…" not in answer.out
+    assert answer.out.endswith("\nwritten: run.csv\n")
     table = read_csv(tmp_path / "run.csv")
     outputs = [variable.name for variable in TABLE.rows if variable.causality == "output"]
     assert sorted(table.dtype.names) == sorted(["time", *outputs])
@@ -163,7 +178,7 @@ def test_ctrl_c_ends_a_run_without_files_or_processes(
     scratch.mkdir()
     work.mkdir()
     # Long enough that nobody waits for its end: a million steps.
-    size = ["--stop-time", "10000", "--output-interval", "0.001", "--output-file", "run.csv"]
+    size = ["--stop-time", "1000", "--output-interval", "0.001", "--output-file", "run.csv"]
     options = size if verb == "simulate" else ["-o", "r.json"]
     command = (verb, "--fmu", str(fmu_path), *options)
     with session(*command, folder=work, scratch=scratch) as running:

@@ -1,8 +1,9 @@
 """`stickslip simulate`: one run of the FMU or of the reference, as a table, a file, a plot."""
 
+import math
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -30,11 +31,12 @@ from stickslip.commands.options import (
     Stiffness,
 )
 from stickslip.commands.quantities import read_experiment
-from stickslip.commands.shared import COULOMB, build_fmu, console, here_on_path, say
+from stickslip.commands.shared import COULOMB, build_for_run, console, here_on_path, say
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
     from fmukit.table import Table
+    from stickslip.simulate.engines import Experiment
     from stickslip.simulate.run import Run
     from stickslip_ref import Parameters
 
@@ -44,6 +46,10 @@ class Engine(StrEnum):
 
     FMU = "fmu"
     REFERENCE = "reference"
+
+
+_MOST_SLIPS: Final = {Engine.FMU: 1_000_000, Engine.REFERENCE: 10_000}
+"""Slips of a run without --most-slips: each takes less than a minute."""
 
 
 def simulate(
@@ -82,6 +88,15 @@ def simulate(
             "or halved until a --plot is smooth.",
         ),
     ] = None,
+    most_slips: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            metavar="N",
+            help="Slips that a run may have; default 1000000, of the reference 10000.",
+            show_default=False,
+        ),
+    ] = None,
     output_file: Annotated[
         Path | None,
         typer.Option(metavar="FILE.csv", help="Write the samples of every output here."),
@@ -106,7 +121,7 @@ def simulate(
 
     # The closed forms of the cycle are those of Coulomb's law.
     parameters = _checked_parameters(values) if law == COULOMB else None
-    run = _run(engine, fmu, law, table, values, times, drawn=plot is not None)
+    run = _run(engine, fmu, law, table, values, times, most_slips, drawn=plot is not None)
     if output_file is not None:
         from stickslip.simulate.csv_file import write_csv
 
@@ -121,6 +136,9 @@ def simulate(
                 "choose a shorter --output-interval"
             )
     console().print(cycle_table(run, parameters))
+    files = [str(file) for file in (output_file, plot) if file is not None]
+    if files:
+        print("written:", ", ".join(files))
 
 
 def _check_targets(output_file: Path | None, plot: Path | None) -> None:
@@ -151,6 +169,22 @@ def _checked_parameters(values: dict[str, float]) -> "Parameters":
             raise CommandError(str(error)) from error
 
 
+def _check_slips(experiment: "Experiment", most: int) -> None:
+    """Refuse a run that would have many more slips than anybody waits for."""
+    from stickslip.simulate.engines import expected_slips
+
+    # No slip is shorter than half a swing of the mass on its spring, so most runs are short enough.
+    half_swing = math.pi * math.sqrt(experiment.parameters["m"] / experiment.parameters["k"])
+    if experiment.duration / half_swing <= most:
+        return
+    slips = expected_slips(experiment)
+    if slips is not None and slips > most:
+        raise CommandError(
+            f"--stop-time: the run has about {slips:.3g} slips, and {most} are allowed; shorten "
+            f"it, or allow them by --most-slips {math.ceil(slips)}"
+        )
+
+
 def _run(
     engine: Engine,
     fmu: Path | None,
@@ -158,6 +192,7 @@ def _run(
     table: "Table",
     values: dict[str, float],
     times: tuple[float, float, float | None],
+    most_slips: int | None,
     drawn: bool,
 ) -> "Run":
     import tempfile
@@ -166,12 +201,13 @@ def _run(
     from stickslip.simulate import engines
 
     experiment = engines.experiment(values, *times, drawn=drawn, law=law, table=table)
+    _check_slips(experiment, most_slips or _MOST_SLIPS[engine])
     if engine is Engine.REFERENCE:
         with Meter("Simulating the reference"), here_on_path():
             run, notes = engines.simulate_reference(experiment)
     else:
         with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-            file = fmu or build_fmu(Path(folder), "--fmu", law=law)
+            file = fmu or build_for_run(Path(folder), law)
             with Meter("Simulating the FMU") as meter:
                 run, notes = engines.simulate_fmu(experiment, file, meter.advance)
     for note in notes:

@@ -98,6 +98,24 @@ def reference_parameters(
         return found.complete(stickslip_ref.Parameters(**shared), own)
 
 
+def expected_slips(what: Experiment) -> float | None:
+    """Return about how many slips an experiment has, from its steady motion.
+
+    None where that is not known: the reference does not have the friction law, the motion does not
+    repeat, or the pulled end stands still.
+    """
+    try:
+        p = reference_parameters(what.parameters, what.law)
+        if what.law == COULOMB_NAME:
+            period = float(stickslip_ref.steady_cycle(p).T)
+        else:
+            cycle = stickslip_ref.regime(p, what.law).stick_slip
+            period = cycle.period if cycle else math.nan
+    except (ValueError, RuntimeError):
+        return None
+    return what.duration / period if period > 0.0 else None
+
+
 def simulate_reference(what: Experiment) -> tuple[Run, list[str]]:
     """Simulate with `stickslip_ref`.
 
