@@ -25,9 +25,11 @@ Begin = Literal["rest", "jumps", "even"]
 _DEVIATION: Final = 0.02
 """Of the table's speed from the feed where a motion near even sliding begins."""
 _STEADY: Final = 1e-3
-"""A swing is steady where its amplitude changes by less over `_SWINGS` swings, relative."""
+"""A swing is steady where the range of its last extremes changes by less, relative."""
 _SWINGS: Final = 8
 """Extremes of the speed that are looked at together."""
+_LAST: Final = 16
+"""Extremes whose range is the height of a swing."""
 _STILL: Final = 1e-3
 """A swing of a smaller amplitude, over the feed, is even motion."""
 _STICKS: Final = 12
@@ -200,11 +202,10 @@ class Courses:
         off = max(abs(event.speed / self._feed - 1.0) for event in last)
         if off < _STILL or (off < SETTLED and self._in_stable_line(last)):
             return Course("even", settling=self._settling(events))
-        heights = [abs(b.speed - a.speed) for a, b in pairwise(run)]
-        steady = (
-            len(heights) > 2 * _SWINGS
-            and abs(heights[-1] / heights[-1 - 2 * _SWINGS] - 1.0) < _STEADY
-        )
+        if len(run) < 2 * _LAST:
+            return None
+        before, now = (_height(part) for part in (run[-2 * _LAST : -_LAST], run[-_LAST:]))
+        steady = abs(now / before - 1.0) < _STEADY
         if steady and not self._in_stable_line(last):
             return Course("swings", swing=self._swing(run))
         return None
@@ -228,10 +229,10 @@ class Courses:
         return False
 
     def _swing(self, run: list[Extreme]) -> Swinging:
-        amplitude = 0.5 * abs(run[-1].speed - run[-2].speed) / self._feed
-        last = run[-2 * _SWINGS - 1 :]
+        """Return the swing of the last extremes; of one that is not even, its whole range."""
+        last = run[-_LAST:]
         frequency = 0.5 * (len(last) - 1) / (last[-1].time - last[0].time)
-        return Swinging(amplitude, frequency)
+        return Swinging(0.5 * _height(last) / self._feed, frequency)
 
     def _settling(self, events: list[Extreme]) -> float:
         """Return the time from the first break-away until the speed stays near the feed [s]."""
@@ -250,10 +251,19 @@ class Courses:
         if not run or (events and events[-1].mode.table == 0):
             # It creeps up to the feed without an extreme, or was never pulled away.
             return Course("even", settling=0.0)
-        heights = [abs(b.speed - a.speed) for a, b in pairwise(run)]
-        if len(heights) < 2 * _SWINGS or heights[-1] < (1.0 - _STEADY) * heights[-1 - _SWINGS]:
+        if len(run) < 2 * _LAST:
+            return Course("even", settling=self._settling(events))
+        before, now = (_height(part) for part in (run[-2 * _LAST : -_LAST], run[-_LAST:]))
+        stable = swing(self._axis, line=line_at(self._axis, self._feed)).damping >= 0.0
+        if stable and now < (1.0 - _ALIKE) * before:
             return Course("even", settling=self._settling(events))
         return Course("swings", swing=self._swing(run))
+
+
+def _height(extremes: list[Extreme]) -> float:
+    """Return the range of the speed [m/s]."""
+    speeds = [extreme.speed for extreme in extremes]
+    return max(speeds) - min(speeds)
 
 
 def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regime:
@@ -278,7 +288,7 @@ def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regim
     cycles = [course.stick_slip for course in found if course.stick_slip is not None]
     stick_slip = cycles[0] if cycles else None
     if axis.friction.law == "coulomb":
-        stick_slip = _carried(axis, feed, limit)
+        stick_slip = _carried(axis, feed, limit, stick_slip)
     swings: list[Swinging] = []
     for course in found:
         if course.swing is not None and not any(
@@ -290,7 +300,9 @@ def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regim
     )
 
 
-def _carried(axis: Axis, feed: float, limit: Limit | None) -> StickSlip | None:
+def _carried(
+    axis: Axis, feed: float, limit: Limit | None, followed: StickSlip | None
+) -> StickSlip | None:
     """Return the cycle carried up from slow feeds, None above the end of the jumps."""
     end = limit_of_jumps(axis).feed if limit is None else limit.feed
     if end < feed:
@@ -299,4 +311,4 @@ def _carried(axis: Axis, feed: float, limit: Limit | None) -> StickSlip | None:
     if there.jump is not None and there.feed >= feed:
         return StickSlip(there.jump.way, 1.0 / there.rate)
     # The drive turns the table back between two jumps.
-    return StickSlip(math.nan, math.nan, True)
+    return followed or StickSlip(math.nan, math.nan, True)
