@@ -6,6 +6,7 @@
 
 from .critical import coulomb_limit, critical_lambda
 from .cycle import Cycle, SimplifiedCycle, simplified, steady_cycle
+from .dwell import Attractor, Attractors, dwell_attractors
 from .laws import (
     COULOMB,
     STRIBECK,
@@ -32,6 +33,8 @@ __all__ = [
     "STICKS",
     "STRIBECK",
     "SWINGS",
+    "Attractor",
+    "Attractors",
     "Bound",
     "Change",
     "Coulomb",
@@ -57,6 +60,7 @@ __all__ = [
     "coulomb_limit",
     "critical_lambda",
     "critical_velocity",
+    "dwell_attractors",
     "friction_law",
     "merged",
     "regime",

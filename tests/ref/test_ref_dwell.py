@@ -15,6 +15,7 @@ from stickslip_ref import (
     Parameters,
     coulomb_limit,
     critical_velocity,
+    dwell_attractors,
     simulate,
     steady_cycle,
 )
@@ -23,6 +24,9 @@ from tests.fmu.blocks import make_block, outputs
 AXIS = {"m": 500.0, "k": 40e6, "c": 4000.0, "mu_s": 0.20, "mu_k": 0.15}
 """The axis of docs/feed-axis.md on a rigid drive."""
 GROWTH = {"tau_s": 0.05, "B": 0.01, "t_0": 0.1}
+
+REVERSING = {"m": 0.42, "k": 2730.0, "c": 2.5, "mu_s": 0.537, "mu_k": 0.092}
+"""With tau_s = 1.2 ms the slips of a cycle reverse, and at some speeds the mass then slides on."""
 
 
 def grown(own: Mapping[str, float], **values: Any) -> Parameters:
@@ -71,6 +75,85 @@ def test_the_block_settles_to_the_steady_cycle(
     assert pytest.approx(cycle.t_slip + cycle.t_stick, rel=1e-14) == cycle.T
     assert cycle.delta_x == pytest.approx(float(p.v) * cycle.T, rel=1e-13)
     assert cycle.F_s == pytest.approx(COULOMB.break_away_force(p, cycle.t_stick), rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("values", "t_stick"),
+    [
+        (
+            (
+                *(0.32662006698710755, 847.0920798056761, 0.0, 1.6407282568392187),
+                *(0.21273877981346978, 0.38487392674527743, 0.02110522079627808),
+            ),
+            8.3631409e-3,
+        ),
+        (
+            (
+                *(0.18733264093885751, 830.7358085163012, 1.15666984960535, 1.2313890165883696),
+                *(0.16539834448638446, 0.04931124315057174, 0.02705956115895967),
+            ),
+            38.9602684e-3,
+        ),
+    ],
+)
+def test_a_start_from_rest_leads_to_the_cycle_that_lasts(
+    values: tuple[float, ...], t_stick: float
+) -> None:
+    named = dict(zip(("m", "k", "c", "mu_s", "mu_k", "v", "tau_s"), values, strict=True))
+    cycle = steady_cycle(grown({"tau_s": named.pop("tau_s")}, **named))
+    # To the digits that the block shows after 300 periods.
+    assert cycle.t_stick == pytest.approx(t_stick, abs=5e-11)
+
+
+def test_after_slips_that_reverse_the_mass_may_slide_on_far_below_the_last_cycle() -> None:
+    own = {"tau_s": 1.2e-3}
+    found = critical_velocity(Parameters(**REVERSING), own=own, between=(5e-4, 0.1))
+    slow, fast = found.cycle
+    ends = [1e3 * end for end in (slow.high, fast.low, fast.high)]
+    assert ends == pytest.approx([0.81387, 11.48856, 71.64095], rel=1e-5)
+    for v, sticks in ((0.99 * slow.high, True), (8.8e-3, False), (1.01 * fast.low, True)):
+        cycle = steady_cycle(grown(own, **REVERSING, v=v))
+        assert (cycle.exists, cycle.attractors) == (sticks, int(sticks))
+        assert ("sticks" in found.motions(v)) is sticks
+        block = make_block(**REVERSING, **own, v=v)
+        block.advance(0.0, 50.0)
+        before = block.meter.n_slips
+        block.advance(0.0, 50.0)
+        assert (block.meter.n_slips > before) is sticks
+
+
+def test_of_several_motions_the_first_stick_decides() -> None:
+    values = {"m": 0.25753930913916667, "k": 705.2961927509377, "v": 0.042080354610949756}
+    values |= {"mu_s": 1.7177791425914826, "mu_k": 0.20054583991135824}
+    own = {"tau_s": 0.09421550564456398}
+    p = grown(own, **values)
+    found = dwell_attractors(p)
+    irregular, cycle = found.attractors
+    assert found.from_rest == cycle
+    assert (irregular.regular, cycle.regular, cycle.reverses) == (False, True, True)
+    assert found.resolution == pytest.approx(2.0 * values["mu_k"] * 9.81 * values["m"] / 256)
+    for first in found.attractors:
+        # Loaded so that the first stick lasts as long.
+        age = first.t_stick[0]
+        start = COULOMB.break_away_force(p, age) / values["k"] - values["v"] * age
+        block = make_block(**values, **own, z_start=start)
+        block.advance(0.0, 100.0)
+        for _ in range(500):
+            block.advance(0.0, 0.05)
+            comes_to_cycle = block.meter.t_stick == pytest.approx(cycle.t_stick[0], rel=1e-9)
+            assert comes_to_cycle is (first is cycle)
+
+
+def test_a_cycle_may_exist_that_a_start_from_rest_does_not_lead_to() -> None:
+    values = {"m": 0.2801061211066846, "k": 116.4651030966716, "c": 0.04943790639016641}
+    values |= {"mu_s": 1.2813093962507602, "mu_k": 0.23451048069791502, "v": 0.13688157850766663}
+    own = {"tau_s": 0.07993576009920819}
+    cycle = steady_cycle(grown(own, **values))
+    assert (cycle.exists, cycle.attractors) == (False, 1)
+    block = make_block(**values, **own)
+    block.advance(0.0, 100.0)
+    # The swing has decayed by exp(-8.8).
+    assert outputs(block)["x_dot"] == pytest.approx(values["v"], rel=2e-4)
 
 
 def test_without_growth_the_cycle_is_that_of_constant_coefficients() -> None:
@@ -134,6 +217,8 @@ def test_slow_growth_over_weak_kinetic_friction_is_irregular() -> None:
     # A tent map, theory (23): sticks of no one length for ever, so no steady cycle.
     own, values = {"tau_s": 20.0}, {"mu_k": 0.01, "mu_s": 0.9, "v": 5e-4}
     assert not steady_cycle(grown(own, **values)).exists
+    (irregular,) = dwell_attractors(grown(own, **values)).attractors
+    assert not irregular.regular
     assert ranges(own, (1e-4, 7e-4), **values) == ((1e-4, 7e-4, "none", "none"),)
     run = simulate(Parameters(**values), 60.0, own=own, rtol=1e-9)
     lengths = [each.t_stick for each in run.cycles[-15:]]

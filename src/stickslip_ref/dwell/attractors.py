@@ -135,7 +135,7 @@ class Scan:
         reached = {age: self._attractor(np.array([age])) for age in self.cycles}
         reached |= {age: self._repeated(age) for age in ends.values() if age not in reached}
         different: list[Attractor] = []
-        for attractor in reached.values():
+        for attractor in sorted(reached.values(), key=lambda attractor: attractor.regular):
             if not any(_same(attractor, known) for known in different):
                 different.append(attractor)
         from_rest = None
@@ -239,11 +239,12 @@ class Scan:
 
 
 def _same(a: Attractor, b: Attractor) -> bool:
-    """Tell whether two attractors are one: irregular ones whose sticks overlap are."""
-    if a.regular != b.regular:
-        return False
-    if not a.regular:
-        return a.t_stick[0] <= b.t_stick[-1] and b.t_stick[0] <= a.t_stick[-1]
-    return (
-        len(a.t_stick) == len(b.t_stick) and abs(a.t_stick[0] - b.t_stick[0]) <= 1e-6 * a.t_stick[0]
-    )
+    """Tell whether two attractors are one: irregular ones are if their sticks overlap.
+
+    A regular sequence within an irregular one is that one in passing, unless it is a cycle.
+    """
+    if a.regular and b.regular:
+        near = abs(a.t_stick[0] - b.t_stick[0]) <= 1e-6 * a.t_stick[0]
+        return len(a.t_stick) == len(b.t_stick) and near
+    overlap = min(a.t_stick) <= max(b.t_stick) and min(b.t_stick) <= max(a.t_stick)
+    return overlap and len(a.t_stick) > 1 and len(b.t_stick) > 1
