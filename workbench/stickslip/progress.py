@@ -56,7 +56,14 @@ class Meter:
 
     def _show(self) -> None:
         from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+        from rich.progress import (
+            BarColumn,
+            Progress,
+            TaskProgressColumn,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
 
         with self._lock:
             if self._ended:
@@ -64,8 +71,8 @@ class Meter:
             self._progress = Progress(
                 TextColumn("{task.description}"),
                 BarColumn(),
-                TextColumn("{task.percentage:3.0f} %"),
-                TimeRemainingColumn(),
+                TaskProgressColumn("{task.percentage:3.0f} %"),
+                TimeElapsedColumn() if self._total is None else TimeRemainingColumn(),
                 console=Console(file=self._stream),
                 transient=True,
                 redirect_stdout=False,

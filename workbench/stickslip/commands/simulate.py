@@ -209,6 +209,7 @@ def _run(
         with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
             file = fmu or build_for_run(Path(folder), law)
             with Meter("Simulating the FMU") as meter:
+                meter.advance(0.0, experiment.duration)
                 run, notes = engines.simulate_fmu(experiment, file, meter.advance)
     for note in notes:
         say(f"warning: {note}")
