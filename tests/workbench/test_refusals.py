@@ -35,6 +35,8 @@ FILES = {
     "minus.toml": AXIS.replace('"500 kg', '"-5 kg'),
     "plan.toml": PLAN,
     "many.toml": PLAN.replace('log 3"', 'log 1000000"\nmu_s = "0.4..0.9 600000"'),
+    "memory.toml": PLAN.replace('log 3"', 'log 1000000000"\nmu_s = [0.4, 0.5]'),
+    "runs.toml": PLAN.replace("k =", "".join(f'{n} = "0..1 9999999"\n' for n in "mgc") + "k ="),
     "mu.csv": "speed [m/s],mu\n0,0.42\n0.1,0.3\n",
     "unitless.csv": "speed,force\n0,40\n5 mm/s,30\n",
     "text.fmu": "no archive",
@@ -112,6 +114,8 @@ REFUSED = [
     ("sweep text.fmu plan.toml", "text.fmu: not an FMU (not a zip archive)"),
     ("sweep text.fmu", "--template"),
     ("sweep {fmu} plan.toml --template", "--template plan.toml: is there already; name a new file"),
+    ("sweep {fmu} memory.toml", "line 4: parameters.k = | too many values: over 10000000"),
+    ("sweep {fmu} runs.toml", "runs.toml: makes more than 1e+18 runs"),
     ("sweep {fmu} many.toml -o out", "6e+11 points are more than 10^9; --yes computes them"),
 ]
 VK = "map --over 'v=1..900 mm/s' --over 'k=0.1..10 kN/m'"

@@ -30,6 +30,7 @@ from typing import Any, Final, TypeAlias
 
 from ..axis.lines import Lines
 from ..quantity import QuantityError, typed
+from ..ranges import BETWEEN
 from .reductions import REDUCTIONS
 from .refusal import SweepError, nearest
 
@@ -60,11 +61,18 @@ TABULAR: Final = (".csv", ".parquet")
 TIME_LIMIT: Final = 60.0
 """Seconds that a run may take where the plan says nothing."""
 
+MOST_VALUES: Final = 10_000_000
+"""Values of one variable, which stand in memory."""
+
+MOST_RUNS: Final = 10**18
+"""Runs of a plan: more do not fit into the integers that count them."""
+
 Written: TypeAlias = float | int | bool | str
 """A value as TOML has it."""
 
 _LONGEST: Final = 60
 """Characters of a value that a refusal shows."""
+_COUNT: Final = re.compile(r"\d{1,18}", re.ASCII)
 _DECIMAL_COMMA: Final = re.compile(r"=\s*-?\d+,\d")
 
 
@@ -197,6 +205,9 @@ def plan_of(
         )
     except _WrongError as error:
         raise refused(error.key, error.reason) from None
+    runs = math.prod(map(_count, (*plan.parameters.values(), *plan.inputs.values())))
+    if runs > MOST_RUNS:
+        raise SweepError(f"{name}: makes more than {MOST_RUNS:.0g} runs")
     both = sorted(plan.parameters.keys() & plan.inputs.keys())
     if both:
         raise refused(f"inputs.{both[0]}", "stands in [parameters] too")
@@ -243,7 +254,17 @@ def _values(table: str, entries: Mapping[str, Any]) -> Iterator[tuple[str, Any]]
                 raise _WrongError(key, f"= {_shown(value)} is neither number nor text")
             if isinstance(value, float) and not math.isfinite(value):
                 raise _WrongError(key, f"= {value} is not finite")
+        if _count(written) > MOST_VALUES:
+            raise _WrongError(key, f"= {_shown(written)} has too many values: over {MOST_VALUES}")
         yield name, written
+
+
+def _count(written: Written | list[Written]) -> int:
+    """Return how many values are written, without making them; a range ends with its number."""
+    if isinstance(written, list):
+        return len(written)
+    words = str(written).split() if BETWEEN in str(written) else []
+    return int(words[-1]) if words and _COUNT.fullmatch(words[-1]) else 1
 
 
 def _outputs(entries: Mapping[str, Any]) -> Iterator[tuple[str, tuple[str, ...]]]:
