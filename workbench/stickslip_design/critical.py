@@ -50,8 +50,8 @@ def regime_of(axis: Axis, feed: float, limit: Limit | None = None) -> Regime:
     feed
         The feed [m/s], above 0.
     limit
-        With a drive and friction that does not change with the speed, the end of its jumps if that
-        is known.
+        With a drive and friction that does not change with the speed, the end of its jumps from the
+        slowest feed on, if that is known.
     """
     if axis.drive is None:
         return regime(axis.block(feed), axis.friction.law, axis.friction.own)
@@ -95,7 +95,8 @@ def judders(axis: Axis, feed: float) -> bool:
         return found.motions(feed) != (EVEN,)
     if not is_stable(axis) or swing(axis, line=line_at(axis, feed)).damping < 0.0:
         return True
-    return Courses(axis, feed).course("jumps").kind != EVEN
+    courses = Courses(axis, feed)
+    return any(courses.course(begin).kind != EVEN for begin in ("jumps", "struck"))
 
 
 def estimated_critical_feed(axis: Axis) -> float:

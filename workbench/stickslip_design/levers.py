@@ -18,6 +18,7 @@ from .critical import (
     jumps_of,
     rigid_critical_feed,
 )
+from .loop.jumps import limit_of_jumps
 from .loop.stability import is_stable
 from .verdict import AxisCure
 
@@ -183,7 +184,10 @@ def cures(axis: Axis, feed: float, now: float, aim: str = END) -> tuple[AxisCure
         The smallest change first; those that do not help last, and before them a mass that hardly
         an axis allows. Of a number that could move both ways or be held in two ways, each is there.
     """
-    found = [_cure(lever, _end(lever, feed, now), aim) for lever in levers(axis)]
+    # Jumps at slow feeds are carried up to the feed; others are followed there.
+    servo = axis.drive is not None and axis.friction.law == "coulomb"
+    carried = servo and limit_of_jumps(axis, feed).feed >= feed
+    found = [_cure(lever, _end(lever, feed, now, carried), aim) for lever in levers(axis)]
     faster = now / feed
     found.append(
         AxisCure(
@@ -227,15 +231,12 @@ def _cure(lever: Lever, factor: float | None, aim: str) -> AxisCure:
     return AxisCure(lever.name, lever.number, lever.unit, lever.now, then, factor, aim, lever.held)
 
 
-def _end(lever: Lever, feed: float, now: float) -> float | None:
+def _end(lever: Lever, feed: float, now: float, carried: bool) -> float | None:
     """Return the factor at which jumping ends at the feed; None where it does not, or unstable."""
     if lever.at(1.0).drive is None:
         return _factor_of_rigid(lever, feed)
-    if lever.at(1.0).friction.law == "coulomb":
-        found = _factor_of_servo(lever, feed, now)
-    else:
-        found = _factor_by_side(lever, feed, _CLOSE)
-    return found if found is not None and is_stable(lever.at(found)) else None
+    way = _factor_of_servo(lever, feed, now) if carried else _factor_by_side(lever, feed, _CLOSE)
+    return way if way is not None and is_stable(lever.at(way)) else None
 
 
 def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> float | None:

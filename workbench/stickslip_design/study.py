@@ -110,7 +110,8 @@ def _from_rest(axis: Axis, highest: float) -> float | None:
 def _points(axis: Axis, limits: CriticalVelocity, start: float | None) -> Iterator[OperatingPoint]:
     limit = None
     if axis.drive is not None and axis.friction.law == "coulomb" and limits.cycle:
-        limit = Limit(limits.highest, None)
+        first = limits.cycle[0]
+        limit = Limit(first.high if first.low == 0.0 else 0.0, None)
     for feed in sorted(axis.demand.feeds):
         simple = simplified(axis.block(feed))
         yield OperatingPoint(

@@ -20,7 +20,7 @@ from .motion import Margin, Motion, Point, after, margins_of
 from .stability import swing
 from .system import LAST, MOTOR, SPEED, TABLE, Mode, System
 
-Begin = Literal["rest", "jumps", "even"]
+Begin = Literal["rest", "jumps", "struck", "even"]
 
 _DEVIATION: Final = 0.02
 """Of the table's speed from the feed where a motion near even sliding begins."""
@@ -92,7 +92,7 @@ class Courses:
 
     @one_thread
     def course(self, begin: Begin) -> Course:
-        """Return where the motion leads from rest, out of a break-away, or from even motion."""
+        """Return where the motion leads: from rest, a break-away, a blow, or even motion."""
         extremes: list[Extreme] = []
         for event in self._events(*self._start(begin)):
             extremes.append(event)
@@ -106,6 +106,11 @@ class Courses:
         motor = 0 if system.drive.dry > 0.0 else 1
         if begin == "jumps":
             return Mode(0, 1), loaded(system, feed)
+        if begin == "struck":
+            # As after a blow: the spring pulls with twice the break-away force.
+            point = loaded(system, feed)
+            point.state[[MOTOR, LAST]] += axis.F_s / axis.k
+            return Mode(1, 1), point
         if begin == "rest":
             state = system.at_rest()
             acceleration = axis.demand.acceleration
@@ -281,8 +286,7 @@ def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regim
     least = swing(axis, line=line_at(axis, feed))
     courses = Courses(axis, feed)
     rest = courses.course("rest")
-    out_of_jumps = courses.course("jumps")
-    found = [rest, out_of_jumps]
+    found = [rest, courses.course("jumps"), courses.course("struck")]
     if least.damping < 0.0:
         found.append(courses.course("even"))
     cycles = [course.stick_slip for course in found if course.stick_slip is not None]
@@ -303,10 +307,10 @@ def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regim
 def _carried(
     axis: Axis, feed: float, limit: Limit | None, followed: StickSlip | None
 ) -> StickSlip | None:
-    """Return the cycle carried up from slow feeds, None above the end of the jumps."""
+    """Return the cycle carried up from slow feeds, or the one followed where there is none."""
     end = limit_of_jumps(axis).feed if limit is None else limit.feed
     if end < feed:
-        return None
+        return followed
     there = limit_of_jumps(axis, feed)
     if there.jump is not None and there.feed >= feed:
         return StickSlip(there.jump.way, 1.0 / there.rate)

@@ -84,11 +84,12 @@ def swing(axis: Axis, *, sliding: bool = True, line: Line | None = None) -> Swin
     Notes
     -----
     An eigenvalue z from sample to sample is a motion exp(s t) with s = ln(z)/T_s. Without a swing:
-    damping infinite, frequency 0.
+    damping infinite, frequency 0. What grows without a swing has the damping -1.
     """
     system = System(axis, None if line is None else (line,))
     z = _eigenvalues(system, system.sliding if sliding else _STUCK)
-    s = np.log(z[z.imag > 0.0]) / system.drive.T_s
+    s = np.log(z[(z.imag > 0.0) | ((z.imag == 0.0) & (np.abs(z) > 1.0 + _ROUNDING))])
+    s /= system.drive.T_s
     found = [Swing(float(-each.real / abs(each)), float(abs(each))) for each in s]
     return min(found, default=Swing(math.inf, 0.0))
 
