@@ -313,6 +313,6 @@ def _carried(
         return followed
     there = limit_of_jumps(axis, feed)
     if there.jump is not None and there.feed >= feed:
-        return StickSlip(there.jump.way, 1.0 / there.rate)
+        return StickSlip(there.jump.way, float(1.0 / there.rate))
     # The drive turns the table back between two jumps.
     return followed or StickSlip(math.nan, math.nan, True)
