@@ -2,8 +2,9 @@
 
 An axis is linear but for dry friction, and the matrix exponential is exact for a friction that is
 constant over a step. That friction is what the law gives at the mean velocity of the step (second
-order, without numerical damping), or what stops the table, or holds it up to static friction. No
-event is located (time stepping, J. J. Moreau 1988). `steep` is the second opinion: a stiff solver.
+order, without numerical damping), or what stops the table, or holds it up to static friction (time
+stepping, J. J. Moreau 1988). No event is searched for: a step with a stop or a break-away in it
+takes both frictions, by their shares. `steep` is the second opinion: a stiff solver.
 
 Equations: docs/feed-axis.md (1), (2), docs/theory.md (1), (19), (26). Encoders are exact. The first
 stick of a start from rest has age 0.
@@ -41,7 +42,7 @@ ROUNDING = 1e-9
 STEADY = 2e-3
 """Change of a lasting swing between looks, relative; one that only lingers changes ever faster."""
 REPEATS = 0.02
-"""Change of a stick between looks, relative: samples and steps cut the sticks unevenly."""
+"""Change of a stick between looks, relative: samples of the controller cut the sticks unevenly."""
 ENOUGH = 3
 """Sticks in a look that are compared."""
 MOST = 600_000
@@ -85,15 +86,11 @@ class Guideway:
         self.F_s, self.F_k = (quantity(friction.get(mu, slowest)) * N for mu in ("mu_s", "mu_k"))
         if "F_s" in friction:
             self.F_s, self.F_k = (quantity(friction[F], ratio) for F in ("F_s", "F_k"))
-        self.v_s, self.delta = (
-            quantity(friction.get("v_s", 0.0)),
-            quantity(friction.get("delta", 2.0)),
-        )
+        self.v_s = quantity(friction.get("v_s", 0.0))
+        self.delta = quantity(friction.get("delta", 2.0))
         self.hyperbolic = friction.get("shape") == "hyperbolic"
-        self.tau_s, self.B = (
-            quantity(friction.get("tau_s", 0.0)),
-            quantity(friction.get("B", 0.0)) * N,
-        )
+        self.tau_s = quantity(friction.get("tau_s", 0.0))
+        self.B = quantity(friction.get("B", 0.0)) * N
         self.t_0 = quantity(friction.get("t_0", 1.0))
 
     def slides(self, u: float) -> float:
@@ -157,7 +154,6 @@ class Motion:
         self._cut()
         self.state = [0.0] * (8 + self.behind + 2 * len(self.filters))
         self.age = self.offset = self.R = self.D = 0.0
-        self.onward = 1.0
         self.slipped: list[tuple[float, float, float]] = []
         self.passed: list[float] = []
         if start != "rest":
@@ -189,9 +185,9 @@ class Motion:
         steepest = float(np.abs(np.diff(friction)).max() / speeds[1])
         # The friction of a step is found by iteration, which halves its error at least.
         h = min(FINE / self.w, 0.5 * self.m / max(steepest, 1e-9 * N))
-        # Break-away is off by half a step: 2 % of what loads the spring in a stick.
+        # A stick that loads the spring by the gap of friction lasts some steps.
         gap = self.guideway.F_s - min([F for _, F in self.guideway.points] or [self.guideway.F_k])
-        return max(min(h, 0.05 * gap / (self.k * self.v)), 0.2 * h)
+        return max(min(h, 0.2 * gap / (self.k * self.v)), 0.4 * h)
 
     def system(self) -> np.ndarray:
         """Return d/dt of (z, w, u, x, F) for these and (R, D, command, 1)."""
@@ -203,8 +199,8 @@ class Motion:
             A[1, 4 if self.lag else 7] = 1.0 / self.m_d
         A[2, [0, 2, 5, 8]] = self.k / self.m, -self.c / self.m, -1.0 / self.m, self.along / self.m
         A[3, 2] = 1.0
-        if self.lag:
-            A[4, [4, 7]] = -1.0 / self.lag, 1.0 / self.lag
+        # Without a lag F is not used, and fades.
+        A[4, [4, 7]] = -1.0 / (self.lag or self.T_s), 1.0 / (self.lag or self.T_s)
         return A
 
     def _cut(self) -> None:
@@ -230,8 +226,7 @@ class Motion:
             self.state += [(b[1] - a[0]) * F + later, later]
 
     def free(self, slope: float) -> None:
-        """Leave out what is not linear; `slope` of friction [N s/m] damps the table instead."""
-        self.guideway = Guideway({"mu_s": 0.0, "mu_k": 0.0}, 1.0, 1.0)
+        """Leave out what is not linear but friction; its `slope` [N s/m] damps the table."""
         self.dry, self.dead_band, self.F_max, self.c = 0.0, 0.0, math.inf, self.c + slope
         self._cut()
 
@@ -267,7 +262,7 @@ class Motion:
         """Go on; note break-aways (time, place, age), passes of the feed, the speed's range."""
         self.slipped, self.passed = [], []
         low, high = math.inf, -math.inf
-        v, guideway, dry, onward = self.v, self.guideway, self.dry, self.onward
+        v, k, guideway, dry = self.v, self.k, self.guideway, self.dry
         age, R, D, t = self.age, self.R, self.D, self.t
         holds, slides, close = guideway.holds, guideway.slides, 1e-7 * guideway.F_s
         for _ in range(samples):
@@ -286,28 +281,36 @@ class Motion:
                         if not w or (w_new + wD * D) * w <= 0.0:
                             D = min(max(-w_new / wD, -dry), dry)
                     free = uz * z + uw * w + uu * u + uF * F + uP * P + u1 + uD * D
-                    # What stops the table in this step, or holds it.
-                    before, R, u_new = R, -free / uR, 0.0
-                    if not u and abs(R) <= holds(age + 0.5 * h):
-                        age += h
-                    else:
-                        stops, s = R, math.copysign(1.0, u or free)
-                        if not u:
-                            # Not at a reversal: stops, and slips the other way at once.
-                            if age or s == onward:
-                                self.slipped.append((t, x, age))
-                            age, onward = 0.0, s
-                        R, mean = abs(before), 0.5 * s * (u + free)
+                    # What stops the table in this step, or holds it for a part of the step.
+                    before, stops, u_new = R, -free / uR, 0.0
+                    s, part, grows = math.copysign(1.0, u or stops), 0.0, 0.0
+                    if not u:
+                        grows, lasts = s * k * w * h, holds(age + h)
+                        short = s * stops + 0.5 * grows - lasts
+                        if short > 0.0:
+                            nears = grows - lasts + holds(age)
+                            part = min(max(1.0 - short / nears, 0.0), 0.999) if nears > 0 else 0.0
+                            self.slipped.append((t + part * h, x, age + part * h))
+                            age = 0.0
+                        else:
+                            age, part, R = age + h, 1.0, stops
+                    if part < 1.0:
+                        needs = stops + 0.5 * s * part * grows
                         for _ in range(60):
-                            guess, R = R, slides(max(mean + 0.5 * uR * R, 0.0))
+                            slides_at = max(0.5 * s * (u + free + uR * R), 0.0)
+                            guess, R = R, stops - (1.0 - part) * (needs - s * slides(slides_at))
                             if abs(R - guess) <= close:
                                 break
                         else:
                             raise ArithmeticError("friction changes too fast for the step")
-                        R *= s
                         u_new = free + uR * R
                         if s * u_new <= 0.0 < guideway.F_s:
-                            R, u_new = stops, 0.0
+                            # It comes to rest within the step, and rests or goes back at once.
+                            rest = u_new / (u_new - u) if u else 0.0
+                            age, R, u_new = h * rest, stops, 0.0
+                            if s * (k * z + self.along) < -holds(0.0):
+                                age, R = 0.0, s * (1.0 - 2.0 * rest) * slides(0.0)
+                                u_new = free + uR * R
                     w_new = 0.0 if dry and abs(D) < dry else w_new + wR * (R - before) + wD * D
                     x_new = x + xz * z + xw * w + xu * u + xF * F + xP * P + x1 + xR * R + xD * D
                     z = zz * z + zw * w + zu * u + zF * F + zP * P + z1 + zR * R + zD * D
@@ -318,7 +321,6 @@ class Motion:
                     w, u = w_new, u_new
             self.state[:5] = z, w, u, x, F
         self.age, self.R, self.D, self.low, self.high, self.t = age, R, D, low, high, t
-        self.onward = onward
 
     def look(self, samples: int) -> Seen:
         """Return what the axis does in the next samples."""
@@ -355,7 +357,7 @@ def _filter(one: Tables, T_s: float) -> tuple[list[float], list[float]]:
 
 def radius(axis: Tables, slope: float = 0.0) -> float:
     """Return by what a disturbance of even sliding grows in a sample; `slope` as in `free`."""
-    motion = Motion(axis, 1.0, "rest")
+    motion = Motion(axis | {"friction": {"mu_s": 0.0, "mu_k": 0.0}}, 1.0, "rest")
     motion.free(slope)
     rest, ends = motion.state, []
     for start in (np.zeros(len(rest)), *np.eye(len(rest))):
@@ -393,8 +395,8 @@ def seen(axis: Tables, feed: str | float, start: Start, finer: float = 1.0) -> S
             return Seen("even")
         if len(looks) == 3 and all(_same(look, last) for look in looks[:2]):
             return last
-    often = all(look.kind == "sticks" and look.sticks >= ENOUGH for look in looks)
-    return replace(last, repeats=False) if often else Seen("unsettled")
+    often = all(look.kind == "sticks" and look.sticks >= ENOUGH for look in looks[1:])
+    return replace(last, repeats=_same(looks[1], last)) if often else Seen("unsettled")
 
 
 def _same(before: Seen, now: Seen) -> bool:
@@ -405,8 +407,8 @@ def _same(before: Seen, now: Seen) -> bool:
         change = abs(now.amplitude - before.amplitude)
         return now.amplitude > EVEN and change < STEADY * now.amplitude
     drift = abs(now.period - before.period) + abs(now.t_stick - before.t_stick)
-    # A stick is known to a step, some 0.3 % of a period.
-    least = REPEATS * now.t_stick + 0.003 * now.period
+    # The shortest sticks of all are known to a part of a step, some 0.1 % of a period.
+    least = REPEATS * now.t_stick + 0.001 * now.period
     return min(before.sticks, now.sticks) >= ENOUGH and drift < least
 
 

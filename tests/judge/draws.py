@@ -76,13 +76,12 @@ def _slides(draw: Random, drawn: Tables, law: str, m: float, w: float) -> Tables
             friction["mu_s"] = round(mu_s * draw.uniform(1.0, 1.3), 5)
         # Where friction falls, or beside.
         falls = [(u, faster) for (u, mu), (faster, less) in pairwise(curve) if less < mu]
-        at = [
-            draw.uniform(*draw.choice(falls)) * draw.choice([1.0, 1.0, 0.6, 1.5]) for _ in range(2)
-        ]
+        beside = 1.0, 1.0, 0.6, 1.5
+        at = [draw.uniform(*draw.choice(falls)) * draw.choice(beside) for _ in range(2)]
         feeds = [max(1e-3 * feed, gap / 60.0) for feed in at]
     elif draw.random() < 0.2:
         friction = {"F_s": _text(mu_s * N, "N"), "F_k": _text(mu_k * N, "N")}
-    demand: Tables = {"feeds": [_text(1e3 * feed, "mm/s") for feed in feeds]}
+    demand: Tables = {"feeds": [_text(1e3 * feed, "mm/s") for feed in sorted(feeds)]}
     # Half a second to the feed at most: a slow start shows the motion at lower feeds.
     demand["acceleration"] = _text(max(log_uniform(draw, 0.05, 2.0), 2.0 * max(feeds)), "m/s2")
     return drawn | {"friction": friction, "demand": demand}
@@ -119,12 +118,11 @@ def _drive(draw: Random, m: float, w: float) -> Tables:
     drive |= draw.choice([{"bandwidth": _text(bandwidth, "1/s")}, gain])
     notch = {"kind": "notch", "damping": 0.7, "leaves": "10 %"}
     filters = notch, {"kind": "low pass"}, {"kind": "low pass", "damping": 0.7}
+    integral_time = draw.choice([0.0, draw.uniform(3.0, 9.0) / bandwidth])
     options = {
         "sample_time": _text(sample, "ms"),
         "position": draw.choice(["table", "motor"]),
-        "integral_time": draw.choice(
-            ["0 s", _text(1e3 * draw.uniform(3.0, 9.0) / bandwidth, "ms")]
-        ),
+        "integral_time": _text(1e3 * integral_time, "ms"),
         "current_lag": _text(draw.uniform(0.1, 0.8), "ms"),
         "dead_time": _text(sample * draw.choice([0.3, 0.5, 1.0, 1.5]), "ms"),
         "viscous_friction": _text(m_d * w * draw.uniform(0.0, 0.05), "N s/m"),
@@ -152,13 +150,9 @@ def write(drawn: Tables, folder: Path) -> Path:
     sections = [(f"[{name}]", table) for name, table in tables.items()]
     sections += [("[[drive.filter]]", one) for one in filters]
     path = folder / "axis.toml"
-    with path.open("w", encoding="utf-8") as file:
-        for head, table in sections:
-            # JSON writes numbers, texts and lists of them as TOML does.
-            print(
-                head,
-                *(f"{key} = {json.dumps(value)}" for key, value in table.items()),
-                sep="\n",
-                file=file,
-            )
+    lines: list[str] = []
+    for head, table in sections:
+        # JSON writes numbers, texts and lists of them as TOML does.
+        lines += [head, *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
+    path.write_text("\n".join([*lines, ""]), encoding="utf-8")
     return path
