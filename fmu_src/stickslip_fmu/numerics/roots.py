@@ -42,6 +42,6 @@ def falling_zero(
             newton = halving
         step_before, step = step, newton - guess
         guess = newton
-        if abs(step) <= _SETTLED * guess or not low < guess < high:
+        if abs(step) <= _SETTLED * guess:
             break
     return guess

@@ -98,7 +98,7 @@ double falling_zero(graph *function, const void *context, double low, double hig
         step_before = step;
         step = next - guess;
         guess = next;
-        if (fabs(step) <= SETTLED * guess || !(low < guess && guess < high)) break;
+        if (fabs(step) <= SETTLED * guess) break;
     }
     return guess;
 }

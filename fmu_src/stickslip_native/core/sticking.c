@@ -157,7 +157,7 @@ enum refusal sticking_after(const struct friction *it, const struct arc *ended, 
 
 enum refusal sticking_arc(const struct friction *it, const struct start *start, struct arc *made)
 {
-    if (start->mode != 0 && start->known)
+    if (start->mode != 0)
         return LAW.slip(it, start->mode, start->z, start->x_dot, start->force, made);
     stick_make(it, start->z, start->known ? &start->force : NULL, start->age, made);
     return ACCEPTED;

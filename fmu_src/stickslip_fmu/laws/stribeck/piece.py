@@ -257,7 +257,8 @@ class PieceSlip:
                 shape.delta,
                 law.v_s,
             )
-            if abs(self._speeds[-1]) < math.inf and abs(self._fall[-1]) < math.inf:
+            # The last coefficient of the speed has all others in it, those of friction too.
+            if abs(self._speeds[-1]) < math.inf:
                 break
             # The motion is quicker than its start shows.
             rate *= _QUICKER

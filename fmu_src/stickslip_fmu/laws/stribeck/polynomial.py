@@ -78,13 +78,13 @@ def highest(coefficients: Sequence[float], end: float) -> float:
     waiting = [(_bernstein(coefficients, end), 0.0, end)]
     while waiting:
         bounds, low, high = waiting.pop()
-        # The two at the ends are values of the polynomial.
-        best = max(best, bounds[0], bounds[-1])
+        # The value at the right end; that at the left one was seen as the one before.
+        best = max(best, bounds[-1])
         if max(bounds) <= best:
             continue
+        # Concave and higher inside than at its ends, so it turns.
         if _bends(bounds, -1.0):
-            if bounds[1] > bounds[0] and bounds[-1] < bounds[-2]:
-                best = max(best, value(coefficients, _turn(coefficients, low, high, 1.0)))
+            best = max(best, value(coefficients, _turn(coefficients, low, high, 1.0)))
         elif high - low > _NARROW * end:
             left, right = _halves(bounds)
             middle = low + 0.5 * (high - low)

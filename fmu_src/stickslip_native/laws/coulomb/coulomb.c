@@ -74,9 +74,11 @@ static int coulomb_remarks(const struct settings *settings, struct remark made[M
     return clamp_remark(settings->mu_s, settings->mu_k, made);
 }
 
+/* The only output is mu_k_used. */
 static double coulomb_output(const struct friction *it, enum reference reference)
 {
-    return reference == VR_mu_k_used ? it->of.coulomb.mu_k_used : 0.0;
+    (void)reference;
+    return it->of.coulomb.mu_k_used;
 }
 
 const struct arc_functions *const ARCS[ARC_TAGS] = {

@@ -25,7 +25,6 @@ static const double NEXT = 2.220446049250313e-16;
 /* The first of the extremes of a growing swing that may leave the band, from the estimate, and
  * their count. */
 static const double TURNS_BEFORE = 2.0, TURNS_AFTER = 6.0;
-enum { MOST_TURNS = 16 };
 
 static double speed_at(const struct arc *arc, double tau)
 {
@@ -84,7 +83,7 @@ static bool next_extreme(const struct arc *arc, struct extremes *walk, double *t
         if (!(walk->start > 2.0)) walk->start = 2.0;
     }
     const double n = walk->start + (step - 2);
-    if (step > MOST_TURNS || !(n < walk->turns + TURNS_AFTER)) return false;
+    if (!(n < walk->turns + TURNS_AFTER)) return false;
     *time = walk->first + n * walk->half;
     return true;
 }

@@ -81,7 +81,7 @@ static int lines_of(const struct settings *settings, struct line lines[MOST_POIN
         lines[count++] = (struct line){low, high, slope, mu};
     }
     double last = curve_speed(settings, points), mu = curve_coefficient(settings, points);
-    if (count > 0 && lines[count - 1].slope == 0.0) {
+    if (lines[count - 1].slope == 0.0) {
         count--;
         last = lines[count].low;
         mu = lines[count].mu;

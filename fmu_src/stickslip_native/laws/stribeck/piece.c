@@ -62,7 +62,8 @@ static enum refusal expand(struct piece *made, int mode, double speed, double ne
         series_expand(shape, &given, speeds, made->fall);
         for (int j = 0; j <= ORDER; j++) speeds[j] = law->v_s * speeds[j];
         made->scale = scale;
-        if (fabs(speeds[ORDER]) < HUGE_VAL && fabs(made->fall[ORDER - 1]) < HUGE_VAL) break;
+        /* The last coefficient of the speed has all others in it, those of friction too. */
+        if (fabs(speeds[ORDER]) < HUGE_VAL) break;
         /* The motion is quicker than its start shows. */
         rate *= QUICKER;
     }

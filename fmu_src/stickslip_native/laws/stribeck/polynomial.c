@@ -10,7 +10,8 @@ static const double NARROW = 9.094947017729282e-13;
 /* What rounding may take from a sum of all terms, relative: 2^-40. */
 static const double MARGIN = 1.0 + 9.094947017729282e-13;
 
-/* Intervals that wait: each division adds one, and 41 divisions make an interval narrow. */
+/* Intervals that wait: each division adds one, and 41 divisions make an interval narrow, so there
+ * are never more than 42. */
 enum { MOST_WAITING = 48 };
 
 /* A part of the whole interval with the Bernstein coefficients on it. */
@@ -148,7 +149,7 @@ bool polynomial_first_zero(struct polynomial it, double end, double *zero)
         const double *bounds = part->bounds;
         const double low = part->low, high = part->high;
         if (least(bounds, it.count) > 0.0) continue;
-        const bool narrow = high - low <= NARROW * end || count + 1 == MOST_WAITING;
+        const bool narrow = high - low <= NARROW * end;
         if (narrow || falls(bounds, it.count)) {
             if (bounds[it.count - 1] <= 0.0) {
                 *zero = falling_zero(polynomial_graph, &it, low, high);
@@ -186,16 +187,14 @@ double polynomial_highest(struct polynomial it, double end)
         struct part *part = &waiting[--count];
         const double *bounds = part->bounds;
         const double low = part->low, high = part->high;
-        /* The two at the ends are values of the polynomial. */
-        if (bounds[0] > best) best = bounds[0];
+        /* The value at the right end; that at the left one was seen as the one before. */
         if (bounds[last] > best) best = bounds[last];
         if (largest(bounds, it.count) <= best) continue;
+        /* Concave and higher inside than at its ends, so it turns. */
         if (bends(bounds, it.count, -1.0)) {
-            if (bounds[1] > bounds[0] && bounds[last] < bounds[last - 1]) {
-                const double top = polynomial_value(it, turn(it, low, high, 1.0));
-                if (top > best) best = top;
-            }
-        } else if (high - low > NARROW * end && count + 1 < MOST_WAITING) {
+            const double top = polynomial_value(it, turn(it, low, high, 1.0));
+            if (top > best) best = top;
+        } else if (high - low > NARROW * end) {
             halve(part, &waiting[count + 1], it.count);
             count += 2;
         }

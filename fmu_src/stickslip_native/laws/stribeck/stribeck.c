@@ -114,9 +114,11 @@ static bool stribeck_same_slip(const struct friction *one, const struct friction
            a->v_s == b->v_s && a->delta == b->delta;
 }
 
+/* The only output is mu_k_used. */
 static double stribeck_output(const struct friction *it, enum reference reference)
 {
-    return reference == VR_mu_k_used ? it->of.stribeck.mu_k_used : 0.0;
+    (void)reference;
+    return it->of.stribeck.mu_k_used;
 }
 
 const struct arc_functions *const ARCS[ARC_TAGS] = {
