@@ -3,12 +3,14 @@
 import math
 import random
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from ctypes import c_double
 from typing import Any
 
 from fmukit.model import ModelError
 from stickslip_fmu.block import Block
 from tests.native.core import ACCEPTED, Core, NativeBlock
+from tests.native.rare import RARE
 
 STEPS = 12
 _ORDER = ("m", "g", "k", "c", "mu_s", "mu_k", "load", "v", "F_ext")
@@ -93,8 +95,52 @@ def bits(values: list[float] | None) -> bytes | None:
     return None if values is None else struct.pack(f"<{len(values)}d", *values)
 
 
-def sequence(core: Core, seed: int) -> Iterator[tuple[list[float] | None, list[float] | None]]:
-    """Run one random sequence in both blocks: their outputs after each step, None where refused.
+Move = float | Mapping[str, float] | None  # a step [s], settings by name, save and restore
+Pairs = Iterator[tuple[list[float] | None, list[float] | None]]
+
+
+def comparisons(core: Core, law: str, count: int) -> Iterator[tuple[object, Pairs]]:
+    """Compare rare settings, sums and random sequences: numbers of both, None where refused."""
+    for settings, *moves in RARE[law]:
+        yield settings, compared(core, core.spec.table.start_values() | settings, moves)
+    # A sum that its last term alone rounds up, and one whose large terms cancel.
+    for terms in ((1.0, 2.0**-53, 2.0**-110), (2.0**60, 1.0, -(2.0**60))):
+        in_c = core.calls.exact_sum((c_double * len(terms))(*terms), len(terms))
+        yield terms, iter([([math.fsum(terms)], [in_c])])
+    for seed in range(count):
+        yield seed, sequence(core, seed)
+
+
+def compared(
+    core: Core, values: Mapping[str, float], moves: Iterable[Move], time: float = 0.0
+) -> Pairs:
+    """Make moves in both blocks: their outputs after each step."""
+    native = NativeBlock(core, values, time)
+    try:
+        block = core.spec.model(core.spec.values(values), time)
+        assert isinstance(block, Block)
+        for move in moves:
+            if move is None:
+                native.remake()
+                block.restore(block.save())
+            elif isinstance(move, float):
+                native.advance(time, move)
+                in_c = native.outputs()
+                block.advance(time, move)
+                yield outputs(core, block), in_c if native.refused == ACCEPTED else None
+                time += move
+            else:
+                for name, value in move.items():
+                    block.set(name, value)
+                    native.set(name, value)
+                block.check()
+    # The last three are what Python raises where C goes on with infinity or NaN.
+    except (ModelError, OverflowError, ValueError, ZeroDivisionError):
+        yield None, None if native.refused != ACCEPTED else []
+
+
+def sequence(core: Core, seed: int) -> Pairs:
+    """Run one random sequence in both blocks: their outputs after each step.
 
     Where the law has sticks that age, they age in half of the sequences.
     """
@@ -108,33 +154,21 @@ def sequence(core: Core, seed: int) -> Iterator[tuple[list[float] | None, list[f
     changing = (*_CHANGING, *dwell[:-1], *tunable)
     for name in (*_ORDER, "x_start", "x_dot_start", "z_start", *dwell, *own):
         values[name] = _draw_any(random_, name, values)
-    time = random_.choice((0.0, 1e3, -5.0))
-    native = NativeBlock(core, values, time)
-    try:
-        block = core.spec.model(core.spec.values(values), time)
-        assert isinstance(block, Block)
+
+    def moves() -> Iterator[Move]:
         for _ in range(STEPS):
             if random_.random() < 0.4:
-                for name in random_.sample(changing, random_.choice((1, 1, 2, 3))):
+                names = random_.sample(changing, random_.choice((1, 1, 2, 3)))
+                for name in names:
                     values[name] = _draw_any(random_, name, values)
-                    block.set(name, values[name])
-                    native.set(name, values[name])
-                block.check()
+                yield {name: values[name] for name in names}
             # A slip takes about this long at least, so a step holds some dozen of them at most.
             period = 2.0 * math.pi * math.sqrt(values["m"] / values["k"])
-            step = period * spread(random_, 1e-4, 30.0) if random_.random() < 0.996 else 0.0
-            native.advance(time, step)
-            given = native.outputs()
-            block.advance(time, step)
-            expected = outputs(core, block)
-            yield expected, given if native.refused == ACCEPTED else None
-            time += step
+            yield period * spread(random_, 1e-4, 30.0) if random_.random() < 0.996 else 0.0
             if random_.random() < 0.2:
-                native.remake()
-                block.restore(block.save())
-    # The last three are what Python raises where C goes on with infinity or NaN.
-    except (ModelError, OverflowError, ValueError, ZeroDivisionError):
-        yield None, None if native.refused != ACCEPTED else []
+                yield None
+
+    yield from compared(core, values, moves(), random_.choice((0.0, 1e3, -5.0)))
 
 
 def _draw_any(random_: random.Random, name: str, values: Mapping[str, float]) -> float:

@@ -40,6 +40,7 @@ class Core:
         core.block_advance.argtypes = [c.c_void_p, c.c_double, c.c_double]
         core.block_read.argtypes = [c.c_void_p, c.c_int, c.POINTER(c.c_double)]
         core.block_save.restype = None
+        core.exact_sum.restype = c.c_double
         self.size = core.block_size()
 
 

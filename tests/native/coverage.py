@@ -2,7 +2,7 @@
 
 ``python -m tests.native.coverage`` compiles the native FMU with gcc's counters, tries it on the
 cases and random sequences of the suite, on the tests of calls, messages, states and lives, and on
-the sequences of the bits, and prints what gcov counted. It exits with 1 where block and friction
+what is compared by bits, and prints what gcov counted. It exits with 1 where block and friction
 law stay below 95 %.
 """
 
@@ -24,7 +24,7 @@ from stickslip_native.packer import build, sources_of
 from stickslip_verification import load_cases, verify
 from stickslip_verification.suite.sequences import COUNT
 from tests import driver
-from tests.native.bits import sequence
+from tests.native.bits import comparisons
 from tests.native.compiling import run, with_library, written
 from tests.native.core import Core, sources
 from tests.sharing import made_once
@@ -114,10 +114,10 @@ class Instrumented:
 
 
 def try_core(folder: Path, law: str) -> None:
-    """Run the sequences of the bits."""
+    """Run the rare settings and the sequences of the bits."""
     core = Core(counting(folder, sources(law)), law)
-    for seed in range(SEQUENCES[law]):
-        for _ in sequence(core, seed):
+    for _, pairs in comparisons(core, law, SEQUENCES[law]):
+        for _ in pairs:
             pass
     core.calls.write_counters()
 

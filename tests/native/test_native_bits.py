@@ -14,7 +14,7 @@ from stickslip_native.batch import FirstSlips, Numbers, first_slips
 from stickslip_native.compiler import CompilerError
 from stickslip_native.named import native_law
 from tests.conftest import Sized
-from tests.native.bits import bits, sequence
+from tests.native.bits import bits, comparisons
 from tests.native.core import Core, compile_core
 from tests.needs import needs
 
@@ -33,9 +33,9 @@ def test_all_outputs_are_equal_to_the_bit_after_every_step(
 ) -> None:
     core, compared, refused = Core(compile_core(tmp_path, law), law), 0, 0
     count = sized(SEQUENCES[law])
-    for seed in range(count):
-        for number, (expected, given) in enumerate(sequence(core, seed)):
-            assert bits(expected) == bits(given), (seed, number, expected, given)
+    for name, pairs in comparisons(core, law, count):
+        for number, (expected, given) in enumerate(pairs):
+            assert bits(expected) == bits(given), (name, number, expected, given)
             compared += expected is not None
             refused += expected is None
     assert compared > 8 * count
