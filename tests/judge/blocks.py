@@ -126,16 +126,16 @@ class _Watch:
             h = max(h, 0.999 * (before.F_s - before.F) / (self.k * self.v))
         self.instance.step(h)
         self.now = now = self._sample()
-        if now.mode == 0 or before.mode == 0:
-            return bool(now.mode)
-        if (now.T, now.t_stick) != (before.T, before.t_stick):
+        if now.mode <= 0 or now.t_event == before.t_event:
+            return False
+        # A slip along the pull has begun: after a stick, or after a slip against the pull.
+        apart = [now.t_event - event - now.T for event in self.events]
+        self.events.append(now.t_event)
+        if before.mode == 0 or (now.T, now.t_stick) != (before.T, before.t_stick):
             return True
         # A stick shorter than the step and as long as the last: a period after another event.
-        if now.t_event == before.t_event or now.mode < 0 or now.T == 0.0:
-            return False
-        self.events.append(now.t_event)
-        apart = (now.t_event - event - now.T for event in self.events)
-        return any(abs(gap) < 1e-9 * (now.T + 1e-6 * now.t_event) for gap in apart)
+        slack = 1e-9 * (now.T + 1e-6 * now.t_event)
+        return now.T > 0.0 and any(abs(gap) < slack for gap in apart)
 
     def _swing(self) -> Seen:
         """Measure the velocity, sampled 48 times a period for four periods."""
