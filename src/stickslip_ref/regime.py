@@ -132,7 +132,7 @@ class Regime:
         if self.stick_slip is not None and self.stick_slip.reverses and self.kinds[0] == "sticks":
             said += ", turning back"
         for kind in self.kinds[1:]:
-            said += f"; can {_CAN[kind].format(*self._numbers(kind))} {_AFTER[kind]}"
+            said += f"; {_BESIDE_IT[kind].format(*self._numbers(kind))}"
         return said
 
     def _numbers(self, kind: Kind) -> tuple[str, ...]:
@@ -144,15 +144,10 @@ _NOW: Final[dict[Kind, str]] = {
     "swings": "swings by ± {} % of the speed, without a stop",
     "sticks": "sticks and slips",
 }
-_AFTER: Final[dict[Kind, str]] = {
-    "even": "after another start",
-    "swings": "after a bump",
-    "sticks": "after a bump",
-}
-_CAN: Final[dict[Kind, str]] = {
-    "even": "move evenly",
-    "swings": "swing by ± {} % of the speed, without a stop",
-    "sticks": "stick and slip",
+_BESIDE_IT: Final[dict[Kind, str]] = {
+    "even": "even after another start",
+    "swings": "can swing by ± {} % of the speed after a bump",
+    "sticks": "can stick and slip after a bump",
 }
 
 

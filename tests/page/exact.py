@@ -118,6 +118,7 @@ def _cycle(answer: Mapping[str, Any], exact: Exact) -> Ratios:
         "exists": 0.0 if got["exists"] is bool(formulas.pop("exists")) else math.inf,
         "v_c": relative(answer["criticalVelocity"], exact.v_c) / BOUND,
     }
+    del formulas["attractors"]
     for each in (formulas, rules):
         each["share"] = each["t_stick"] / each["T"]
     formulas |= {"w": p.w, "zeta": p.zeta}

@@ -8,7 +8,10 @@ from typing import Final, NamedTuple
 
 from stickslip_ref import (
     EVEN,
+    STICKS,
+    SWINGS,
     CriticalVelocity,
+    Kind,
     Regime,
     coulomb_limit,
     critical_velocity,
@@ -93,10 +96,20 @@ def judders(axis: Axis, feed: float) -> bool:
         beside = feed * (1.0 - _BESIDE), feed
         found = critical_velocity(axis.block(feed), friction.law, friction.own, beside)
         return found.motions(feed) != (EVEN,)
-    if not is_stable(axis) or swing(axis, line=line_at(axis, feed)).damping < 0.0:
-        return True
+    return not is_stable(axis) or kind_beside(axis, feed) != EVEN
+
+
+def kind_beside(axis: Axis, feed: float) -> Kind:
+    """Return what a servo axis may do beside even motion at a feed [m/s]; "even" if nothing.
+
+    After a break-away, and after a blow.
+    """
     courses = Courses(axis, feed)
-    return any(courses.course(begin).kind != EVEN for begin in ("jumps", "struck"))
+    kinds = {courses.course(begin).kind for begin in ("jumps", "struck")}
+    if STICKS in kinds:
+        return "sticks"
+    unstable = swing(axis, line=line_at(axis, feed)).damping < 0.0
+    return "swings" if unstable or SWINGS in kinds else "even"
 
 
 def estimated_critical_feed(axis: Axis) -> float:

@@ -145,6 +145,8 @@ def _without_gaps(family: Family, full: Interval) -> tuple[Interval, ...]:
     ]
     marks = [full.low, *ends, full.high]
     kinds = [full.low_end, *["grazing"] * len(ends), full.high_end]
+    if not ends:
+        return (full,) if goes_on[0] else ()
     ranges = zip(pairwise(marks), pairwise(kinds), strict=True)
     return tuple(
         Interval(*mark, *kind)

@@ -158,10 +158,6 @@ class Numbers:
             self.v_c_simple = p.k * p.Delta / damping**0.5
 
 
-_RTOL: Final = 1e-8
-"""Tolerance of the integration, far below the three digits that texts show."""
-
-
 def _cycle_under(curve: Sequence[Sequence[float]], p: Parameters) -> dict[str, float]:
     """Return the numbers of the second cycle under a friction curve, NaN where there is none."""
     own = {"shape": 3.0, "n_points": float(len(curve)), "mu_1": curve[0][1]}
@@ -170,7 +166,7 @@ def _cycle_under(curve: Sequence[Sequence[float]], p: Parameters) -> dict[str, f
     first = float(p.F_s / (p.k * p.v))
     # A slip takes a swing or so, and a stick is no longer than twice the first load-up.
     stop = 5.0 * first + 12.0 * math.pi / float(p.w)
-    run = simulate(p, stop, law="stribeck", own=own, rtol=_RTOL)
+    run = simulate(p, stop, law="stribeck", own=own)
     names = ("delta_x", "spring_drop", "t_stick", "t_slip", "T", "x_dot_peak")
     found = {name: getattr(run.cycles[-1], name) if run.cycles else math.nan for name in names}
     gone = dict.fromkeys(("Delta", "lambda_", "F_k", "F_max", "v_c"), math.nan)

@@ -18,7 +18,7 @@ from stickslip_ref import CriticalVelocity, coulomb_limit, critical_velocity, st
 
 from ..axis import Axis, AxisError, AxisFile, Number
 from ..axis.build import key_of
-from ..critical import jumps_of, limits_of
+from ..critical import jumps_of, kind_beside, limits_of
 from ..loop.jumps import limit_of_jumps
 from ..loop.stability import is_stable
 
@@ -30,6 +30,8 @@ SWINGS: Final = 2
 """Regime: steady sliding is unstable and never rests, or the servo loop itself is unstable."""
 UNKNOWN: Final = -1
 """Regime: it could not be computed."""
+
+_CODES: Final = {"even": EVEN, "sticks": STICKS, "swings": SWINGS}
 
 _BESIDE: Final = 1e-9
 """A range of feeds this narrow is one feed."""
@@ -247,17 +249,16 @@ def _answer(axis: Axis, feeds: Sequence[float], *, regimes_only: bool) -> _Answe
 
 def _loop(axis: Axis, feeds: Sequence[float]) -> tuple[float, list[int]]:
     """Return the critical feed [m/s] of a servo axis and its regimes."""
-    found = limits_of(axis)
-    return found.highest, [_regime(found, v) for v in feeds]
+    return limits_of(axis).highest, _loop_regimes(axis, feeds)[1]
 
 
 def _loop_regimes(axis: Axis, feeds: Sequence[float]) -> tuple[float, list[int]]:
-    """Return the regimes of a servo axis, whose jumps are followed up to the highest feed only."""
-    if axis.friction.law != "coulomb":
-        return _loop(axis, feeds)
-    # A cycle that does not form at slow feeds may do so above them all.
-    reached = limit_of_jumps(axis, max(feeds)).feed or limit_of_jumps(axis).feed
-    return math.nan, [STICKS if v <= reached else EVEN for v in feeds]
+    """Return the regimes of a servo axis: in jumps, where both exist."""
+    reached = 0.0
+    if axis.friction.law == "coulomb":
+        # A cycle that does not form at slow feeds may do so above them all.
+        reached = limit_of_jumps(axis, max(feeds)).feed or limit_of_jumps(axis).feed
+    return math.nan, [STICKS if v <= reached else _CODES[kind_beside(axis, v)] for v in feeds]
 
 
 def _rigid(axis: Axis, feeds: Sequence[float]) -> tuple[float, list[int]]:
@@ -282,4 +283,4 @@ def _rigid_regimes(axis: Axis, feeds: Sequence[float]) -> tuple[float, list[int]
 
 def _regime(found: CriticalVelocity, feed: float) -> int:
     """Return the regime at a feed [m/s] that rose from rest: in jumps, where both exist."""
-    return {"sticks": STICKS, "even": EVEN, "swings": SWINGS}[found.motions(feed)[0]]
+    return _CODES[found.motions(feed)[0]]
