@@ -1,0 +1,63 @@
+"""What is said of random axes is what their motion, followed without events, leads to."""
+
+from pathlib import Path
+
+import pytest
+
+from stickslip_design.axis import read_axis_file
+from stickslip_design.critical import regime_of
+from stickslip_design.loop.stability import is_stable
+from tests.judge.axes import Seen, Start, quantity, seen
+from tests.judge.draws import axis, write
+
+STARTS: tuple[Start, ...] = ("rest", "jumps", "near")
+AMPLITUDE = 0.03
+"""Of a swing, relative: a swing that is modulated, looked at for other times by both sides."""
+JUMP = 0.03
+"""Of a jump, relative: samples cut the sticks of a servo axis unevenly."""
+
+
+def disagreements(number: int, folder: Path) -> list[str]:
+    """Return where the regime of an axis differs from what was seen, at each of its feeds."""
+    drawn = axis(number)
+    stated = read_axis_file(write(drawn, folder)).axis()
+    wrong: list[str] = []
+    if stated.drive is not None and not is_stable(stated):
+        return wrong
+    for feed in drawn["demand"]["feeds"]:
+        said = regime_of(stated, quantity(feed))
+        ends = {start: seen(drawn, feed, start) for start in STARTS}
+        if ends["rest"].kind not in ("unsettled", said.from_rest):
+            wrong.append(f"{feed}: from rest {ends['rest'].kind}, said {said.from_rest}")
+        if ends["near"].kind == "even" and not said.even:
+            wrong.append(f"{feed}: even motion lasts")
+        wrong += [f"{feed}: {end}" for end in ends.values() if not _said(end, said.kinds)]
+        for end in ends.values():
+            if end.kind == "swings" and not any(
+                abs(swing.amplitude / end.amplitude - 1.0) < AMPLITUDE for swing in said.swings
+            ):
+                wrong.append(f"{feed}: swings by {end.amplitude:.3g}, said {said.swings}")
+        jump = 0.0 if said.stick_slip is None else said.stick_slip.jump
+        # In the loop static friction grows with tau_s alone.
+        grows = bool(stated.friction.own.get("B")) and stated.drive is not None
+        rest = ends["rest"]
+        compared = jump > 0.0 and rest.kind == "sticks" and rest.repeats and not grows
+        if compared and not abs(jump / rest.jump - 1.0) < JUMP:
+            wrong.append(f"{feed}: jumps {rest.jump:.3g} m, said {jump:.3g} m")
+    return wrong
+
+
+def _said(end: Seen, kinds: tuple[str, ...]) -> bool:
+    return end.kind in ("unsettled", *kinds)
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("number", [3, 7])
+def test_a_sample_of_random_axes_does_what_is_said(number: int, tmp_path: Path) -> None:
+    assert disagreements(number, tmp_path) == []
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("number", range(300))
+def test_random_axes_do_what_is_said(number: int, tmp_path: Path) -> None:
+    assert disagreements(number, tmp_path) == []
