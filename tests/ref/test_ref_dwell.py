@@ -144,6 +144,12 @@ def test_of_several_motions_the_first_stick_decides() -> None:
             assert comes_to_cycle is (first is cycle)
 
 
+def test_attractors_belong_to_one_speed_that_is_not_0() -> None:
+    for v in (0.0, [0.1, 0.2]):
+        with pytest.raises(ValueError, match=r"v = .* m/s is out of range"):
+            dwell_attractors(grown({"tau_s": 0.1}, v=v))
+
+
 def test_a_cycle_may_exist_that_a_start_from_rest_does_not_lead_to() -> None:
     values = {"m": 0.2801061211066846, "k": 116.4651030966716, "c": 0.04943790639016641}
     values |= {"mu_s": 1.2813093962507602, "mu_k": 0.23451048069791502, "v": 0.13688157850766663}

@@ -82,13 +82,20 @@ def dwell_attractors(p: Parameters) -> Attractors:
     The scan has sticks of 256 ages over all that can occur. Where the next stick is the longer one
     at one age and the shorter one at the age beside, a cycle is solved for; every fourth stick is
     followed for up to 200 others. An attractor that draws in only ages between two of these may be
-    missed; one of more than 16 sticks is called irregular.
+    missed; one of more than 16 sticks is called irregular, as is one that ends after more than 200.
 
     Parameters
     ----------
     p : Parameters
-        Numbers only, with a static friction that grows at rest in ``own``; ``|v|`` > 0 counts.
+        Numbers only, with a static friction that grows at rest in ``own``; ``|v|`` counts.
+
+    Raises
+    ------
+    ValueError
+        If ``v`` is 0, or ``p`` has arrays.
     """
+    if p.shape or p.v == 0.0:
+        raise ValueError(f"v = {p.v!r} m/s is out of range; it must be a number other than 0")
     return Scan(p, abs(float(p.v))).result()
 
 
