@@ -93,6 +93,11 @@ class Courses:
     @one_thread
     def course(self, begin: Begin) -> Course:
         """Return where the motion leads: from rest, a break-away, a blow, or even motion."""
+        if self._axis.F_s == 0.0:
+            # Nothing holds: the loop is linear, and its least damped swing dies away.
+            least = swing(self._axis)
+            settling = -math.log(SETTLED) / (least.damping * least.w) if least.w else 0.0
+            return Course("even", settling=settling)
         extremes: list[Extreme] = []
         for event in self._events(*self._start(begin)):
             extremes.append(event)
