@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cycle import steady_cycle
-from .dwell import dwell_attractors, last_break_away
+from .dwell import LEAST_STICK, dwell_attractors, last_break_away
 from .laws import COULOMB, FrictionLaw, friction_law
 from .laws.coulomb import dwells
 from .limits import critical_velocity
@@ -122,8 +122,8 @@ class Regime:
     def kinds(self) -> tuple[Kind, ...]:
         """The motions that exist: that of a start from rest first."""
         exist = {STICKS: self.stick_slip is not None, SWINGS: bool(self.swings), EVEN: self.even}
-        kinds: list[Kind] = [kind for kind in ("sticks", "swings", "even") if exist[kind]]
-        return tuple(sorted(kinds, key=lambda kind: kind != self.from_rest))
+        beside: list[Kind] = [kind for kind in ("sticks", "swings", "even") if exist[kind]]
+        return (self.from_rest, *(kind for kind in beside if kind != self.from_rest))
 
     @property
     def words(self) -> str:
@@ -136,7 +136,10 @@ class Regime:
         return said
 
     def _numbers(self, kind: Kind) -> tuple[str, ...]:
-        return (f"{100.0 * self.swings[0].amplitude:.2g}",) if kind == "swings" else ()
+        if kind != "swings":
+            return ()
+        percent = 100.0 * self.swings[0].amplitude
+        return (f"{percent:.0f}" if percent >= 10.0 else f"{percent:.2g}",)
 
 
 _NOW: Final[dict[Kind, str]] = {
@@ -216,7 +219,8 @@ def _stick_slip(p: Parameters, law: FrictionLaw) -> tuple[StickSlip | None, bool
         return StickSlip(float(jump), float(period), chosen.reverses), found.from_rest is not None
     if law is COULOMB:
         cycle = steady_cycle(p)
-        if not cycle.exists:
+        # Without a gap and without damping the mass only touches rest.
+        if not cycle.exists or float(p.w * cycle.t_stick) < LEAST_STICK:
             return None, False
         return StickSlip(float(cycle.delta_x), float(cycle.T)), True
     speed = float(p.v)

@@ -8,7 +8,7 @@ import pytest
 from stickslip_design.axis import Axis, Demand, Drive, Friction
 from stickslip_design.critical import limits_of, regime_of
 from stickslip_design.study import design
-from stickslip_ref import Shape
+from stickslip_ref import Parameters, Regime, Shape, regime
 
 POINTS = ((8e-3, 0.15), (12e-3, 0.11), (0.1, 0.11))
 CURVE = {"shape": float(Shape.CURVE), "n_points": 4.0, "mu_1": 0.15} | {
@@ -63,6 +63,16 @@ def test_a_curve_with_a_plateau_gives_jumps_a_lower_end() -> None:
 @pytest.mark.parametrize("factor", [0.999, 1.001])
 def test_a_falling_friction_is_unstable_where_its_slope_exceeds_the_damping(factor: float) -> None:
     assert regime_of(replace(RIGID, c=factor * SLOPE), 10e-3).even is (factor > 1.0)
+
+
+def test_what_a_start_from_rest_reaches_comes_first_though_nothing_is_known_of_it() -> None:
+    assert Regime(1.0, -1e-6, 5.0, (), None, "sticks", math.inf).words == "sticks and slips"
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+def test_without_a_gap_and_damping_a_mass_swings_and_does_not_stick(mu: float) -> None:
+    found = regime(Parameters(mu_s=mu, mu_k=mu, c=0.0, v=0.02))
+    assert found.words == "swings by ± 100 % of the speed, without a stop; even after another start"
 
 
 def test_a_servo_can_stabilise_a_table_and_destabilise_it() -> None:

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from stickslip_ref import Interval, Regime
+from stickslip_ref import EVEN, Interval, Regime
 
 from .axis import Axis
 from .loop.hunting import Hunting
@@ -60,7 +60,7 @@ class OperatingPoint:
     @property
     def judders(self) -> bool:
         """Whether a motion that is not even exists at the feed: it jumps, or swings."""
-        return self.jumps or bool(self.regime.swings) or not self.regime.even
+        return self.regime.kinds != (EVEN,) or not self.regime.even
 
     @property
     def jump(self) -> float | None:

@@ -5,8 +5,10 @@ Lengths are forces over k. ``g(t)`` is what a stick of the age t holds beyond ki
 
 from .attractors import Attractor, Attractors, dwell_attractors, last_break_away
 from .cycles import critical_speed, cycle_ranges, dwell_cycle
+from .family import LEAST_STICK
 
 __all__ = [
+    "LEAST_STICK",
     "Attractor",
     "Attractors",
     "critical_speed",
