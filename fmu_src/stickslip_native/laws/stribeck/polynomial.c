@@ -10,8 +10,8 @@ static const double NARROW = 9.094947017729282e-13;
 /* What rounding may take from a sum of all terms, relative: 2^-40. */
 static const double MARGIN = 1.0 + 9.094947017729282e-13;
 
-/* Intervals that wait: each division adds one, and 41 divisions make an interval narrow, so there
- * are never more than 42. */
+/* Intervals that wait: each division adds one, and 41 divisions make an interval narrow. Only of an
+ * interval near the least number, whose half rounds to nothing, could there be more. */
 enum { MOST_WAITING = 48 };
 
 /* A part of the whole interval with the Bernstein coefficients on it. */
@@ -149,7 +149,7 @@ bool polynomial_first_zero(struct polynomial it, double end, double *zero)
         const double *bounds = part->bounds;
         const double low = part->low, high = part->high;
         if (least(bounds, it.count) > 0.0) continue;
-        const bool narrow = high - low <= NARROW * end;
+        const bool narrow = high - low <= NARROW * end || count + 1 == MOST_WAITING;
         if (narrow || falls(bounds, it.count)) {
             if (bounds[it.count - 1] <= 0.0) {
                 *zero = falling_zero(polynomial_graph, &it, low, high);
@@ -194,7 +194,7 @@ double polynomial_highest(struct polynomial it, double end)
         if (bends(bounds, it.count, -1.0)) {
             const double top = polynomial_value(it, turn(it, low, high, 1.0));
             if (top > best) best = top;
-        } else if (high - low > NARROW * end) {
+        } else if (high - low > NARROW * end && count + 1 < MOST_WAITING) {
             halve(part, &waiting[count + 1], it.count);
             count += 2;
         }
