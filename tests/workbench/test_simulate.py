@@ -234,5 +234,5 @@ def test_bounds_of_the_critical_search_are_those_typed_or_hold_the_velocity(
     assert "searched: 10 mm/s to 20 mm/s" in command.passes(*law, "--from", "10mm/s", "--to=20mm/s")
     for v, searched in (("-7m/s", "to 7 m/s"), ("1um/s", "1 µm/s to ")):
         said = command.passes(*law, "--c", "2", "--v", v)
-        assert "the mass s" in said
+        assert "the mass moves evenly" in said
         assert searched in said

@@ -230,6 +230,10 @@ class _Problem:
         self.at_zero_speed = law.slip_friction(p, 0.0, state)
         self.state_scale = law.state_scale(p)
         self.knots = law.knots(p)
+        # Friction that depends on the speed is a difference of rounded forces, large ones where the
+        # pull is slow.
+        rounding = np.finfo(float).eps * abs(self.at_zero_speed) / (float(p.k) * self.scale)
+        self.noise = 0.0 if law.constant_in_slip else rounding
 
     @property
     def stiff(self) -> bool:
@@ -238,7 +242,7 @@ class _Problem:
 
     def tolerance(self, rtol: float) -> float:
         """Return the tolerance that the method can keep where ``rtol`` is asked for."""
-        return max(rtol, STIFF_RTOL) if self.stiff else rtol
+        return max(rtol, self.noise, STIFF_RTOL if self.stiff else 0.0)
 
     def uncertainty(self, y: Any, rtol: float) -> float:
         """Return what the integration leaves open of z [m] at a stop in the state ``y``.
