@@ -13,6 +13,7 @@ import pytest
 from scipy.linalg import expm
 
 from stickslip_ref import (
+    RTOL,
     Change,
     Coulomb,
     FrictionClampWarning,
@@ -183,6 +184,20 @@ def test_the_clamp_warns_where_the_friction_changes_and_once() -> None:
 def test_bad_runs_are_refused(arguments: dict[str, object], words: str) -> None:
     with warnings.catch_warnings(), pytest.raises(ValueError, match=words):
         simulate(**({"p": Parameters(), "stop_time": 1.0} | arguments))  # type: ignore[arg-type]  # wrong types are the point
+
+
+@pytest.mark.parametrize(
+    ("own", "setting", "rtol"),
+    [
+        ({}, {"c": 2.0, "v": 1e-6, "z_start": 0.004905001404, "x_dot_start": 7.8974e-7}, RTOL),
+        ({"shape": 2, "v_s": 0.00169}, {"k": 197110.0, "mu_k": 0.3885, "v": 0.009657}, 1e-9),
+    ],
+)
+def test_slow_pulls_and_coarse_tolerances_are_followed_to_their_end(
+    own: dict[str, float], setting: dict[str, float], rtol: float
+) -> None:
+    run = simulate(Parameters(**setting), 1.0, law="stribeck", own=own, rtol=rtol, max_events=200)
+    assert len(run.events) < 200
 
 
 def test_too_many_events_end_the_run_with_their_number() -> None:

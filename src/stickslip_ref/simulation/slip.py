@@ -78,6 +78,9 @@ down to where it is steady sliding."""
 LEAST_ATOL = 1e-100
 """The same where there is no pull; its inverse squared must not overflow in SciPy's norms."""
 
+BEGINNING = 1e-6
+"""In radians of the spring: so soon after rest the velocity may still be rounding."""
+
 GRAZE = 8.0
 """A turning point of x_dot within 8 rtol |v| of zero is a stop: it is zero, to what the
 integration resolves (measured: its error stays below rtol). Without a gap (mu_s = mu_k, c = 0) the
@@ -339,7 +342,8 @@ def _solve(
     never_ends = problem.never_ends(y)
 
     def velocity(tau: float, y: Floats) -> float:
-        return 1.0 if from_rest and tau == 0.0 else s * problem.u(y)
+        begins = tau == 0.0 or (tau < BEGINNING and abs(problem.u(y)) < 1e-15 * abs(problem.beta))
+        return 1.0 if from_rest and begins else s * problem.u(y)
 
     def turn(tau: float, y: Floats) -> float:
         return 1.0 if from_rest and tau == 0.0 else s * problem.acceleration(y)
