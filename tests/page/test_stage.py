@@ -95,6 +95,7 @@ def test_stick_and_slip_are_told_apart_and_the_marks_are_whole_jumps_behind(wind
 
 def check_readings(window: Window, t: float) -> Any:
     """Hold what is read and told at the cursor against the state there, to its last digit."""
+    window.drawn()
     (exact,) = window.states([t])
     word = "sticks" if exact["mode"] == 0 else "slips"
     for name, (selector, before) in READ.items():

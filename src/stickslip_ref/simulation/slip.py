@@ -95,6 +95,14 @@ KNOT_SLACK = 8.0 * 2.0**-52
 """Rounding slack of a speed against a corner of the friction: scaled and back, a start at the
 corner may lie on either side of it."""
 
+MOST_CALLS = 10_000.0
+"""Evaluations in a radian of the spring, 140 as a rule. Where the friction depends on the speed,
+more mean that the error of a step is the rounding of the friction, which no shorter step makes
+less: the tolerance grows tenfold then."""
+
+COARSEST = 1e-3
+"""Tolerance beyond which a slip is given up."""
+
 STIFF_ZETA = 30.0
 """From this damping ratio on, steps of the explicit method are bound by stability alone."""
 
@@ -205,6 +213,10 @@ def integrate_slip(
     )
 
 
+class _StalledError(Exception):
+    """The steps of an integration get short without end."""
+
+
 class _Problem:
     """The scaled initial value problem of one slip."""
 
@@ -233,10 +245,7 @@ class _Problem:
         self.at_zero_speed = law.slip_friction(p, 0.0, state)
         self.state_scale = law.state_scale(p)
         self.knots = law.knots(p)
-        # Friction that depends on the speed is a difference of rounded forces, large ones where the
-        # pull is slow.
-        rounding = np.finfo(float).eps * abs(self.at_zero_speed) / (float(p.k) * self.scale)
-        self.noise = 0.0 if law.constant_in_slip else rounding
+        self.coarse, self.calls = 0.0, 0
 
     @property
     def stiff(self) -> bool:
@@ -245,7 +254,7 @@ class _Problem:
 
     def tolerance(self, rtol: float) -> float:
         """Return the tolerance that the method can keep where ``rtol`` is asked for."""
-        return max(rtol, self.noise, STIFF_RTOL if self.stiff else 0.0)
+        return max(rtol, self.coarse, STIFF_RTOL if self.stiff else 0.0)
 
     def uncertainty(self, y: Any, rtol: float) -> float:
         """Return what the integration leaves open of z [m] at a stop in the state ``y``.
@@ -281,6 +290,9 @@ class _Problem:
 
     def rates(self, tau: float, y: Floats) -> tuple[float, ...]:
         """Right-hand side of the scaled equations."""
+        self.calls += 1
+        if self.calls > MOST_CALLS * (1.0 + tau) and not self.law.constant_in_slip:
+            raise _StalledError
         a, b, _, _, *own = y.tolist()
         u = b + self.beta
         if self.law.constant_in_slip:
@@ -365,20 +377,29 @@ def _solve(
     # Where s x_dot grows, its first turn is a maximum, its second the minimum that is looked for.
     turn.terminal = False if never_ends else 1 + grows_first  # type: ignore[attr-defined]  # same
     stiff = problem.stiff
-    rtol = problem.tolerance(rtol)
+    kept = problem.tolerance(rtol)
+    problem.calls = 0
     atol = max(ATOL * min(1.0, abs(problem.beta)), LEAST_ATOL)
-    solution = solve_ivp(
-        problem.rates,
-        (0.0, tau_end),
-        y,
-        method="Radau" if stiff else "DOP853",
-        dense_output=True,
-        events=(velocity, turn, *map(bend, problem.knots)),
-        rtol=rtol,
-        atol=[atol, atol, rtol, rtol, *(rtol * size for size in problem.state_scale)],
-        max_step=np.inf if never_ends or stiff else MAX_STEP,
-        first_step=None if first_step is None else min(first_step, tau_end),
-    )
+    try:
+        solution = solve_ivp(
+            problem.rates,
+            (0.0, tau_end),
+            y,
+            method="Radau" if stiff else "DOP853",
+            dense_output=True,
+            events=(velocity, turn, *map(bend, problem.knots)),
+            rtol=kept,
+            atol=[atol, atol, kept, kept, *(kept * size for size in problem.state_scale)],
+            max_step=np.inf if never_ends or stiff else MAX_STEP,
+            first_step=None if first_step is None else min(first_step, tau_end),
+        )
+    except _StalledError:
+        if kept > COARSEST:
+            raise RuntimeError(
+                "the integration of a slip failed: its steps get too short"
+            ) from None
+        problem.coarse = 10.0 * kept
+        return _solve(problem, y, tau_end, from_rest, last_knot, None, rtol)
     if solution.status < 0:
         raise RuntimeError(f"the integration of a slip failed: {solution.message}")
     return solution
