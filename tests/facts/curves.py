@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from tests.facts.closed import MP, Exact, Real, cycle, slip
 from tests.facts.fact import Fact
@@ -58,7 +59,7 @@ def _from(p: Exact, points: Points, until: float) -> dict[str, Real]:
 
 
 def _motion(
-    name: str, points: Points, until: float, values: Mapping[str, float], **more: float
+    name: str, points: Points, until: float, values: Mapping[str, float], **more: Any
 ) -> Fact:
     """Return a motion along a curve, up to a time, as a fact."""
     return Fact(
@@ -68,7 +69,7 @@ def _motion(
         lambda p: _from(p, points, until),
         law="stribeck",
         why="the growth of the motion amplifies roundings",
-        **more,  # type: ignore[arg-type]
+        **more,
     )
 
 
@@ -113,8 +114,8 @@ FACTS = (
         {**FAST, "z_start": 4.9},
         factor=30.0,
         # The reference integrates what the spring gives of its 2 m: x is a millionth of that, and
-        # a rounding of it 2e-10 of x.
-        integrated={"x": 100.0, "x_dot": 10.0},
+        # a rounding of it 2e-10 of x and of the heat.
+        integrated={"x": 100.0, "x_dot": 10.0, "Q_friction": 100.0},
     ),
     Fact(
         "a motion that falls fast ends in time",
