@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from xml.sax.saxutils import quoteattr
 
 import fmpy
@@ -43,7 +43,8 @@ class Foreign:
     variables that it has, by the suite's names; all by default. `conventions`, `order`, `step` and
     `fault` are of `ForeignBlock`. Convention start: every output is 0 until the first step. Faults
     of calls: moves when read; clamp when set, of mu_k to mu_s as it is then; state loses pending,
-    what is set and not in force. On its third step it does its `misdeed`, see `foreign_face`.
+    what is set and not in force. On its third step it does its `misdeed`, see `foreign_face`. Plain
+    is a slider as people write it, a `StepBlock`.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Foreign:
     step: float = 0.0
     fault: str = ""
     misdeed: str = ""
+    plain: bool = False
 
     @cached_property
     def rows(self) -> Mapping[str, Row]:
@@ -110,7 +112,7 @@ class Foreign:
 
     def _pack_python(self, folder: Path) -> None:
         parts = []
-        for part in ("foreign_block", "foreign_face"):
+        for part in ("foreign_block", "foreign_face", "step_block"):
             text = (HERE / f"{part}.py").read_text(encoding="utf-8")
             parts.append(folder / f"{part}.py")
             parts[-1].write_text(text.replace(f"from {__package__}.", "from "), encoding="utf-8")
@@ -236,6 +238,14 @@ RENAMED = Foreign("Renamed", "mirrored", conventions=_CONVENTIONS)
 _FEW = ("m", "g", *TUNABLE, "x_dot_start", "z_start", *INPUTS, "x", "x_dot", "F", "sticking")
 FEW = Foreign("Few", keys=_FEW, states=False, tunable=False)
 """Few outputs, and no states."""
+
+_PLAIN = ("m", "g", *TUNABLE, "x_dot_start", "z_start", *INPUTS, *MOTION, "sticking", "mode")
+
+
+def plain(name: str, **how: Any) -> Foreign:
+    """Return a slider as people write it."""
+    return Foreign(name, keys=_PLAIN, plain=True, **how)
+
 
 RUNGE_KUTTA = Foreign("RungeKutta", "si", order=5, step=0.02)
 """Within 1e-10 of the exact motion."""

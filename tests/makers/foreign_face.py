@@ -14,6 +14,7 @@ from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 from tests.makers.foreign_block import START, ForeignBlock
+from tests.makers.step_block import StepBlock
 
 KINDS = {
     "mode": ("Integer", "Int32"),
@@ -36,7 +37,7 @@ class Face:
         super().__init__(**kwargs)
         self.given = dict(START)
         self.shown: dict[str, float] = {}
-        self.block: ForeignBlock | None = None
+        self.block: ForeignBlock | StepBlock | None = None
         self.start_time, self.owed, self.steps = 0.0, 0.0, 0
         self.is_3 = self.settings["fmi"] == 3
         self.fault, self.conventions = self.settings["fault"], self.settings["conventions"]
@@ -89,10 +90,11 @@ class Face:
     def setup_experiment(self, start_time: float, *_: Any) -> None:
         self.start_time = start_time
 
-    def _make(self) -> ForeignBlock:
+    def _make(self) -> Any:
         keys = ("order", "step", "fault")
         how = {key: self.settings[key] for key in keys if self.settings[key]}
-        return ForeignBlock(self.given, self.start_time, self.conventions, **how)
+        block = StepBlock if self.settings["plain"] else ForeignBlock
+        return block(self.given, self.start_time, self.conventions, **how)
 
     def exit_initialization_mode(self) -> None:
         """Begin; what makes no sense fails."""

@@ -1,10 +1,11 @@
-"""Motions near the exact one: what a numerical solution cannot be told apart from.
+"""Motions near the exact one: how far the motion moves when its data are a little off.
 
 A numerical solution is good if it is the exact motion of a block whose data differ a little. So the
 exact motions of such blocks say how far it may be off, point by point: where an event lies near a
 communication point, where a shallow re-stick magnifies an error, where a tie decides the course.
 """
 
+import contextlib
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from random import Random
@@ -14,50 +15,93 @@ import numpy as np
 from stickslip_verification import truth
 from stickslip_verification.drive.exact import sampled
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Run
+from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.cases import Case
+from stickslip_verification.truth.named import COULOMB_NAME
 
-OFF = 1e-8
+OFF = tuple(10.0**decade for decade in range(-9, 0))
 """By how much the data are off, as a part of each."""
 
 MOTIONS = 8
-"""How many motions near the exact one are followed."""
+"""How many motions near the exact one are followed for each; of a friction law that is marched by
+series, whose motions take a hundred times as long, `FEW`, and for each second of the parts."""
+FEW = 3
 
 
-def nearby_motions(case: Case) -> tuple[Run, ...]:
-    """Follow motions of a case, each with data that are off by `OFF` up or down.
+PART = 1e-4
+"""By how much a parameter is larger for its changes."""
 
-    At every change the new values are off anew. A force of `OFF` times the largest one in play is
-    added to F_ext, a speed to a pull at rest, and a damper to none, so that neither a balance of
-    forces nor a velocity that just touches zero is met exactly.
+
+def spreads(case: Case) -> dict[str, Series]:
+    """Return how far each output lies from the exact motion when the data are off by `OFF`.
+
+    Shape ``(len(OFF), n)`` each, in the unit of the output; the largest of a few motions whose data
+    are off up or down, and of those with data less off. At every change the new values are off
+    anew. A force of the part of the largest one in play is added to F_ext, a speed to a pull at
+    rest, and a damper to none, so that neither a balance of forces nor a velocity that just touches
+    zero is met exactly.
     """
     plain = _follow(case, case.start, [step.changes for step in case.steps])
     force = max(float(np.max(np.abs(plain.outputs[name]))) for name in ("F", "F_s"))
     speed = float(np.max(np.abs(plain.outputs["x_dot"])))
-    return tuple(
-        _follow(case, *_off(case, Random(f"{case.id} {n}"), force, speed)) for n in range(MOTIONS)
-    )
+    marched = case.law != COULOMB_NAME
+    found = {name: np.zeros((len(OFF), samples.size)) for name, samples in plain.outputs.items()}
+    for row, part in enumerate(OFF):
+        for n in range(FEW if marched else MOTIONS):
+            if marched and row % 2:
+                break
+            run = _follow(case, *_off(case, Random(f"{case.id} {n}"), part, force, speed))
+            for name, widest in found.items():
+                off = np.abs(run.outputs[name] - plain.outputs[name])
+                widest[row] = np.fmax(widest[row], off)
+    return {name: np.maximum.accumulate(widest, axis=0) for name, widest in found.items()}
+
+
+def changes(case: Case) -> dict[str, dict[str, Series]]:
+    """Return what each parameter that a case gives a value moves of `MOTION`, for a part of it."""
+    plain = _shifted(case, "", 0.0)
+    values = {**{n: 0.0 for step in case.steps for n in step.changes}, **case.start}
+    chosen = {each.name for each in case.own if each.chosen}
+    found = {}
+    for name in values:
+        given = [values[name], *(step.changes.get(name, 0.0) for step in case.steps)]
+        if any(given) and name not in chosen and not name.endswith("_start"):
+            with contextlib.suppress(ValueError):
+                run = _shifted(case, name, PART)
+                found[name] = {
+                    n: (run.outputs[n] - plain.outputs[n]) / PART for n in ("x", "x_dot", "F")
+                }
+    return found
+
+
+def _shifted(case: Case, name: str, part: float) -> Run:
+    """Follow a case with one of its numbers larger by a part, at the start and at every change."""
+
+    def larger(values: Mapping[str, float]) -> dict[str, float]:
+        return {n: value * (1.0 + part) if n == name else value for n, value in values.items()}
+
+    return _follow(case, larger(case.start), [larger(step.changes) for step in case.steps])
 
 
 def _off(
-    case: Case, draw: Random, force: float, speed: float
+    case: Case, draw: Random, part: float, force: float, speed: float
 ) -> tuple[Mapping[str, float], Sequence[Mapping[str, float]]]:
     """Return the parameters of a case and the changes before each step, all of them off."""
 
     def about(names: Iterable[str]) -> dict[str, float]:
         new = {
-            name: values[name] * (1.0 + draw.choice((-OFF, OFF)))
+            name: values[name] * (1.0 + draw.choice((-part, part)))
             for name in names
             if name not in chosen
         }
         if "F_ext" in new:
-            new["F_ext"] += draw.choice((-OFF, OFF)) * force
+            new["F_ext"] += draw.choice((-part, part)) * force
         if "c" in new:
-            new["c"] += draw.choice((0.0, OFF)) * math.sqrt(values["k"] * values["m"])
+            new["c"] += draw.choice((0.0, part)) * math.sqrt(values["k"] * values["m"])
         if new.get("v") == 0.0:
-            new["v"] = draw.choice((-OFF, OFF)) * speed
+            new["v"] = draw.choice((-part, part)) * speed
         if "load" in new:
-            new["load"] += draw.choice((-OFF, OFF)) * values["m"] * values["g"]
+            new["load"] += draw.choice((-part, part)) * values["m"] * values["g"]
         return new
 
     def lawful(off: dict[str, float]) -> dict[str, float]:
@@ -65,7 +109,7 @@ def _off(
         if values["mu_k"] <= values["mu_s"]:
             off["mu_k"] = min(off["mu_k"], off["mu_s"])
         if values.get("mu_1", math.inf) <= values["mu_s"]:
-            off["mu_1"] = min(off["mu_1"], off["mu_s"])
+            off["mu_s"] = max(off["mu_s"], off["mu_1"])
         return off
 
     chosen = {each.name for each in case.own if each.chosen}

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
-from stickslip_verification.drive import convergence
+from stickslip_verification.drive import convergence, nearby
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
@@ -26,14 +26,12 @@ from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.manners import MANNERS
-from stickslip_verification.drive.moments import Moments, moments
-from stickslip_verification.drive.nearby import nearby_motions
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes import PROBES
 from stickslip_verification.drive.processes import OUT_OF_MEMORY, Worker
 from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.drive.stepping import NotApplicableError, run_case
-from stickslip_verification.model.run import Run
+from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Hook
@@ -96,9 +94,14 @@ def reference(case: Case) -> Answer[Run]:
     return _answer(kept, run_reference, case)
 
 
-def nearby(case: Case) -> Answer[tuple[Run, ...]]:
+def spreads(case: Case) -> Answer[dict[str, Series]]:
     """Follow motions near the exact one of a case."""
-    return _answer(kept, nearby_motions, case)
+    return _answer(kept, nearby.spreads, case)
+
+
+def changes(case: Case) -> Answer[dict[str, dict[str, Series]]]:
+    """Follow a case with each of its parameters a little larger."""
+    return _answer(kept, nearby.changes, case)
 
 
 def observed_order(case: Case, invariant: Order) -> Answer[ObservedOrder]:
@@ -127,11 +130,6 @@ def other_run(case: Case, run: str) -> Answer[Run]:
 def in_manner(case: Case, manner: str) -> Answer[Run]:
     """Run the FMU of this process on a case in a manner, a key of `MANNERS`."""
     return _answer(lambda: MANNERS[manner](_fmu(), case))
-
-
-def matched(case: Case, exact: Exact, run: Run) -> Answer[Moments]:
-    """Find the exact motion at the moments of an FMU's samples in a case."""
-    return _answer(moments, case, exact, run)
 
 
 def probe(invariant: Probe) -> Answer[list[str]]:

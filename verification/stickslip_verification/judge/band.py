@@ -6,32 +6,18 @@ what our interface merely agreed on is not judged in it: values of the start, an
 counts of a start in motion.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_verification.drive.exact import Exact
-from stickslip_verification.drive.nearby import OFF
 from stickslip_verification.model.events import Transition
 from stickslip_verification.model.quantities import OUTPUTS, QUANTITIES
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.tolerances import DISTURBED
 
 Mask = NDArray[np.bool_]
-
-SPREAD = 4.0
-"""How often the spread of the nearby motions a solution may be off: they are only a few of all."""
-
-MOST_LOST = 0.05
-"""Largest share of the points of a case that may hang on less than the error of a solution."""
-
-BECAUSE = (
-    f"{SPREAD:g} times what the exact motion moves when its data are off by {OFF:g}, "
-    f"and {OFF:g} of the largest value of its kind for what is added up"
-)
 
 _METER = (
     *("delta_x", "spring_drop", "t_stick", "t_slip", "T", "f", "x_dot_peak"),
@@ -48,51 +34,29 @@ class Band:
     ----------
     exact
         The exact motion.
-    nearby
-        Motions near it, at the same points; none where nothing hangs on less than the error.
     of_largest
-        What a run may be off anywhere, as a part of the largest value of the same kind.
-    because
-        Where that comes from.
+        What a run may be off, as a part of the largest value of the same kind.
     agreed
         Whether what our interface merely agreed on is judged too.
     """
 
     exact: Exact
-    nearby: Sequence[Run]
-    of_largest: float = OFF
-    because: str = BECAUSE
+    of_largest: float = 0.0
     agreed: bool = False
 
-    @cached_property
-    def undecided(self) -> Mask:
-        """Points at which stick or slip hangs on less than the error of a numerical solution."""
-        return self._differs("mode") | self._differs("sticking")
-
-    @property
-    def lost(self) -> float:
-        """Share of the points that are undecided."""
-        return float(np.mean(self.undecided))
-
     def judged(self, quantity: str) -> Mask:
-        """Return the points at which a quantity is physics, and decided."""
-        found = ~self.undecided
+        """Return the points at which a quantity is physics."""
+        found = np.isfinite(self._samples(quantity, self.exact.record))
         for output in QUANTITIES[quantity].needs:
             found = found & self._meant(output)
-            if QUANTITIES[output].discrete:
-                found = found & ~self._differs(output)
-        return np.asarray(found & np.isfinite(self._samples(quantity, self.exact.record)))
+        return np.asarray(found)
 
     def allowed(self, quantity: str) -> Series:
         """Return what a quantity may be off at each point, in its unit."""
         expected = self._samples(quantity, self.exact.record)
         if QUANTITIES[quantity].discrete:
             return np.zeros_like(expected)
-        widest = np.zeros_like(expected)
-        with np.errstate(invalid="ignore"):
-            for run in self.nearby:
-                widest = np.fmax(widest, np.abs(self._samples(quantity, run) - expected))
-        return np.asarray(SPREAD * widest + self.of_largest * self.largest(quantity))
+        return np.full_like(expected, self.of_largest * self.largest(quantity))
 
     def pair(self, quantity: str, run: Run, read: NDArray[np.intp]) -> tuple[Series, Series]:
         """Return a quantity in the exact motion and in a run, at the points that the run has.
@@ -142,13 +106,6 @@ class Band:
     def _times(self) -> Series:
         return self.exact.record.times
 
-    def _differs(self, output: str) -> Mask:
-        expected = self.exact.record.outputs[output]
-        differs = np.zeros(expected.size, dtype=np.bool_)
-        for run in self.nearby:
-            differs |= run.outputs[output] != expected
-        return differs
-
     def _meant(self, output: str) -> Mask:
         """Return the points at which an output is physics, and not what our meter agreed on.
 
@@ -194,12 +151,6 @@ class Band:
         return at_once or self.exact.start["x_dot_start"] != 0.0
 
 
-def numerical(exact: Exact, nearby: Sequence[Run]) -> Band:
-    """Return the band of a numerical solution."""
-    return Band(exact, nearby)
-
-
 def of_any_sequence(exact: Exact) -> Band:
     """Return the band of the exact block under any sequence of inputs."""
-    because = "the bound for any input sequence, of the largest value of its kind"
-    return Band(exact, (), DISTURBED, because, agreed=True)
+    return Band(exact, DISTURBED, agreed=True)

@@ -19,9 +19,6 @@ from stickslip_verification.suite.cases import At, Case, Check
 from stickslip_verification.suite.tolerances import INTEGRATION, ROUNDING
 from stickslip_verification.truth import COULOMB_NAME
 
-UNDECIDED = "hangs on less than the error of a numerical solution"
-"""Said of a point at which nearby exact motions differ in stick and slip."""
-
 RESOLUTION = {"fmu": 1e-14, "reference": 1e-12}
 """What rounding between processors and mathematical libraries moves, as a part of the scale. Two
 libraries differ by a unit in the last place or two of a function (2e-16), of which the closed forms
@@ -181,8 +178,6 @@ def judge(
         return replace(empty, failure=f"the truth cannot be computed: {error}")
     if not np.all(np.isfinite(expected)):
         return replace(empty, failure="the truth is not a finite number here")
-    if band is not None:
-        return judge_in_band(empty, [check.quantity], contract, band, record, chosen)
     try:
         got = extract(check.quantity, record, exact.start)[chosen]
     except (CheckError, IndexError) as error:
@@ -226,20 +221,18 @@ def judge_in_band(
     contract: Contract,
     band: Band,
     record: Run,
-    points: Sequence[int] | None = None,
 ) -> CheckResult:
     """Judge whether quantities of a run stay in a band; the result shows the worst of them.
 
-    ``record`` may hold some of the points of the exact motion only, and ``points`` restricts what
-    is looked at further. What the run lacks is not judged; the result is not applicable where
-    nothing is left.
+    ``record`` may hold some of the points of the exact motion only. What the run lacks is not
+    judged; the result is not applicable where nothing is left.
     """
-    empty = replace(empty, measure=Measure.ABSOLUTE, because=band.because)
+    because = "the bound for any input sequence, of the largest value of its kind"
+    empty = replace(empty, measure=Measure.ABSOLUTE, because=because)
     try:
         read = _places_of(record, band.exact.record)
     except CheckError as error:
         return replace(empty, failure=str(error))
-    chosen = np.isin(read, np.arange(band.exact.record.times.size) if points is None else points)
     worst, nearest, lacking = None, -1.0, []
     for quantity in quantities:
         try:
@@ -250,7 +243,7 @@ def judge_in_band(
         except CheckError as error:
             return replace(empty, failure=str(error))
         expected, got = band.pair(quantity, record, read)
-        where = chosen & band.judged(quantity)[read] & np.isfinite(expected)
+        where = band.judged(quantity)[read] & np.isfinite(expected)
         broken = np.flatnonzero(where & ~np.isfinite(got))
         if len(broken):
             time = float(record.times[broken[0]])
@@ -280,7 +273,7 @@ def judge_in_band(
         return worst
     if lacking:
         return without_value(empty, contract, lacking[0])
-    return replace(empty, not_applicable=f"it {UNDECIDED}, or was only agreed on")
+    return replace(empty, not_applicable="it was only agreed on")
 
 
 def _places_of(record: Run, exact: Run) -> NDArray[np.intp]:

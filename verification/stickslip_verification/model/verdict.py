@@ -233,6 +233,15 @@ class KillMatrix:
 
 
 @dataclass(frozen=True)
+class Question:
+    """A question that a verdict answers in a sentence, and whether the answer is a good one."""
+
+    asked: str
+    good: bool
+    answer: str
+
+
+@dataclass(frozen=True)
 class Table:
     """A table of the report, in a section of its own.
 
@@ -299,6 +308,7 @@ class Verdict:
     kills: KillMatrix | None = None
     contract: ChosenContract = ChosenContract("exact", "no other one was chosen")
     tables: Sequence[Table] = ()
+    questions: Sequence[Question] = ()
 
     @property
     def exact(self) -> bool:
@@ -355,7 +365,9 @@ class Verdict:
     def passed(self) -> bool:
         """Whether nothing that decides failed, the FMU met a truth, and every fault was caught."""
         detected = self.kills is None or self.kills.passed
-        return self.proven and detected and not any(result.failed for result in self.checks)
+        answered = all(question.good for question in self.questions)
+        failed = any(result.failed for result in self.checks)
+        return self.proven and detected and answered and not failed
 
 
 def count(results: Sequence[CheckResult]) -> dict[str, int]:

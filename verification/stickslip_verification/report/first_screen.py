@@ -38,6 +38,8 @@ class Cause:
 
 def sentence(verdict: Verdict) -> str:
     """Say what came out: how near the exact motion the FMU is, or where it fails."""
+    if verdict.questions:
+        return " ".join(question.answer for question in verdict.questions)
     failed = {result.case for result in verdict.checks if result.failed}
     if failed:
         return f"Fails in {_and(_of_all(verdict, failed))}."

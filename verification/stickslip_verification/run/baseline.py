@@ -10,7 +10,7 @@ from stickslip_verification.drive import workers
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.judge.invariant_checks import applies
-from stickslip_verification.model.run import Run
+from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.invariants import (
@@ -24,6 +24,8 @@ from stickslip_verification.suite.sequences import tried
 TIME_LIMIT = 180.0
 """Seconds that the truth or the reference may take for one case; the longest takes a few."""
 
+_NO_REFERENCE: Answer[Run] = Answer(not_applicable="the reference is not run here")
+
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and out of how much."""
 
@@ -32,8 +34,8 @@ Progress = Callable[[str, int, int], None]
 class Baseline:
     """What one case is judged on.
 
-    ``invariants`` are the invariants on samples that the exact motion has a place for, ``nearby``
-    the motions near the exact one, None where no FMU is held to a band.
+    ``invariants`` are the invariants on samples that the exact motion has a place for; of a
+    numerical solution ``spreads`` and ``changes`` of `drive.nearby` are known, and no reference.
     """
 
     case: Case
@@ -41,7 +43,8 @@ class Baseline:
     reference: Answer[Run]
     invariants: Sequence[ResidualInvariant]
     orders: Sequence[tuple[Order, Answer[ObservedOrder]]]
-    nearby: Answer[tuple[Run, ...]] | None = None
+    spreads: Answer[dict[str, Series]] | None = None
+    changes: Answer[dict[str, dict[str, Series]]] | None = None
 
 
 @dataclass(frozen=True)
@@ -58,54 +61,53 @@ def compute(
     jobs: int,
     progress: Progress | None = None,
     *,
-    nearby: bool = False,
+    numerical: bool = False,
 ) -> list[Baseline]:
-    """Compute the baseline of each case; `progress` counts the cases.
-
-    With `nearby` the motions near the exact ones are followed too.
-    """
+    """Compute the baseline of each case, also of a numerical solution; `progress` counts them."""
     asked = [
         (case, invariant)
         for case in cases
         for invariant in invariants.orders
-        if case.id in invariant.cases and invariant.holds_for(case.law)
+        if not numerical and case.id in invariant.cases and invariant.holds_for(case.law)
     ]
     with workers.Pool(jobs, TIME_LIMIT) as pool:
         # Long runs first, so that no process is left alone with one at the end.
         by_length = sorted(cases, key=lambda case: case.stop_time, reverse=True)
         exacts = pool.each(workers.exact, [(case,) for case in by_length])
-        references = pool.each(workers.reference, [(case,) for case in by_length])
         orders = pool.each(workers.observed_order, asked)
-        about = pool.each(workers.nearby, [(case,) for case in cases if nearby])
+        of_numerical = [(case,) for case in by_length if numerical]
+        spreads = pool.each(workers.spreads, of_numerical)
+        changes = pool.each(workers.changes, of_numerical)
+        references = pool.each(workers.reference, [(case,) for case in by_length if not numerical])
         found: dict[str, tuple[Answer[Exact], Answer[Run]]] = {}
         for done, case in enumerate(by_length):
             if progress is not None:
                 progress(f"exact and reference: {case.id}", done, len(cases))
-            found[case.id] = (next(exacts), next(references))
+            found[case.id] = (next(exacts), next(references, _NO_REFERENCE))
         observed = list(zip(asked, orders, strict=True))
-        near = dict(zip((case.id for case in cases if nearby), about, strict=True))
+        near = {case.id: (next(spreads), next(changes)) for (case,) in of_numerical}
     return [
         Baseline(
             case,
             *found[case.id],
             invariants=_about(case, found[case.id][0], invariants),
             orders=[(invariant, seen) for (of, invariant), seen in observed if of.id == case.id],
-            nearby=near.get(case.id),
+            spreads=near.get(case.id, (None, None))[0],
+            changes=near.get(case.id, (None, None))[1],
         )
         for case in cases
     ]
 
 
 def trials(
-    cases: Sequence[Case], manners: Sequence[Manner], jobs: int, *, nearby: bool
+    cases: Sequence[Case], manners: Sequence[Manner], jobs: int, *, numerical: bool
 ) -> list[Trial]:
     """Compute the exact motions of random sequences, and pair them with the manners."""
-    no_reference: Answer[Run] = Answer(not_applicable="the FMU alone is run on random sequences")
     with workers.Pool(jobs, TIME_LIMIT) as pool:
         exacts = pool.each(workers.exact, [(case,) for case in cases])
-        about = pool.each(workers.nearby, [(case,) for case in cases if nearby])
+        about = pool.each(workers.spreads, [(case,) for case in cases if numerical])
         known = {
-            case.id: Baseline(case, exact, no_reference, (), (), next(about, None))
+            case.id: Baseline(case, exact, _NO_REFERENCE, (), (), next(about, None))
             for case, exact in zip(cases, exacts, strict=True)
         }
     return [Trial(known[case.id], manner) for case, manner in tried(cases, manners)]

@@ -1,24 +1,21 @@
 """Runs of an FMU in every case, and the result of every check, invariant and probe."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-
-import numpy as np
 
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.judge import checks, run_checks
 from stickslip_verification.judge import invariant_checks as invariant_checks
-from stickslip_verification.judge.band import MOST_LOST, Band, numerical, of_any_sequence
-from stickslip_verification.judge.checks import REFERENCE_CONTRACT, UNDECIDED, Contract
+from stickslip_verification.judge.band import of_any_sequence
+from stickslip_verification.judge.checks import REFERENCE_CONTRACT, Contract
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import SEQUENCE, CheckResult, Klass, Motion, Table
+from stickslip_verification.model.verdict import CheckResult, Klass, Motion
 from stickslip_verification.run.baseline import Baseline, Progress, Trial
 from stickslip_verification.suite.invariants import Invariants
-from stickslip_verification.suite.sequences import PLAIN
 
 FINISHES = "runs-to-the-end"
 """The check that a run which does not finish fails; for the others nothing is there to judge."""
@@ -94,33 +91,10 @@ def judge(
         yield from results
     for trial, answer in zip(trials, answers.sequences, strict=True):
         empty = invariant_checks.blank(trial.manner, trial.baseline.case.id, contract)
-        band = _band(trial.baseline, contract)
-        judge_sequence = partial(_in_band, empty, contract, band)
+        judge_sequence = partial(_in_band, empty, contract)
         yield _judge(empty, trial.baseline, answer, judge_sequence)
-    yield from _lost(trials, contract)
     for invariant in invariants.probes:
         yield invariant_checks.judge_probe(invariant, contract, answers.probes[invariant.id])
-
-
-def undecided_table(baseline: Iterable[Baseline], contract: Contract) -> Table:
-    """Count the points that are not judged since they hang on less than the error of a solution."""
-    rows: list[tuple[str | int, ...]] = []
-    points = 0
-    for each in baseline:
-        band = _band(each, contract)
-        if band is not None:
-            points += band.undecided.size
-            lost = int(band.undecided.sum())
-            if lost:
-                rows.append((each.case.id, lost, band.undecided.size))
-    count = sum(int(lost) for _, lost, _ in rows)
-    return Table(
-        title="Points not judged",
-        about=f"{count} of {points} communication points: there stick or slip {UNDECIDED}.",
-        head=("case", "points", "of"),
-        rows=rows,
-        note=f"Above {100.0 * MOST_LOST:g} % of its points a case fails as lost.",
-    )
 
 
 def motions(baseline: Sequence[Baseline], answers: Answers) -> Iterator[Motion]:
@@ -150,26 +124,16 @@ def _judge_case(
 ) -> Iterator[CheckResult]:
     case = baseline.case
     plain = answers.plain[case.id]
-    band = _band(baseline, contract) if contract.banded else None
     sides = [(contract, plain)] + ([(REFERENCE_CONTRACT, baseline.reference)] if reference else [])
     for check in case.checks:
         for side, answer in sides:
-            in_band = band if side is contract else None
-            judge_side = partial(checks.judge, case, check, side, band=in_band)
+            judge_side = partial(checks.judge, case, check, side)
             yield _judge(checks.blank(case, check, side), baseline, answer, judge_side)
     for invariant in baseline.invariants:
         for side, answer in sides:
             empty = invariant_checks.blank(invariant, case.id, side)
             judge_residual = partial(invariant_checks.judge_residual, invariant, case, side)
-            result = _judge(empty, baseline, answer, judge_residual)
-            if band is not None and side is contract and invariant.id != FINISHES:
-                # What an invariant leaves over names the cause; the band decides.
-                result = replace(result, decides=False)
-            yield result
-    if band is not None:
-        for manner in (each for each in invariants.sequences if each.manner == PLAIN):
-            empty = invariant_checks.blank(manner, case.id, contract)
-            yield _judge(empty, baseline, plain, partial(_in_band, empty, contract, band))
+            yield _judge(empty, baseline, answer, judge_residual)
     for run in invariants.runs:
         if run.holds_for(case.law):
             empty = invariant_checks.blank(run, case.id, contract)
@@ -182,7 +146,6 @@ def _judge_case(
                 case,
                 contract,
                 other=answers.runs[case.id, run.run],
-                band=band,
             )
             yield _judge(empty, baseline, plain, judge_run)
     yield from _judge_against_reference(
@@ -190,34 +153,9 @@ def _judge_case(
     )
 
 
-def _band(baseline: Baseline, contract: Contract) -> Band | None:
-    """Return the band about the exact motion; None where the truth cannot be computed."""
-    exact, nearby = baseline.exact.value, baseline.nearby
-    if exact is None:
-        return None
-    if not contract.banded:
-        return of_any_sequence(exact)
-    return None if nearby is None or nearby.value is None else numerical(exact, nearby.value)
-
-
-def _lost(trials: Sequence[Trial], contract: Contract) -> Iterator[CheckResult]:
-    """Yield a failure where too many points of the random sequences, which are short, are lost."""
-    bands = [_band(trial.baseline, contract) for trial in trials]
-    undecided = [band.undecided for band in bands if band is not None]
-    lost = float(np.mean(np.concatenate(undecided))) if undecided else 0.0
-    if lost > MOST_LOST:
-        reason = f"lost: the sequences {UNDECIDED} at {lost:.0%} of their points"
-        yield replace(invariant_checks.blank(trials[0].manner, "", contract), failure=reason)
-
-
-def _in_band(
-    empty: CheckResult, contract: Contract, band: Band | None, exact: Exact, record: Run
-) -> CheckResult:
-    """Judge every output of a run in a band, and whether the band decides enough."""
-    assert band is not None
-    if band.lost > MOST_LOST and not empty.case.startswith(SEQUENCE):
-        return replace(empty, failure=f"lost: it {UNDECIDED} at {band.lost:.0%} of its points")
-    return checks.judge_in_band(empty, OUTPUT_NAMES, contract, band, record)
+def _in_band(empty: CheckResult, contract: Contract, exact: Exact, record: Run) -> CheckResult:
+    """Judge every output of a run of any sequence."""
+    return checks.judge_in_band(empty, OUTPUT_NAMES, contract, of_any_sequence(exact), record)
 
 
 def _by_contract(result: CheckResult, contract: Contract) -> CheckResult:
@@ -244,11 +182,9 @@ def _judge(
     judge: Callable[[Exact, Run], CheckResult],
 ) -> CheckResult:
     """Return what `judge` says of a run; without truth or run, `empty` with the reason."""
-    exact, nearby = baseline.exact, baseline.nearby
-    for truth in (exact, nearby):
-        if truth is not None and truth.value is None:
-            return replace(empty, failure=f"the truth cannot be computed: {truth.failure}")
-    assert exact.value is not None
+    exact = baseline.exact
+    if exact.value is None:
+        return replace(empty, failure=f"the truth cannot be computed: {exact.failure}")
     if answer.value is None:
         return _unanswered(empty, answer)
     return judge(exact.value, answer.value)
@@ -270,7 +206,7 @@ def _judge_against_reference(
             result = invariant_checks.judge_agreement(
                 invariant, case, check, contract, baseline.exact, records
             )
-            yield replace(result, decides=False) if contract.banded else result
+            yield result
     if reference:
         for order, seen in baseline.orders:
             yield from invariant_checks.judge_order(order, case.id, REFERENCE_CONTRACT, seen)

@@ -14,6 +14,7 @@ from stickslip_verification.judge.checks import EXACT_CONTRACT, Contract
 from stickslip_verification.model.verdict import CheckResult, Detection, KillMatrix
 from stickslip_verification.run.baseline import Baseline, Progress, Trial
 from stickslip_verification.run.judged import Answers, ask, judge
+from stickslip_verification.run.numerical import judge_numerical, judged
 from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantError, reasons_to_stay
 from stickslip_verification.suite.invariants import Invariants
 
@@ -240,7 +241,12 @@ def _failures(
         for trial, answer in zip(trials, answers.sequences, strict=True)
         if answer.late
     }
-    for result in judge(baseline, invariants, answers, contract, trials, reference=False):
+    if contract.banded:
+        of_runs = judged(baseline, answers)
+        results = judge_numerical(of_runs, baseline, invariants, answers, contract, trials)
+    else:
+        results = judge(baseline, invariants, answers, contract, trials, reference=False)
+    for result in results:
         if result.failed and not late & {(result.case, ""), (result.case, result.check)}:
             yield result
 

@@ -1,5 +1,6 @@
 """The suite as a whole: an FMU and the reference judged, faults planted, a verdict."""
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,14 +14,14 @@ from stickslip_verification.drive.planting import carries_source
 from stickslip_verification.drive.probes import IN_A_FRESH_PROCESS
 from stickslip_verification.drive.stepping import may_change, require_law
 from stickslip_verification.judge.second_values import load_accepted
-from stickslip_verification.model.verdict import Verdict
+from stickslip_verification.model.verdict import Klass, Question, Table, Verdict
 from stickslip_verification.report import provenance
 from stickslip_verification.run.baseline import Progress, compute, trials
 from stickslip_verification.run.contract import CONTRACTS, Wanted, chosen_contract
 from stickslip_verification.run.coverage import coverage_table, gaps
-from stickslip_verification.run.fitness import fitness
-from stickslip_verification.run.judged import ask, judge, motions, undecided_table
+from stickslip_verification.run.judged import ask, judge, motions
 from stickslip_verification.run.kill_matrix import How, detect
+from stickslip_verification.run.numerical import judge_numerical, judged, questions
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Mutant, MutantError
 from stickslip_verification.suite.invariants import Invariants, load_invariants
@@ -28,6 +29,12 @@ from stickslip_verification.suite.other_laws import under_law, with_dwell
 from stickslip_verification.suite.sequences import SEED, Scope, draw_sequences
 from stickslip_verification.truth import COULOMB, COULOMB_NAME
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
+
+WITHIN = 1e-6
+"""What a numerical solution has to be within where nothing else is asked for."""
+
+MOST_PERIODS = 2.0
+"""Longest step of the cases that any FMU is tried on, in periods of the spring."""
 
 LONGEST_OF_ANY = 60.0
 """Simulated time [s] of the cases that any FMU is tried on; longer ones are for exact blocks, which
@@ -93,8 +100,8 @@ def verify(
     whole_matrix
         Whether each fault is tried on every check, or on what it foretells alone.
     within
-        Part of the largest value that the fitness allows, see `judge.fitness`; None for no table
-        of it.
+        Part of its exact value by which a quantity of the cycle may be off in any case, where the
+        FMU is held to the physics contract; `WITHIN` by default.
     command
         What to type to get the same again, for the provenance.
 
@@ -140,7 +147,7 @@ def verify(
         file.close()
     held_to = CONTRACTS[chosen.name]
     if held_to.banded:
-        cases = [case for case in cases if case.stop_time <= LONGEST_OF_ANY] or cases
+        cases = [case for case in cases if _of_any(case)] or cases
     invariants = load_invariants().of_laws({case.law for case in cases})
     asked = of_faults = invariants
     if not fresh_processes:
@@ -148,14 +155,14 @@ def verify(
         asked = _without_fresh_processes(invariants)
         of_faults = _without_fresh_processes(invariants, but=foretold)
     jobs = workers.jobs_here() if jobs is None else jobs
-    baseline = compute(cases, invariants, jobs, progress, nearby=held_to.banded)
+    baseline = compute(cases, invariants, jobs, progress, numerical=held_to.banded)
     drawn = draw_sequences(seed, sequences if invariants.sequences else 0, scope)
     of_sequences = [each.case for each in drawn]
     if law != COULOMB_NAME:
         of_sequences, drawn = under_law(of_sequences, law, seed), []
     elif grows:
         of_sequences += with_dwell(of_sequences, seed)
-    tried = trials(of_sequences, invariants.sequences, jobs, nearby=held_to.banded)
+    tried = trials(of_sequences, invariants.sequences, jobs, numerical=held_to.banded)
     fresh = file.once_per_process
     with workers.Pool(
         jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface, limits=limits
@@ -165,16 +172,18 @@ def verify(
     if mutants:
         how = How(names, held_to, fresh=fresh, whole=whole_matrix, limits=limits)
         kills = detect(fmu, mutants, baseline, of_faults, jobs, progress, how, tried)
-    results = [
-        *judge(baseline, asked, answers, held_to, tried),
-        *gaps(drawn, scope, held_to, invariants.sequences),
-    ]
+    tables: list[Table] = []
+    answered: list[Question] = []
+    if held_to.banded:
+        runs = judged(baseline, answers)
+        results = list(judge_numerical(runs, baseline, asked, answers, held_to, tried))
+        answered, errors = questions(runs, results, baseline, within or WITHIN)
+        tables.append(errors)
+    else:
+        results = list(judge(baseline, asked, answers, held_to, tried))
+    results += gaps(drawn, scope, held_to, invariants.sequences)
     # Drifts are those of the block that was accepted, and not of any that is exact.
     accepted = held_to.interface and file.stated.exact
-    tables = [] if within is None else fitness(baseline, answers, within, jobs, progress)
-    if held_to.banded:
-        tried_on = [*baseline, *{each.baseline.case.id: each.baseline for each in tried}.values()]
-        tables.append(undecided_table(tried_on, held_to))
     tables += [coverage_table(drawn, seed, scope)] if drawn else []
     return Verdict(
         checks=load_accepted().attach(results, fmu=accepted),
@@ -186,7 +195,16 @@ def verify(
         kills=kills,
         contract=chosen,
         tables=tables,
+        questions=answered,
     )
+
+
+def _of_any(case: Case) -> bool:
+    """Whether a case is one for any solver: physics, not too long, in steps that can be cut."""
+    period = 2.0 * math.pi * math.sqrt(case.start["m"] / case.start["k"])
+    step = max(step.h for step in case.steps)
+    physics = case.klass == Klass.PHYSICS
+    return physics and case.stop_time <= LONGEST_OF_ANY and step <= MOST_PERIODS * period
 
 
 def _without_fresh_processes(invariants: Invariants, but: Collection[str] = ()) -> Invariants:

@@ -186,10 +186,6 @@ def verify(
         from stickslip.show.verdict_summary import verdict_summary
 
         screen.print(verdict_summary(verdict, _meanings(chosen)))
-    if share is not None:
-        from stickslip.show.fitness_table import fitness_table
-
-        screen.print(fitness_table(verdict))
     if earlier is not None:
         from stickslip.show.earlier_table import earlier_table
         from stickslip_verification import compare

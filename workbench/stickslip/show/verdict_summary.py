@@ -39,6 +39,7 @@ def verdict_summary(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Render
         *_detections(verdict.kills),
         *_failures(verdict, meanings),
         contract(verdict),
+        *(Text(each.answer, "green" if each.good else "bold red") for each in verdict.questions),
         counts(verdict),
     )
 

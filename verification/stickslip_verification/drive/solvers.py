@@ -1,0 +1,251 @@
+"""Sliders as people write them: honest solvers, whose errors an FMU's are compared with.
+
+Each integrates the model of a case by a common method: fixed steps that locate no event, or a
+method that adapts its steps and locates them. They are right and only so accurate.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from stickslip_verification.model.run import Run
+from stickslip_verification.suite.cases import Case
+
+Method = Callable[
+    [Callable[[float, float], float], float, float, float, float], tuple[float, float]
+]
+"""From acceleration(z, x_dot), z, x_dot, v, h: the displacement and the velocity after a step."""
+
+SHARES: Final = ("x", "x_dot", "F")
+"""The outputs that they have."""
+
+_EQUAL: Final = 1e-14
+_MOST_PHASES: Final = 200
+"""In one step; more are a chattering that never ends."""
+
+
+def _semi_implicit(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
+    after = u + h * a(z, u)
+    return h * after, after
+
+
+def _euler(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
+    return h * u, u + h * a(z, u)
+
+
+def _verlet(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
+    before = a(z, u)
+    way = h * u + 0.5 * h * h * before
+    return way, u + 0.5 * h * (before + a(z + v * h - way, u + h * before))
+
+
+def _heun(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
+    first = a(z, u)
+    after = u + h * first
+    second = a(z + h * (v - u), after)
+    return 0.5 * h * (u + after), u + 0.5 * h * (first + second)
+
+
+def _runge_kutta(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
+    half = 0.5 * h
+    u_1, a_1 = u, a(z, u)
+    u_2 = u + half * a_1
+    a_2 = a(z + half * (v - u_1), u_2)
+    u_3 = u + half * a_2
+    a_3 = a(z + half * (v - u_2), u_3)
+    u_4 = u + h * a_3
+    a_4 = a(z + h * (v - u_3), u_4)
+    return (
+        h / 6.0 * (u_1 + 2.0 * u_2 + 2.0 * u_3 + u_4),
+        u + h / 6.0 * (a_1 + 2.0 * a_2 + 2.0 * a_3 + a_4),
+    )
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A slider: a method with steps of `step` [s], or `parts` of each communication step.
+
+    Without a method it adapts its steps to the relative tolerance `rtol`.
+    """
+
+    method: Method | None = None
+    step: float = 0.0
+    parts: int = 0
+    rtol: float = 0.0
+
+    def run(self, case: Case) -> Run:
+        """Run a case; the outputs are `SHARES`."""
+        return _Slide(self, case).run()
+
+
+SOLVERS: Final[Mapping[str, Solver]] = {
+    "semi-implicit Euler, 1 ms": Solver(_semi_implicit, step=1e-3),
+    "semi-implicit Euler, 0.1 ms": Solver(_semi_implicit, step=1e-4),
+    "semi-implicit Euler, 10 in a step": Solver(_semi_implicit, parts=10),
+    "Euler, 1 ms": Solver(_euler, step=1e-3),
+    "Euler, 0.1 ms": Solver(_euler, step=1e-4),
+    "Euler, 20 in a step": Solver(_euler, parts=20),
+    "Verlet, 1 ms": Solver(_verlet, step=1e-3),
+    "Verlet, 10 in a step": Solver(_verlet, parts=10),
+    "Heun, 1 ms": Solver(_heun, step=1e-3),
+    "Runge-Kutta, 1 ms": Solver(_runge_kutta, step=1e-3),
+    "Runge-Kutta, 0.1 ms": Solver(_runge_kutta, step=1e-4),
+    "Runge-Kutta, 1 in a step": Solver(_runge_kutta, parts=1),
+    "Runge-Kutta, 10 in a step": Solver(_runge_kutta, parts=10),
+    "adaptive, 1e-3": Solver(rtol=1e-3),
+    "adaptive, 1e-6": Solver(rtol=1e-6),
+    "adaptive, 1e-10": Solver(rtol=1e-10),
+}
+"""The family by its names, which say method and step, or tolerance."""
+
+
+class _Slide:
+    """One slider on its way through a case."""
+
+    def __init__(self, solver: Solver, case: Case) -> None:
+        self.solver, self.case = solver, case
+        self.p = dict(case.start)
+        self.x, self.z, self.u = (self.p[name] for name in ("x_start", "z_start", "x_dot_start"))
+        self.mode = (self.u > 0.0) - (self.u < 0.0)
+        self.age = self.p.get("age_start", 0.0)
+
+    def run(self) -> Run:
+        rows = []
+        first = self._shown()
+        for step in self.case.steps:
+            self.p |= step.changes
+            if self.solver.method is None:
+                self._adapt(step.h)
+            else:
+                self._step(self.solver.method, step.h)
+            rows.append(self._shown())
+        columns = zip(*rows, strict=True)
+        return Run(
+            np.array(self.case.times),
+            {name: np.array(column) for name, column in zip(SHARES, columns, strict=True)},
+            dict(zip(SHARES, first, strict=True)),
+        )
+
+    def _shown(self) -> tuple[float, float, float]:
+        return self.x, self.u, self.p["k"] * self.z
+
+    @property
+    def _normal(self) -> float:
+        return max(self.p["m"] * self.p["g"] + self.p["load"], 0.0)
+
+    @property
+    def _mu_k(self) -> float:
+        mu_s, mu_k = self.p["mu_s"], self.p["mu_k"]
+        return mu_k if mu_k <= mu_s else max(mu_s - 0.01, 0.0)
+
+    def _hold(self, age: float) -> float:
+        """Return the break-away force [N] at an age of the stick [s]."""
+        p, mu_k = self.p, self._mu_k
+        mu = p["mu_s"]
+        if p.get("tau_s"):
+            mu = mu_k + (mu - mu_k) * -math.expm1(-age / p["tau_s"])
+        if p.get("B"):
+            mu += p["B"] * math.log1p(age / p["t_0"])
+        return mu * self._normal
+
+    def _slip_friction(self) -> Callable[[float], float]:
+        """Return the coefficient in slip at a speed [m/s]."""
+        p, mu_k = self.p, self._mu_k
+        gap = p["mu_s"] - mu_k
+        match p.get("shape"):
+            case None:
+                return lambda _: mu_k
+            case 1.0:
+                return lambda u: mu_k + gap * math.exp(-((u / p["v_s"]) ** p["delta"]))
+            case 2.0:
+                return lambda u: mu_k + gap / (1.0 + u / p["v_s"])
+        count = int(p["n_points"]) + 1
+        speeds = [0.0, *(p[f"u_{i}"] for i in range(2, count))]
+        values = [p[f"mu_{i}"] for i in range(1, count)]
+        return lambda u: float(np.interp(u, speeds, values))
+
+    def _acceleration(self) -> Callable[[float, float], float]:
+        p, normal, s, friction = self.p, self._normal, self.mode, self._slip_friction()
+        m, k, c, force = p["m"], p["k"], p["c"], p["F_ext"]
+        return lambda z, u: (k * z + force - s * normal * friction(abs(u)) - c * u) / m
+
+    def _breaks_away(self) -> bool:
+        driving = self.p["k"] * self.z + self.p["F_ext"]
+        if abs(driving) <= self._hold(self.age) * (1.0 + _EQUAL):
+            return False
+        self.mode = 1 if driving > 0.0 else -1
+        return True
+
+    def _stop(self) -> None:
+        self.u, self.mode, self.age = 0.0, 0, 0.0
+
+    def _step(self, method: Method, h: float) -> None:
+        count = self.solver.parts or max(1, round(h / self.solver.step))
+        h, v = h / count, self.p["v"]
+        acceleration = self._acceleration()
+        for _ in range(count):
+            if self.mode == 0:
+                if not self._breaks_away():
+                    self.z += v * h
+                    self.age += h
+                    continue
+                acceleration = self._acceleration()
+            way, after = method(acceleration, self.z, self.u, v, h)
+            self.x += way
+            self.z += v * h - way
+            self.u = after
+            if self.mode * after <= 0.0:
+                self._stop()
+
+    def _adapt(self, left: float) -> None:
+        least = _EQUAL * left
+        for _ in range(_MOST_PHASES):
+            if left <= least:
+                return
+            left -= self._slip(left) if self.mode or self._breaks_away() else self._rest(left)
+
+    def _rest(self, left: float) -> float:
+        """Stick until the mass breaks away, or for the time left [s]; return for how long."""
+        k, v = self.p["k"], self.p["v"]
+        driving = k * self.z + self.p["F_ext"]
+
+        def held(t: float) -> bool:
+            return abs(driving + k * v * t) <= self._hold(self.age + t) * (1.0 + _EQUAL)
+
+        low, high = 0.0, left
+        while not held(left) and high - low > _EQUAL * left:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if held(middle) else (low, middle)
+        self.z += v * high
+        self.age += high
+        return high
+
+    def _slip(self, left: float) -> float:
+        """Slip until the mass stops, or for the time left [s]; return for how long."""
+        s, v, rtol = self.mode, self.p["v"], self.solver.rtol
+        acceleration = self._acceleration()
+
+        def velocity(_: float, y: Any) -> float:
+            return float(s * y[1])
+
+        # SciPy takes an event's options as attributes of the function.
+        velocity.terminal, velocity.direction = True, -1  # type: ignore[attr-defined]
+        way = max(abs(self.z), 1e-6)
+        sizes = (way, max(abs(v), way * math.sqrt(self.p["k"] / self.p["m"])), way)
+        solution = solve_ivp(
+            lambda _, y: (v - y[1], acceleration(y[0], y[1]), y[1]),
+            (0.0, left),
+            (self.z, self.u, 0.0),
+            rtol=rtol,
+            atol=[1e-3 * rtol * size for size in sizes],
+            events=velocity,
+        )
+        self.z, self.u, way = map(float, solution.y[:, -1])
+        self.x += way
+        if solution.status == 1:
+            self._stop()
+        return float(solution.t[-1])

@@ -1,0 +1,245 @@
+"""How accurate a numerical solution is, and where it is not one of the model.
+
+A run is as accurate as the data of the exact motion would have to be for it to lie as far away
+(`Ruler`): that part of the data, delta, is the error of a solution in the terms of numerical
+analysis, free of what a motion does to it. Delta differs between the cases by a factor of 1,000 for
+one honest solver. So the deltas of an FMU are held against those of honest solvers in the same
+cases (`matched`): where one is `STANDS_OUT` times what they are, the FMU solves another model.
+"""
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from stickslip_verification.drive.exact import Exact
+from stickslip_verification.drive.nearby import OFF
+from stickslip_verification.judge.band import Band
+from stickslip_verification.model.quantities import QUANTITIES
+from stickslip_verification.model.run import Run, Series
+
+MOTION: Final = ("x", "x_dot", "F")
+"""The outputs that delta is taken from."""
+
+STANDS_OUT: Final = 20.0
+"""From honest solvers; those left out of the family reached 13, faults 30 to 50,000 (measured)."""
+
+SPREAD: Final = 4.0
+"""How often the spread of nearby motions a solution may be off: they are only a few of all."""
+
+SATURATED: Final = 0.1
+"""A point counts while the spread is below this part of the largest value."""
+
+LEAST: Final = 1e-13
+"""Below it delta is rounding."""
+
+REPEATS: Final = 0.25
+"""Distance of the quartiles over the median of an offset that repeats; honest solvers: above 0.3,
+parameters off by 0.1 to 1 % in an accurate one: below 0.18 (measured)."""
+LEFT: Final = 0.4
+"""What an offset may leave of the deviation in the middle case."""
+_ENOUGH: Final = 5
+"""Fewest cases that an offset is taken from."""
+_NEAR: Final = 6
+"""Points count that are not saturated at this one of `OFF`: there the motion is nearly linear."""
+_MOVES: Final = 1e-3
+"""Least change, over the largest value, of a parameter that matters in a case, for each part."""
+
+_ALIKE: Final = 1.5
+"""Solvers whose misfit is up to this times the least one, and `_CLOSE` more, are matched too."""
+_CLOSE: Final = 0.05
+_FARTHEST: Final = 3.0
+"""Largest misfit of one case, as a logarithm: what stands out does not choose the solver."""
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far off a run is: delta, and the output and time [s] that show it."""
+
+    delta: float
+    output: str = ""
+    time: float = 0.0
+
+
+@dataclass(frozen=True)
+class Ruler:
+    """Measures the delta of runs of one case.
+
+    Attributes
+    ----------
+    exact
+        The exact motion.
+    spreads
+        How far each output moves when the data are off by `OFF`, from `drive.nearby`.
+    """
+
+    exact: Exact
+    spreads: Mapping[str, Series]
+
+    def deviation(self, run: Run, names: Collection[str] = MOTION) -> Deviation:
+        """Return the largest delta of a run in some of its outputs.
+
+        ``run`` may hold some of the points of the exact motion only. Beyond the delta at which a
+        point is saturated it counts with that delta: it is at least as large.
+        """
+        times = self.exact.record.times
+        read = np.minimum(np.searchsorted(times, run.times), times.size - 1)
+        worst = Deviation(0.0)
+        for name in names:
+            if name not in run.outputs:
+                continue
+            expected, got = self.band.pair(name, run, read)
+            where = np.flatnonzero(self.band.judged(name)[read] & np.isfinite(expected))
+            if not where.size:
+                continue
+            error = np.abs(got[where] - expected[where])
+            largest = self.band.largest(name) or (1.0 if QUANTITIES[name].discrete else 0.0)
+            columns = np.maximum(
+                SPREAD * self.spreads[name][:, read[where]], largest * np.array(OFF)[:, np.newaxis]
+            )
+            deltas = _deltas(error, columns, SATURATED * largest)
+            place = int(np.argmax(deltas))
+            if deltas[place] > worst.delta:
+                worst = Deviation(float(deltas[place]), name, float(run.times[where[place]]))
+        return worst
+
+    def moved(self, name: str, delta: float) -> Series:
+        """Return how far an output lies off at each point where the data are off by `delta`."""
+        at = np.interp(math.log(max(delta, LEAST)), np.log(OFF), np.arange(len(OFF)))
+        low = min(int(at), len(OFF) - 2)
+        below, above = self.spreads[name][low], self.spreads[name][low + 1]
+        between = below + (at - low) * (above - below)
+        return np.asarray(between * min(delta / OFF[0], 1.0))
+
+    @cached_property
+    def band(self) -> Band:
+        """What is physics and what was only agreed on."""
+        return Band(self.exact)
+
+
+def _deltas(error: Series, columns: Series, limit: float) -> Series:
+    """Return by how much data are off that move each point by its error.
+
+    ``columns`` are the distances at each of `OFF`, shape ``(len(OFF), n)`` and rising.
+    """
+    off = np.array(OFF)
+    usable = np.sum(columns <= limit, axis=0)
+    above = np.sum(columns < error, axis=0)
+    points = np.arange(error.size)
+    low, high = np.clip(above - 1, 0, off.size - 1), np.clip(above, 0, off.size - 1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.log(error / columns[low, points]) / np.log(
+            columns[high, points] / columns[low, points]
+        )
+        between = off[low] * (off[high] / off[low]) ** np.clip(part, 0.0, 1.0)
+        found = np.where(above == 0, off[0] * error / columns[0], between)
+    found = np.where(above >= usable, np.where(usable > 0, off[usable - 1], 0.0), found)
+    found = np.where((error == 0.0) | (usable == 0), 0.0, found)
+    return np.where(np.isfinite(error), found, np.inf)
+
+
+@dataclass(frozen=True)
+class Matched:
+    """The honest solvers that an FMU is most like.
+
+    Attributes
+    ----------
+    solver
+        Name of the nearest one.
+    factor
+        The deltas of the FMU over its.
+    expected
+        By case, the largest delta that those matched have there, times their factors.
+    alike
+        All that are matched, with their factors.
+    """
+
+    solver: str
+    factor: float
+    expected: Mapping[str, float]
+    alike: Mapping[str, float]
+
+
+def matched(deltas: Mapping[str, float], family: Mapping[str, Mapping[str, float]]) -> Matched:
+    """Match the deltas of an FMU with those of honest solvers, one free factor each.
+
+    Parameters
+    ----------
+    deltas
+        By case.
+    family
+        Deltas by solver and case; those of the cases of `deltas` are used.
+    """
+    cases = list(deltas)
+    got = np.log([max(deltas[case], LEAST) for case in cases])
+    found = []
+    for solver, of in family.items():
+        own = np.log([max(of[case], LEAST) for case in cases])
+        factor = float(np.median(got - own))
+        misfit = float(np.mean(np.minimum(np.abs(got - own - factor), _FARTHEST)))
+        found.append((misfit, solver, factor, own + factor))
+    misfit, solver, factor, _ = min(found, key=lambda each: each[0])
+    near = [each for each in found if each[0] <= _ALIKE * misfit + _CLOSE]
+    expected = np.exp(np.max([own for *_, own in near], axis=0))
+    return Matched(
+        solver,
+        math.exp(factor),
+        dict(zip(cases, map(float, expected), strict=True)),
+        {name: math.exp(each) for _, name, each, _ in near},
+    )
+
+
+@dataclass(frozen=True)
+class WrongParameter:
+    """A parameter that acts as another value in every case: `part` larger than what is set."""
+
+    name: str
+    part: float
+
+
+def wrong_parameter(
+    rulers: Mapping[str, Ruler],
+    runs: Mapping[str, Run],
+    changes: Mapping[tuple[str, str], Mapping[str, Series]],
+) -> WrongParameter | None:
+    """Return the parameter whose wrong value explains the runs of an FMU, if there is one.
+
+    ``changes`` are the outputs' changes by case and parameter, for each part that it is larger. The
+    offset that fits a case best has to repeat over the cases, and to leave little behind.
+    """
+    found = []
+    for name in dict.fromkeys(name for _, name in changes):
+        fits = [
+            fit
+            for case, run in runs.items()
+            if (case, name) in changes
+            and (fit := _offset(rulers[case], run, changes[case, name])) is not None
+        ]
+        if len(fits) < _ENOUGH:
+            continue
+        offsets, left = np.array(fits).T
+        low, part, high = np.quantile(offsets, (0.25, 0.5, 0.75))
+        if high - low <= REPEATS * abs(part) and np.median(left) <= LEFT:
+            found.append((float(np.median(left)), WrongParameter(name, float(part))))
+    return min(found, key=lambda each: each[0])[1] if found else None
+
+
+def _offset(ruler: Ruler, run: Run, change: Mapping[str, Series]) -> tuple[float, float] | None:
+    """Return the part by which a parameter is off that fits a run, and what that leaves behind."""
+    errors, moved = [], []
+    for name, by in change.items():
+        largest = ruler.band.largest(name)
+        if name not in run.outputs or not largest:
+            continue
+        near = SPREAD * ruler.spreads[name][_NEAR] <= SATURATED * largest
+        errors.append(((run.outputs[name] - ruler.exact.record.outputs[name]) / largest)[near])
+        moved.append((by / largest)[near])
+    error, move = np.concatenate([[], *errors]), np.concatenate([[], *moved])
+    if not np.all(np.isfinite(error)) or np.max(np.abs(move), initial=0.0) < _MOVES:
+        return None
+    part = float(error @ move / (move @ move))
+    size = float(np.linalg.norm(error))
+    return part, float(np.linalg.norm(error - part * move)) / size if size else 1.0

@@ -1,0 +1,359 @@
+"""The verdict on a numerical solution: is the model right, and how accurate is it.
+
+Only the plain runs meet the exact motion: their deltas are held against those of honest solvers in
+the same cases. Every other run is held against the plain one.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.solvers import SOLVERS
+from stickslip_verification.judge.accuracy import (
+    LEAST,
+    MOTION,
+    STANDS_OUT,
+    Deviation,
+    Matched,
+    Ruler,
+    WrongParameter,
+    matched,
+    wrong_parameter,
+)
+from stickslip_verification.judge.checks import Contract
+from stickslip_verification.judge.invariant_checks import blank, judge_probe
+from stickslip_verification.judge.run_checks import same_run
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.model.run import Run
+from stickslip_verification.model.verdict import CheckResult, Klass, Question, Table
+from stickslip_verification.run.baseline import Baseline, Trial
+from stickslip_verification.run.judged import Answers
+from stickslip_verification.suite.family import load_family
+from stickslip_verification.suite.invariants import Invariants
+from stickslip_verification.suite.sequences import PLAIN
+
+OTHER_STEPS: Final = frozenset({"splitting", "time", "in_pieces", "unread", "busy"})
+"""Runs and manners that take other steps, and so make other errors."""
+
+AS_MUCH: Final = 4.0
+"""How many times the delta of the plain run the run of other steps may have."""
+
+CYCLE: Final[Mapping[str, str]] = {
+    "jump": "delta_x",
+    "stick": "t_stick",
+    "slip": "t_slip",
+    "period": "T",
+    "force": "F",
+}
+"""What a cycle is described by, and the outputs that show it."""
+
+_EXACT: Final = 1e-11
+"""A solution whose middle delta is below this one is exact."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """The plain runs of an FMU in the cases that it can run.
+
+    Attributes
+    ----------
+    rulers, runs
+        By case.
+    """
+
+    rulers: Mapping[str, Ruler]
+    runs: Mapping[str, Run]
+
+    @cached_property
+    def motion(self) -> Mapping[str, Deviation]:
+        """Delta by case, from the motion."""
+        return {case: self.rulers[case].deviation(run) for case, run in self.runs.items()}
+
+    @cached_property
+    def like(self) -> Matched:
+        """The honest solvers that it is like."""
+        deltas = {case: each.delta for case, each in self.motion.items()}
+        return matched(deltas, load_family())
+
+
+def judged(baseline: Sequence[Baseline], answers: Answers) -> Judged:
+    """Return the runs in cases of physics whose truth is known."""
+    rulers, runs = {}, {}
+    for each in baseline:
+        run = answers.plain[each.case.id].value
+        if each.exact.value is not None and each.spreads is not None and run is not None:
+            assert each.spreads.value is not None
+            rulers[each.case.id] = Ruler(each.exact.value, each.spreads.value)
+            runs[each.case.id] = run
+    return Judged(rulers, runs)
+
+
+def judge_numerical(
+    found: Judged,
+    baseline: Sequence[Baseline],
+    invariants: Invariants,
+    answers: Answers,
+    contract: Contract,
+    trials: Sequence[Trial],
+) -> Iterator[CheckResult]:
+    """Yield the result of each case, other run, random sequence and probe."""
+    (plainly,) = (each for each in invariants.sequences if each.manner == PLAIN)
+    restless = found.like.solver.startswith("adaptive")
+    for each in baseline:
+        case = each.case.id
+        plain = answers.plain[case]
+        empty = blank(plainly, case, contract)
+        if case not in found.runs:
+            yield _no_run(empty, plain)
+            continue
+        expected = found.like.expected[case]
+        yield _of_motion(empty, found.rulers[case], found.runs[case], found.like.solver, expected)
+        allowed = AS_MUCH * max(found.motion[case].delta, expected)
+        for run in invariants.runs:
+            if run.klass == Klass.PHYSICS and run.holds_for(each.case.law):
+                yield _of_other(
+                    blank(run, case, contract),
+                    answers.runs[case, run.run],
+                    found.runs[case],
+                    found.rulers[case],
+                    allowed if restless or run.run in OTHER_STEPS else 0.0,
+                )
+    yield from _of_sequences(found, answers, contract, trials, restless=restless)
+    for invariant in invariants.probes:
+        yield judge_probe(invariant, contract, answers.probes[invariant.id])
+
+
+def _of_sequences(
+    found: Judged, answers: Answers, contract: Contract, trials: Sequence[Trial], *, restless: bool
+) -> Iterator[CheckResult]:
+    plain: dict[str, tuple[Run, Ruler, float]] = {}
+    for trial, answer in zip(trials, answers.sequences, strict=True):
+        each, manner = trial.baseline, trial.manner
+        empty = blank(manner, each.case.id, contract)
+        exact = each.exact.value
+        spreads = None if each.spreads is None else each.spreads.value
+        if exact is None or spreads is None or answer.value is None:
+            yield _no_run(empty, answer)
+            continue
+        if manner.manner == PLAIN:
+            ruler = Ruler(exact, spreads)
+            expected = max(
+                LEAST,
+                *(
+                    factor * ruler.deviation(SOLVERS[solver].run(each.case)).delta
+                    for solver, factor in found.like.alike.items()
+                ),
+            )
+            yield _of_motion(empty, ruler, answer.value, found.like.solver, expected)
+            delta = ruler.deviation(answer.value).delta
+            plain[each.case.id] = answer.value, ruler, AS_MUCH * max(delta, expected)
+        elif each.case.id in plain:
+            run, ruler, allowed = plain[each.case.id]
+            may = allowed if restless or manner.manner in OTHER_STEPS else 0.0
+            yield _of_other(empty, answer, run, ruler, may)
+        else:
+            yield replace(empty, not_applicable="the plain run did not end")
+
+
+def _of_motion(
+    empty: CheckResult, ruler: Ruler, run: Run, solver: str, expected: float
+) -> CheckResult:
+    """Judge a plain run: its motion against honest solvers, the rest against its motion."""
+    tolerance = STANDS_OUT * expected
+    worst = ruler.deviation(run)
+    if worst.delta <= tolerance:
+        rest = ruler.deviation(run, [name for name in OUTPUT_NAMES if name not in MOTION])
+        tolerance = max(tolerance, STANDS_OUT * worst.delta)
+        worst = max(worst, rest, key=lambda each: each.delta)
+    finite = np.isfinite(worst.delta)
+    return replace(
+        empty,
+        quantity=f"data off, by {worst.output} at t = {worst.time:.6g} s",
+        expected=expected,
+        got=worst.delta if finite else None,
+        error=worst.delta if finite else None,
+        tolerance=tolerance,
+        because=f"{STANDS_OUT:g} times what {solver} has there",
+        passed=worst.delta <= tolerance,
+        failure=None if finite else f"{worst.output} is no finite number at t = {worst.time:.6g} s",
+    )
+
+
+def _of_other(
+    empty: CheckResult, answer: Answer[Run], plain: Run, ruler: Ruler, allowed: float
+) -> CheckResult:
+    """Judge another run: equal to the plain one, or as accurate up to `allowed`."""
+    if answer.value is None:
+        return _no_run(empty, answer)
+    result = same_run(empty, plain, answer.value, ruler.band)
+    if result.passed or not allowed:
+        return result
+    worst = ruler.deviation(answer.value)
+    return replace(
+        empty,
+        quantity=f"data off, by {worst.output} at t = {worst.time:.6g} s",
+        expected=allowed / AS_MUCH,
+        got=worst.delta,
+        error=worst.delta,
+        tolerance=allowed,
+        because=f"{AS_MUCH:g} times the plain run's: other steps make other errors",
+        passed=worst.delta <= allowed,
+    )
+
+
+def _no_run(empty: CheckResult, answer: Answer[Run]) -> CheckResult:
+    return replace(empty, failure=answer.failure, not_applicable=answer.not_applicable)
+
+
+@dataclass(frozen=True)
+class Errors:
+    """How far a quantity of the cycle is off: by case, as a part of its exact value."""
+
+    quantity: str
+    by_case: Mapping[str, float]
+
+    @property
+    def middle(self) -> float:
+        """The error in the middle case."""
+        return float(np.median(list(self.by_case.values())))
+
+    @property
+    def worst(self) -> str:
+        """The case of the largest error."""
+        return max(self.by_case, key=self.by_case.__getitem__)
+
+    @property
+    def largest(self) -> float:
+        """The largest error."""
+        return self.by_case[self.worst]
+
+
+def cycle_errors(found: Judged) -> list[Errors]:
+    """Return how far off jump, stick, slip, period and spring force are.
+
+    Where the FMU has the output it is compared; elsewhere the error is what delta makes of it.
+    """
+    errors = []
+    for quantity, output in CYCLE.items():
+        by_case = {}
+        for case, run in found.runs.items():
+            ruler, delta = found.rulers[case], found.motion[case].delta
+            exact = ruler.exact.record.outputs
+            where = ruler.band.judged(output) & (exact[output] != 0.0)
+            if output in run.outputs and quantity != "force":
+                same = run.outputs.get("n_slips", exact["n_slips"]) == exact["n_slips"]
+                where = where & same & (run.outputs[output] != 0.0)
+                off = np.abs(run.outputs[output] - exact[output])
+            else:
+                off = ruler.moved(output, delta)
+            if where.any():
+                by_case[case] = float(np.max((off / np.abs(exact[output]))[where]))
+        if by_case:
+            errors.append(Errors(quantity, by_case))
+    return errors
+
+
+def questions(
+    found: Judged, results: Sequence[CheckResult], baseline: Sequence[Baseline], within: float
+) -> tuple[list[Question], Table]:
+    """Answer whether the model is right and how accurate it is, and give the errors as a table."""
+    changes = {
+        (each.case.id, name): moved
+        for each in baseline
+        if each.changes is not None and each.changes.value is not None
+        for name, moved in each.changes.value.items()
+    }
+    wrong = wrong_parameter(found.rulers, found.runs, changes)
+    failed = [each for each in results if each.failed]
+    errors = cycle_errors(found)
+    model = Question(
+        "Is the model right?",
+        not failed and not _tells(wrong, found),
+        _model(found, failed, wrong if _tells(wrong, found) else None),
+    )
+    good = all(each.largest <= within for each in errors)
+    accuracy = Question("How accurate is it?", good, _accuracy(found, errors, within))
+    table = Table(
+        title="Accuracy",
+        about="Error of a cycle as a part of its exact value. What the FMU has no output for is "
+        "estimated from its motion.",
+        head=("quantity", "middle case [%]", "worst case [%]", "where", "within"),
+        rows=[
+            (
+                each.quantity,
+                _percent(each.middle),
+                _percent(each.largest),
+                each.worst,
+                "yes" if each.largest <= within else "no",
+            )
+            for each in errors
+        ],
+        note=f"Asked for is {100.0 * within:g} % in every case; --within says otherwise.",
+    )
+    return [model, accuracy], table
+
+
+def _tells(wrong: WrongParameter | None, found: Judged) -> bool:
+    """Whether a wrong parameter is more than the error of the solver."""
+    return wrong is not None and abs(wrong.part) > max(LEAST * STANDS_OUT, 1e-9)
+
+
+def _model(found: Judged, failed: Sequence[CheckResult], wrong: WrongParameter | None) -> str:
+    tried = f"{len(found.runs)} cases"
+    if wrong is not None:
+        sense = "larger" if wrong.part > 0.0 else "smaller"
+        return (
+            f"The model is wrong: {wrong.name} acts as if it were {_percent(abs(wrong.part)):g} % "
+            f"{sense} than what is set, alike in all cases."
+        )
+    if not failed:
+        return f"The model is right: in {tried} it errs no more than honest solvers do."
+    cases = {each.case for each in failed if each.check == failed[0].check}
+    worst = max(failed, key=lambda each: (each.error or 0.0) / (each.tolerance or 1.0))
+    why = worst.failure or (
+        f"in {worst.case or 'the FMU itself'} it is off as if its data were by "
+        f"{worst.error or 0.0:.1e}, not {worst.expected or 0.0:.1e} ({worst.quantity})"
+    )
+    return f"The model is wrong in {len({each.case for each in failed} | cases)} of {tried}: {why}."
+
+
+def _accuracy(found: Judged, errors: Sequence[Errors], within: float) -> str:
+    deltas = [each.delta for each in found.motion.values()]
+    middle = float(np.median(deltas)) if deltas else 0.0
+    said = [
+        f"{each.quantity} within {_percent(each.middle):g} % in the middle case and "
+        f"{_percent(each.largest):g} % in the worst ({each.worst})"
+        for each in errors
+        if each.quantity in ("jump", "period")
+    ]
+    outside = [each.quantity for each in errors if each.largest > within]
+    verdict = (
+        f"within the {_percent(within):g} % asked for"
+        if not outside
+        else f"not within the {_percent(within):g} % asked for in {', '.join(outside)}"
+    )
+    return (
+        f"It is as accurate as {_class(found.like, middle)}: {'; '.join(said)}; {verdict}. "
+        f"A fault that moves the motion like data off by less than {STANDS_OUT * middle:.0e} "
+        "could hide in that."
+    )
+
+
+def _class(like: Matched, middle: float) -> str:
+    """Name how accurate a solver is in the words of its users."""
+    if middle < _EXACT:
+        return "the exact motion, to rounding"
+    method, _, size = like.solver.partition(", ")
+    if method == "adaptive":
+        return f"a solver of tolerance {float(size) * like.factor:.0e}"
+    if size.endswith(" ms"):
+        return f"fixed steps of about {float(size[:-3]) * like.factor:.2g} ms"
+    return f"a fixed number of steps in each communication step (like {like.solver})"
+
+
+def _percent(part: float) -> float:
+    return float(f"{100.0 * part:.2g}")
