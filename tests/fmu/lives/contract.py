@@ -154,7 +154,7 @@ class Contract:
         for reference in references:
             self._be_of_kind(reference, kind)
         self._of_block(block.refresh)
-        return [self._read(life, block, reference) for reference in references]
+        return [self._of_block(self._read, life, block, reference) for reference in references]
 
     def set(self, i: int, kind: str, references: list[int], values: list[Any]) -> None:
         life = self._sound(i)
