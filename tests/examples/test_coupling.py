@@ -16,8 +16,9 @@ from examples.feed_axis.coupling import coupling_damping, simulate
 from examples.feed_axis.document import check_coupling, coupling_errors
 from examples.feed_axis.monolithic import solve
 from stickslip_ref import Parameters, steady_cycle
+from tests.fmu.blocks import make_block
 
-from .coupled import EXACT, FILTERED, LOW_PASS, NOTCH, couple, make_block, velocity_loop
+from .coupled import EXACT, FILTERED, LOW_PASS, NOTCH, couple, velocity_loop
 from .test_how_to import TEXT
 
 AXIS = Axis(**EXACT)
