@@ -125,6 +125,22 @@ def _shot(c: float, **values: float) -> Fact:
     )
 
 
+def _young(zeta: float, angle: float, x_dot: float) -> Fact:
+    def until(p: Exact) -> dict[str, Real]:
+        now = slip(p, p.z_start, p.x_dot_start, until=MP.mpf(angle / 32.0))
+        return {"x": now.x, "x_dot": now.x_dot, "z": now.z, "mode": 1}
+
+    return Fact(
+        f"a slip has all its digits from its beginning: {x_dot} m/s, {zeta}, w t = {angle:g}",
+        {**BINARY, "c": 64.0 * zeta, "v": 0.0, "z_start": 8.0 / 1024.0, "x_dot_start": x_dot},
+        [angle / 32.0],
+        until,
+        factor=30.0,
+        why="closed forms take over from power series; not promised by an integration",
+        sides=EXACT,
+    )
+
+
 def _rest(beyond: float, mode: int, F_ext: float = 0.0, sign: float = 1.0) -> Fact:
     force = 4.0 - F_ext + beyond * ULP * (4.0 + abs(F_ext) + abs(4.0 - F_ext))
     values = {**BINARY, "v": 0.0, "z_start": sign * force / 1024.0, "F_ext": sign * F_ext}
@@ -232,6 +248,11 @@ SLIPS = [
         why="nineteen slips of twenty times the last",
     ),
     *(_shot(c) for c in (1e6, 5e7)),
+    *(
+        _young(zeta, angle, x_dot)
+        for zeta in (0.0, 1e-6, 0.5, 1.0 - 1e-7, 1.0, 1.0 + 1e-9, 1.0 + 1e-3, 100.0)
+        for angle, x_dot in ((1e-9, 0.0), (2e-4, 0.0), (0.2, 0.0), (0.2, 0.25), (2.5, 0.0))
+    ),
     Fact(
         "the account of a long creep closes",
         {"c": 150.0, **LOOSE, "v": 0.0, "x_dot_start": 1.3, "z_start": 0.1},
