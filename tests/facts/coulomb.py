@@ -65,9 +65,12 @@ CYCLES = [
     _cycle("default", {}),
     _cycle("backward", {"v": -0.02}),
     _cycle("load and push", {"load": 1.7, "F_ext": 0.3, "v": 0.005}),
-    *(_cycle(f"lambda = {L:g}", of_lambda(L)) for L in (1e-7, 1e-3, 0.1, 1e3, 1e6)),
+    *(
+        _cycle(f"lambda = {L:g}", of_lambda(L))
+        for L in (1e-7, 1e-3, 1e-2, 0.1, 1.0, 10.0, 1e3, 1e6)
+    ),
     _cycle("a gap of 1e-6 of mu_s", of_lambda(0.3, mu_k=0.5 * (1.0 - 1e-6))),
-    _cycle("no kinetic friction", {"mu_k": 0.0}),
+    *(_cycle(f"no kinetic friction, {L:g}", of_lambda(L, mu_k=0.0)) for L in (1e-3, 0.3, 30.0)),
     *(_at_second_cycle(zeta, 10.0) for zeta in (1e-3, 0.1, 0.5, 0.9)),
     *(_at_second_cycle(zeta, 1e-6) for zeta in (1e-3, 0.1, 0.9)),
     *(
