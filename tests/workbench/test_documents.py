@@ -1,6 +1,5 @@
 """How-tos: their commands run as they stand and print what the page quotes."""
 
-import math
 import re
 import shlex
 import tomllib
@@ -130,14 +129,6 @@ def test_the_axes_of_the_examples_are_judged(name: str, found: str) -> None:
     verdict = design(read_axis_file(ROOT / "examples" / "axes" / f"{name}.toml"))
     assert standing(verdict).word == found
     assert (verdict.hunting is None) == (found == "clean")
-
-
-def test_the_lined_guideway_is_a_table_behind_screw_nut_bearings_and_brackets() -> None:
-    axis = read_axis_file(ROOT / "examples" / "axes" / "lined_guide.toml").axis()
-    assert 80.0 < math.sqrt(axis.k / axis.m) / (2.0 * math.pi) < 120.0
-    in_series = 1.0 / (1.0 / 839e6 + 1.0 / 800e6 + 1.0 / 1500e6 + 1.0 / 500e6)
-    assert axis.k == pytest.approx(in_series, abs=0.5e6)
-    assert f"jumps up to {critical_feed(axis) * 1e3:.3g} mm/s" in PAGES["design"]
 
 
 def test_the_numbers_of_a_friction_curve_are_those_of_the_block(tmp_path: Path) -> None:
