@@ -10,7 +10,6 @@ import json
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -107,7 +106,7 @@ def run_all() -> dict[str, Counts]:
     return together
 
 
-def main(say: Callable[[str], None] = print) -> int:
+def main() -> int:
     """Run everything and print the table; return 1 where too little is run."""
     together = run_all()
     total, lacking = Counter[str](), []
@@ -115,7 +114,7 @@ def main(say: Callable[[str], None] = print) -> int:
     for file in sorted(each for each in files if each.parent.name != "face"):
         counts, code = together[file.name], file.read_text().splitlines()
         parts = {"lines": counts.lines.values(), "branches": counts.branches.values()}
-        say(f"{file.parent.name}/{file.name}: " + ", ".join(
+        print(f"{file.parent.name}/{file.name}: " + ", ".join(
             f"{sum(map(bool, part))} of {len(part)} {what}" for what, part in parts.items()
         ))  # fmt: skip
         for what, part in parts.items():
@@ -124,10 +123,10 @@ def main(say: Callable[[str], None] = print) -> int:
         missed = {line for line, times in counts.lines.items() if not times}
         missed |= {line for (line, _), times in counts.branches.items() if not times}
         lacking += [f"{file.name}:{line}: {code[line - 1].strip()}" for line in sorted(missed)]
-    say("\n  ".join(["\nNot run whole, of block and friction law:", *lacking]))
+    print("\n  ".join(["\nNot run whole, of block and friction law:", *lacking]))
     percents = {what: 100.0 * total[f"{what} run"] / total[what] for what in ("lines", "branches")}
     for what, percent in percents.items():
-        say(f"{percent:.1f} % of {total[what]} {what}")
+        print(f"{percent:.1f} % of {total[what]} {what}")
     return 0 if min(percents.values()) >= LEAST else 1
 
 

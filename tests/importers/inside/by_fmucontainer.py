@@ -26,8 +26,7 @@ class Fmucontainer(Fmpy):
     threads = False
 
     def made(self) -> str:
-        inside = PAIR if self.blocks == PAIR else PAIR[:1]
-        return self.nest(self.fmu, inside, self.threads)
+        return self.nest(self.fmu, PAIR if self.blocks == PAIR else PAIR[:1], self.threads)
 
     def of_blocks(self, instantiate: Any) -> dict[str, Any]:
         if self.blocks == PAIR:
