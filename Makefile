@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify native native-platforms dist faults test soak coverage lint prove bench docs docs-check check-generated check-study check-suite clean
+.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint prove bench docs docs-check check-generated check-study check-suite clean
 
 # Both FMUs: StickSlip.fmu under Coulomb's friction law, StickSlipStribeck.fmu under friction that
 # depends on the speed.
@@ -51,6 +51,12 @@ RUN ?=
 PYTEST := -m pytest --numprocesses logical --dist worksteal --durations 20
 test: $(VENV)/ready-to-test
 	@$(BIN)/python $(RUN) $(PYTEST) $(TESTS); code=$$?; echo "CPU time, user and system:"; times; exit $$code
+
+# The tests of the gate that need more than pip brings, as on a machine that has none of it, and as
+# on one that has it by half.
+test-bare: $(VENV)/ready-to-test
+	$(BIN)/python -m tests.bare none
+	$(BIN)/python -m tests.bare half
 
 # Everything at full size, an hour or two; it prints the time of each part.
 soak: $(VENV)/ready-to-test

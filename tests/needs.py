@@ -3,7 +3,7 @@
 A test says what it needs with ``@needs("ecospy", "cc")``; a parametrized one takes its values from
 `each`. Where one of them cannot be used the test is skipped, and where the environment variable
 ``CI`` is set it fails. The reason says what is missing, what was not tried, and the line that
-installs it. ``pytest -m needs`` selects the tests that ask.
+installs it. ``pytest -m needs`` selects the tests that ask, `tests.bare` runs them without all.
 """
 
 import fcntl
@@ -23,6 +23,10 @@ from stickslip.errors import CommandError
 from stickslip.host.launch import prepare
 
 ROOT = Path(__file__).parents[1]
+HIDDEN_LIBPYTHON = "STICKSLIP_TESTS_WITHOUT_LIBPYTHON"
+"""The environment variable with which the shared libpython counts as missing: an interpreter that
+is linked to it cannot run where it is hidden."""
+
 TSC = ("npx", "--yes", "--package", "typescript@6.0.3", "--", "tsc")
 """The command of TypeScript's compiler: its version is said here alone, npm gets and keeps it."""
 
@@ -140,6 +144,8 @@ def _python(extra: str, program: str, packages: str = "") -> None:
 def _libpython() -> None:
     package = "libpython{}.{}".format(*sys.version_info)
     try:
+        if os.environ.get(HIDDEN_LIBPYTHON):
+            raise CommandError(f"{HIDDEN_LIBPYTHON} is set")
         prepare([], None, os.environ)
     except CommandError as error:
         raise LackingError(str(error), f"apt-get install {package}") from None

@@ -18,6 +18,8 @@ part() {
 
 # All tests, with growth of the memory, fuzz and the page's settings in full, and the lines they run.
 part make coverage TESTS="tests --soak"
+# `make test` as on a machine that lacks much.
+part "$bin/python" -m tests.bare none tests
 # The random sets of the specification, every planted fault on every check, all tables and pictures.
 part make prove
 part "$bin/stickslip" verify --mutants
