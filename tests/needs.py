@@ -13,10 +13,9 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
-from textwrap import indent
+from typing import NamedTuple
 
 import pytest
 
@@ -47,12 +46,6 @@ WINE = "/usr/lib/wine/wine64"
 _LIMIT = 120.0
 """Seconds after which a trial counts as hung; the longest takes two."""
 
-_TRIAL = """\
-try:
-{program}
-except Exception as error:
-    raise SystemExit(f"{{type(error).__name__}}: {{error}}".splitlines()[0])
-"""
 # Its library is loaded when it is first used.
 _START_LIBCOSIM = """\
 from libcosimpy.CosimExecution import CosimExecution
@@ -85,17 +78,8 @@ class LackingError(Exception):
         super().__init__(f"{cause}. To install: {install}")
 
 
-@dataclass(frozen=True)
-class Need:
-    """Something that a machine may lack.
-
-    Attributes
-    ----------
-    untried
-        What is not tried without it.
-    trial
-        Uses it; raises `LackingError` where that fails.
-    """
+class Need(NamedTuple):
+    """What is not tried without it, and a trial, which raises `LackingError` where it fails."""
 
     untried: str
     trial: Callable[[], object]
@@ -135,23 +119,26 @@ def lacking(name: str) -> str | None:
     return None
 
 
-def _python(program: str, extra: str, packages: str | None = None) -> None:
+def _run(install: str, *command: str, said: str = "", line: int = 0) -> None:
+    """Run a command to exit code 0; of what it says else one line is the cause."""
+    if shutil.which(command[0]) is None:
+        raise LackingError(f"there is no program {command[0]}", install)
+    done = subprocess.run(
+        command, input=said, cwd=ROOT, capture_output=True, text=True, timeout=_LIMIT, check=False
+    )
+    if done.returncode != 0:
+        cause = done.stderr.strip() or f"exit code {done.returncode}"
+        raise LackingError(f"{Path(command[0]).name}: {cause.splitlines()[line]}", install)
+
+
+def _python(extra: str, program: str, packages: str = "") -> None:
     """Run a program in a process of its own, so that what it loads stays out of this one.
 
     What is not there of Python comes with an extra of the project, what is not there of the
     system with packages of Debian.
     """
-    done = _run([sys.executable, "-c", _TRIAL.format(program=indent(program, "    "))])
-    if done.returncode != 0:
-        said = done.stderr.strip().splitlines()
-        cause = said[-1] if said else f"{program.strip()}: exit code {done.returncode}"
-        lacks_python = packages is None or cause.startswith(("ModuleNotFound", "ImportError"))
-        of_debian = f"apt-get install {packages}"
-        raise LackingError(cause, f"pip install '.[{extra}]'" if lacks_python else of_debian)
-
-
-def _ecospy() -> None:
-    _python("import ecospy", "importers", "libtbb12")
+    of_debian = f" and apt-get install {packages}" if packages else ""
+    _run(f"pip install '.[{extra}]'{of_debian}", sys.executable, "-c", program, line=-1)
 
 
 def _libpython() -> None:
@@ -169,69 +156,18 @@ def _proxyfmu() -> None:
     _libpython()
 
 
-def _compiler(
-    program: str = "cc",
-    options: tuple[str, ...] = (),
-    install: str = "apt-get install gcc libc6-dev",
-    host: str = _HOST_IN_C,
-) -> None:
-    if shutil.which(program) is None:
-        raise LackingError(f"there is no program {program}", install)
+def _compiler(install: str, host: str, program: str, *options: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        command = [program, *options, "-x", "c", "-o", f"{folder}/a", "-", "-ldl"]
-        done = _run(command, host)
-    if done.returncode != 0:
-        said = done.stderr.strip() or f"exit code {done.returncode}"
-        raise LackingError(f"{program}: {said.splitlines()[0]}", install)
-
-
-def _zig() -> None:
-    done = _run([sys.executable, "-m", "ziglang", "version"])
-    if done.returncode != 0:
-        cause = f"the package ziglang: {done.stderr.strip().splitlines()[-1]}"
-        raise LackingError(cause, "pip install '.[native]'")
-
-
-def _starts(packages: str, *command: str) -> None:
-    """Start a program of packages of Debian."""
-    cause = f"there is no program {command[0]}"
-    if shutil.which(command[0]) is not None:
-        done = _run(list(command))
-        if done.returncode == 0:
-            return
-        said = done.stderr.strip() or f"exit code {done.returncode}"
-        cause = f"{command[0]}: {said.splitlines()[0]}"
-    raise LackingError(cause, f"apt-get install {packages}")
-
-
-_qemu = partial(
-    _starts,
-    "qemu-user libc6-arm64-cross",
-    "qemu-aarch64",
-    "-L",
-    ARM_LIBRARIES,
-    # The loader of programs for ARM64, a program itself.
-    f"{ARM_LIBRARIES}/lib/ld-linux-aarch64.so.1",
-    "--version",
-)
-_wine = partial(_starts, "wine64", WINE, "--version")
+        command = (program, *options, "-x", "c", "-o", f"{folder}/a", "-", "-ldl")
+        _run(install, *command, said=host)
 
 
 def _by_npm(*command: str) -> None:
     """Run a command of a package that npm gets."""
-    install = "apt-get install nodejs npm"
-    if lost := [name for name in ("node", "npx") if shutil.which(name) is None]:
-        raise LackingError(f"there is no program {' and no '.join(lost)}", install)
     # Two processes that fetch it at once would disturb each other.
     with Path(__file__).open(encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        done = _run(list(command))
-    if done.returncode != 0:
-        said = done.stderr.strip() or f"exit code {done.returncode}"
-        raise LackingError(f"npx: {said.splitlines()[-1]}", install)
-
-
-_typescript = partial(_by_npm, *TSC, "--version")
+        _run("apt-get install nodejs npm", *command, line=-1)
 
 
 def firefox() -> str:
@@ -252,53 +188,54 @@ def _firefox() -> None:
     _by_npm(*PUPPETEER, str(SMOKE), firefox())
 
 
-def _run(command: list[str], said: str = "") -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        command, input=said, cwd=ROOT, capture_output=True, text=True, timeout=_LIMIT, check=False
-    )
-
-
-_toolbox = partial(_python, "import fmu_manipulation_toolbox", "importers")
+_ecospy = partial(_python, "importers", "import ecospy", "libtbb12")
+_toolbox = partial(_python, "importers", "import fmu_manipulation_toolbox")
+_GCC = "apt-get install gcc libc6-dev"
+_CLANG = "apt-get install clang libclang-rt-14-dev"
+_WINE64 = "apt-get install wine64"
+_ARM = "apt-get install qemu-user libc6-arm64-cross"
+_ARM_LOADER = f"{ARM_LIBRARIES}/lib/ld-linux-aarch64.so.1"
 
 NEEDS = {
     "libcosimpy": Need(
-        "the FMU in libcosim", partial(_python, _START_LIBCOSIM, "importers", "libatomic1")
+        "the FMU in libcosim", partial(_python, "importers", _START_LIBCOSIM, "libatomic1")
     ),
     "ecospy": Need("the FMU in Ecos", _ecospy),
     "proxyfmu": Need("the FMU in proxyfmu", _proxyfmu),
     "fmucontainer": Need("the FMU in fmucontainer", _toolbox),
     "fmutool": Need("the FMU by fmutool -check", _toolbox),
-    "cc": Need("the FMU in a host written in C, an FMU written in C", _compiler),
-    "zig": Need("the native FMU for all platforms", _zig),
-    "qemu": Need("the native FMU on Linux ARM64", _qemu),
-    "wine": Need("the native FMU on Windows", _wine),
+    "cc": Need(
+        "the FMU in a host written in C, an FMU written in C",
+        partial(_compiler, _GCC, _HOST_IN_C, "cc"),
+    ),
+    "zig": Need("the native FMU for all platforms", partial(_python, "native", "import ziglang")),
+    "qemu": Need(
+        "the native FMU on Linux ARM64",
+        # The loader of programs for ARM64, a program itself.
+        partial(_run, _ARM, "qemu-aarch64", "-L", ARM_LIBRARIES, _ARM_LOADER, "--version"),
+    ),
+    "wine": Need("the native FMU on Windows", partial(_run, _WINE64, WINE, "--version")),
     # Its libraries are loaded before Python, so a clang that links them statically is of no use.
     "sanitizers": Need(
         "the native FMU under sanitizers",
-        partial(_compiler, "gcc", ("-fsanitize=address,undefined",)),
+        partial(_compiler, _GCC, _HOST_IN_C, "gcc", "-fsanitize=address,undefined"),
     ),
     "libfuzzer": Need(
         "random bytes as states of the native FMU",
-        partial(
-            _compiler,
-            "clang",
-            ("-fsanitize=fuzzer",),
-            "apt-get install clang libclang-rt-14-dev",
-            _FUZZED_IN_C,
-        ),
+        partial(_compiler, _CLANG, _FUZZED_IN_C, "clang", "-fsanitize=fuzzer"),
     ),
     "libpython": Need("the FMU in a program that is not Python", _libpython),
-    "typescript": Need("the types of the page's script", _typescript),
+    "typescript": Need("the types of the page's script", partial(_by_npm, *TSC, "--version")),
     "browser": Need(
         "the page",
-        partial(_python, _START_A_BROWSER, "page", "chromium fonts-dejavu-core fonts-dejavu-extra"),
+        partial(_python, "page", _START_A_BROWSER, "chromium fonts-dejavu-core fonts-dejavu-extra"),
     ),
     "firefox": Need("the page in Firefox", _firefox),
     "studies": Need(
         "files of maps, scatter and sweeps",
-        partial(_python, "import fsspec, pandas, pyarrow, xarray, zarr", "studies"),
+        partial(_python, "studies", "import fsspec, pandas, pyarrow, xarray, zarr"),
     ),
-    "cluster": Need("studies on a dask cluster", partial(_python, "import distributed", "cluster")),
+    "cluster": Need("studies on a dask cluster", partial(_python, "cluster", "import distributed")),
 }
 """Needs by name; importers have the names of `tests.importers.running.IMPORTERS`."""
 

@@ -5,10 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.linalg
+from numpy.typing import NDArray
 from scipy import signal
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from stickslip_design.axis import Axis, Filter, Friction, low_pass, notch
 from stickslip_design.critical import rigid_critical_feed
+from stickslip_design.loop import system as matrices
 from stickslip_design.loop.hunting import hunting
 from stickslip_design.loop.jumps import jump_at, limit_of_jumps
 from stickslip_design.loop.motion import Motion, Point, walk
@@ -172,3 +176,22 @@ def test_about_a_target_backward_is_the_mirror_of_forward(lag: float) -> None:
         # The motor comes to rest, too.
         assert {each.mode.motor for each in turns} == {-1, 0, 1}
     assert walks[1] == pytest.approx(np.array(walks[0]), abs=1e-9)  # events located to rounding
+
+
+def threads() -> set[int]:
+    return {each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"}
+
+
+def test_small_matrices_of_a_loop_take_one_thread_and_the_callers_number_comes_back(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seen: set[int] = set()
+
+    def noting(matrix: NDArray[np.float64]) -> object:
+        seen.update(threads())
+        return scipy.linalg.expm(matrix)
+
+    monkeypatch.setattr(matrices, "expm", noting)
+    with threadpool_limits(limits=2, user_api="blas"):
+        swing(SERVO)
+        assert (seen, threads()) == ({1}, {2})

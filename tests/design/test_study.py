@@ -10,9 +10,8 @@ from stickslip_design.critical import critical_feed, jumps_of
 from stickslip_design.levers import BELOW, cured, levers
 from stickslip_design.study import design
 from stickslip_design.verdict import Verdict
-from stickslip_fmu.block import Block
-from stickslip_fmu.spec import SPEC
 from tests.design.axes import RIGID, SERVO, driven
+from tests.fmu.blocks import make_block
 
 FILE = (
     example()
@@ -48,8 +47,7 @@ def sticks(axis: Axis, feed: float) -> bool:
     values = {"m": axis.m, "k": axis.k, "c": axis.c, "v": feed} | {
         "mu_s": axis.friction.mu_s, "mu_k": axis.friction.mu_k, "g": axis.g
     }  # fmt: skip
-    block = SPEC.model(SPEC.values({**SPEC.table.start_values(), **values}))
-    assert isinstance(block, Block)
+    block = make_block(**values)
     load_up = axis.F_s / (axis.k * feed)
     block.advance(0.0, 3.0 * load_up + 40.0 * math.sqrt(axis.m / axis.k))
     return block.meter.n_slips > 1

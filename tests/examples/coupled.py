@@ -16,19 +16,13 @@ from examples.feed_axis.servo_drive.model import ServoDrive
 from examples.feed_axis.servo_drive.table import Settings
 from stickslip_design.loop.stability import is_stable
 from stickslip_fmu.block import Block
-from stickslip_fmu.spec import SPEC, TABLE
+from tests.fmu.blocks import make_block
 
 EXACT: dict[str, Any] = {"resolution_motor": 0.0, "resolution_table": 0.0}
 """Without encoder counts, whose rounding would hide how errors shrink."""
 NOTCH = {"notch": 200.0, "notch_damping": 0.4, "notch_depth": 0.1}
 LOW_PASS = {"low_pass": 500.0, "low_pass_damping": 0.7}
 FILTERED: dict[str, Any] = {**NOTCH, **LOW_PASS, "lag": 3e-4, "dead_time": 4e-4}
-
-
-def make_block(**values: float) -> Block:
-    block = SPEC.model(SPEC.values({**TABLE.start_values(), **values}))
-    assert isinstance(block, Block)
-    return block
 
 
 def servo(values: Mapping[str, float]) -> ServoDrive:

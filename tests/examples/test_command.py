@@ -47,34 +47,6 @@ def test_a_run_writes_the_ssp_file_samples_and_a_picture(
     assert 0.0 < rows["x_motor"][-1] - rows["x"][-1] < 1.01 * 981.0 / 4e7
 
 
-@pytest.mark.parametrize(
-    ("words", "reason"),
-    [
-        ("run --feed 5N", "expected a velocity in m/s"),
-        ("run -o {file}", "{file}: File exists"),
-        ("study --document {folder}/missing.md", "{folder}/missing.md: No such file or directory"),
-        ("run -o {folder} --k 1e12", "T_s = 0.00025 s is out of range: it must be at most 2.4"),
-        ("run -o {folder} --kv 0", "--kv and --omega-v must be above 0"),
-        ("run -o {folder} --feed 0", "--feed must not be 0"),
-        ("run -o {folder} --step 1", "--step = 1 s is out of range"),
-    ],
-)
-def test_what_cannot_be_done_is_one_line(
-    words: str,
-    reason: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    names = {"file": str(tmp_path / "file"), "folder": str(tmp_path)}
-    (tmp_path / "file").touch()
-    assert feed_axis(monkeypatch, *words.format(**names).split()) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    (line,) = said.err.splitlines()
-    assert reason.format(**names) in line
-
-
 @pytest.fixture(scope="module")
 def axis_file(fmus: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return ssp.write_ssp(tmp_path_factory.mktemp("ssp") / "FeedAxis.ssp", Axis(), fmus)

@@ -65,9 +65,12 @@ CYCLES = [
     _cycle("default", {}),
     _cycle("backward", {"v": -0.02}),
     _cycle("load and push", {"load": 1.7, "F_ext": 0.3, "v": 0.005}),
-    *(_cycle(f"lambda = {L:g}", of_lambda(L)) for L in (1e-7, 1e-3, 0.1, 1e3, 1e6)),
+    *(
+        _cycle(f"lambda = {L:g}", of_lambda(L))
+        for L in (1e-7, 1e-3, 1e-2, 0.1, 1.0, 10.0, 1e3, 1e6)
+    ),
     _cycle("a gap of 1e-6 of mu_s", of_lambda(0.3, mu_k=0.5 * (1.0 - 1e-6))),
-    _cycle("no kinetic friction", {"mu_k": 0.0}),
+    *(_cycle(f"no kinetic friction, {L:g}", of_lambda(L, mu_k=0.0)) for L in (1e-3, 0.3, 30.0)),
     *(_at_second_cycle(zeta, 10.0) for zeta in (1e-3, 0.1, 0.5, 0.9)),
     *(_at_second_cycle(zeta, 1e-6) for zeta in (1e-3, 0.1, 0.9)),
     *(
@@ -121,6 +124,22 @@ def _shot(c: float, **values: float) -> Fact:
         lambda p: {"n_slips": 1, "t_slip": _then(p, p.z_start, 1)["t_slip"]},
         factor=1e3,
         why="the time is a logarithm of what the speeds leave of 1e-9; beyond an integration",
+        sides=EXACT,
+    )
+
+
+def _young(zeta: float, angle: float, x_dot: float) -> Fact:
+    def until(p: Exact) -> dict[str, Real]:
+        now = slip(p, p.z_start, p.x_dot_start, until=MP.mpf(angle / 32.0))
+        return {"x": now.x, "x_dot": now.x_dot, "z": now.z, "mode": 1}
+
+    return Fact(
+        f"a slip has all its digits from its beginning: {x_dot} m/s, {zeta}, w t = {angle:g}",
+        {**BINARY, "c": 64.0 * zeta, "v": 0.0, "z_start": 8.0 / 1024.0, "x_dot_start": x_dot},
+        [angle / 32.0],
+        until,
+        factor=30.0,
+        why="closed forms take over from power series; not promised by an integration",
         sides=EXACT,
     )
 
@@ -232,6 +251,11 @@ SLIPS = [
         why="nineteen slips of twenty times the last",
     ),
     *(_shot(c) for c in (1e6, 5e7)),
+    *(
+        _young(zeta, angle, x_dot)
+        for zeta in (0.0, 1e-6, 0.5, 1.0 - 1e-7, 1.0, 1.0 + 1e-9, 1.0 + 1e-3, 100.0)
+        for angle, x_dot in ((1e-9, 0.0), (2e-4, 0.0), (0.2, 0.0), (0.2, 0.25), (2.5, 0.0))
+    ),
     Fact(
         "the account of a long creep closes",
         {"c": 150.0, **LOOSE, "v": 0.0, "x_dot_start": 1.3, "z_start": 0.1},

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -14,7 +13,7 @@ import pytest
 from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
 from stickslip_verification.truth import friction_law
 from tests.facts.sides import BLOCK, QUICK, REFERENCE, TRUTH, Row, Setting, Side, each_side
-from tests.fmu.blocks import Draw, Segment, block_of, draw, draw_ageing, outputs, spec_named
+from tests.fmu.blocks import Draw, Segment, draw, draw_ageing
 from tests.laws.stribeck import curve, draw_curve, draw_smooth
 
 pytestmark = pytest.mark.filterwarnings("ignore::stickslip_ref.FrictionClampWarning")
@@ -215,22 +214,3 @@ def test_a_change_in_slip_gives_the_slip_that_begins_so(
     for output in ("x", "x_dot", "z", "F_friction"):
         # What 50 steps of an integration leave, or some hundred roundings.
         assert changed[output] == pytest.approx(expected[output], rel=1e-11), output
-
-
-@pytest.mark.parametrize("name", [name for name in CASES if name.startswith("block")])
-def test_a_state_through_json_or_frozen_repeats_every_output(name: str) -> None:
-    case = CASES[name]
-    spec = spec_named(case.law)
-    for _, setting in case.settings("state"):
-        block = block_of(spec, setting.values)
-        for segment in setting.segments:
-            for changed, value in segment.changes.items():
-                block.set(changed, value)
-            other, third = block_of(spec, {}), block_of(spec, {})
-            saved = json.loads(json.dumps(block.save()))
-            assert saved == block.save()
-            other.restore(saved)
-            third.thaw(block.freeze())
-            for each in (block, other, third):
-                each.advance(1.0, segment.length)
-            assert outputs(block) == outputs(other) == outputs(third)

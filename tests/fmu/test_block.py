@@ -7,9 +7,7 @@ import random
 
 import pytest
 
-from fmukit.model import ModelError
-
-from .blocks import Segment, drive, log_uniform, make_block, outputs
+from .blocks import log_uniform, make_block, outputs
 
 W = math.sqrt(1000.0)
 
@@ -65,18 +63,3 @@ def test_a_slip_stopped_at_its_last_bit_does_not_jump() -> None:
         after = outputs(block)
         assert after["x"] == pytest.approx(before["x"], abs=1e-8 * v)
         assert after["z"] == pytest.approx(before["z"], abs=1e-8 * v)
-
-
-@pytest.mark.parametrize(
-    "values",
-    [{"m": 1.7e308}, {"B": 1e307, "age_start": 1e300}, {"v": 1e200}, {"mu_s": 1.7e308}],
-    ids=str,
-)
-def test_what_leaves_the_range_of_numbers_is_refused(values: dict[str, float]) -> None:
-    with pytest.raises(ModelError, match="range of double-precision"):
-        drive(values, [Segment(1.0)])
-
-
-def test_a_step_of_more_transitions_than_end_is_refused() -> None:
-    with pytest.raises(ModelError, match=r"step size h = 1e\+300 s is out of range"):
-        make_block().advance(0.0, 1e300)

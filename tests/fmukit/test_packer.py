@@ -1,7 +1,6 @@
 """The FMU file: complete, reproducible, described by the table."""
 
 import zipfile
-from dataclasses import fields
 from pathlib import Path
 from typing import Literal
 
@@ -9,8 +8,6 @@ import fmpy
 import pytest
 
 from stickslip_fmu import packer
-from stickslip_fmu.spec import TABLE
-from stickslip_ref import COULOMB, Parameters
 from tests.conftest import built
 
 
@@ -32,12 +29,6 @@ def test_the_date_is_that_of_the_release_or_of_source_date_epoch(
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "yesterday")
     with pytest.raises(ValueError, match="SOURCE_DATE_EPOCH = 'yesterday'"):
         packer.build(tmp_path)
-
-
-def test_start_values_are_the_defaults_of_the_reference() -> None:
-    own = {name: parameter.start for name, parameter in COULOMB.parameters.items()}
-    shared = {each.name: each.default for each in fields(Parameters) if each.init}
-    assert {**shared, **own} == TABLE.start_values()
 
 
 def test_a_process_that_runs_the_fmu_can_build_it_again(fmu_path: Path, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import pytest
 
 from fmukit.packer import build_fmu
-from tests.contributing import blocks
+from tests.contributing import blocks, walk
 from tests.driver import Host, play
 from tests.fmu.acts import printed_log
 from tests.fmu.conformity import CHECKERS, by_fmpy, by_schema, description_of
@@ -81,6 +81,14 @@ def test_values_that_do_not_go_together_are_refused_in_the_models_own_words(
     (found,) = host.call(play, pendulums[face], [["start", {"l": 1.0, "d": 4.0}]])
     assert "d = 4.0 1/s is out of range: below sqrt(g/l)" in found["messages"][-1]
     assert "Pendulum: d = 4.0 1/s is out of range: below sqrt(g/l)" in host.errors()
+
+
+@pytest.mark.gate
+def test_it_is_packed_checked_and_played_by_the_lines_of_contributing(tmp_path: Path) -> None:
+    (tmp_path / "pendulum.py").write_text(PENDULUM, encoding="utf-8")
+    (commands,) = blocks("A model of your own", "bash")
+    assert "No problems found" in walk(commands, tmp_path)
+    assert len((tmp_path / "swing.csv").read_text("utf-8").splitlines()) == 1002
 
 
 TOLD = "swings are 20 % slower than rated, 100 %s of them"

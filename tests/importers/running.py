@@ -16,7 +16,7 @@ from tests.importers.inside import act
 INSIDE = Path(__file__).with_name("inside")
 IMPORTERS = tuple(sorted(file.stem.removeprefix("by_") for file in INSIDE.glob("by_*.py")))
 """Importers by name: each has a module `by_NAME.py` in `inside/`."""
-PAIRING = ("libcosimpy", "ecospy", "proxyfmu", "fmucontainer", "fmpy_container")
+PAIRING = ("libcosimpy", "ecospy", "proxyfmu", "fmucontainer")
 """Those that can connect two blocks."""
 NOT_PYTHON = ("proxyfmu",)
 """Those in which the FMU runs in a process that is not Python."""

@@ -8,7 +8,6 @@ import pytest
 
 from tests.conftest import built
 from tests.driver import DiedError, Host
-from tests.importers import kinds
 from tests.importers.running import IMPORTERS, NOT_PYTHON, ask, preload
 from tests.needs import each
 
@@ -16,7 +15,6 @@ ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.gate
 DOCUMENT = (ROOT / "docs" / "importing.md").read_text(encoding="utf-8")
 COLUMNS = {
-    **{kind: kind for kind in kinds.VALUES},
     "inputs in the run": "inputs",
     "parameters in the run": "parameters",
     "several blocks": "several",
@@ -50,17 +48,9 @@ def asked(importer: str, *question: Any, process: Host | None = None) -> tuple[A
         return "crash" if died.code and died.code < 0 else str(died), died.errors
 
 
-@pytest.fixture(scope="module")
-def echoes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, object]]:
-    folder = tmp_path_factory.mktemp("echoes")
-    return {kind: (kinds.build(kind, folder), value) for kind, (_, value) in kinds.VALUES.items()}
-
-
 @pytest.mark.parametrize("importer", each(IMPORTERS))
-def test_an_importer_can_do_what_the_table_says(
-    echoes: dict[str, tuple[Path, object]], importer: str
-) -> None:
-    found, _ = ask(importer, "tried", built("python-2"), echoes)
+def test_an_importer_can_do_what_the_table_says(importer: str) -> None:
+    found, _ = ask(importer, "tried", built("python-2"))
     seen = {column: "yes" if found[probe] else "no" for column, probe in COLUMNS.items()}
     others = {"any folder", "messages", "a refused start value"}
     assert seen == {

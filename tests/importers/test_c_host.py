@@ -2,7 +2,6 @@
 
 import signal
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -91,25 +90,3 @@ def test_the_host_is_clean_in_memory(tmp_path: Path) -> None:
     done = checked(f"{BEGIN}step 0 1\nsave\nget x mode\nrestore\n{again}")
     assert done.returncode == 0, done.stderr[-3000:]
     assert "Sanitizer" not in done.stderr
-
-
-@pytest.mark.parametrize(
-    ("script", "words"),
-    [
-        ("get nonsense", "nonsense is no variable of this FMU"),
-        ("setup 0\nset v fast", "fast is no number"),
-        ("set v", "wrong number of words"),
-        ("step 0 1", "doStep is not allowed here"),
-        (f"{BEGIN}set k -1", "k = -1.0 N/m is out of range"),
-    ],
-)
-def test_a_failure_that_is_not_met_ends_the_run_with_its_line(
-    simulator: Host, script: str, words: str
-) -> None:
-    done = simulator(f"{script}\nget x\n")
-    assert (done.returncode, done.stdout) == (1, "")
-    assert words in done.stderr
-    assert f"host: line {len(script.splitlines())}: " in done.stderr
-    nothing = replace(simulator, fmu=simulator.fmu / "none")(BEGIN)
-    assert nothing.returncode == 2
-    assert str(nothing.args[1]) in nothing.stderr

@@ -118,10 +118,10 @@ class Motion:
 
     z is the spring's extension, w and u the speeds of nut and table, x the table, F the motor's
     force behind its lag, then the forces under way (dead time) and the memory of the filters. On a
-    rigid drive the force is the acceleration of the nut. Steps can be `finer` by a factor.
+    rigid drive the force is the acceleration of the nut.
     """
 
-    def __init__(self, axis: Tables, feed: str | float, start: Start, finer: float = 1.0) -> None:
+    def __init__(self, axis: Tables, feed: str | float, start: Start) -> None:
         table, drive = axis["axis"], axis.get("drive", {"kind": "rigid"})
         ratio = 2.0 * math.pi / quantity(drive.get("pitch", 1.0))
         self.m, stiffness = quantity(table["mass"]), table["stiffness"]
@@ -141,7 +141,7 @@ class Motion:
         if not self.rigid:
             self._drive(drive, ratio)
             late = quantity(drive.get("dead_time", 0.0)) / self.T_s
-        h = self._longest(N) / finer
+        h = self._longest(N)
         if self.rigid:
             self.T_s = 8.0 * h
         # Within a sample the force of an earlier one acts first: two lengths of steps.
@@ -379,14 +379,14 @@ def carries(axis: Tables) -> float:
     return low
 
 
-def seen(axis: Tables, feed: str | float, start: Start, finer: float = 1.0) -> Seen:
+def seen(axis: Tables, feed: str | float, start: Start) -> Seen:
     """Return what a start settles to: looks, each two as long as all before, until three agree."""
-    motion = Motion(axis, feed, start, finer)
+    motion = Motion(axis, feed, start)
     ramp = max(motion.v / motion.acceleration - motion.t, 0.0)
     done = math.ceil((ramp + motion.slow) / motion.T_s)
     motion.advance(done)
     looks: list[Seen] = []
-    while len(looks) < 3 or done * sum(n for n, _ in motion.parts) < MOST * finer:
+    while len(looks) < 3 or done * sum(n for n, _ in motion.parts) < MOST:
         half = done // 2 + 1
         looks = [*looks[-1:], motion.look(half), motion.look(half)]
         last, done = looks[-1], done + 2 * half

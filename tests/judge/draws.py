@@ -11,7 +11,6 @@ from random import Random
 from tests.fmu.blocks import log_uniform
 from tests.judge.axes import Tables, carries, quantity, radius
 
-AXES = 300
 LAWS = ("coulomb", "curve", "formula", "curve", "dwell")
 """Curves twice: they alone have plateaus and rises."""
 SLOWEST = 1e-4

@@ -1,13 +1,15 @@
 """What is said of random axes is what their motion, followed without events, leads to."""
 
+import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from stickslip_design.axis import read_axis_file
+from stickslip_design.axis import read_axis, read_axis_file
 from stickslip_design.critical import regime_of
 from stickslip_design.loop.stability import is_stable
-from tests.judge.axes import Seen, Start, quantity, seen
+from tests.judge.axes import Motion, Seen, Start, quantity, seen, steep
 from tests.judge.draws import axis, write
 
 STARTS: tuple[Start, ...] = ("rest", "jumps", "near")
@@ -61,3 +63,35 @@ def test_a_sample_of_random_axes_does_what_is_said(number: int, tmp_path: Path) 
 @pytest.mark.parametrize("number", range(300))
 def test_random_axes_do_what_is_said(number: int, tmp_path: Path) -> None:
     assert disagreements(number, tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("number", "width"),
+    [*((n, 1e-4) for n in (0, 3, 4, 7, 13, 21)), *((n, 1e-6) for n in (0, 4, 16, 21))],
+)
+def test_steps_of_the_judge_give_what_a_stiff_solver_gives(number: int, width: float) -> None:
+    drawn = axis(number)
+    # The faster feed: in long sticks the table creeps by steep friction, and breaks away late.
+    feed = drawn["demand"]["feeds"][1]
+    steps, stiff = Motion(drawn, feed, "jumps"), Motion(drawn, feed, "jumps")
+    apart, springs = [], []
+    for z, _ in steep(stiff, math.ceil(20.0 / steps.w / steps.T_s), width):
+        steps.advance(1)
+        apart.append(abs(z - steps.state[0]))
+        springs.append(z)
+    # Friction falls from static to kinetic over 60 widths, 0.6 % of the feed.
+    assert max(apart) < 0.005 * np.ptp(springs)
+
+
+def test_the_command_reads_axis_files_as_the_judge_does(tmp_path: Path) -> None:
+    for number in range(10):
+        drawn = axis(number)
+        own, read = Motion(drawn, 1.0, "rest"), read_axis(write(drawn, tmp_path))
+        pairs = [(own.m, read.m), (own.k, read.k), (own.c, read.c), (own.along, read.along)]
+        if read.drive:
+            drive = read.drive
+            pairs += [(own.m_d, drive.inertia), (own.K_p, drive.inertia * drive.bandwidth)]
+            pairs += [(own.T_n, drive.T_n), (own.dry, drive.dry), (own.d, drive.d)]
+        for judged, said in pairs:
+            # Rounding of what is multiplied.
+            assert judged == pytest.approx(said, rel=1e-12)

@@ -6,10 +6,9 @@ import math
 
 import pytest
 
-from fmukit.model import ModelError
 from stickslip_verification import truth
 from tests.fmu.blocks import outputs
-from tests.laws.stribeck import SPEC, curve, make_block
+from tests.laws.stribeck import SPEC, make_block
 
 W = math.sqrt(1000.0)
 LEINE = {"m": 1.0, "g": 1.0, "k": 1.0, "mu_s": 1.0, "mu_k": 0.0, "shape": 2, "v_s": 1.0 / 3.0}
@@ -75,20 +74,6 @@ def test_a_stop_that_grazes_is_decided_to_a_relative_1e_12() -> None:
     for lack in (1e-4, 1e-8, 1e-12):
         assert stops(low * (1.0 - lack))
         assert not stops(low * (1.0 + lack))
-
-
-def test_what_is_ignored_is_named_in_one_warning() -> None:
-    two = curve([(0.0, 0.5), (0.1, 0.3)])
-    assert make_block(**two).warning() is None
-    said = make_block(**two, mu_k=0.2, u_12=7.0).warning() or ""
-    assert "mu_k = 0.2 is ignored" in said
-    assert "u_12 = 7.0 is ignored: n_points = 2" in said
-    assert "is clamped" in str(make_block(**{**two, "shape": 1}, mu_k=0.6).warning())
-
-
-def test_a_rate_beyond_the_range_is_refused() -> None:
-    with pytest.raises(ModelError, match="v_s = 1e-307 m/s is out of range: its rate"):
-        make_block(v_s=1e-307, m=0.01, load=1e3)
 
 
 def test_what_both_models_have_keeps_number_and_name_and_own_rows_follow() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 from fmukit.model import ModelError
 from stickslip_fmu.block import Block
+from tests.fmu.blocks import log_uniform
 from tests.native.core import ACCEPTED, Core, NativeBlock
 from tests.native.rare import RARE
 
@@ -19,40 +20,35 @@ _DWELL = ("tau_s", "B", "t_0", "age_start")
 _SIGNED = ("x_start", "x_dot_start", "z_start", "v", "F_ext")
 
 
-def spread(random_: random.Random, low: float, high: float) -> float:
-    """Return a number between two, its logarithm evenly spread."""
-    return math.exp(random_.uniform(math.log(low), math.log(high)))
-
-
 def draw(random_: random.Random, name: str, values: Mapping[str, float]) -> float:
     """Return a value of a setting that goes with the others, or now and then an extreme one."""
     if random_.random() < 0.01:
-        value = spread(random_, 1e-100, 1e100)
+        value = log_uniform(random_, 1e-100, 1e100)
         return random_.choice((-1.0, 1.0)) * value if name in _SIGNED else value
     weight = values["m"] * values["g"]
     sign = random_.choice((-1.0, 1.0))
     critical = 2.0 * math.sqrt(values["k"] * values["m"])
-    some = spread(random_, 1e-4, 50.0)
+    some = log_uniform(random_, 1e-4, 50.0)
     load_up = weight / values["k"] / (abs(values["v"]) or 1.0)
-    while_loading = load_up * spread(random_, 1e-3, 1e3)
+    while_loading = load_up * log_uniform(random_, 1e-3, 1e3)
     tiny, huge = random_.choice((5e-324, 1e-310, 1e-300)), random_.choice((1e200, 1e308))
     choices = {
-        "m": (spread(random_, 1e-3, 1e3),),
-        "g": (spread(random_, 0.1, 100.0),),
-        "k": (spread(random_, 1.0, 1e6),),
+        "m": (log_uniform(random_, 1e-3, 1e3),),
+        "g": (log_uniform(random_, 0.1, 100.0),),
+        "k": (log_uniform(random_, 1.0, 1e6),),
         "c": (0.0, critical, critical * some),
         "mu_s": (0.0, random_.uniform(0.0, 1.5)),
         "mu_k": (0.0, values["mu_s"], random_.uniform(0.0, 1.5)),
-        "v": (0.0, sign * spread(random_, 1e-5, 10.0)),
+        "v": (0.0, sign * log_uniform(random_, 1e-5, 10.0)),
         "load": (0.0, -weight, weight * random_.uniform(-1.0, 3.0)),
         "F_ext": (0.0, weight * random_.uniform(-2.0, 2.0)),
         "x_start": (0.0, random_.uniform(-1.0, 1.0)),
-        "x_dot_start": (0.0, sign * spread(random_, 1e-5, 10.0)),
+        "x_dot_start": (0.0, sign * log_uniform(random_, 1e-5, 10.0)),
         "tau_s": (*(while_loading,) * 6, 0.0, tiny, huge),
-        "B": (0.0, values["mu_s"] * spread(random_, 1e-4, 1.0)),
+        "B": (0.0, values["mu_s"] * log_uniform(random_, 1e-4, 1.0)),
         "t_0": (*(while_loading,) * 6, 1e-307, huge),
         "age_start": (0.0, *(while_loading,) * 3, huge),
-        "z_start": (0.0, sign * weight / values["k"] * spread(random_, 0.01, 3.0)),
+        "z_start": (0.0, sign * weight / values["k"] * log_uniform(random_, 0.01, 3.0)),
     }
     return random_.choice(choices[name])
 
@@ -76,10 +72,12 @@ def _draw_stribeck(random_: random.Random, name: str, values: Mapping[str, float
     if name == "n_points":
         return random_.choice((2, 3, 4, 5, 12))
     if name == "v_s":
-        return fast * spread(random_, 1e-4, 10.0)
+        return fast * log_uniform(random_, 1e-4, 10.0)
     if name == "delta":
         whole = random_.choice((1.0, 1.0, 2.0, 2.0, 3.0, 5.0, 7.0, 8.0))
-        return random_.choice((whole, whole, random_.uniform(1.0, 3.0), spread(random_, 1.0, 50.0)))
+        return random_.choice(
+            (whole, whole, random_.uniform(1.0, 3.0), log_uniform(random_, 1.0, 50.0))
+        )
     if name == "mu_1":
         low = random_.uniform(0.0, 1.0) * values["mu_s"]
         return random_.choice((values["mu_s"], low, 0.3, 0.0))
@@ -87,7 +85,7 @@ def _draw_stribeck(random_: random.Random, name: str, values: Mapping[str, float
         before = values[f"mu_{int(number) - 1}"]
         return random_.choice((before, 0.3, random_.uniform(0.0, 1.0)))
     before = 0.0 if name == "u_2" else values[f"u_{int(number) - 1}"]
-    return before + fast * random_.choice((0.1, spread(random_, 1e-3, 1.0)))
+    return before + fast * random_.choice((0.1, log_uniform(random_, 1e-3, 1.0)))
 
 
 def bits(values: list[float] | None) -> bytes | None:
@@ -164,7 +162,7 @@ def sequence(core: Core, seed: int) -> Pairs:
                 yield {name: values[name] for name in names}
             # A slip takes about this long at least, so a step holds some dozen of them at most.
             period = 2.0 * math.pi * math.sqrt(values["m"] / values["k"])
-            yield period * spread(random_, 1e-4, 30.0) if random_.random() < 0.996 else 0.0
+            yield period * log_uniform(random_, 1e-4, 30.0) if random_.random() < 0.996 else 0.0
             if random_.random() < 0.2:
                 yield None
 

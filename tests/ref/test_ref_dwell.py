@@ -28,6 +28,13 @@ GROWTH = {"tau_s": 0.05, "B": 0.01, "t_0": 0.1}
 REVERSING = {"m": 0.42, "k": 2730.0, "c": 2.5, "mu_s": 0.537, "mu_k": 0.092}
 """With tau_s = 1.2 ms the slips of a cycle reverse, and at some speeds the mass then slides on."""
 
+LASTING: list[dict[str, float]] = [
+    {"m": 0.32662007, "k": 847.09208, "mu_s": 1.64072826, "mu_k": 0.21273878, "v": 0.38487393},
+    {"m": 0.18733264, "k": 830.73581, "mu_s": 1.23139102, "mu_k": 0.16539834, "v": 0.04931125}
+    | {"c": 1.15666985},
+]
+"""Slips that reverse; of the cycles that a search meets one alone lasts."""
+
 
 def grown(own: Mapping[str, float], **values: Any) -> Parameters:
     return COULOMB.complete(Parameters(**values), own)
@@ -52,6 +59,8 @@ def ranges(
         ({"tau_s": 0.05}, {"mu_k": 0.08}),
         ({"tau_s": 0.02}, {"mu_k": 0.03, "v": -0.01}),
         ({"tau_s": 0.02, "B": 0.01, "t_0": 0.01}, {"mu_k": 0.03, "c": 3.0, "v": 0.005}),
+        ({"tau_s": 0.02110522}, LASTING[0]),
+        ({"tau_s": 0.02705956}, LASTING[1]),
     ],
 )
 def test_the_block_settles_to_the_steady_cycle(
@@ -66,7 +75,7 @@ def test_the_block_settles_to_the_steady_cycle(
     while block.mode != 0:
         block.advance(0.0, 0.002)
     found = outputs(block)
-    turns = values.get("mu_k", 0.3) < 0.1
+    turns = p.mu_k < 0.2 * p.mu_s
     assert cycle.exists
     # A hundred cycles and more; the fixed point is that of a root, to some roundings.
     alone = ("T", "t_stick") if turns else ("t_slip", "delta_x", "spring_drop", "x_dot_peak")
@@ -75,34 +84,6 @@ def test_the_block_settles_to_the_steady_cycle(
     assert pytest.approx(cycle.t_slip + cycle.t_stick, rel=1e-14) == cycle.T
     assert cycle.delta_x == pytest.approx(float(p.v) * cycle.T, rel=1e-13)
     assert cycle.F_s == pytest.approx(COULOMB.break_away_force(p, cycle.t_stick), rel=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("values", "t_stick"),
-    [
-        (
-            (
-                *(0.32662006698710755, 847.0920798056761, 0.0, 1.6407282568392187),
-                *(0.21273877981346978, 0.38487392674527743, 0.02110522079627808),
-            ),
-            8.3631409e-3,
-        ),
-        (
-            (
-                *(0.18733264093885751, 830.7358085163012, 1.15666984960535, 1.2313890165883696),
-                *(0.16539834448638446, 0.04931124315057174, 0.02705956115895967),
-            ),
-            38.9602684e-3,
-        ),
-    ],
-)
-def test_a_start_from_rest_leads_to_the_cycle_that_lasts(
-    values: tuple[float, ...], t_stick: float
-) -> None:
-    named = dict(zip(("m", "k", "c", "mu_s", "mu_k", "v", "tau_s"), values, strict=True))
-    cycle = steady_cycle(grown({"tau_s": named.pop("tau_s")}, **named))
-    # To the digits that the block shows after 300 periods.
-    assert cycle.t_stick == pytest.approx(t_stick, abs=5e-11)
 
 
 def test_after_slips_that_reverse_the_mass_may_slide_on_far_below_the_last_cycle() -> None:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import warnings
-from collections.abc import Mapping
 from random import Random
 
 import numpy as np
@@ -22,45 +20,9 @@ from stickslip_ref import (
     simulate,
     steady_cycle,
 )
-from tests.conftest import Sized
-from tests.facts.coulomb import of_lambda
-from tests.ref.test_ref_cycle import machine
 
 INTEGRATION = 3e-13
 """Relative error of an integrated slip: 50 steps of rtol 3e-14, with room for another SciPy."""
-
-
-def cycles_of(values: Mapping[str, float], count: int) -> None:
-    """Assert that a run has its cycles, each the closed form: docs/theory.md (17)."""
-    p = Parameters(**values)
-    exact = steady_cycle(p)
-    first = abs(float(p.F_s) / float(p.k) / float(p.v))
-    measured = simulate(p, first + (count + 0.3) * float(exact.T), times=[]).cycles
-    assert len(measured) == count, values
-    L, gap = float(exact.lambda_), values["mu_s"] / (values["mu_s"] - values["mu_k"])
-    shallow = 1.0 + 1.0 / L**2
-    conditioning = {
-        **dict.fromkeys(("T", "delta_x", "x_dot_peak"), 1.0),
-        "t_slip": 1.0 + 1.0 / L,
-        **dict.fromkeys(("t_stick", "spring_drop"), shallow),
-    }
-    for cycle, (name, factor) in itertools.product(measured, conditioning.items()):
-        error = abs(getattr(cycle, name) / getattr(exact, name) - 1.0)
-        assert error < INTEGRATION * gap * factor, (name, values)
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "more"),
-    # Without kinetic friction the spring relaxes to -F_s, where equality sticks: theory (4).
-    [(1e-2, 1e2, {}), (1e-3, 1e-1, {}), (1e-3, 1e3, {"mu_k": 0.0})],
-)
-def test_no_cycle_is_missed_and_each_is_the_closed_form(
-    sized: Sized, low: float, high: float, more: dict[str, float]
-) -> None:
-    for n in range(sized(250)):
-        draw = Random(f"cycles {low} {n}")
-        lambda_ = low * (high / low) ** draw.random()
-        cycles_of(of_lambda(lambda_, **{**machine(draw), **more}), 2)
 
 
 def test_samples_are_where_they_are_asked_for() -> None:

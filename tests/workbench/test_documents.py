@@ -1,6 +1,5 @@
 """How-tos: their commands run as they stand and print what the page quotes."""
 
-import math
 import re
 import shlex
 import tomllib
@@ -15,11 +14,10 @@ from examples.feed_axis.run import write_all
 from stickslip_design.axis import Axis, axis_of, example, read_axis_file
 from stickslip_design.axis.keys import KEYS
 from stickslip_design.critical import critical_feed
-from stickslip_design.curve_file import read_curve
 from stickslip_design.loop.hunting import hunting
 from stickslip_design.report.tables import standing
 from stickslip_design.study import design
-from stickslip_ref import Parameters, coulomb_limit, critical_velocity, simulate, steady_cycle
+from stickslip_ref import Parameters, steady_cycle
 from tests.design.chunks.test_cluster import started
 from tests.needs import needs
 from tests.workbench.running import Command
@@ -130,29 +128,3 @@ def test_the_axes_of_the_examples_are_judged(name: str, found: str) -> None:
     verdict = design(read_axis_file(ROOT / "examples" / "axes" / f"{name}.toml"))
     assert standing(verdict).word == found
     assert (verdict.hunting is None) == (found == "clean")
-
-
-def test_the_lined_guideway_is_a_table_behind_screw_nut_bearings_and_brackets() -> None:
-    axis = read_axis_file(ROOT / "examples" / "axes" / "lined_guide.toml").axis()
-    assert 80.0 < math.sqrt(axis.k / axis.m) / (2.0 * math.pi) < 120.0
-    in_series = 1.0 / (1.0 / 839e6 + 1.0 / 800e6 + 1.0 / 1500e6 + 1.0 / 500e6)
-    assert axis.k == pytest.approx(in_series, abs=0.5e6)
-    assert f"jumps up to {critical_feed(axis) * 1e3:.3g} mm/s" in PAGES["design"]
-
-
-def test_the_numbers_of_a_friction_curve_are_those_of_the_block(tmp_path: Path) -> None:
-    text = PAGES["friction"]
-    axis = {"m": 400.0, "k": 4e7, "c": 800.0, "mu_s": 0.25}
-    own = read_curve(tmp_path / "guideway.csv", None).parameters
-    constants = Parameters(**axis, mu_k=0.09)
-    found = critical_velocity(constants, "stribeck", own)
-    (cycle,), (unstable,) = found.cycle, found.unstable
-    assert f"exists up to {cycle.high * 1e3:.3g} mm/s" in text
-    assert f"from {unstable.low * 1e3:g} to {unstable.high * 1e3:g} mm/s" in text
-    assert f"would have said {float(coulomb_limit(constants)) * 1e3:.3g} mm/s" in text
-    last = simulate(Parameters(**axis, mu_k=0.09, v=1e-3), 1.0, law="stribeck", own=own).cycles[-1]
-    assert f"jumps {last.delta_x * 1e6:.3g} µm, {1.0 / last.T:.3g} times a second" in text
-    grows = Parameters(**axis, mu_k=0.21)
-    (only,) = critical_velocity(grows, own={"tau_s": 0.1}).cycle
-    assert f"ends at {only.high * 1e6:.3g} µm/s by a {only.high_end}" in text
-    assert f"it would be {float(coulomb_limit(grows)) * 1e3:.3g} mm/s" in text

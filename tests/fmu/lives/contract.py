@@ -8,24 +8,17 @@ import math
 import re
 import struct
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, NamedTuple
 
-from fmukit.model import ModelError, Spec
+from fmukit.model import ModelError
 from fmukit.table import Variable
-from stickslip_fmu.laws.named import friction_law
-from stickslip_fmu.spec import spec_of
 from tests.driver import ERROR, FATAL, OK, WARNING
+from tests.fmu.blocks import spec_named
 from tests.fmu.lives.player import SKIPPED, Call, Outcome
 
 _NO_STATE = "the state to set is none that this FMU handed out"
 _CURVE = 3
 _WARNED = re.compile("clamped to|is ignored")
-
-
-@cache
-def spec_under(law: str) -> Spec:
-    return spec_of(friction_law(law).law)
 
 
 class MustRefuseError(Exception):
@@ -61,7 +54,7 @@ class Life:
 class Contract:
     def __init__(self, kind: str, law: str) -> None:
         self.native, self.face = kind.startswith("native"), int(kind[-1])
-        self.spec = spec_under(law)
+        self.spec = spec_named(law)
         self.rows = self.spec.table.rows
         self.lives: dict[int, Life] = {}
         # None stands for a state that the FMU never handed out.
@@ -154,7 +147,7 @@ class Contract:
         for reference in references:
             self._be_of_kind(reference, kind)
         self._of_block(block.refresh)
-        return [self._read(life, block, reference) for reference in references]
+        return [self._of_block(self._read, life, block, reference) for reference in references]
 
     def set(self, i: int, kind: str, references: list[int], values: list[Any]) -> None:
         life = self._sound(i)

@@ -11,13 +11,7 @@ from tests.importers.cases import STEP
 
 from .simulation import ALONE, LINK, PAIR, NotOfferedError, Simulation
 
-_WORDS = {
-    "Real": "real",
-    "Integer": "integer",
-    "Enumeration": "integer",
-    "Boolean": "bool",
-    "String": "string",
-}
+_WORDS = {"Real": "real", "Integer": "integer", "Boolean": "bool"}
 
 
 class Ecos(Simulation):

@@ -20,13 +20,7 @@ class Fmpy(Simulation):
         folder, description = unpacked(self.made())
         self.variables = {each.name: each for each in description.modelVariables}
         how: Any = {"fmi_type": "CoSimulation", "debug_logging": self.messages}
-        try:
-            self.slaves = self.of_blocks(lambda: fmpy.instantiate_fmu(folder, description, **how))
-        except Exception as error:
-            # FMPy raises no class of its own here.
-            if str(error) != "Failed to instantiate model":
-                raise
-            raise NotOfferedError(str(error)) from None
+        self.slaves = self.of_blocks(lambda: fmpy.instantiate_fmu(folder, description, **how))
         self._begin()
 
     def made(self) -> str:
@@ -56,12 +50,12 @@ class Fmpy(Simulation):
 
     def set(self, name: str, value: Any, block: str = ALONE[0]) -> None:
         variable = self.named(name, block)
-        getattr(self.slaves[block], f"set{_call(variable)}")([variable.valueReference], [value])
+        getattr(self.slaves[block], f"set{variable.type}")([variable.valueReference], [value])
 
     def get(self, name: str, block: str = ALONE[0]) -> Any:
         variable = self.named(name, block)
-        [value] = getattr(self.slaves[block], f"get{_call(variable)}")([variable.valueReference])
-        return value.decode() if isinstance(value, bytes) else value
+        [value] = getattr(self.slaves[block], f"get{variable.type}")([variable.valueReference])
+        return value
 
     def reset(self) -> None:
         for slave in set(self.slaves.values()):
@@ -105,7 +99,3 @@ SIMULATION = Fmpy
 def unpacked(fmu: str) -> tuple[str, Any]:
     folder = str(fmpy.extract(fmu))
     return folder, fmpy.read_model_description(folder)
-
-
-def _call(variable: Any) -> str:
-    return "Integer" if variable.type == "Enumeration" else str(variable.type)

@@ -4,6 +4,7 @@ import itertools
 import json
 import sys
 import tempfile
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,19 +13,37 @@ from fmu_manipulation_toolbox.cli.fmucontainer import fmucontainer
 
 from tests.importers.cases import STEP
 
-from .containing import Container
+from .by_fmpy import Fmpy
 from .simulation import LINK, PAIR
 
 
-class Fmucontainer(Container):
-    """Blocks stepped one after the other, or each in a thread of its own."""
+class Fmucontainer(Fmpy):
+    """A container with a pair, or for each block a container of its own, which FMPy runs.
+
+    Blocks are stepped one after the other, or each in a thread of its own.
+    """
+
+    threads = False
+
+    def made(self) -> str:
+        return self.nest(self.fmu, PAIR if self.blocks == PAIR else PAIR[:1], self.threads)
+
+    def of_blocks(self, instantiate: Any) -> dict[str, Any]:
+        if self.blocks == PAIR:
+            return dict.fromkeys(PAIR, instantiate())
+        return super().of_blocks(instantiate)
+
+    def named(self, name: str, block: str) -> Any:
+        return self.variables[f"{block if self.blocks == PAIR else PAIR[0]}.{name}"]
 
     @classmethod
     def in_threads(cls, fmu: str, case: Any) -> Any:
         return type("InThreads", (cls,), {"threads": True}).pair(fmu, case)  # type: ignore[attr-defined]
 
     @staticmethod
+    @cache
     def nest(fmu: str, blocks: tuple[str, ...], threads: bool) -> str:
+        """Make a container and return its path; its variables are called as `a.F`."""
         linked = LINK if blocks == PAIR else ()
         exposed: dict[str, list[list[str]]] = {"input": [], "output": []}
         variables = fmpy.read_model_description(fmu).modelVariables

@@ -44,8 +44,6 @@ class Libcosim(Simulation):
         self.variables = {
             each.name.decode(): (each.reference, _TYPES[each.type])
             for each in self.execution.slave_variables(0)
-            # Of an enumeration the type is none of these.
-            if each.type < len(_TYPES)
         }
         self.observer = CosimObserver.create_last_value()
         self.execution.add_observer(self.observer)
@@ -80,7 +78,7 @@ class Libcosim(Simulation):
     def get(self, name: str, block: str = ALONE[0]) -> Any:
         reference, kind = self._known(name)
         [value] = getattr(self.observer, f"last_{kind}_values")(self.index[block], [reference])
-        return value.decode() if isinstance(value, bytes) else value
+        return value
 
     def _known(self, name: str) -> tuple[int, str]:
         if name not in self.variables:

@@ -114,11 +114,11 @@ class Simulation:
         return {"times": times, "outputs": first, "nested": second}
 
     @classmethod
-    def tried(cls, fmu: str, kinds: dict[str, Any]) -> dict[str, bool]:
+    def tried(cls, fmu: str) -> dict[str, bool]:
         probes: dict[str, Any] = {
             name: partial(getattr(cls, name), fmu) if hasattr(cls, name) else partial(cls.offers, s)
             for name, s in PROBES.items()
-        } | {kind: partial(cls.echoes, *given) for kind, given in kinds.items()}
+        }
         found = {}
         for name, probe in probes.items():
             try:
@@ -126,13 +126,6 @@ class Simulation:
             except cls.errors:
                 found[name] = False
         return found
-
-    @classmethod
-    def echoes(cls, echo: str, value: Any) -> bool:
-        with cls(echo) as simulation:
-            simulation.set("given", value)
-            simulation.step()
-            return bool(simulation.get("shown") == value)
 
     @classmethod
     def inputs(cls, fmu: str) -> bool:

@@ -20,7 +20,8 @@ from fmukit.table import Variable
 from stickslip_fmu.spec import TABLE
 from stickslip_native.compiler import FLAGS, compiler_for
 from stickslip_native.platforms import PLATFORMS
-from tests.native.bits import draw, spread
+from tests.fmu.blocks import log_uniform
+from tests.native.bits import draw
 from tests.needs import ARM_LIBRARIES, WINE
 from tests.python import run
 
@@ -154,7 +155,7 @@ def sequence(seed: int, steps: int = 12) -> list[list[str]]:
                 values[name] = draw(random_, name, values)
             calls.append(set_values({name: values[name] for name in changed}))
         period = 2.0 * math.pi * math.sqrt(values["m"] / values["k"])
-        step = period * spread(random_, 1e-4, 30.0) if random_.random() < 0.996 else 0.0
+        step = period * log_uniform(random_, 1e-4, 30.0) if random_.random() < 0.996 else 0.0
         calls += [line("step", time, step), *READ]
         time += step
         if random_.random() < 0.2:

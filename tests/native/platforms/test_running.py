@@ -7,7 +7,7 @@ from itertools import chain
 
 import pytest
 
-from tests.native.bits import spread
+from tests.fmu.blocks import log_uniform
 from tests.native.platforms.conftest import for_all
 from tests.native.platforms.running import (
     ARM,
@@ -102,7 +102,7 @@ def test_the_same_happens_as_on_linux(name: str, version: int, on: On) -> None:
 def some_number(chance: random.Random) -> float:
     """Return a number of any size, with few digits or many."""
     size = chance.choice((1.0, 1e-5, 1e16, 1e22, 5e-324, 2.0 ** chance.randint(-1074, 1023)))
-    wide = spread(chance, 1e-300, 1e300)
+    wide = log_uniform(chance, 1e-300, 1e300)
     return chance.choice((size, wide, float(f"{wide:.3g}"), float(chance.randint(1, 10**6))))
 
 
