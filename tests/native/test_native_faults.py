@@ -78,7 +78,7 @@ def baseline(case_id: str) -> Baseline:
 @cache
 def sequences(manner: str, count: int) -> list[Trial]:
     drawn = [each.case for each in draw_sequences(SEED, count)]
-    return trials(drawn, load_invariants().only({manner}).sequences, jobs=1, nearby=False)
+    return trials(drawn, load_invariants().only({manner}).sequences, jobs=1, numerical=False)
 
 
 def failing(pool: workers.Pool, where: str) -> list[str]:

@@ -133,7 +133,7 @@ def test_start_values_are_promised_by_the_exact_contract_alone(
 
 def test_faults_are_planted_where_the_source_is(silent: Path) -> None:
     faults, case = load_mutants("constant-g"), [named("default")]
-    verdict = verify(silent, case, mutants=faults, fresh_processes=False, jobs=1)
+    verdict = verify(silent, case, mutants=faults, contract="exact", fresh_processes=False, jobs=1)
     assert verdict.kills is not None
     assert verdict.kills.rows[0].caught
     with pytest.raises(FmuError, match="which this FMU does not carry; faults in the calls can"):

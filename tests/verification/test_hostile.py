@@ -187,8 +187,7 @@ def test_an_fmu_that_hangs_everywhere_costs_its_budget_and_keeps_what_was_finish
     cases = [named(name) for name in ("one-step", "default", "heavy", "reversals", "tuned")]
     limits = Limits(budget=6.0)
     verdict = verify(misbehaving("hang").path, cases, jobs=2, limits=limits, fresh_processes=False)
-    ends = {r.case: r for r in verdict.checks if r.check == "runs-to-the-end" and r.side == "fmu"}
-    assert ends["one-step"].passed
+    ends = {r.case: r for r in verdict.checks if r.check == "any-sequence"}
     for case in cases[1:]:
         failure = ends[case.id].failure or ""
         assert failure.startswith("not finished: runs without a result took 6 s")

@@ -36,7 +36,7 @@ def test_our_fmu_passes_and_all_files_say_so(
     command: Command, tmp_path: Path, fmu_path: Path
 ) -> None:
     arguments = ("--fmu", fmu_path, "--cases", "one-step")
-    first = command.verify(*arguments, "--full")
+    first = command.verify(*arguments, "--paper")
     assert first.code == 0, first.err
     assert first.out.splitlines()[-2:] == ["report/index.html", "report/report.json"]
     assert "x-course" not in first.out
@@ -120,18 +120,17 @@ def test_a_foreign_fmu_passes_by_the_names_that_are_proposed(
 
 
 @pytest.mark.parametrize(
-    ("within", "share", "word"), [("2%", "2 %", "yes"), ("0.0002", "0.02 %", "no")]
+    ("within", "code", "word"), [("2%", 0, "; within the 2"), ("0.0002", 1, "not within the 0.02")]
 )
-def test_fitness_is_told_beside_the_verdict(
-    command: Command, tmp_path: Path, fmu_path: Path, within: str, share: str, word: str
+def test_what_is_asked_for_decides_of_a_numerical_solution(
+    command: Command, tmp_path: Path, fmu_path: Path, within: str, code: int, word: str
 ) -> None:
     bad = plant(fmu_path, load_mutants("fixed-step-1ms")[0], tmp_path / "bad.fmu")
-    answer = command.verify("--fmu", bad, "--cases", "default", "--within", within)
-    assert answer.code == 1
-    assert f"Fitness: within {share}?" in answer.out
-    assert word in next(line for line in answer.out.splitlines() if "jump (" in line).split()
-    assert report_in(tmp_path / "report")["tables"][0]["title"] == f"Fitness: within {share}?"
-    assert f"within {share}?" in (tmp_path / "report" / "index.html").read_text("utf-8")
+    asked = ("--fmu", bad, "--cases", "default", "--contract", "physics", "--within", within)
+    answer = command.verify(*asked)
+    assert answer.code == code, answer.out
+    assert f"{word} % asked for" in " ".join(answer.out.split())
+    assert report_in(tmp_path / "report")["tables"][0]["title"] == "Accuracy"
 
 
 @pytest.mark.parametrize(

@@ -99,6 +99,7 @@ def rollback(fmu: FmuFile, case: Case) -> Run:
             del drive.rows[mark:]
             instance.set_state(state)
             instance.free_state(state)
+            drive.read_again(mark)
             done = mark
         drive.go(done, len(case.steps))
         return drive.run()
@@ -122,6 +123,7 @@ def serialized(fmu: FmuFile, case: Case) -> Run:
             there.instance.set_state(restored)
             there.instance.free_state(restored)
             there.rows, there.initial = here.rows, here.initial
+            there.read_again(mark)
             here, there = there, here
             done = mark
         here.go(done, len(case.steps))

@@ -143,6 +143,11 @@ class Driver:
             if self.after_step is not None and self.after_step(setting.points[number + 1]):
                 return
 
+    def read_again(self, number: int) -> None:
+        """Read the outputs where `number` steps are taken, as after a state that was set."""
+        if number:
+            self.rows[number - 1] = self._reader()()
+
     def whole(self) -> Run:
         """Go from the start to the end."""
         self.begin()

@@ -17,12 +17,14 @@ import numpy as np
 
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.drive.nearby import OFF
-from stickslip_verification.judge.band import Band
+from stickslip_verification.judge.band import Band, Mask
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.run import Run, Series
 
-MOTION: Final = ("x", "x_dot", "F")
-"""The outputs that delta is taken from."""
+MOTION: Final = ("x", "x_dot")
+"""The outputs that delta is taken from; the spring force where the FMU has neither."""
+
+_SMOOTH: Final = (*MOTION, "F")
 
 STANDS_OUT: Final = 20.0
 """From honest solvers; those left out of the family reached 13, faults 30 to 50,000 (measured)."""
@@ -79,8 +81,8 @@ class Ruler:
     exact: Exact
     spreads: Mapping[str, Series]
 
-    def deviation(self, run: Run, names: Collection[str] = MOTION) -> Deviation:
-        """Return the largest delta of a run in some of its outputs.
+    def deviation(self, run: Run, names: Collection[str] = ()) -> Deviation:
+        """Return the largest delta of a run in some of its outputs, by default those of the motion.
 
         ``run`` may hold some of the points of the exact motion only. Beyond the delta at which a
         point is saturated it counts with that delta: it is at least as large.
@@ -88,36 +90,85 @@ class Ruler:
         times = self.exact.record.times
         read = np.minimum(np.searchsorted(times, run.times), times.size - 1)
         worst = Deviation(0.0)
-        for name in names:
+        for name in names or motion_of(run):
             if name not in run.outputs:
                 continue
             expected, got = self.band.pair(name, run, read)
             where = np.flatnonzero(self.band.judged(name)[read] & np.isfinite(expected))
             if not where.size:
                 continue
-            error = np.abs(got[where] - expected[where])
+            error = np.abs(got - expected)
+            if name not in _SMOOTH:
+                # What jumps at an event may jump at the next point.
+                low, high = (each[read] - self._at(name)[read] for each in self._about(name))
+                between = np.fmax(np.fmax(expected + low - got, got - expected - high), 0.0)
+                late = 0.0 if QUANTITIES[name].discrete else between
+                error = np.where(self._near_event[read], late, error)
+            error = error[where]
             largest = self.band.largest(name) or (1.0 if QUANTITIES[name].discrete else 0.0)
             columns = np.maximum(
-                SPREAD * self.spreads[name][:, read[where]], largest * np.array(OFF)[:, np.newaxis]
+                SPREAD * self.spreads[name], largest * np.array(OFF)[:, np.newaxis]
             )
+            if name not in _SMOOTH:
+                columns = np.where(self._other_phase, np.inf, columns)
+            columns = columns[:, read[where]]
             deltas = _deltas(error, columns, SATURATED * largest)
             place = int(np.argmax(deltas))
             if deltas[place] > worst.delta:
                 worst = Deviation(float(deltas[place]), name, float(run.times[where[place]]))
         return worst
 
+    @cached_property
+    def _other_phase(self) -> Mask:
+        """Where data off by as much have led to another stick or slip; shape ``(len(OFF), n)``."""
+        return np.asarray((self.spreads["n_slips"] > 0.0) | (self.spreads["mode"] > 0.0))
+
+    @cached_property
+    def _near_event(self) -> Mask:
+        """Points before or after which a transition comes."""
+        changes = np.zeros(self.exact.record.times.size + 1, dtype=np.bool_)
+        for name in ("mode", "n_slips", "t_event"):
+            samples = self.exact.record.outputs[name]
+            changes[:-1] |= np.diff(samples, prepend=self.exact.record.initial[name]) != 0.0
+        changes[:-1] |= np.isin(self.exact.record.times, self.exact.event_times)
+        return np.asarray(changes[:-1] | changes[1:])
+
+    def _at(self, name: str) -> Series:
+        return self.exact.record.outputs[name]
+
+    def _about(self, name: str) -> tuple[Series, Series]:
+        """Return the least and largest value of an output at each point and the two beside it."""
+        samples = self._at(name)
+        first = self.exact.record.initial[name]
+        beside = np.stack([samples, np.append(first, samples[:-1]), np.append(samples[1:], np.nan)])
+        return np.fmin.reduce(beside), np.fmax.reduce(beside)
+
     def moved(self, name: str, delta: float) -> Series:
-        """Return how far an output lies off at each point where the data are off by `delta`."""
+        """Return how far an output lies off at each point where the data are off by `delta`.
+
+        NaN where the number of slips hangs on less.
+        """
         at = np.interp(math.log(max(delta, LEAST)), np.log(OFF), np.arange(len(OFF)))
         low = min(int(at), len(OFF) - 2)
         below, above = self.spreads[name][low], self.spreads[name][low + 1]
         between = below + (at - low) * (above - below)
-        return np.asarray(between * min(delta / OFF[0], 1.0))
+        other = self._other_phase[min(math.ceil(at), len(OFF) - 1)]
+        return np.where(other, np.nan, between * min(delta / OFF[0], 1.0))
+
+    @property
+    def decided(self) -> Mask:
+        """Points at which stick or slip does not hang on the millionth part of the data."""
+        return np.asarray(~self._other_phase[OFF.index(1e-6)])
 
     @cached_property
     def band(self) -> Band:
         """What is physics and what was only agreed on."""
         return Band(self.exact)
+
+
+def motion_of(run: Run) -> Collection[str]:
+    """Return the outputs of a run that show its motion."""
+    return [name for name in MOTION if name in run.outputs] or ["F"]
 
 
 def _deltas(error: Series, columns: Series, limit: float) -> Series:
@@ -174,6 +225,8 @@ def matched(deltas: Mapping[str, float], family: Mapping[str, Mapping[str, float
         Deltas by solver and case; those of the cases of `deltas` are used.
     """
     cases = list(deltas)
+    if not cases:
+        return Matched(next(iter(family)), 1.0, {}, {})
     got = np.log([max(deltas[case], LEAST) for case in cases])
     found = []
     for solver, of in family.items():

@@ -1,9 +1,7 @@
-"""The band about the exact motion in which a run is right.
+"""The band about the exact motion in which a run is right, and what in it is physics.
 
-For the exact block it is a bound that holds for any sequence of inputs. For a numerical solution it
-is as wide as the motions near the exact one lie from it, and as the rounding of what was added up;
-what our interface merely agreed on is not judged in it: values of the start, and what the meter
-counts of a start in motion.
+For the exact block it is a bound that holds for any sequence of inputs. What our interface merely
+agreed on is not physics: values of the start, and what the meter counts of a start in motion.
 """
 
 from dataclasses import dataclass

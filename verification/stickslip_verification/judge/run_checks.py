@@ -64,9 +64,12 @@ def same_run(empty: CheckResult, plain: Run, other: Run, band: Band) -> CheckRes
     empty = replace(empty, tolerance=ROUNDED, because="it is the same run but for rounding")
     if read.size != other.times.size or not set(other.outputs) <= set(plain.outputs):
         return replace(empty, failure="the runs have other outputs, or other points")
-    first = {name: plain.outputs[name][read] for name in other.outputs}
+    judged = {name: band.judged(name)[read] for name in other.outputs}
+    names = [name for name, where in judged.items() if where.any()]
+    first = {name: plain.outputs[name][read][judged[name]] for name in names}
+    second = {name: other.outputs[name][judged[name]] for name in names}
     scales = {name: band.largest(name) or 1.0 for name in first}
-    return _same_motion(replace(empty, measure=Measure.OF_SCALE), first, other.outputs, scales)
+    return _same_motion(replace(empty, measure=Measure.OF_SCALE), first, second, scales)
 
 
 def _with_start(record: Run) -> dict[str, Series]:

@@ -120,8 +120,8 @@ def verify(
         str | None,
         typer.Option(
             metavar="PERCENT|RATIO",
-            help="Fitness too: is the FMU within this ('1%', 0.01) of jump, stick, slip, period, "
-            "forces?",
+            help="What an FMU of the physics contract must be within ('1%', 0.01) in jump, stick, "
+            "slip, period and force; default: 1e-6.",
         ),
     ] = None,
     baseline: Annotated[
@@ -135,7 +135,11 @@ def verify(
         bool, typer.Option("--pack", help="Put the report into the FMU as evidence (extra/).")
     ] = False,
     full: Annotated[
-        bool, typer.Option("--full", help="Print every comparison in the report on paper.")
+        bool,
+        typer.Option("--full", help="Try an FMU of the physics contract on all cases, sequences."),
+    ] = False,
+    paper: Annotated[
+        bool, typer.Option("--paper", help="Print every comparison in the report on paper.")
     ] = False,
     output: Annotated[
         Path,
@@ -175,10 +179,11 @@ def verify(
         seed=seed,
         fresh_processes=cases is None or Path(cases).is_dir(),
         within=share,
+        full=full or sequences is not None,
         mutants=faults,
         whole_matrix=mutants,
     )
-    written = _write(verdict, chosen, earlier, output, full=full)
+    written = _write(verdict, chosen, earlier, output, full=paper)
     screen = console()
     if all_:
         screen.print(tables.verdict_table(verdict, screen.width))

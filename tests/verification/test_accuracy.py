@@ -1,0 +1,190 @@
+"""A numerical solution: honest ones are right and as accurate as they are, faults are found."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stickslip_verification import Case, load_cases
+from stickslip_verification.drive import solvers
+from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.drive.kept import kept
+from stickslip_verification.drive.nearby import OFF, changes, spreads
+from stickslip_verification.drive.solvers import SOLVERS, Solver
+from stickslip_verification.judge.accuracy import STANDS_OUT, Ruler, matched, wrong_parameter
+from stickslip_verification.model.run import Run
+from stickslip_verification.suite.family import load_family
+from tests.makers import plain
+from tests.verification.test_run import judged, wrong
+
+USED = (
+    "critically-damped", "damped-cycle", "default", "dwell-growth", "force-pulses", "frictionless",
+    "heavy", "lightened", "loaded", "moving-start", "no-gap", "overdamped", "pull-reverses",
+    "reversals-damped", "start-beyond", "tuned",
+)  # fmt: skip
+
+
+@cache
+def cases() -> Mapping[str, Case]:
+    return {case.id: case for case in load_cases() if case.id in USED}
+
+
+@cache
+def ruler(name: str) -> Ruler:
+    case = cases()[name]
+    return Ruler(kept(exact_motion, case), kept(spreads, case))
+
+
+def others(but: str) -> Mapping[str, Mapping[str, float]]:
+    return {name: of for name, of in load_family().items() if name != but}
+
+
+def farthest(runs: Mapping[str, Run], but: str = "") -> float:
+    """Return the largest delta over what the most similar honest solvers have there."""
+    deltas = {name: ruler(name).deviation(run).delta for name, run in runs.items()}
+    found = matched(deltas, others(but))
+    return max(delta / found.expected[name] for name, delta in deltas.items())
+
+
+def runs_of(solver: Solver) -> dict[str, Run]:
+    return {name: solver.run(case) for name, case in cases().items()}
+
+
+UNLIKE = {
+    "semi-implicit Euler, 0.3 ms": Solver(solvers._semi_implicit, step=3e-4),
+    "Euler, 0.5 ms": Solver(solvers._euler, step=5e-4),
+    "Verlet, 0.2 ms": Solver(solvers._verlet, step=2e-4),
+    "Runge-Kutta, 4 in a step": Solver(solvers._runge_kutta, parts=4),
+    "adaptive, 1e-4": Solver(rtol=1e-4),
+    "adaptive, 1e-8": Solver(rtol=1e-8),
+}
+"""Honest solvers that are not of the family."""
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("name", UNLIKE)
+def test_no_case_of_an_honest_solver_stands_out(name: str) -> None:
+    assert farthest(runs_of(UNLIKE[name])) < STANDS_OUT / 1.5
+
+
+@pytest.mark.gate
+def test_the_data_of_the_family_are_what_its_solvers_have() -> None:
+    for solver in ("semi-implicit Euler, 1 ms", "Runge-Kutta, 10 in a step", "adaptive, 1e-3"):
+        for name, run in runs_of(SOLVERS[solver]).items():
+            delta = ruler(name).deviation(run, ("x", "x_dot", "F")).delta
+            assert delta == pytest.approx(load_family()[solver][name], rel=0.3), (solver, name)
+
+
+Slide = type[solvers._Slide]
+
+
+def without(*names: str) -> Callable[[Case], Case]:
+    def ignore(case: Case) -> Case:
+        kept = [{n: v for n, v in step.changes.items() if n not in names} for step in case.steps]
+        steps = [replace(s, changes=new) for s, new in zip(case.steps, kept, strict=True)]
+        return replace(case, steps=tuple(steps))
+
+    return ignore
+
+
+def scaled(**by: float) -> Callable[[Case], Case]:
+    def scale(case: Case) -> Case:
+        def larger(values: Mapping[str, float]) -> dict[str, float]:
+            return {name: value * by.get(name, 1.0) for name, value in values.items()}
+
+        steps = [replace(step, changes=larger(step.changes)) for step in case.steps]
+        return replace(case, parameters=larger(case.start), steps=tuple(steps))
+
+    return scale
+
+
+FAULTS = {
+    "no load": scaled(load=0.0),
+    "load light": scaled(load=0.9),
+    "F_ext ignored later": without("F_ext"),
+    "pull ignored later": without("v"),
+    "k ignored later": without("k"),
+    "starts at rest": scaled(x_dot_start=0.0),
+}
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("base", ["semi-implicit Euler, 1 ms", "adaptive, 1e-6"])
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_stands_out_where_it_is_20_times_the_error_of_the_solver(
+    base: str, fault: str
+) -> None:
+    honest = runs_of(SOLVERS[base])
+    faulty = {name: SOLVERS[base].run(FAULTS[fault](case)) for name, case in cases().items()}
+
+    def delta(runs: Mapping[str, Run], name: str) -> float:
+        return ruler(name).deviation(runs[name]).delta
+
+    raised = max(delta(faulty, name) / delta(honest, name) for name in cases())
+    found = farthest(faulty) > STANDS_OUT
+    # Few cases fit one more solver, whose error in the faulty case is up to 4 times as large.
+    assert found or raised <= 4.0 * STANDS_OUT
+    assert raised > STANDS_OUT or not found
+
+
+@cache
+def moved() -> Mapping[tuple[str, str], Any]:
+    return {
+        (case.id, name): by for case in cases().values() for name, by in kept(changes, case).items()
+    }
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("name", ["mu_s", "mu_k", "m", "k", "v", "c"])
+@pytest.mark.parametrize("part", [1e-3, -2e-3])
+def test_a_parameter_that_acts_as_another_value_is_named_with_it(name: str, part: float) -> None:
+    wrong = scaled(**{name: 1.0 + part})
+    runs = {each: SOLVERS["adaptive, 1e-6"].run(wrong(case)) for each, case in cases().items()}
+    found = wrong_parameter({each: ruler(each) for each in runs}, runs, moved())
+    assert found is not None
+    assert found.name == name
+    assert found.part == pytest.approx(part, rel=0.05)
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize("name", SOLVERS)
+def test_the_errors_of_an_honest_solver_are_no_wrong_parameter(name: str) -> None:
+    runs = runs_of(SOLVERS[name])
+    assert wrong_parameter({each: ruler(each) for each in runs}, runs, moved()) is None
+
+
+@pytest.mark.gate
+def test_delta_is_by_how_much_the_data_are_off() -> None:
+    for name in ("default", "damped-cycle", "tuned"):
+        for part in (OFF[1], OFF[3], OFF[5]):
+            run = SOLVERS["adaptive, 1e-10"].run(scaled(mu_s=1.0 + part)(cases()[name]))
+            assert part / 100.0 < ruler(name).deviation(run).delta < 2.0 * part
+
+
+@pytest.mark.gate
+def test_an_output_that_is_no_number_is_no_accuracy() -> None:
+    run = SOLVERS["adaptive, 1e-3"].run(cases()["default"])
+    broken = replace(run, outputs={**run.outputs, "x": np.full_like(run.outputs["x"], np.nan)})
+    assert ruler("default").deviation(broken).delta == np.inf
+
+
+@pytest.mark.gate
+@pytest.mark.parametrize(
+    ("fault", "right", "told"),
+    [
+        ("", True, "The model is right: in 14 cases it errs no more than honest solvers do."),
+        ("load light", False, "The model is wrong in "),
+        ("damped ahead", False, "mirror in "),
+    ],
+)
+def test_a_slider_as_people_write_it_is_told_what_it_is(fault: str, right: bool, told: str) -> None:
+    fmu = plain(f"Plain{fault.title().replace(' ', '')}", step=1e-3, fault=fault)
+    verdict = judged(fmu, *USED, sequences=8, within=0.2)
+    model, accuracy = verdict.questions
+    assert told in model.answer
+    assert model.good is right == (wrong(verdict) == [])
+    assert "fixed steps of about 1" in accuracy.answer.replace("0.99", "1")
+    assert verdict.passed is right
