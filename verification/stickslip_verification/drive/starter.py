@@ -64,6 +64,12 @@ def starter(fmu: Path) -> str:
     scores = {v: likeness(v.name, theirs[v.their_name]) for v in fitting if v}
     seen = _tried(fmu, scores)
     scores = {v: s + _SEEN * (v in seen) for v, s in scores.items() if seen.get(v, s)}
+    # Without gravity a normal force may be the whole of it, and is no load on top of m g.
+    if not any(each.name == "g" for each in scores):
+        scores = {
+            v: min(s, WHOLE - 1.0) if v.name == "load" and v not in seen else s
+            for v, s in scores.items()
+        }
     whole = {each.name for each, score in scores.items() if score >= WHOLE}
     lacking = [] if seen else [ours for ours in REQUIRED if ours not in whole]
     chosen = {} if lacking else _sure(scores)

@@ -7,7 +7,6 @@ a curve of the reference is that one, also with the other sign. What may be zero
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -28,6 +27,7 @@ _VALUES: Final = {"m": 1.3, "g": 9.7, "k": 1700.0, "mu_s": 0.55, "mu_k": 0.25, "
 """What is set at first [SI], usual start values in none; the others are zero."""
 
 _STARTS: Final = {"x_start": 2e-3, "x_dot_start": 0.06, "z_start": 2e-3}
+
 _ALONE: Final = {"c": 10.0, "load": 3.0, "F_ext": 1.4, **_STARTS}
 """What the others are set to [SI], each alone."""
 
@@ -80,34 +80,35 @@ class _Trial:
     def findings(self, guesses: Sequence[Sequence[Variable]]) -> dict[Variable, int]:
         """Compare with the parameters of each guess, then set each of the others alone."""
         values = [{v: _VALUES.get(v.name, 0.0) for v in guess} for guess in guesses]
-        gaps = [self._gaps(run, each) for run, each in zip(self._runs(values), values, strict=True)]
-        scores = [sum(1.0 - each[v][0] / _SAME for v in _same(each)) for each in gaps]
+        runs = self._runs(values)
+        gaps = [self._gaps(run, _ours(given)) for run, given in zip(runs, values, strict=True)]
+        scores = [sum(1.0 - gap[v][0] / _SAME for v in _same(gap)) for gap in gaps]
         best = scores.index(max(scores))
-        gap, value, same = gaps[best], values[best], _same(gaps[best])
-        followed = [each for each in same if each.name in _MOVING]
-        if sum(1.0 - gap[each][0] / _SAME for each in followed) < _PROOF:
+        guess, gap, same = values[best], gaps[best], _same(gaps[best])
+        followed = [v for v in same if v.name in _MOVING]
+        if sum(1.0 - gap[v][0] / _SAME for v in followed) < _PROOF:
             return {}
         signs = dict.fromkeys((v for v in gap if gap[v][0] > _OTHER or v.name in _MOVING), 0) | same
         # Another guess that does as well leaves open what it has otherwise.
-        rivals = [
-            v for i, each in enumerate(values) if scores[i] > max(scores) - _EXACT for v in each
-        ]
-        for each in value:
-            if each.name in _VALUES and not any(v.name == each.name and v != each for v in rivals):
-                signs[each] = 1
-        taken = {each.their_name for each in signs if each.name in _VALUES}
+        rivals = [v for i, g in enumerate(values) if scores[i] > scores[best] - _EXACT for v in g]
+        for parameter in guess:
+            others = [v for v in rivals if v.name == parameter.name and v != parameter]
+            if parameter.name in _VALUES and not others:
+                signs[parameter] = 1
+        taken = {v.their_name for v in signs if v.name in _VALUES}
         alone = [
             v for v in self.variables.values() if v.name in _ALONE and v.their_name not in taken
         ]
-        runs = self._runs([value | {v: _ALONE[v.name]} for v in alone])
-        for each, run in zip(alone, runs, strict=True):
+        runs = self._runs([guess | {v: _ALONE[v.name]} for v in alone])
+        for parameter, run in zip(alone, runs, strict=True):
             far = {}
             for sign in (0, 1, -1):
-                moved = self._gaps(run, value, {each.name: sign * _ALONE[each.name]})
-                far[sign] = sum(moved[v][0] for v in followed) if moved else math.inf
+                moved = {**_ours(guess), parameter.name: sign * _ALONE[parameter.name]}
+                gap = self._gaps(run, moved)
+                far[sign] = sum(gap[v][0] for v in followed) if gap else math.inf
             nearest, second, _ = sorted(far, key=lambda sign: far[sign])
             if _CLEARER * far[nearest] + _EXACT < far[second]:
-                signs[each] = nearest
+                signs[parameter] = nearest
         return signs
 
     def _runs(self, values: Sequence[Mapping[Variable, float]]) -> list[Run | None]:
@@ -120,14 +121,8 @@ class _Trial:
             asked.append((Setting(given, _STEPS), self.variables, names))
         return [answer.value for answer in self.pool.each(workers.trial_run, asked)]
 
-    def _gaps(
-        self,
-        run: Run | None,
-        given: Mapping[Variable, float],
-        alone: Mapping[str, float] = MappingProxyType({}),
-    ) -> Gaps:
-        """Return the gaps of a run to the reference with the same values; none without a run."""
-        values = {each.name: value for each, value in given.items()} | dict(alone)
+    def _gaps(self, run: Run | None, values: Mapping[str, float]) -> Gaps:
+        """Return the gaps of a run to the reference with these values; none without a run."""
         key = tuple(sorted(values.items()))
         if key not in self.motions:
             case = Case("trial", "", "", values, _STEPS, (), Path())
@@ -136,13 +131,17 @@ class _Trial:
         if run is None or motion is None:
             return {}
         return {
-            each: min(
-                (_gap(each.name, sign * run.outputs[name], motion.outputs[each.name]), sign)
-                for sign in ((1, -1) if each.name in DIRECTED else (1,))
+            v: min(
+                (_gap(v.name, sign * run.outputs[name], motion.outputs[v.name]), sign)
+                for sign in ((1, -1) if v.name in DIRECTED else (1,))
             )
-            for name, each in self.variables.items()
-            if each.name in QUANTITIES
+            for name, v in self.variables.items()
+            if v.name in QUANTITIES
         }
+
+
+def _ours(values: Mapping[Variable, float]) -> dict[str, float]:
+    return {v.name: value for v, value in values.items()}
 
 
 def _same(gaps: Gaps) -> dict[Variable, int]:
