@@ -37,6 +37,17 @@ W_pull work_of_pull J; W_k work_of_tuning J; Q_friction heat J
 mu_k_used mu_kinetic_used
 """
 
+PLAIN = """
+m mass kg; g gravity m/s2; k stiffness N/m; c damping N.s/m; mu_s cof_static; mu_k cof_kinetic
+x_start x0 m; x_dot_start v0 m/s; z_start stretch0 m; v velocity_in m/s; load normal_load N
+F_ext push N; x pos m; x_dot vel m/s; z stretch m; F f_spring N; F_friction force N; sticking stuck
+"""
+
+TERSE = """
+m m; g g; k c; c d; mu_s mus; mu_k muk; v v; F_ext f; load n
+x s; x_dot u; x_pull p; z -e; F q; F_friction -r; sticking h
+"""
+
 MIRRORED = {"x_start", "x_dot_start", "v", "F_ext", "x", "x_dot", "x_pull", "mode", "delta_x"}
 MIRRORED |= {"x_dot_peak"}
 """What changes its sign where the axis points the other way and the spring counts as it did.

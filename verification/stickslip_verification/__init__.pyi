@@ -3,7 +3,7 @@ from .drive.fmu.errors import FmuError as FmuError
 from .drive.fmu.names import NameMap as NameMap
 from .drive.fmu.names import NamesError as NamesError
 from .drive.fmu.names import load_names as load_names
-from .drive.fmu.starter import starter as starter
+from .drive.starter import starter as starter
 from .drive.workers import Limits as Limits
 from .judge.second_values import AcceptError as AcceptError
 from .judge.second_values import accept as accept

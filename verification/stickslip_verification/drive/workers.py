@@ -11,7 +11,7 @@ import signal
 import tempfile
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -24,13 +24,14 @@ from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.drive.fmu.variables import Variable
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.manners import MANNERS
 from stickslip_verification.drive.other_runs import RUNS
 from stickslip_verification.drive.probes import PROBES
 from stickslip_verification.drive.processes import OUT_OF_MEMORY, Worker
 from stickslip_verification.drive.reference import run_reference
-from stickslip_verification.drive.stepping import NotApplicableError, run_case
+from stickslip_verification.drive.stepping import Driver, NotApplicableError, Setting, run_case
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
@@ -135,6 +136,20 @@ def in_manner(case: Case, manner: str) -> Answer[Run]:
 def probe(invariant: Probe) -> Answer[list[str]]:
     """Try a probe on the FMU of this process."""
     return _answer(lambda: PROBES[invariant.probe](_fmu(), **invariant.arguments))
+
+
+def trial_run(
+    setting: Setting, variables: Mapping[str, Variable], names: Sequence[str]
+) -> Answer[Run]:
+    """Run the FMU of this process through a setting, by `variables` under any names."""
+
+    def whole() -> Run:
+        fmu = _fmu()
+        fmu.variables = variables
+        with fmu.instantiate() as instance:
+            return Driver(instance, setting, names).whole()
+
+    return _answer(whole)
 
 
 class Pool:

@@ -17,7 +17,7 @@ def names(
         ),
     ] = None,
 ) -> None:
-    """Write a names file to begin with, for `stickslip verify --names`."""
+    """Write a names file to begin with, for `stickslip verify --names`; the FMU is run for it."""
     from stickslip.files import writing
     from stickslip_verification import FmuError, starter
 

@@ -97,7 +97,7 @@ def collect(label: str, description: Any, names: NameMap) -> dict[str, Variable]
             target = Target(ours)
         elif target.name == NOT_THERE:
             continue
-        found[ours] = _variable(label, ours, target, theirs[target.name], units, UNITS[ours])
+        found[ours] = as_ours(label, ours, target, theirs[target.name], units, UNITS[ours])
     return found
 
 
@@ -116,7 +116,7 @@ def collect_own(
         target = names.targets.get(name, Target(name))
         variable = theirs.get(target.name)
         if variable is not None and (name in names.targets or variable.causality in SETTABLE):
-            found[name] = _variable(label, name, target, variable, units, unit)
+            found[name] = as_ours(label, name, target, variable, units, unit)
     return found
 
 
@@ -178,9 +178,10 @@ def looks_like(ours: str, variable: Any) -> bool:
     return variable.causality in wanted and variable.variability != "constant"
 
 
-def _variable(
+def as_ours(
     label: str, ours: str, target: Target, theirs: Any, units: Mapping[str, Unit], expected: str
 ) -> Variable:
+    """Return a variable of the FMU as one of ours; `FmuError` if it cannot be that."""
     called = ours if ours == theirs.name else f"{ours} ({theirs.name!r})"
     to_set = ours not in QUANTITIES
     if theirs.causality not in (SETTABLE if to_set else READABLE) or (
