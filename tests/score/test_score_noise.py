@@ -107,6 +107,18 @@ def test_exact_motion_with_noise_is_no_solver_and_no_figure_misleads(
     assert 0.02 < np.median(ratios(*noisy)) < 0.5
 
 
+@pytest.mark.parametrize(("setting", "step"), FEW)
+def test_noise_that_force_and_position_share_is_noise(setting: str, step: float) -> None:
+    motion = exact_motion(setting, step)
+    t, k, v = motion.made.t, motion.p["k"], motion.p["v"]
+    for size in (1e-4, 1e-3, 1e-2):
+        x = motion.made.x + size * motion.swing * WHITE[: t.size]
+        result = score(Curve.of(t, x=x, F=k * (v * t - x)), motion.p)
+        assert result.cause in INNOCENT, result.explanation
+        assert result.x_noise == pytest.approx(size * motion.swing, rel=0.1)
+        assert result.F_noise == pytest.approx(k * size * motion.swing, rel=0.1)
+
+
 def test_noise_that_hides_the_friction_is_named_with_its_size() -> None:
     motion = exact_motion("default", 1e-2)
     short = motion.cut(slice(-round(1.2 * motion.period / 1e-2), None))

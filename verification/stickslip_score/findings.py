@@ -39,6 +39,8 @@ def findings(e: Evidence) -> list[str]:
         )
         if size
     ]
+    if e.motion.shared and e.motion.noise:
+        found.append("x and F share their noise: one was made from the other")
     if e.motion.x_dot is not None:
         found += _moving_at_rest(e)
     return found

@@ -35,6 +35,9 @@ _STRIDES = (1, 4, 16, 64)
 COARSE = 0.1
 """Radians of the oscillation between samples from which on their third differences hold motion."""
 
+_SHARED = 0.1
+"""Of the noise of a column: that of the difference of x and F below which both have the same."""
+
 _LOOKED_AT = 20_000
 """Samples from which the difference of x and F is described."""
 
@@ -62,6 +65,8 @@ class Motion:
         Standard deviation of the noise of y [m]; 0 for a motion that was computed.
     noises
         The same by the column, x or F, from which y follows [m].
+    shared
+        Whether x and F have the same noise, as where one was made from the other.
     source
         The column from which y was taken, x or F.
     x_dot_allowed
@@ -89,6 +94,7 @@ class Motion:
     digits: float
     noise: float
     noises: Mapping[str, float]
+    shared: bool
     source: str
     x_dot_allowed: float
     z_allowed: float
@@ -119,8 +125,8 @@ class Motion:
 
     def with_noise(self, noise: float) -> "Motion":
         """Return the motion with another noise of y [m]; without any, no column has one."""
-        if noise == 0.0:
-            return replace(self, noise=0.0, noises=dict.fromkeys(self.noises, 0.0))
+        if noise == 0.0 or self.shared:
+            return replace(self, noise=noise, noises=dict.fromkeys(self.noises, noise))
         return replace(self, noise=noise, noises={**self.noises, self.source: noise})
 
     def extension(self, time: float, y: float) -> float:
@@ -181,7 +187,7 @@ def motion_of(curve: Curve, p: Mapping[str, float], law: Law) -> Motion:
         longest = max(longest, float(np.max(np.abs(given))))
     for name, y in positions.items():
         digits[name] += _SOLVER_FLOOR * float(np.ptp(y)) + _ROUNDINGS * longest
-    noises = _noises(curve.t, positions, digits, law)
+    noises, shared = _noises(curve.t, positions, digits, law)
     drift, mismatch = 0.0, ""
     if len(positions) == 2:
         z = law.v * since - positions["x"]
@@ -206,6 +212,7 @@ def motion_of(curve: Curve, p: Mapping[str, float], law: Law) -> Motion:
         digits=max(digits[source], 1e-300),
         noise=noises[source],
         noises=noises,
+        shared=shared,
         source=source,
         x_dot_allowed=curve.x_dot_rounding,
         z_allowed=z_allowed,
@@ -218,18 +225,22 @@ def motion_of(curve: Curve, p: Mapping[str, float], law: Law) -> Motion:
 
 def _noises(
     t: Floats, positions: Mapping[str, Floats], digits: Mapping[str, float], law: Law
-) -> dict[str, float]:
-    """Return the noise of the positions [m] by the column from which they follow.
+) -> tuple[dict[str, float], bool]:
+    """Return the noise of the positions [m] by column, and whether the columns share it.
 
-    No motion is left in the difference of two of them, however coarse the samples are: it has the
-    noise of both.
+    Coarse samples scatter for the motion as well. None of it is left in the difference of two
+    positions, which has the noise of both, unless one was made from the other.
     """
     stick = law.relief / law.v if not math.isinf(law.t_slip) else 1.0 / law.w
     step = float(t[-1] - t[0]) / (t.size - 1)
     strides = [n for n in _STRIDES if n == 1 or 14.0 * n * step < stick]
     found = {name: noise_of(t, y, digits[name], strides) for name, y in positions.items()}
-    if len(found) == 2:
-        of_both = noise_of(t, positions["x"] - positions["F"], sum(digits.values()), strides)
+    if len(found) == 1:
+        return found, False
+    of_both = noise_of(t, positions["x"] - positions["F"], sum(digits.values()), strides)
+    coarse = step * law.w >= COARSE
+    shared = of_both <= (0.0 if coarse else _SHARED * min(found.values()))
+    if coarse:
         found = {name: min(noise, of_both) for name, noise in found.items()}
         if of_both and not any(found.values()):
             # What rests to its digits has none.
@@ -237,7 +248,7 @@ def _noises(
                 name: 0.0 if _alike(y, digits[name], of_both) else of_both
                 for name, y in positions.items()
             }
-    return found
+    return found, shared
 
 
 def _alike(y: Floats, digits: float, noise: float) -> bool:
