@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -117,6 +118,18 @@ def test_noise_that_force_and_position_share_is_noise(setting: str, step: float)
         assert result.cause in INNOCENT, result.explanation
         assert result.x_noise == pytest.approx(size * motion.swing, rel=0.1)
         assert result.F_noise == pytest.approx(k * size * motion.swing, rel=0.1)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.002])
+def test_a_force_that_is_delayed_or_filtered_is_late(noise: float) -> None:
+    made = exact({}, 1e-3 * np.arange(3000.0))
+    delayed = np.concatenate([np.zeros(3), made.F[:-3]])
+    for F in (delayed, lfilter([0.25], [1.0, -0.75], made.F)):
+        result = score(Curve.of(made.t, x=made.x, F=F + 5.0 * noise * WHITE[:3000]), {})
+        assert result.cause == "other"
+        late = re.search(r"F is late by about (.*) ms", result.explanation)
+        assert late is not None, result.explanation
+        assert float(late[1]) == pytest.approx(3.0, rel=0.1)
 
 
 def test_noise_that_hides_the_friction_is_named_with_its_size() -> None:

@@ -10,6 +10,7 @@ from scipy.ndimage import uniform_filter1d
 from stickslip_score.curve import Curve, Floats
 from stickslip_score.law import Law
 from stickslip_score.noise import noise_of
+from stickslip_score.words import time
 
 _SOLVER_FLOOR = 1e-9
 """Of the range of x: no tool that integrates promises more, so less is held against none."""
@@ -263,22 +264,27 @@ def _compared(
 ) -> tuple[float, str]:
     """Return how far F/k wanders off v t - x slowly [m], and why they contradict each other if so.
 
-    A zero that drifts follows time; another stiffness follows the spring.
+    A zero that drifts follows time; another stiffness follows the spring, a delay its rate.
     """
     stride = -(-since.size // _LOOKED_AT)
     t, given, z = since[::stride], given[::stride], z[::stride]
-    apart = given - z
     # The spring's way as the column tells that has less noise: noise follows itself.
     way = given if noises["F"] < noises["x"] else z
     size = float(np.ptp(way)) or 1.0
     basis, _ = np.linalg.qr(np.polynomial.legendre.legvander(2.0 * t / t[-1] - 1.0, _DRIFTS))
-    of_spring = way - basis @ (basis.T @ way)
-    slow = basis @ (basis.T @ apart)
-    power = float(of_spring @ of_spring)
-    share = float(of_spring @ apart) / power if power > (1e-6 * size) ** 2 * t.size else 0.0
-    rms = math.sqrt(float(np.mean((apart - slow - share * of_spring) ** 2)))
-    follows = min(noises.values()) ** 2 * t.size / power if share else 0.0
-    sure = 5.0 * rms / math.sqrt(power) + follows if share else 0.0
+    slow = basis @ (basis.T @ (given - z))
+    apart = given - z - slow
+    of_spring, of_rate = (s - basis @ (basis.T @ s) for s in (way, np.gradient(way, t)))
+    early, sure_of_early, rest = _followed(apart, of_rate, 1e-6 * size / t[-1])
+    share, sure, rms = _followed(apart, of_spring, 1e-6 * size)
+    moved = abs(early) * math.sqrt(float(np.mean(of_rate**2)))
+    if abs(early) > 2.0 * sure_of_early and moved > 4.0 * digits and rest < rms:
+        return 0.0, (
+            f"F is {'early' if early > 0.0 else 'late'} by about {time(abs(early))} against "
+            "k (v t - x): a delay of one of them, or a filter"
+        )
+    if share:
+        sure += min(noises.values()) ** 2 * t.size / float(of_spring @ of_spring)
     if abs(share) > _DRIFT * float(np.ptp(given)) / size + 16.0 * digits / size + 4.0 * sure:
         if abs(share + 2.0) < _OPPOSITE or abs(share - 2.0) < _OPPOSITE:
             return 0.0, "F is -k (v t - x) + const: it has the opposite sign"
@@ -289,3 +295,14 @@ def _compared(
     surely = 5.0 * rms * math.sqrt((_DRIFTS + 1) / t.size) + 4.0 * digits
     wander = float(np.ptp(slow))
     return (wander if wander > 2.0 * surely + 1e-6 * size else 0.0), ""
+
+
+def _followed(apart: Floats, signal: Floats, least: float) -> tuple[float, float, float]:
+    """Return the part of a signal in a difference, five deviations of it, and the rms of the rest.
+
+    A signal of a smaller rms than `least` has no part.
+    """
+    power = float(signal @ signal)
+    share = float(signal @ apart) / power if power > least**2 * apart.size else 0.0
+    rms = math.sqrt(float(np.mean((apart - share * signal) ** 2)))
+    return share, 5.0 * rms / math.sqrt(power) if share else 0.0, rms
