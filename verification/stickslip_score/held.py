@@ -49,7 +49,7 @@ def on_the_law(found: Fit, motion: Motion) -> bool:
 
 
 def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
-    """Hold the curve against the law: exact, one coefficient, gap free, gap and mass free.
+    """Hold the curve against the law: exact, one coefficient, free gap, gap and mass, damping.
 
     A curve on the exact law is held against the free gap alone besides; one that lies on a law
     with another gap is not held against another mass. A curve may start in a slip that no
@@ -69,7 +69,12 @@ def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
         # Noise hides a slip too many at either end, so that the nearer one is right.
         exact, part = min(held, key=lambda pair: pair[0].rms)
         if on_the_law(exact, motion):
-            return {"exact": exact, "gap": fit(part.samples, part.law, [exact.t_break], ["D"])}
+            free = {"gap": "D", "damping": "zeta"} if motion.noise else {"gap": "D"}
+            beside = {
+                name: fit(part.samples, part.law, [exact.t_break], [number])
+                for name, number in free.items()
+            }
+            return {"exact": exact, **beside}
     if motion.noise:
         exact, part = min(tried, key=lambda pair: pair[0].rms)
         law = part.law
@@ -86,7 +91,11 @@ def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
     period = _period(phases)
     seeds = [law, *_another_gap(law, period)]
     found["gap"] = min((part.fit(seed, "D") for seed in seeds), key=_rms)
-    if not on_the_law(found["gap"], motion) and not part.coarse:
+    lies = on_the_law(found["gap"], motion)
+    if motion.noise or not (lies or part.coarse):
+        damped = [law, *_another_damping(law, period)]
+        found["damping"] = min((part.fit(seed, "zeta") for seed in damped), key=_rms)
+    if not (lies or part.coarse):
         seeds += _another_mass(law, period)
         found["gap and mass"] = min((part.fit(seed, "D", "w") for seed in seeds), key=_rms)
     if motion.from_force and not any(on_the_law(each, motion) for each in found.values()):
@@ -222,6 +231,21 @@ def _another_gap(law: Law, period: float) -> list[Law]:
         return -period if math.isnan(shown) else shown - period
 
     return [law.with_gap(root(longer, 1e-3 * law.v / law.w, 0.5 * law.v * period))]
+
+
+def _another_damping(law: Law, period: float) -> list[Law]:
+    """Return the law with the damping ratio that gives the period, if there is one."""
+    if math.isnan(period) or law.zeta >= 0.9:
+        return []
+
+    def damped(zeta: float) -> Law:
+        return replace(law, zeta=zeta, D=law.D + 2.0 * (law.zeta - zeta) * law.v / law.w)
+
+    def longer(zeta: float) -> float:
+        shown = damped(zeta).quantities()["period"]
+        return -period if math.isnan(shown) else shown - period
+
+    return [damped(root(longer, -0.3, 0.9))]
 
 
 def _another_mass(law: Law, period: float) -> list[Law]:

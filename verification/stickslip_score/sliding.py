@@ -8,8 +8,11 @@ from stickslip_score.departure import Rest, rests_of
 from stickslip_score.evidence import Evidence
 from stickslip_score.fit import Fit
 from stickslip_score.phases import LOST, NO_GAP
-from stickslip_score.result import Cause, Judgement
+from stickslip_score.result import Cause, Judgement, tolerance
 from stickslip_score.words import force, length, percent, speed, time
+
+_SEEN_STEPS, _LOOSE = 0.05, 1e-2
+"""Of a sample step: lateness that is none of a fixed step; and of v/w: an error of a tolerance."""
 
 _LATE_STEPS = 2.0
 """Sample steps of motion by which fixed steps can set a slide off: the break-away is late by up to
@@ -30,6 +33,8 @@ def judge_sliding(e: Evidence) -> Judgement | None:
         return Cause.SINGLE_COEFFICIENT, slide_of_one_coefficient(e)
     if not e.fits:
         return without_departure(e, rest)
+    if e.motion.measured:
+        return another_slide(e) if e.lies_on("gap") else None
     nearest = min(e.fits.values(), key=lambda fit: fit.excess)
     if _creeps(e, rest, nearest):
         return _creep(e, nearest)
@@ -126,6 +131,10 @@ def another_slide(e: Evidence) -> Judgement:
 
 
 def _fixed_step(e: Evidence, rest: Rest, nearest: Fit) -> Judgement | None:
+    late = abs(e.fits["gap"].law.D - e.law.D) / e.law.v if "gap" in e.fits else math.inf
+    off = min(fit.worst for fit in e.fits.values()) * e.law.w / e.law.v
+    if late < _SEEN_STEPS * float(np.max(np.diff(e.motion.t))) and off < _LOOSE:
+        return tolerance(off)
     top_speed = e.law.v * (1.0 + math.hypot(1.0, e.law.w * max(e.law.D, 0.0) / e.law.v))
     in_steps = _LATE_STEPS * float(np.max(np.diff(e.motion.t))) * top_speed
     if rest.last == rest.first or nearest.worst > in_steps:
