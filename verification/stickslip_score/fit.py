@@ -204,7 +204,8 @@ def starts_in(
     return [float(begin) for begin in candidates[best[:kept]]]
 
 
-def _applied(law: Law, numbers: Mapping[str, float]) -> Law:
+def applied(law: Law, numbers: Mapping[str, float]) -> Law:
+    """Return the law with other numbers: D, w, zeta, as far as they are given and allowed."""
     w = min(max(numbers.get("w", law.w), 0.2 * law.w), 5.0 * law.w)
     zeta = min(max(numbers.get("zeta", law.zeta), _LEAST_ZETA), max(law.zeta, _MOST_ZETA))
     D = numbers.get("D", law.D + 2.0 * (law.zeta - zeta) * law.v / law.w)
@@ -215,14 +216,14 @@ def _applied(law: Law, numbers: Mapping[str, float]) -> Law:
 
 def _residual(samples: Samples, law: Law, numbers: Mapping[str, float]) -> Floats:
     after = samples.t - numbers["t_break"]
-    return samples.centred(samples.y - _applied(law, numbers).position(after))
+    return samples.centred(samples.y - applied(law, numbers).position(after))
 
 
 def _jacobian(samples: Samples, law: Law, numbers: Mapping[str, float]) -> Floats:
     """Return the residual's derivatives, shape (n, number of free numbers)."""
     columns = []
     for name, step in _steps(numbers, law).items():
-        laws = [_applied(law, {**numbers, name: numbers[name] + d}) for d in (-step, step)]
+        laws = [applied(law, {**numbers, name: numbers[name] + d}) for d in (-step, step)]
         late = step if name == "t_break" else 0.0
         down, up = (
             each.position(samples.t - numbers["t_break"] - d)
@@ -263,7 +264,7 @@ def _least_squares(samples: Samples, law: Law, numbers: dict[str, float]) -> dic
         max_nfev=60,
     )
     found = named(done.x)
-    kept = _applied(law, found)
+    kept = applied(law, found)
     return {
         name: value if name == "t_break" else getattr(kept, name) for name, value in found.items()
     }
@@ -271,7 +272,7 @@ def _least_squares(samples: Samples, law: Law, numbers: dict[str, float]) -> dic
 
 def _account(samples: Samples, law: Law, numbers: dict[str, float]) -> Fit:
     r, J = _residual(samples, law, numbers), _jacobian(samples, law, numbers)
-    found = _applied(law, numbers)
+    found = applied(law, numbers)
     position = found.position(samples.t - numbers["t_break"])
     # Least squares is linear in the samples: each moves the result by its row of the inverse.
     scale = np.maximum(np.sqrt(np.sum(J * J, axis=0)), _NOTHING)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stickslip_score.departure import Rest, rests_of
-from stickslip_score.fit import Fit, Samples, fit, starts_in
+from stickslip_score.fit import Fit, Samples, applied, fit, starts_in
 from stickslip_score.law import Law, root
 from stickslip_score.motion import Motion
 from stickslip_score.phases import Phases
@@ -89,14 +89,14 @@ def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
     one = law.with_gap(-2.0 * law.zeta * law.v / law.w)
     found["one coefficient"] = part.fit(one)
     period = _period(phases)
-    seeds = [law, *_another_gap(law, period)]
+    seeds = _seeds(law, period, "D", 1e-3 * law.v / law.w, 0.5 * law.v * period)
     found["gap"] = min((part.fit(seed, "D") for seed in seeds), key=_rms)
     lies = on_the_law(found["gap"], motion)
     if motion.noise or not (lies or part.coarse):
-        damped = [law, *_another_damping(law, period)]
+        damped = _seeds(law, period, "zeta", -0.3, 0.9)
         found["damping"] = min((part.fit(seed, "zeta") for seed in damped), key=_rms)
     if not (lies or part.coarse):
-        seeds += _another_mass(law, period)
+        seeds += _seeds(law, period, "w", 0.5 * law.w, 2.0 * law.w)[1:]
         found["gap and mass"] = min((part.fit(seed, "D", "w") for seed in seeds), key=_rms)
     if motion.from_force and not any(on_the_law(each, motion) for each in found.values()):
         found |= _with_drift(motion, part)
@@ -221,36 +221,13 @@ def _period(phases: Phases) -> float:
     return float(times[-1] - times[0]) / (times.size - 1) if times.size > 1 else math.nan
 
 
-def _another_gap(law: Law, period: float) -> list[Law]:
-    """Return the law with the gap that gives the period, if there is one."""
+def _seeds(law: Law, period: float, name: str, low: float, high: float) -> list[Law]:
+    """Return the law, and that with the number `name` between two that gives the period."""
     if math.isnan(period) or law.zeta >= 1.0:
-        return []
+        return [law]
 
-    def longer(D: float) -> float:
-        shown = law.with_gap(D).quantities()["period"]
+    def longer(number: float) -> float:
+        shown = applied(law, {name: number}).quantities()["period"]
         return -period if math.isnan(shown) else shown - period
 
-    return [law.with_gap(root(longer, 1e-3 * law.v / law.w, 0.5 * law.v * period))]
-
-
-def _another_damping(law: Law, period: float) -> list[Law]:
-    """Return the law with the damping ratio that gives the period, if there is one."""
-    if math.isnan(period) or law.zeta >= 0.9:
-        return []
-
-    def damped(zeta: float) -> Law:
-        return replace(law, zeta=zeta, D=law.D + 2.0 * (law.zeta - zeta) * law.v / law.w)
-
-    def longer(zeta: float) -> float:
-        shown = damped(zeta).quantities()["period"]
-        return -period if math.isnan(shown) else shown - period
-
-    return [damped(root(longer, -0.3, 0.9))]
-
-
-def _another_mass(law: Law, period: float) -> list[Law]:
-    """Return the law with the frequency that gives the period about: fast slips follow 1/w."""
-    own = law.quantities()["period"]
-    if math.isnan(period) or math.isnan(own):
-        return []
-    return [replace(law, w=law.w * own / period)]
+    return [law, applied(law, {name: root(longer, low, high)})]
