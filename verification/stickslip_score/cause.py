@@ -16,7 +16,7 @@ from stickslip_score.held import explained_by_drift
 from stickslip_score.law import Law, root
 from stickslip_score.phases import NO_GAP, Stick
 from stickslip_score.result import Cause, Judgement, power, tolerance
-from stickslip_score.sliding import another_slide, judge_sliding
+from stickslip_score.sliding import another_slide, judge_sliding, rests_on
 from stickslip_score.words import force, length, percent, signed_length, speed, time
 
 _NO_CAUSE = "no single cause explains it"
@@ -56,10 +56,6 @@ _LEAST_LATE = 0.03
 
 _SAME_FORCE = 1e-6
 """Of the highest spring force: a break-away force nearer than that is the same, for any solver."""
-
-_HIDDEN = 8.0
-"""Half units of the last digit within which jumps that vary are not told from equal ones: two for
-either level, at either end of their range."""
 
 _DEVIATIONS, _SURE, _OFFSETS = 3.0, 3.5, 5.0
 """Standard deviations of noise to which a number is said to be known; beyond which it is another;
@@ -232,7 +228,8 @@ def _another_block(e: Evidence) -> Judgement | None:
     Schwarz's criterion chooses between laws that noise allows, if by a clear margin.
     """
     lying = [name for name in ("gap", "damping", "gap and mass") if e.lies_on(name)]
-    lying.sort(key=lambda name: e.fits[name].criterion(e.motion.digits))
+    likely = {name: -e.fits[name].criterion(e.motion.digits) for name in lying}
+    lying.sort(key=lambda name: -likely[name])
     if not lying:
         return None
     name = lying[0]
@@ -242,18 +239,15 @@ def _another_block(e: Evidence) -> Judgement | None:
         return tolerance(_shift(e, name))
     else:
         cause, said = _named(e, name)
-    rivals = [other for other in lying[1:] if not _preferred(e, name, other)]
-    rivals = [other for other in rivals if other != "damping" or _may_be_damped(e)]
+    rivals = [
+        other
+        for other in lying[1:]
+        if likely[name] - likely[other] < _MARGIN and (other != "damping" or _may_be_damped(e))
+    ]
     if cause is not Cause.OTHER or e.exact is None or not (rivals or _may_be_late(e, name)):
         return cause, said
     also = [_named(e, other)[1] for other in rivals] or ["break-aways are late by as little"]
     return Cause.OTHER, f"{_NO_CAUSE}: {'; or '.join([said, *also]).replace(f'{_NO_CAUSE}: ', '')}"
-
-
-def _preferred(e: Evidence, name: str, other: str) -> bool:
-    """Tell whether a law is clearly the likelier one of two."""
-    worse, better = (e.fits[each].criterion(e.motion.digits) for each in (other, name))
-    return worse - better > _MARGIN
 
 
 def _may_be_damped(e: Evidence) -> bool:
@@ -329,8 +323,6 @@ def _gap(e: Evidence, gap: Fit) -> Judgement:
         cause, said = another_slide(e)
     elif not e.motion.measured and _shift(e, "gap") < _TYPED:
         return tolerance(_shift(e, "gap"))
-    elif not e.motion.measured and (late := _late_by_a_step(e)):
-        return late
     else:
         cause, said = _named(e, "gap")
     if e.motion.measured:
@@ -365,22 +357,6 @@ def _slow_noise(e: Evidence, gap: Fit) -> Judgement:
         f"{off}: slow noise hides a cause below that; the gap of (mu_s - mu_k) N is the exact one "
         f"within {100.0 * known:.2g} %; a noise of {length(0.25 * gap.rms)} would tell more"
     )
-
-
-def _late_by_a_step(e: Evidence) -> Judgement | None:
-    """Return fixed steps where late break-aways explain a gap that is a little too wide."""
-    D = e.fits["gap"].law.D
-    step = 2.0 * (D - e.law.D) / e.law.v
-    # Late by none to one step, jumps vary by up to twice what they are off on average.
-    if 0.0 < step <= float(np.max(np.diff(e.motion.t))) and _HIDDEN * e.motion.allowed > 4.0 * (
-        D - e.law.D
-    ):
-        return Cause.FIXED_STEP, (
-            f"fixed steps: break-aways that are late by up to {time(step)} explain the period and "
-            "the jump; the digits do not tell them from "
-            f"(mu_s - mu_k) N {percent(_gap_ratio(e, D))}"
-        )
-    return None
 
 
 def _gap_ratio(e: Evidence, D: float) -> float:
@@ -471,15 +447,7 @@ def _without_a_slip(e: Evidence) -> Judgement:
         if e.exact is None:
             return Cause.EXACT, "the mass slides steadily, and no cycle exists at these parameters"
         return Cause.SINGLE_COEFFICIENT, "the mass slides steadily and never comes to rest"
-    rest = resting[-1]
-    over = e.motion.absolute and float(np.max(e.motion.z)) > e.highest + 4.0 * e.motion.allowed
-    if over and rest.end is None:
-        return Cause.OTHER, (
-            f"the mass rests although the spring force reaches "
-            f"{force(e.p['k'] * float(np.max(e.motion.z)))}, above the break-away force "
-            f"{force(e.p['k'] * e.break_away)}"
-        )
-    return Cause.EXACT, "the mass rests as far as the curve goes: it shows no break-away to judge"
+    return rests_on(e, e.highest if resting[-1].end is None else math.inf)
 
 
 def _of_a_solver(e: Evidence) -> Judgement:

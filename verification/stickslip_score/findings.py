@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from stickslip_score.departure import rests_of
 from stickslip_score.evidence import Evidence
+from stickslip_score.slide import rests_of
 from stickslip_score.words import force, length, speed, time
 
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip_score.departure import Rest, rests_of
 from stickslip_score.fit import Fit, Samples, applied, fit, starts_in
 from stickslip_score.law import Law, root
 from stickslip_score.motion import Motion
 from stickslip_score.phases import Phases
+from stickslip_score.slide import Rest, rests_of
 
 _COARSE = 0.2
 """Of a period: samples farther apart may have passed over a break-away before the first turn that
