@@ -63,26 +63,22 @@ def exact(p: Parameters, times: Floats) -> Made:
 def adaptive(p: Parameters, times: Floats, rtol: float) -> Made:
     """Integrate each slip with adaptive steps to its end, which the solver finds."""
     q = with_defaults(p)
-    k, m, v, N = q["k"], q["m"], q["v"], q["m"] * q["g"]
-    x, u = np.zeros(times.size), np.zeros(times.size)
+    k, v, N = q["k"], q["v"], q["m"] * q["g"]
+    states, begin = np.zeros((2, times.size)), q["mu_s"] * N / k / v
 
     def rate(time: float, state: Floats) -> tuple[float, float]:
-        return state[1], (k * (v * time - state[0]) - q["mu_k"] * N - q["c"] * state[1]) / m
+        return state[1], (k * (v * time - state[0]) - q["mu_k"] * N) / q["m"]
 
     def stops(_: float, state: Floats) -> float:
         return float(state[1])
 
     stops.terminal, stops.direction = True, -1  # type: ignore[attr-defined]
-    end, at = (q["mu_s"] * N / k) / v, 0.0
-    while end < times[-1]:
-        span, tolerances = (end, times[-1]), {"rtol": rtol, "atol": 1e-3 * rtol}
-        slip = solve_ivp(rate, span, [at, 0.0], events=stops, dense_output=True, **tolerances)
-        moves = (times > end) & (times <= slip.t[-1])
-        x[moves], u[moves] = slip.sol(times[moves])
-        at = float(slip.y[0, -1])
-        x[times > slip.t[-1]] = at
-        end = (q["mu_s"] * N / k + at) / v
-    return Made(times, x, u, k * (v * times - x))
+    while begin < times[-1]:
+        tight = {"rtol": rtol, "atol": 1e-3 * rtol, "events": stops, "dense_output": True}
+        slip = solve_ivp(rate, (begin, times[-1]), [states[0, -1], 0.0], **tight)
+        states[:, times > begin] = slip.sol(np.minimum(times[times > begin], slip.t[-1]))
+        begin = q["mu_s"] * N / k / v + states[0, -1] / v
+    return Made(times, states[0], states[1], k * (v * times - states[0]))
 
 
 def stepped(p: Parameters, duration: float, h: float) -> Made:

@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -134,10 +133,8 @@ def test_a_solver_that_finds_its_events_is_off_by_its_tolerance(draw: int, rtol:
     p, T, end = DRAWS[draw]
     result = scored(makers.adaptive(p, np.arange(0.0, end, T / 400), rtol), p, "x F")
     assert result.cause == "solver_tolerance", result.explanation
-    power = re.match(r"solver tolerance, 1e(-\d+):", result.explanation)
-    assert power is not None
     # An error of a step adds up over a slip, and is far below the tolerance where steps are short.
-    assert abs(int(power[1]) - math.log10(rtol)) <= 2.0
+    assert 0.01 < float(result.explanation.split(":")[0][18:]) / rtol < 100.0
 
 
 @pytest.mark.parametrize("h", [1e-3, 1e-4])

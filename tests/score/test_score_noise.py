@@ -120,16 +120,12 @@ def test_noise_that_force_and_position_share_is_noise(setting: str, step: float)
         assert result.F_noise == pytest.approx(k * size * motion.swing, rel=0.1)
 
 
-@pytest.mark.parametrize("noise", [0.0, 0.002])
+@pytest.mark.parametrize("noise", [0.0, 0.01])
 def test_a_force_that_is_delayed_or_filtered_is_late(noise: float) -> None:
     made = exact({}, 1e-3 * np.arange(3000.0))
-    delayed = np.concatenate([np.zeros(3), made.F[:-3]])
-    for F in (delayed, lfilter([0.25], [1.0, -0.75], made.F)):
-        result = score(Curve.of(made.t, x=made.x, F=F + 5.0 * noise * WHITE[:3000]), {})
-        assert result.cause == "other"
-        late = re.search(r"F is late by about (.*) ms", result.explanation)
-        assert late is not None, result.explanation
-        assert float(late[1]) == pytest.approx(3.0, rel=0.1)
+    for F in (np.append(np.zeros(3), made.F[:-3]), lfilter([0.25], [1.0, -0.75], made.F)):
+        result = score(Curve.of(made.t, x=made.x, F=F + noise * WHITE[:3000]), {})
+        assert re.search(r"F is late by about (2\.[89]|3)\d* ms", result.explanation)
 
 
 def test_noise_that_hides_the_friction_is_named_with_its_size() -> None:

@@ -33,9 +33,6 @@ _MARGIN = 20.0
 _CLEAR = 100.0
 """How much larger what a law explains is than what it leaves, where solver errors are left."""
 
-_STEPS = 1.5
-"""Sample steps within which lateness by solver steps lies: by one, and errors of the arcs."""
-
 _SEEN_STEPS = 0.05
 """Of a sample step: lateness that few slips must show to be that of steps."""
 
@@ -115,7 +112,8 @@ def decide(e: Evidence) -> Judgement:
 def _of_no_law(e: Evidence, creeping: list[Stick]) -> Judgement:
     """Judge a curve that lies on no law by the signatures of causes."""
     gap = e.fits.get("gap")
-    if e.motion.measured and e.phases.only_rests and _may_slip(e):
+    lasts = float(e.motion.t[-1] - e.motion.t[0])
+    if e.motion.measured and e.phases.only_rests and lasts > e.law.relief / e.law.v:
         return Cause.NOISY, (
             f"the {noise_in_words(e)}, hides the motion: the mass is not seen to leave its place, "
             f"and a jump of {length(e.law.quantities()['delta_x'])} is due"
@@ -147,17 +145,12 @@ def _of_no_law(e: Evidence, creeping: list[Stick]) -> Judgement:
     return _of_a_solver(e)
 
 
-def _may_slip(e: Evidence) -> bool:
-    """Tell whether the record is longer than a stick."""
-    return float(e.motion.t[-1] - e.motion.t[0]) > e.law.relief / e.law.v
-
-
 def _on_the_exact_law(e: Evidence) -> Judgement:
     if not e.motion.measured or "gap" not in e.fits:
         return _exact_law(e)
     gap = e.fits["gap"]
     known, off = _known(e, gap), abs(gap.law.D - e.law.D)
-    if not known < _HIDES or off > _SURE / _DEVIATIONS * known * _swing(e):
+    if not known < _HIDES or off > _SURE / _DEVIATIONS * known * e.swing:
         return _another_block(e) or _gap(e, gap)
     cause, said = _exact_law(e)
     if cause is Cause.EXACT:
@@ -213,13 +206,9 @@ def noise_in_words(e: Evidence) -> str:
     return f"noise of F, {force(e.p['k'] * e.motion.noise)} rms"
 
 
-def _swing(e: Evidence) -> float:
-    return math.hypot(e.law.D, e.law.v / e.law.w)
-
-
 def _known(e: Evidence, gap: Fit) -> float:
     """Return how well noise and digits let the gap be known, in parts of the swing."""
-    return (_DEVIATIONS * gap.deviation("D") + 2.0 * gap.spread["D"]) / _swing(e)
+    return (_DEVIATIONS * gap.deviation("D") + 2.0 * gap.spread["D"]) / e.swing
 
 
 def _another_block(e: Evidence) -> Judgement | None:
@@ -281,7 +270,7 @@ def _shift(e: Evidence, name: str) -> float:
     """Return how far the numbers of a law are from the given ones, in parts of them."""
     law = e.fits[name].law
     return max(
-        abs(law.D - e.law.D) / _swing(e),
+        abs(law.D - e.law.D) / e.swing,
         abs(law.w / e.law.w - 1.0),
         2.0 * math.pi * abs(law.zeta - e.law.zeta),
     )
@@ -295,13 +284,13 @@ def _named(e: Evidence, name: str) -> Judgement:
     if name == "gap":
         return Cause.OTHER, (
             "the curve is a clean stick-slip motion of another gap: the spring relief is that of "
-            f"(mu_s - mu_k) N {percent(_gap_ratio(e, law.D))}"
+            f"(mu_s - mu_k) N {percent(e.gap_ratio(law.D))}"
         )
     if name == "gap and mass":
         return Cause.OTHER, (
             "the curve is a clean stick-slip motion of another oscillator: k/m is "
             f"{percent((law.w / e.law.w) ** 2)} and (mu_s - mu_k) N/k "
-            f"{percent(_gap_ratio(e, law.D))}"
+            f"{percent(e.gap_ratio(law.D))}"
         )
     c = 2.0 * law.zeta * e.p["m"] * law.w
     if c < 0.0:
@@ -348,22 +337,15 @@ def _slow_noise(e: Evidence, gap: Fit) -> Judgement:
         f"the samples are off the law by {length(gap.rms)} rms, unlike from cycle to cycle, "
         f"and the {noise_in_words(e)} from sample to sample"
     )
-    if abs(gap.law.D - e.law.D) > _SURE / _DEVIATIONS * known * _swing(e):
+    if abs(gap.law.D - e.law.D) > _SURE / _DEVIATIONS * known * e.swing:
         return Cause.OTHER, (
             f"{_NO_CAUSE}: the gap is on average that of (mu_s - mu_k) N "
-            f"{percent(_gap_ratio(e, gap.law.D))}, and {off}"
+            f"{percent(e.gap_ratio(gap.law.D))}, and {off}"
         )
     return Cause.NOISY, (
         f"{off}: slow noise hides a cause below that; the gap of (mu_s - mu_k) N is the exact one "
         f"within {100.0 * known:.2g} %; a noise of {length(0.25 * gap.rms)} would tell more"
     )
-
-
-def _gap_ratio(e: Evidence, D: float) -> float:
-    """Return the gap of the friction forces that belongs to a D, over the given one."""
-    drag = 2.0 * e.law.zeta * e.law.v / e.law.w
-    gap = e.law.D + drag
-    return (D + drag) / gap if gap else math.inf
 
 
 def _drift(e: Evidence) -> str:
@@ -433,7 +415,7 @@ def _peak(e: Evidence) -> str:
     """Say what became of the static peak."""
     if e.exact is None:
         return "at these parameters the exact mass slides on after its break-away"
-    share = e.phases.fall / (2.0 * _swing(e)) if e.phases.highs.size else 0.0
+    share = e.phases.fall / (2.0 * e.swing) if e.phases.highs.size else 0.0
     if share < _LOST_PEAK:
         said = f"the spring falls by {100.0 * share:.3g} % of what it should"
         return f"the static peak is lost: {said}"
@@ -461,7 +443,7 @@ def _of_a_solver(e: Evidence) -> Judgement:
     widened = np.array([_gap_of_jump(e.law, jump) for jump in e.measured.jumps]) - e.law.D
     late = widened / e.law.v
     off = float(np.max(np.abs(np.array(e.measured.jumps) / e.exact["delta_x"] - 1.0)))
-    left = min(fit.rms for fit in e.fits.values()) / _swing(e) if e.fits else 0.0
+    left = min(fit.rms for fit in e.fits.values()) / e.swing if e.fits else 0.0
     said = (
         f"the jump is {signed_length(e.measured.values['delta_x'][0] - e.exact['delta_x'])} from "
         f"the exact one, and jumps differ by up to {length(float(np.ptp(e.measured.jumps)))}"
@@ -472,14 +454,14 @@ def _of_a_solver(e: Evidence) -> Judgement:
             f"solver, as from steps of {time(float(np.ptp(late)))} or more; {said}"
         )
     for name in ("gap", "damping", "gap and mass"):
-        if name in e.fits and e.fits[name].rms * _CLEAR < min(_shift(e, name), _LOOSE) * _swing(e):
+        if name in e.fits and e.fits[name].rms * _CLEAR < min(_shift(e, name), _LOOSE) * e.swing:
             cause, named = _named(e, name)
             return cause, f"{named}, to a solver tolerance of {power(left)}"
     if off < left / _CLEAR:
         if left < 0.1 * _LOOSE:
             return Cause.EXACT, (
                 "jumps and times at rest are the exact ones; the samples of slips are off the "
-                f"exact solution by {length(left * _swing(e))} rms: interpolated or filtered"
+                f"exact solution by {length(left * e.swing)} rms: interpolated or filtered"
             )
     elif max(off, left) < _LOOSE and (
         off < 0.1 * _LOOSE or np.std(late) < 0.5 * np.ptp([0, *late])
@@ -487,7 +469,7 @@ def _of_a_solver(e: Evidence) -> Judgement:
         return tolerance(max(off, left))
     return Cause.OTHER, (
         f"{_NO_CAUSE}: {said}, and the samples are off the law that comes nearest "
-        f"by {length(left * _swing(e))} rms"
+        f"by {length(left * e.swing)} rms"
     )
 
 
@@ -499,7 +481,7 @@ def _in_steps(e: Evidence, late: Floats) -> bool:
     """
     step = float(np.max(np.diff(e.motion.t)))
     gained = _EULER * step * (1.0 + e.law.w * e.law.D / e.law.v)
-    if float(np.ptp(late)) > _STEPS * step or abs(float(np.mean(late))) > gained + _STEPS * step:
+    if abs(float(np.mean(late))) > gained + step:
         return False
     if late.size <= 2:
         return float(np.min(late)) > _SEEN_STEPS * step

@@ -106,14 +106,12 @@ def _creep(e: Evidence, nearest: Fit) -> Judgement:
 
 def another_slide(e: Evidence) -> Judgement:
     """Judge a curve that breaks away and slides as with another gap."""
-    drag = 2.0 * e.law.zeta * e.law.v / e.law.w
-    due, seen = e.law.D + drag, e.fits["gap"].law.D + drag
-    if seen < NO_GAP * due:
+    ratio = e.gap_ratio(e.fits["gap"].law.D)
+    if ratio < NO_GAP:
         return Cause.SINGLE_COEFFICIENT, _OF_ONE_COEFFICIENT
-    ratio = percent(seen / due if due else math.inf)
     return Cause.OTHER, (
         "the curve breaks away and slides as the block does with another gap: "
-        f"(mu_s - mu_k) N {ratio}"
+        f"(mu_s - mu_k) N {percent(ratio)}"
     )
 
 
