@@ -23,6 +23,9 @@ _DRIFTS, _DRIFTS_IN_A_CYCLE = 8, 1.5
 most that a cycle may have of it, so that it is no motion."""
 
 
+_DEVIATIONS = 3.0
+"""Standard deviations that a gap must be off the exact one before damping is held to explain it."""
+
 _LITTLE = 0.1
 """Of the distance from a law: what another explanation may leave of it."""
 
@@ -51,7 +54,7 @@ def on_the_law(found: Fit, motion: Motion) -> bool:
 def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
     """Hold the curve against the law: exact, one coefficient, free gap, gap and mass, damping.
 
-    A curve on the exact law is held against the free gap alone besides; one that lies on a law
+    A curve on the exact law is held against the free gap besides; one that lies on a law
     with another gap is not held against another mass. A curve may start in a slip that no
     break-away began, or its samples may pass over its first cycle, so that the second turn of the
     spring may serve as well as the first, and cycles may have gone before. A curve that shows no
@@ -69,12 +72,11 @@ def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
         # Noise hides a slip too many at either end, so that the nearer one is right.
         exact, part = min(held, key=lambda pair: pair[0].rms)
         if on_the_law(exact, motion):
-            free = {"gap": "D", "damping": "zeta"} if motion.noise else {"gap": "D"}
-            beside = {
-                name: fit(part.samples, part.law, [exact.t_break], [number])
-                for name, number in free.items()
-            }
-            return {"exact": exact, **beside}
+            found = {"exact": exact, "gap": fit(part.samples, part.law, [exact.t_break], ["D"])}
+            off = abs(found["gap"].law.D - law.D)
+            if motion.noise and off > _DEVIATIONS * found["gap"].deviation("D"):
+                found["damping"] = fit(part.samples, part.law, [exact.t_break], ["zeta"])
+            return found
     if motion.noise:
         exact, part = min(tried, key=lambda pair: pair[0].rms)
         law = part.law
