@@ -40,13 +40,13 @@ _EULER = 2.0
 """How much each slip of an explicit method of first order gains in it, pi/2 w h of the gap, and
 a part for the slips that begin and end between steps."""
 
-_FOLLOWS = 0.2
+_FOLLOWS, _CLOSELY = 0.2, 0.05
 """Of the scatter of latenesses: what of it does not follow from the one before, in fixed steps. By
-a tolerance latenesses scatter anyhow, and twice as much is left."""
+a tolerance latenesses scatter anyhow, and twice as much is left. Few or small ones may follow by
+chance, and must do so closely."""
 
-_FEW, _OF_FEW, _FINE = 3, 0.25, 0.01
-"""Latenesses that may follow by chance; the part of `_FOLLOWS` that they must; and that of a sample
-step by which they must differ."""
+_FEW, _FINE = 3, 0.01
+"""Latenesses that are few; and of a sample step, how far small ones differ at most."""
 
 _LEAST_LATE = 0.03
 """Of a step: how little the first break-away may be off the lateness to which steps lead."""
@@ -488,9 +488,11 @@ def _in_steps(e: Evidence, late: Floats) -> bool:
     damped = e.fits.get("damping")
     law = damped.law if damped and damped.law.zeta < e.law.zeta else e.law
     lacking = late[1:] + _next_late(law) * late[:-1]
-    if late.size == _FEW:
-        late = late * _OF_FEW if np.ptp(late) > _FINE * step else np.zeros(_FEW)
-    return _apart(lacking, step) < _FOLLOWS * _apart(late)
+    fine, few = float(np.ptp(late)) <= _FINE * step, late.size == _FEW
+    if fine and few:
+        return False
+    follows = _CLOSELY if fine or few else _FOLLOWS
+    return _apart(lacking, step) < follows * _apart(late)
 
 
 def _apart(times: Floats, step: float = math.inf) -> float:
