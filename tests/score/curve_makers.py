@@ -14,7 +14,6 @@ from stickslip_score import Curve, Score, score
 Floats = NDArray[np.float64]
 Parameters = Mapping[str, float]
 
-
 QUANTITIES = ("period", "t_stick", "t_slip", "delta_x")
 ROUNDING = 1e-11
 """Relative: the reference is right to 4e-14 of mu_s/(mu_s - mu_k) (docs/theory.md (17))."""

@@ -108,18 +108,6 @@ def test_exact_motion_with_noise_is_no_solver_and_no_figure_misleads(
     assert 0.02 < np.median(ratios(*noisy)) < 0.5
 
 
-@pytest.mark.parametrize(("setting", "step"), FEW)
-def test_noise_that_force_and_position_share_is_noise(setting: str, step: float) -> None:
-    motion = exact_motion(setting, step)
-    t, k, v = motion.made.t, motion.p["k"], motion.p["v"]
-    for size in (1e-4, 1e-3, 1e-2):
-        x = motion.made.x + size * motion.swing * WHITE[: t.size]
-        result = score(Curve.of(t, x=x, F=k * (v * t - x)), motion.p)
-        assert result.cause in INNOCENT, result.explanation
-        assert result.x_noise == pytest.approx(size * motion.swing, rel=0.1)
-        assert result.F_noise == pytest.approx(k * size * motion.swing, rel=0.1)
-
-
 @pytest.mark.parametrize("noise", [0.0, 0.01])
 def test_a_force_that_is_delayed_or_filtered_is_late(noise: float) -> None:
     made = exact({}, 1e-3 * np.arange(3000.0))
@@ -163,7 +151,7 @@ def test_a_pull_against_the_given_v_is_judged_as_it_is(columns: str) -> None:
 
 
 @pytest.mark.parametrize(("setting", "step"), FEW)
-def test_noise_of_any_colour_and_counts_of_an_encoder_are_no_solver(
+def test_noise_of_any_colour_and_counts_are_no_solver_in_x_and_its_force(
     setting: str, step: float
 ) -> None:
     motion = exact_motion(setting, step)
@@ -177,7 +165,10 @@ def test_noise_of_any_colour_and_counts_of_an_encoder_are_no_solver(
         coarse * np.round(x / coarse),
         coarse * np.round(x / coarse + 0.3 * white),
     ]
-    scores = [score(Curve.of(motion.made.t, x=record), motion.p) for record in records]
+    t, k, v = motion.made.t, motion.p["k"], motion.p["v"]
+    scores = [score(Curve.of(t, x=record), motion.p) for record in records]
+    # A force that was made from x shares its noise.
+    scores += [score(Curve.of(t, x=x, F=k * (v * t - x)), motion.p) for x in records]
     assert {result.cause for result in scores} <= INNOCENT
     assert np.mean(ratios(*scores) <= 1.0) >= 0.95
 

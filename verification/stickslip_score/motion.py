@@ -241,9 +241,9 @@ def _noises(
     of_both = noise_of(t, positions["x"] - positions["F"], sum(digits.values()), strides)
     coarse = step * law.w >= COARSE
     shared = of_both <= (0.0 if coarse else _SHARED * min(found.values()))
-    if coarse:
+    if coarse and not shared:
         found = {name: min(noise, of_both) for name, noise in found.items()}
-        if of_both and not any(found.values()):
+        if not any(found.values()):
             # What rests to its digits has none.
             found = {
                 name: 0.0 if _alike(y, digits[name], of_both) else of_both
