@@ -233,9 +233,9 @@ def _another_block(e: Evidence) -> Judgement | None:
         for other in lying[1:]
         if likely[name] - likely[other] < _MARGIN and (other != "damping" or _may_be_damped(e))
     ]
-    if cause is not Cause.OTHER or e.exact is None or not (rivals or _may_be_late(e, name)):
+    if cause is not Cause.OTHER or e.exact is None or not (rivals or _may_be_a_solver(e, name)):
         return cause, said
-    also = [_named(e, other)[1] for other in rivals] or ["break-aways are late by as little"]
+    also = [_named(e, other)[1] for other in rivals] or ["a solver is off by as little"]
     return Cause.OTHER, f"{_NO_CAUSE}: {'; or '.join([said, *also]).replace(f'{_NO_CAUSE}: ', '')}"
 
 
@@ -249,8 +249,8 @@ def _may_be_damped(e: Evidence) -> bool:
     return law.zeta >= 0.0 or abs(added - 1.0) < 0.5
 
 
-def _may_be_late(e: Evidence, name: str) -> bool:
-    """Tell whether noise hides that a solver waits for steps as long as those of the samples.
+def _may_be_a_solver(e: Evidence, name: str) -> bool:
+    """Tell whether noise hides a solver's tolerance, or steps as long as those of the samples.
 
     Break-aways are late by up to one, by others from slip to slip, less and less so; arcs are off
     in w by the second power of a step at most.
@@ -263,7 +263,8 @@ def _may_be_late(e: Evidence, name: str) -> bool:
     differ = _LEAST_LATE * e.law.v * step * math.sqrt(float(np.mean(left)))
     hidden = differ < 2.0 * _OFFSETS * e.motion.noise * math.sqrt(cycles / e.motion.t.size)
     late = abs(law.D - e.law.D) < e.law.v * step
-    return hidden and late and abs(law.w / e.law.w - 1.0) <= (e.law.w * step) ** 2
+    in_steps = hidden and late and abs(law.w / e.law.w - 1.0) <= (e.law.w * step) ** 2
+    return in_steps or _shift(e, name) < 0.1 * _LOOSE
 
 
 def _shift(e: Evidence, name: str) -> float:
