@@ -14,7 +14,6 @@ from stickslip_score import Curve, Score, score
 Floats = NDArray[np.float64]
 Parameters = Mapping[str, float]
 
-
 QUANTITIES = ("period", "t_stick", "t_slip", "delta_x")
 ROUNDING = 1e-11
 """Relative: the reference is right to 4e-14 of mu_s/(mu_s - mu_k) (docs/theory.md (17))."""
@@ -58,6 +57,27 @@ def exact(p: Parameters, times: Floats) -> Made:
         stickslip_ref.Parameters(**p), float(times[-1]), start_time=float(times[0]), times=times
     )
     return Made(run.t, run.x, run.x_dot, run.F)
+
+
+def adaptive(p: Parameters, times: Floats, rtol: float) -> Made:
+    """Integrate each slip with adaptive steps to its end, which the solver finds."""
+    q = with_defaults(p)
+    k, v, N = q["k"], q["v"], q["m"] * q["g"]
+    states, begin = np.zeros((2, times.size)), q["mu_s"] * N / k / v
+
+    def rate(time: float, state: Floats) -> tuple[float, float]:
+        return state[1], (k * (v * time - state[0]) - q["mu_k"] * N) / q["m"]
+
+    def stops(_: float, state: Floats) -> float:
+        return float(state[1])
+
+    stops.terminal, stops.direction = True, -1  # type: ignore[attr-defined]
+    while begin < times[-1]:
+        tight = {"rtol": rtol, "atol": 1e-3 * rtol, "events": stops, "dense_output": True}
+        slip = solve_ivp(rate, (begin, times[-1]), [states[0, -1], 0.0], **tight)
+        states[:, times > begin] = slip.sol(np.minimum(times[times > begin], slip.t[-1]))
+        begin = q["mu_s"] * N / k / v + states[0, -1] / v
+    return Made(times, states[0], states[1], k * (v * times - states[0]))
 
 
 def stepped(p: Parameters, duration: float, h: float) -> Made:

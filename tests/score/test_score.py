@@ -84,6 +84,7 @@ def test_every_kind_of_exact_motion_is_exact(
 # What is asked for, what the block of the curve has instead, its end [s], columns, the sentence.
 OTHERS: list[tuple[Mapping[str, float], Mapping[str, float], float, str, str]] = [
     ({}, {"m": 1.02}, 4.0, "x", "k/m is 1.96 % smaller"),
+    ({}, {"c": 0.1}, 4.0, "x", "c = 0.1 N s/m instead of 0"),
     ({}, {"v": 0.0204}, 4.0, "x", "advances at 20.4 mm/s"),
     ({}, {"k": 1020.0}, 4.0, "x F", "F is not k (v t - x)"),
     ({}, {"k": 1020.0}, 4.0, "F", "rises at 20.4 N/s, where k v is 20 N/s"),
@@ -124,6 +125,16 @@ def test_fixed_steps_are_told_whole_or_printed_every_few_steps(draw: int, h: flo
     for curve in (made, made.rows(slice(None, None, every)).printed(9)):
         result = scored(curve, p)
         assert result.cause == "fixed_step", (p, result.explanation)
+
+
+@pytest.mark.parametrize("draw", [0, 1, 2])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-6, 1e-8])
+def test_a_solver_that_finds_its_events_is_off_by_its_tolerance(draw: int, rtol: float) -> None:
+    p, T, end = DRAWS[draw]
+    result = scored(makers.adaptive(p, np.arange(0.0, end, T / 400), rtol), p, "x F")
+    assert result.cause == "solver_tolerance", result.explanation
+    # An error of a step adds up over a slip, and is far below the tolerance where steps are short.
+    assert 0.01 < float(result.explanation.split(":")[0][18:]) / rtol < 100.0
 
 
 @pytest.mark.parametrize("h", [1e-3, 1e-4])

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -107,6 +108,14 @@ def test_exact_motion_with_noise_is_no_solver_and_no_figure_misleads(
     assert 0.02 < np.median(ratios(*noisy)) < 0.5
 
 
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+def test_a_force_that_is_delayed_or_filtered_is_late(noise: float) -> None:
+    made = exact({}, 1e-3 * np.arange(3000.0))
+    for F in (np.append(np.zeros(3), made.F[:-3]), lfilter([0.25], [1.0, -0.75], made.F)):
+        result = score(Curve.of(made.t, x=made.x, F=F + noise * WHITE[:3000]), {})
+        assert re.search(r"F is late by about (2\.[89]|3)\d* ms", result.explanation)
+
+
 def test_noise_that_hides_the_friction_is_named_with_its_size() -> None:
     motion = exact_motion("default", 1e-2)
     short = motion.cut(slice(-round(1.2 * motion.period / 1e-2), None))
@@ -142,7 +151,7 @@ def test_a_pull_against_the_given_v_is_judged_as_it_is(columns: str) -> None:
 
 
 @pytest.mark.parametrize(("setting", "step"), FEW)
-def test_noise_of_any_colour_and_counts_of_an_encoder_are_no_solver(
+def test_noise_of_any_colour_and_counts_are_no_solver_in_x_and_its_force(
     setting: str, step: float
 ) -> None:
     motion = exact_motion(setting, step)
@@ -156,7 +165,10 @@ def test_noise_of_any_colour_and_counts_of_an_encoder_are_no_solver(
         coarse * np.round(x / coarse),
         coarse * np.round(x / coarse + 0.3 * white),
     ]
-    scores = [score(Curve.of(motion.made.t, x=record), motion.p) for record in records]
+    t, k, v = motion.made.t, motion.p["k"], motion.p["v"]
+    scores = [score(Curve.of(t, x=record), motion.p) for record in records]
+    # A force that was made from x shares its noise.
+    scores += [score(Curve.of(t, x=x, F=k * (v * t - x)), motion.p) for x in records]
     assert {result.cause for result in scores} <= INNOCENT
     assert np.mean(ratios(*scores) <= 1.0) >= 0.95
 

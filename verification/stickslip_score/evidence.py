@@ -65,6 +65,17 @@ class Evidence:
         return self.break_away + math.hypot(max(law.D, 0.0), law.v / law.w) - max(law.D, 0.0)
 
     @property
+    def swing(self) -> float:
+        """Half the swing of the spring about its rest in sliding [m]."""
+        return math.hypot(self.law.D, self.law.v / self.law.w)
+
+    def gap_ratio(self, D: float) -> float:
+        """Return the gap of the friction forces that belongs to a D, over the given one."""
+        drag = 2.0 * self.law.zeta * self.law.v / self.law.w
+        gap = self.law.D + drag
+        return (D + drag) / gap if gap else math.inf
+
+    @property
     def seen_gap(self) -> float:
         """The gap that the swing of the spring shows [m]; 0 for a swing of v/w alone."""
         if not self.phases.lows.size:

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from stickslip_score.departure import rests_of
 from stickslip_score.evidence import Evidence
+from stickslip_score.slide import rests_of
 from stickslip_score.words import force, length, speed, time
 
 
@@ -39,6 +39,8 @@ def findings(e: Evidence) -> list[str]:
         )
         if size
     ]
+    if e.motion.shared and e.motion.noise:
+        found.append("x and F share their noise: one was made from the other")
     if e.motion.x_dot is not None:
         found += _moving_at_rest(e)
     return found

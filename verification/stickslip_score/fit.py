@@ -49,6 +49,12 @@ _PARTS, _LEAST_CYCLES, _SHAPE = 8, 3, 4.0
 much larger than by chance the variance of their mean over the cycles is where they do. By chance
 it is 4 times as large in one of 10,000 records."""
 
+_WANDERS = 5.0
+"""Standard deviations of their power that means over parts of cycles may exceed that of noise."""
+
+_LEAST_ZETA, _MOST_ZETA = -0.5, 0.9
+"""Damping ratios that are tried; solvers may put energy in."""
+
 _NOTHING = 1e-100
 """Length of a derivative that is none."""
 
@@ -78,7 +84,7 @@ class Fit:
         How many there are.
     spread
         How far each free number may be off for the digits of the samples, by name: t_break [s],
-        D [m], w [rad/s].
+        D [m], w [rad/s], zeta [-].
     covariance
         Of the free numbers, in the order of `spread`, from the distances of the samples.
     """
@@ -100,6 +106,11 @@ class Fit:
         """Whether all samples lie on the law, to their digits."""
         rounded = self.rms / _ROUNDED <= self.worst / self.excess if self.excess else True
         return self.excess <= ON_THE_LAW or (rounded and self.excess <= _FLIPS)
+
+    def criterion(self, digits: float) -> float:
+        """Return Schwarz's information criterion, with the digits of the samples [m] as noise."""
+        power = math.log(self.rms**2 + digits**2)
+        return self.samples * power + len(self.spread) * math.log(self.samples)
 
     def deviation(self, name: str) -> float:
         """Return the standard deviation of a free number, in its unit."""
@@ -150,7 +161,7 @@ def fit(
     starts
         First break-aways from which to search [s], at least one.
     free
-        Of D, w.
+        Of D, w, zeta. Where D is not free, zeta moves it: the drag of the way is part of it.
     """
     some = samples.thinned(_ENOUGH)
     least = math.inf
@@ -193,23 +204,26 @@ def starts_in(
     return [float(begin) for begin in candidates[best[:kept]]]
 
 
-def _applied(law: Law, numbers: Mapping[str, float]) -> Law:
-    # Static friction is not the smaller one; a slip from mu_s = mu_k begins at minus the drag.
-    least = -2.0 * law.zeta * law.v / law.w * (1.0 + 1e-12)
+def applied(law: Law, numbers: Mapping[str, float]) -> Law:
+    """Return the law with other numbers: D, w, zeta, as far as they are given and allowed."""
     w = min(max(numbers.get("w", law.w), 0.2 * law.w), 5.0 * law.w)
-    return replace(law, D=max(numbers.get("D", law.D), least), w=w)
+    zeta = min(max(numbers.get("zeta", law.zeta), _LEAST_ZETA), max(law.zeta, _MOST_ZETA))
+    D = numbers.get("D", law.D + 2.0 * (law.zeta - zeta) * law.v / law.w)
+    # Static friction is not the smaller one; a slip from mu_s = mu_k begins at minus the drag.
+    least = -2.0 * zeta * law.v / law.w * (1.0 + 1e-12)
+    return replace(law, D=max(D, least), w=w, zeta=zeta)
 
 
 def _residual(samples: Samples, law: Law, numbers: Mapping[str, float]) -> Floats:
     after = samples.t - numbers["t_break"]
-    return samples.centred(samples.y - _applied(law, numbers).position(after))
+    return samples.centred(samples.y - applied(law, numbers).position(after))
 
 
 def _jacobian(samples: Samples, law: Law, numbers: Mapping[str, float]) -> Floats:
     """Return the residual's derivatives, shape (n, number of free numbers)."""
     columns = []
     for name, step in _steps(numbers, law).items():
-        laws = [_applied(law, {**numbers, name: numbers[name] + d}) for d in (-step, step)]
+        laws = [applied(law, {**numbers, name: numbers[name] + d}) for d in (-step, step)]
         late = step if name == "t_break" else 0.0
         down, up = (
             each.position(samples.t - numbers["t_break"] - d)
@@ -223,7 +237,7 @@ def _jacobian(samples: Samples, law: Law, numbers: Mapping[str, float]) -> Float
 
 def _steps(numbers: Mapping[str, float], law: Law) -> dict[str, float]:
     """Return steps for derivatives: small against the numbers, large against rounding."""
-    sizes = {"t_break": 1.0 / law.w, "D": abs(law.D) + law.v / law.w, "w": 0.1 * law.w}
+    sizes = {"t_break": 1.0 / law.w, "D": abs(law.D) + law.v / law.w, "w": 0.1 * law.w, "zeta": 0.1}
     return {name: 1e-6 * sizes[name] for name in numbers}
 
 
@@ -250,7 +264,7 @@ def _least_squares(samples: Samples, law: Law, numbers: dict[str, float]) -> dic
         max_nfev=60,
     )
     found = named(done.x)
-    kept = _applied(law, found)
+    kept = applied(law, found)
     return {
         name: value if name == "t_break" else getattr(kept, name) for name, value in found.items()
     }
@@ -258,7 +272,7 @@ def _least_squares(samples: Samples, law: Law, numbers: dict[str, float]) -> dic
 
 def _account(samples: Samples, law: Law, numbers: dict[str, float]) -> Fit:
     r, J = _residual(samples, law, numbers), _jacobian(samples, law, numbers)
-    found = _applied(law, numbers)
+    found = applied(law, numbers)
     position = found.position(samples.t - numbers["t_break"])
     # Least squares is linear in the samples: each moves the result by its row of the inverse.
     scale = np.maximum(np.sqrt(np.sum(J * J, axis=0)), _NOTHING)
@@ -270,6 +284,8 @@ def _account(samples: Samples, law: Law, numbers: dict[str, float]) -> Fit:
         reach[0] = step
     rms = math.sqrt(float(r @ r) / max(r.size - len(numbers) - 1 - samples.drifts, 1))
     variance = rms**2 * _correlation(r)
+    in_cycles = _by_cycle(samples.t - numbers["t_break"], r, found.quantities()["period"])
+    wanders = _wanders(*in_cycles, scatter_of(samples.t, r))
     return Fit(
         law=found,
         t_break=numbers["t_break"],
@@ -277,8 +293,8 @@ def _account(samples: Samples, law: Law, numbers: dict[str, float]) -> Fit:
         excess=_half_range(r) / samples.allowed,
         worst=_half_range(r),
         rms=rms,
-        white=is_white(samples.t, r),
-        repeats=_repeats(samples.t - numbers["t_break"], r, found.quantities()["period"]),
+        white=is_white(samples.t, r) and not wanders,
+        repeats=_repeats(*in_cycles),
         samples=samples.t.size,
         spread={name: float(d) for name, d in zip(numbers, reach, strict=True)},
         covariance=variance * normal / np.outer(scale, scale),
@@ -302,27 +318,41 @@ def is_white(t: Floats, r: Floats) -> bool:
     return rms <= _WHITE * (1.0 + _WHITE_OF_FEW / math.sqrt(r.size)) * scatter_of(t, r)
 
 
-def _repeats(after: Floats, r: Floats, period: float) -> bool:
+def _by_cycle(after: Floats, r: Floats, period: float) -> tuple[Floats, Floats]:
+    """Return means and counts of distances in parts of each cycle, shape (cycles, `_PARTS`).
+
+    Empty where there are too few cycles.
+    """
+    cycle = np.floor(after / period)
+    kept = cycle >= 0.0
+    if not kept.any() or not cycle[-1] >= _LEAST_CYCLES:
+        return np.empty((0, _PARTS)), np.empty((0, _PARTS))
+    part = np.floor((after - cycle * period)[kept] / period * _PARTS).astype(np.int64) % _PARTS
+    index = cycle[kept].astype(np.int64) * _PARTS + part
+    shape = (int(cycle[-1]) + 1) * _PARTS
+    counts = np.bincount(index, minlength=shape).reshape(-1, _PARTS).astype(np.float64)
+    sums = np.bincount(index, r[kept], minlength=shape).reshape(-1, _PARTS)
+    return sums / np.maximum(counts, 1), counts
+
+
+def _repeats(means: Floats, counts: Floats) -> bool:
     """Tell whether distances vary with the time since the last break-away, over cycles alike.
 
     Means over parts of each cycle scatter about their mean over all cycles; that mean scatters
     less by the number of cycles, unless it is a shape.
     """
-    cycle = np.floor(after / period)
-    kept = cycle >= 0.0
-    if not kept.any() or not cycle[-1] >= _LEAST_CYCLES:
-        return True
-    part = np.floor((after - cycle * period)[kept] / period * _PARTS).astype(np.int64) % _PARTS
-    index = cycle[kept].astype(np.int64) * _PARTS + part
-    shape = (int(cycle[-1]) + 1) * _PARTS
-    counts = np.bincount(index, minlength=shape).reshape(-1, _PARTS)
-    sums = np.bincount(index, r[kept], minlength=shape).reshape(-1, _PARTS)
-    means = sums / np.maximum(counts, 1)
     seen = np.maximum(np.sum(counts > 0, axis=0), 1)
     common = np.sum(means, axis=0) / seen
     scatter = np.sum(np.where(counts > 0, means - common, 0.0) ** 2)
     freedom = max(float(np.sum(counts > 0)) - _PARTS, 1.0)
-    return bool(np.mean(seen * common**2) > _SHAPE * scatter / freedom)
+    return not means.size or bool(np.mean(seen * common**2) > _SHAPE * scatter / freedom)
+
+
+def _wanders(means: Floats, counts: Floats, scatter: float) -> bool:
+    """Tell whether means over parts of cycles vary by more than the scatter of samples makes."""
+    freedom = max(float(np.sum(counts > 0)), 1.0)
+    power = float(np.sum(counts * means**2))
+    return power > (freedom + _WANDERS * math.sqrt(2.0 * freedom)) * scatter**2
 
 
 def _correlation(r: Floats) -> float:

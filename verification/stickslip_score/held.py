@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stickslip_score.departure import Rest, rests_of
-from stickslip_score.fit import Fit, Samples, fit, starts_in
+from stickslip_score.fit import Fit, Samples, applied, fit, starts_in
 from stickslip_score.law import Law, root
 from stickslip_score.motion import Motion
 from stickslip_score.phases import Phases
+from stickslip_score.slide import Rest, rests_of
 
 _COARSE = 0.2
 """Of a period: samples farther apart may have passed over a break-away before the first turn that
@@ -22,6 +22,9 @@ _DRIFTS, _DRIFTS_IN_A_CYCLE = 8, 1.5
 """Degree of the polynomial that a sensor's zero may follow over a record, as it warms up, and the
 most that a cycle may have of it, so that it is no motion."""
 
+
+_DEVIATIONS = 3.0
+"""Standard deviations that a gap must be off the exact one before damping is held to explain it."""
 
 _LITTLE = 0.1
 """Of the distance from a law: what another explanation may leave of it."""
@@ -49,9 +52,9 @@ def on_the_law(found: Fit, motion: Motion) -> bool:
 
 
 def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
-    """Hold the curve against the law: exact, one coefficient, gap free, gap and mass free.
+    """Hold the curve against the law: exact, one coefficient, free gap, gap and mass, damping.
 
-    A curve on the exact law is held against the free gap alone besides; one that lies on a law
+    A curve on the exact law is held against the free gap besides; one that lies on a law
     with another gap is not held against another mass. A curve may start in a slip that no
     break-away began, or its samples may pass over its first cycle, so that the second turn of the
     spring may serve as well as the first, and cycles may have gone before. A curve that shows no
@@ -69,7 +72,11 @@ def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
         # Noise hides a slip too many at either end, so that the nearer one is right.
         exact, part = min(held, key=lambda pair: pair[0].rms)
         if on_the_law(exact, motion):
-            return {"exact": exact, "gap": fit(part.samples, part.law, [exact.t_break], ["D"])}
+            found = {"exact": exact, "gap": fit(part.samples, part.law, [exact.t_break], ["D"])}
+            off = abs(found["gap"].law.D - law.D)
+            if motion.noise and off > _DEVIATIONS * found["gap"].deviation("D"):
+                found["damping"] = fit(part.samples, part.law, [exact.t_break], ["zeta"])
+            return found
     if motion.noise:
         exact, part = min(tried, key=lambda pair: pair[0].rms)
         law = part.law
@@ -84,10 +91,14 @@ def hold_against(motion: Motion, phases: Phases, law: Law) -> dict[str, Fit]:
     one = law.with_gap(-2.0 * law.zeta * law.v / law.w)
     found["one coefficient"] = part.fit(one)
     period = _period(phases)
-    seeds = [law, *_another_gap(law, period)]
+    seeds = _seeds(law, period, "D", 1e-3 * law.v / law.w, 0.5 * law.v * period)
     found["gap"] = min((part.fit(seed, "D") for seed in seeds), key=_rms)
-    if not on_the_law(found["gap"], motion) and not part.coarse:
-        seeds += _another_mass(law, period)
+    lies = on_the_law(found["gap"], motion)
+    if motion.noise or not (lies or part.coarse):
+        damped = _seeds(law, period, "zeta", -0.3, 0.9)
+        found["damping"] = min((part.fit(seed, "zeta") for seed in damped), key=_rms)
+    if not (lies or part.coarse):
+        seeds += _seeds(law, period, "w", 0.5 * law.w, 2.0 * law.w)[1:]
         found["gap and mass"] = min((part.fit(seed, "D", "w") for seed in seeds), key=_rms)
     if motion.from_force and not any(on_the_law(each, motion) for each in found.values()):
         found |= _with_drift(motion, part)
@@ -212,21 +223,13 @@ def _period(phases: Phases) -> float:
     return float(times[-1] - times[0]) / (times.size - 1) if times.size > 1 else math.nan
 
 
-def _another_gap(law: Law, period: float) -> list[Law]:
-    """Return the law with the gap that gives the period, if there is one."""
+def _seeds(law: Law, period: float, name: str, low: float, high: float) -> list[Law]:
+    """Return the law, and that with the number `name` between two that gives the period."""
     if math.isnan(period) or law.zeta >= 1.0:
-        return []
+        return [law]
 
-    def longer(D: float) -> float:
-        shown = law.with_gap(D).quantities()["period"]
+    def longer(number: float) -> float:
+        shown = applied(law, {name: number}).quantities()["period"]
         return -period if math.isnan(shown) else shown - period
 
-    return [law.with_gap(root(longer, 1e-3 * law.v / law.w, 0.5 * law.v * period))]
-
-
-def _another_mass(law: Law, period: float) -> list[Law]:
-    """Return the law with the frequency that gives the period about: fast slips follow 1/w."""
-    own = law.quantities()["period"]
-    if math.isnan(period) or math.isnan(own):
-        return []
-    return [replace(law, w=law.w * own / period)]
+    return [law, applied(law, {name: root(longer, low, high)})]

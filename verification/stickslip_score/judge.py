@@ -15,7 +15,6 @@ from stickslip_score.given import check_units, pulled_as
 from stickslip_score.held import explained_by_drift, hold_against, on_the_law
 from stickslip_score.law import Law
 from stickslip_score.measure import QUANTITIES, Measured, from_fit, from_sticks
-from stickslip_score.measured import decide_measured
 from stickslip_score.motion import COARSE, Motion, motion_of
 from stickslip_score.noise import scatter_of
 from stickslip_score.phases import Phases, find_phases
@@ -76,7 +75,7 @@ def _score(curve: Curve, p: Mapping[str, float]) -> Score:
     slide = fit_slide(motion, law) if exact is None else None
     measured = _measured(motion, phases, fits, slide, law)
     evidence = Evidence(p, exact, law, motion, phases, measured, fits, chattering, slide)
-    cause, explanation = (decide_measured if motion.measured else decide)(evidence)
+    cause, explanation = decide(evidence)
     found = findings(evidence)
     if p["v"] != given_v:
         found.insert(0, f"the mass is pulled against the given v: judged with v = {p['v']:g} m/s")
@@ -161,7 +160,7 @@ def _measured(
 
 def _lawful(motion: Motion, fits: Mapping[str, Fit]) -> Fit | None:
     """Return the law off which figures are read; None where the curve lies on none."""
-    names = ("gap", "gap and drift", *(["gap and mass"] if motion.noise else []))
+    names = ("gap", "gap and drift", "damping", *(["gap and mass"] if motion.noise else []))
     found = [fits[name] for name in names if name in fits]
     if not found:
         found = list(fits.values())

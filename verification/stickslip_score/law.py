@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import brentq
@@ -47,14 +48,14 @@ class Law:
     D: float
     continued: bool = False
 
-    @property
+    @cached_property
     def t_slip(self) -> float:
         """Length of a slip [s]; infinity where it ends in steady sliding."""
         if self.zeta == 0.0:
             return 2.0 / self.w * (math.pi - math.atan2(self.w * max(self.D, 0.0), self.v))
         return self._damped_t_slip()
 
-    @property
+    @cached_property
     def relief(self) -> float:
         """Fall of the spring over a slip [m]; NaN where a slip has no end."""
         if self.zeta == 0.0:

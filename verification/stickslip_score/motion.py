@@ -10,6 +10,7 @@ from scipy.ndimage import uniform_filter1d
 from stickslip_score.curve import Curve, Floats
 from stickslip_score.law import Law
 from stickslip_score.noise import noise_of
+from stickslip_score.words import time
 
 _SOLVER_FLOOR = 1e-9
 """Of the range of x: no tool that integrates promises more, so less is held against none."""
@@ -34,6 +35,9 @@ _STRIDES = (1, 4, 16, 64)
 
 COARSE = 0.1
 """Radians of the oscillation between samples from which on their third differences hold motion."""
+
+_SHARED = 0.1
+"""Of the noise of a column: that of the difference of x and F below which both have the same."""
 
 _LOOKED_AT = 20_000
 """Samples from which the difference of x and F is described."""
@@ -62,6 +66,8 @@ class Motion:
         Standard deviation of the noise of y [m]; 0 for a motion that was computed.
     noises
         The same by the column, x or F, from which y follows [m].
+    shared
+        Whether x and F have the same noise, as where one was made from the other.
     source
         The column from which y was taken, x or F.
     x_dot_allowed
@@ -89,6 +95,7 @@ class Motion:
     digits: float
     noise: float
     noises: Mapping[str, float]
+    shared: bool
     source: str
     x_dot_allowed: float
     z_allowed: float
@@ -119,8 +126,8 @@ class Motion:
 
     def with_noise(self, noise: float) -> "Motion":
         """Return the motion with another noise of y [m]; without any, no column has one."""
-        if noise == 0.0:
-            return replace(self, noise=0.0, noises=dict.fromkeys(self.noises, 0.0))
+        if noise == 0.0 or self.shared:
+            return replace(self, noise=noise, noises=dict.fromkeys(self.noises, noise))
         return replace(self, noise=noise, noises={**self.noises, self.source: noise})
 
     def extension(self, time: float, y: float) -> float:
@@ -181,7 +188,7 @@ def motion_of(curve: Curve, p: Mapping[str, float], law: Law) -> Motion:
         longest = max(longest, float(np.max(np.abs(given))))
     for name, y in positions.items():
         digits[name] += _SOLVER_FLOOR * float(np.ptp(y)) + _ROUNDINGS * longest
-    noises = _noises(curve.t, positions, digits, law)
+    noises, shared = _noises(curve.t, positions, digits, law)
     drift, mismatch = 0.0, ""
     if len(positions) == 2:
         z = law.v * since - positions["x"]
@@ -206,6 +213,7 @@ def motion_of(curve: Curve, p: Mapping[str, float], law: Law) -> Motion:
         digits=max(digits[source], 1e-300),
         noise=noises[source],
         noises=noises,
+        shared=shared,
         source=source,
         x_dot_allowed=curve.x_dot_rounding,
         z_allowed=z_allowed,
@@ -218,26 +226,30 @@ def motion_of(curve: Curve, p: Mapping[str, float], law: Law) -> Motion:
 
 def _noises(
     t: Floats, positions: Mapping[str, Floats], digits: Mapping[str, float], law: Law
-) -> dict[str, float]:
-    """Return the noise of the positions [m] by the column from which they follow.
+) -> tuple[dict[str, float], bool]:
+    """Return the noise of the positions [m] by column, and whether the columns share it.
 
-    No motion is left in the difference of two of them, however coarse the samples are: it has the
-    noise of both.
+    Coarse samples scatter for the motion as well. None of it is left in the difference of two
+    positions, which has the noise of both, unless one was made from the other.
     """
     stick = law.relief / law.v if not math.isinf(law.t_slip) else 1.0 / law.w
     step = float(t[-1] - t[0]) / (t.size - 1)
     strides = [n for n in _STRIDES if n == 1 or 14.0 * n * step < stick]
     found = {name: noise_of(t, y, digits[name], strides) for name, y in positions.items()}
-    if len(found) == 2:
-        of_both = noise_of(t, positions["x"] - positions["F"], sum(digits.values()), strides)
+    if len(found) == 1:
+        return found, False
+    of_both = noise_of(t, positions["x"] - positions["F"], sum(digits.values()), strides)
+    coarse = step * law.w >= COARSE
+    shared = of_both <= (0.0 if coarse else _SHARED * min(found.values()))
+    if coarse and not shared:
         found = {name: min(noise, of_both) for name, noise in found.items()}
-        if of_both and not any(found.values()):
+        if not any(found.values()):
             # What rests to its digits has none.
             found = {
                 name: 0.0 if _alike(y, digits[name], of_both) else of_both
                 for name, y in positions.items()
             }
-    return found
+    return found, shared
 
 
 def _alike(y: Floats, digits: float, noise: float) -> bool:
@@ -252,22 +264,27 @@ def _compared(
 ) -> tuple[float, str]:
     """Return how far F/k wanders off v t - x slowly [m], and why they contradict each other if so.
 
-    A zero that drifts follows time; another stiffness follows the spring.
+    A zero that drifts follows time; another stiffness follows the spring, a delay its rate.
     """
     stride = -(-since.size // _LOOKED_AT)
     t, given, z = since[::stride], given[::stride], z[::stride]
-    apart = given - z
     # The spring's way as the column tells that has less noise: noise follows itself.
     way = given if noises["F"] < noises["x"] else z
     size = float(np.ptp(way)) or 1.0
     basis, _ = np.linalg.qr(np.polynomial.legendre.legvander(2.0 * t / t[-1] - 1.0, _DRIFTS))
-    of_spring = way - basis @ (basis.T @ way)
-    slow = basis @ (basis.T @ apart)
-    power = float(of_spring @ of_spring)
-    share = float(of_spring @ apart) / power if power > (1e-6 * size) ** 2 * t.size else 0.0
-    rms = math.sqrt(float(np.mean((apart - slow - share * of_spring) ** 2)))
-    follows = min(noises.values()) ** 2 * t.size / power if share else 0.0
-    sure = 5.0 * rms / math.sqrt(power) + follows if share else 0.0
+    slow = basis @ (basis.T @ (given - z))
+    apart = given - z - slow
+    of_spring, of_rate = (s - basis @ (basis.T @ s) for s in (way, np.gradient(way, t)))
+    early, sure_of_early, rest = _followed(apart, of_rate, 1e-6 * size / t[-1])
+    share, sure, rms = _followed(apart, of_spring, 1e-6 * size)
+    moved = abs(early) * math.sqrt(float(np.mean(of_rate**2)))
+    if abs(early) > 2.0 * sure_of_early and moved > 4.0 * digits and rest < rms:
+        return 0.0, (
+            f"F is {'early' if early > 0.0 else 'late'} by about {time(abs(early))} against "
+            "k (v t - x): a delay of one of them, or a filter"
+        )
+    if share:
+        sure += min(noises.values()) ** 2 * t.size / float(of_spring @ of_spring)
     if abs(share) > _DRIFT * float(np.ptp(given)) / size + 16.0 * digits / size + 4.0 * sure:
         if abs(share + 2.0) < _OPPOSITE or abs(share - 2.0) < _OPPOSITE:
             return 0.0, "F is -k (v t - x) + const: it has the opposite sign"
@@ -278,3 +295,14 @@ def _compared(
     surely = 5.0 * rms * math.sqrt((_DRIFTS + 1) / t.size) + 4.0 * digits
     wander = float(np.ptp(slow))
     return (wander if wander > 2.0 * surely + 1e-6 * size else 0.0), ""
+
+
+def _followed(apart: Floats, signal: Floats, least: float) -> tuple[float, float, float]:
+    """Return the part of a signal in a difference, five deviations of it, and the rms of the rest.
+
+    A signal of a smaller rms than `least` has no part.
+    """
+    power = float(signal @ signal)
+    share = float(signal @ apart) / power if power > least**2 * apart.size else 0.0
+    rms = math.sqrt(float(np.mean((apart - share * signal) ** 2)))
+    return share, 5.0 * rms / math.sqrt(power) if share else 0.0, rms

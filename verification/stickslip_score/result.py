@@ -1,5 +1,6 @@
 """The verdict on a curve: four quantities beside the exact ones, the cause, what else was seen."""
 
+import math
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
@@ -12,12 +13,26 @@ class Cause(StrEnum):
     FIXED_STEP = "fixed_step"
     REGULARISED = "regularised"
     SINGLE_COEFFICIENT = "single_coefficient"
+    SOLVER_TOLERANCE = "solver_tolerance"
     NOISY = "noisy"
     OTHER = "other"
 
 
 Judgement = tuple[Cause, str]
 """The cause, and the sentence that says why."""
+
+
+def tolerance(off: float) -> Judgement:
+    """Say that a curve is off by a part that a solver's tolerance explains."""
+    return Cause.SOLVER_TOLERANCE, (
+        f"solver tolerance, {power(off)}: the curve is off the exact solution by about this part, "
+        "less than a wrong parameter or a fixed step would put it off"
+    )
+
+
+def power(part: float) -> str:
+    """Return the power of ten next to a part."""
+    return f"1e{round(math.log10(max(part, 1e-16)))}"
 
 
 @dataclass(frozen=True)

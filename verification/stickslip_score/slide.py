@@ -1,9 +1,9 @@
-"""A curve held against sliding without end, from any start: for curves that begin in a slip.
+"""Sliding without end: where the mass leaves its rest, and the arc that it follows.
 
 Where no cycle exists the motion after a break-away is one arc for ever, and so is that of a mass
-which was moving when the curve began. The arc is linear in its steady extension and in the
-extension and its rate at the first sample, so that least squares need no search,
-docs/theory.md (3).
+which was moving when the curve began. The spring need not turn, so that samples at rest tell the
+break-away. The arc is linear in its steady extension and in the extension and its rate at the first
+sample, so that least squares need no search, docs/theory.md (3).
 """
 
 from dataclasses import dataclass
@@ -13,6 +13,7 @@ import numpy as np
 from stickslip_score.fit import ON_THE_LAW, is_white
 from stickslip_score.law import Law
 from stickslip_score.motion import Motion
+from stickslip_score.phases import VISIBLE, plateau
 
 _DEVIATIONS = 3.0
 """Standard deviations of noise that a number of the arc may be off."""
@@ -69,3 +70,33 @@ def fit_slide(motion: Motion, law: Law) -> Slide | None:
         or (motion.noise > 0.0 and is_white(motion.t, r)),
         worst=worst,
     )
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Samples `first` to `last` (indices), in which a mass is not seen to move."""
+
+    first: int
+    last: int
+
+    def window(self, motion: Motion, law: Law) -> tuple[float, float] | None:
+        """Return between which times the law breaks away [s]; None where the mass rests on.
+
+        A sample out of the rest comes after the break-away; one still in it comes at most so long
+        after as the slip needs for what the digits show. The band of a rest is `VISIBLE` wide, and
+        so may be the distance of its level from the true one.
+        """
+        if self.last + 1 >= motion.t.size:
+            return None
+        hidden = law.time_to_move(2.0 * VISIBLE * motion.allowed)
+        return float(motion.t[self.last]) - hidden, float(motion.t[self.last + 1])
+
+
+def rests_of(motion: Motion) -> tuple[Rest, ...]:
+    """Return the rest with which the curve begins, if only of one sample, and its longest."""
+    band = VISIBLE * motion.allowed
+    out = np.flatnonzero(np.abs(motion.y - motion.y[0]) > band)
+    begin = Rest(0, int(out[0]) - 1 if out.size else motion.t.size - 1)
+    first, last, _ = plateau(motion.t, motion.y, band)
+    longest = Rest(first, last)
+    return (begin, longest) if longest.first > begin.last else (begin,)

@@ -4,12 +4,20 @@ import math
 
 import numpy as np
 
-from stickslip_score.departure import Rest, rests_of
 from stickslip_score.evidence import Evidence
 from stickslip_score.fit import Fit
 from stickslip_score.phases import LOST, NO_GAP
-from stickslip_score.result import Cause, Judgement
-from stickslip_score.words import force, length, percent, speed, time
+from stickslip_score.result import Cause, Judgement, tolerance
+from stickslip_score.slide import Rest, rests_of
+from stickslip_score.words import force, length, percent, speed
+
+_SEEN_STEPS, _LOOSE = 0.05, 1e-2
+"""Of a sample step: lateness that is none of a fixed step; and of v/w: an error of a tolerance."""
+
+_OF_ONE_COEFFICIENT = (
+    "one friction coefficient: the mass leaves its rest as where break-away and kinetic friction "
+    "are alike"
+)
 
 _LATE_STEPS = 2.0
 """Sample steps of motion by which fixed steps can set a slide off: the break-away is late by up to
@@ -24,21 +32,23 @@ def judge_sliding(e: Evidence) -> Judgement | None:
     before the break-away of the law that comes nearest.
     """
     if e.slide is not None and e.slide.on_the_law:
-        return exact_slide(e)
+        return _exact_slide(e)
     rest = rests_of(e.motion)[0]
     if e.lies_on("one coefficient"):
-        return Cause.SINGLE_COEFFICIENT, slide_of_one_coefficient(e)
+        return Cause.SINGLE_COEFFICIENT, _OF_ONE_COEFFICIENT
     if not e.fits:
-        return without_departure(e, rest)
+        return _without_departure(e, rest)
     nearest = min(e.fits.values(), key=lambda fit: fit.excess)
-    if _creeps(e, rest, nearest):
+    if not e.motion.measured and _creeps(e, rest, nearest):
         return _creep(e, nearest)
-    if e.lies_on("gap"):
-        return _late_by_a_step(e) or another_slide(e)
-    return _fixed_step(e, rest, nearest)
+    late = (e.fits["gap"].law.D - e.law.D) / e.law.v
+    step = float(np.max(np.diff(e.motion.t)))
+    if e.lies_on("gap") and (e.motion.measured or not 0.0 < late <= step):
+        return another_slide(e)
+    return None if e.motion.measured else _of_a_solver(e, rest, nearest, late / step)
 
 
-def exact_slide(e: Evidence) -> Judgement:
+def _exact_slide(e: Evidence) -> Judgement:
     """Judge a curve on the arc of sliding by the spring force to which it tends."""
     assert e.slide is not None
     due = e.break_away - e.law.D
@@ -55,33 +65,23 @@ def exact_slide(e: Evidence) -> Judgement:
     )
 
 
-def without_departure(e: Evidence, rest: Rest) -> Judgement | None:
+def _without_departure(e: Evidence, rest: Rest) -> Judgement | None:
     """Judge a mass that rests to the last sample, by the force that the spring then has."""
     if rest.last + 1 < e.motion.t.size:
         return None
     # A slip that has just begun stays within the digits, while the spring is pulled on.
-    hidden = e.law.v * e.law.time_to_move(4.0 * e.motion.allowed)
+    return rests_on(e, e.break_away + e.law.v * e.law.time_to_move(4.0 * e.motion.allowed))
+
+
+def rests_on(e: Evidence, highest: float) -> Judgement:
+    """Judge a mass that rests by the highest extension [m] that the spring can have meanwhile."""
     reached = float(np.max(e.motion.z))
-    if e.motion.absolute and reached > e.break_away + hidden + 4.0 * e.motion.allowed:
+    if e.motion.absolute and reached > highest + 4.0 * e.motion.allowed:
         return Cause.OTHER, (
             f"the mass rests although the spring force reaches {force(e.p['k'] * reached)}, above "
             f"the break-away force {force(e.p['k'] * e.break_away)}"
         )
     return Cause.EXACT, "the mass rests as far as the curve goes: it shows no break-away to judge"
-
-
-def slide_of_one_coefficient(e: Evidence) -> str:
-    """Say how a mass leaves its rest whose friction has no gap."""
-    gap = _gap(e, e.law.D)
-    return (
-        "one friction coefficient: the mass leaves its rest as where break-away and kinetic "
-        f"friction are alike, instead of {length(gap)} of the spring apart"
-    )
-
-
-def _gap(e: Evidence, D: float) -> float:
-    """Return the gap of the friction in extension of the spring [m] that belongs to a D."""
-    return D + 2.0 * e.law.zeta * e.law.v / e.law.w
 
 
 def _creeps(e: Evidence, rest: Rest, nearest: Fit) -> bool:
@@ -104,34 +104,27 @@ def _creep(e: Evidence, nearest: Fit) -> Judgement:
     )
 
 
-def _late_by_a_step(e: Evidence) -> Judgement | None:
-    late = (e.fits["gap"].law.D - e.law.D) / e.law.v
-    if not 0.0 < late <= float(np.max(np.diff(e.motion.t))):
-        return None
-    said = f"fixed steps: a break-away late by {time(late)} explains the motion"
-    return Cause.FIXED_STEP, said
-
-
 def another_slide(e: Evidence) -> Judgement:
     """Judge a curve that breaks away and slides as with another gap."""
-    D = e.fits["gap"].law.D
-    due, seen = _gap(e, e.law.D), _gap(e, D)
-    if seen < NO_GAP * due:
-        return Cause.SINGLE_COEFFICIENT, slide_of_one_coefficient(e)
-    ratio = percent(seen / due if due else math.inf)
+    ratio = e.gap_ratio(e.fits["gap"].law.D)
+    if ratio < NO_GAP:
+        return Cause.SINGLE_COEFFICIENT, _OF_ONE_COEFFICIENT
     return Cause.OTHER, (
         "the curve breaks away and slides as the block does with another gap: "
-        f"(mu_s - mu_k) N {ratio}"
+        f"(mu_s - mu_k) N {percent(ratio)}"
     )
 
 
-def _fixed_step(e: Evidence, rest: Rest, nearest: Fit) -> Judgement | None:
+def _of_a_solver(e: Evidence, rest: Rest, nearest: Fit, late: float) -> Judgement | None:
+    """Judge a slide whose break-away is late by parts of a sample step."""
+    off = nearest.worst * e.law.w / e.law.v
+    if abs(late) < _SEEN_STEPS and off < _LOOSE:
+        return tolerance(off)
     top_speed = e.law.v * (1.0 + math.hypot(1.0, e.law.w * max(e.law.D, 0.0) / e.law.v))
     in_steps = _LATE_STEPS * float(np.max(np.diff(e.motion.t))) * top_speed
-    if rest.last == rest.first or nearest.worst > in_steps:
+    if not e.lies_on("gap") and (rest.last == rest.first or nearest.worst > in_steps):
         return None
     return Cause.FIXED_STEP, (
-        f"the mass rests and breaks away, and leaves the exact slide by {length(nearest.worst)}, "
-        "no more than fixed steps as long as those of the samples explain; so would a mass or "
-        "damping that is a little off"
+        f"fixed steps: a break-away late by {abs(late):.2g} sample steps explains the motion to "
+        f"{length(nearest.worst)}; so would a mass or damping that is a little off"
     )

@@ -38,7 +38,8 @@ def score_table(score: Score) -> RenderableType:
         _table(score, named=named, resolved=resolved)
         for named, resolved in ((True, True), (True, False), (False, False))
     ]
-    style = {"exact": "bold green", "noisy": "bold yellow"}.get(score.cause, "bold red")
+    mild = dict.fromkeys(("noisy", "solver_tolerance"), "bold yellow")
+    style = {"exact": "bold green", **mild}.get(score.cause, "bold red")
     cause = Text.assemble((score.cause, style), f": {_sentence(score)}")
     return Fitted(forms, cause, *(Text(f"note: {finding}") for finding in score.findings))
 
