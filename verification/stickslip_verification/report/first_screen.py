@@ -39,7 +39,7 @@ class Cause:
 def sentence(verdict: Verdict) -> str:
     """Say what came out: how near the exact motion the FMU is, or where it fails."""
     if verdict.questions:
-        return " ".join(question.answer for question in verdict.questions)
+        return verdict.questions[0].answer
     failed = {result.case for result in verdict.checks if result.failed}
     if failed:
         return f"Fails in {_and(_of_all(verdict, failed))}."
@@ -59,7 +59,7 @@ def farthest(verdict: Verdict) -> CheckResult | None:
 
 def reasons(verdict: Verdict) -> list[str]:
     """Say why a verdict fails beside its failed checks."""
-    found: list[str] = []
+    found = [question.answer for question in verdict.questions[1:]]
     if verdict.passed:
         return found
     if not verdict.checks:

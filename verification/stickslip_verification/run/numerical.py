@@ -4,6 +4,7 @@ Only the plain runs meet the exact motion: their deltas are held against those o
 the same cases. Every other run is held against the plain one.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -380,13 +381,13 @@ def _model(
         return f"The model is right: in {tried} it errs no more than honest solvers do."
     worst = max(failed, key=lambda each: (each.error or 0.0) / (each.tolerance or 1.0))
     why = worst.failure or (
-        f"{worst.check} in {worst.case}: {worst.quantity} is {worst.error or 0.0:.1e}, "
-        f"where an honest solver has {worst.expected or 0.0:.1e}"
+        f"Most in {worst.case or 'the FMU itself'} ({worst.check}): {worst.quantity}, "
+        f"{worst.error or 0.0:.0e} against the {worst.expected or 0.0:.0e} of an honest solver"
     )
     places = {each.case for each in failed}
     cases, drawn = places & set(found.runs), {each for each in places if each.startswith(SEQUENCE)}
     where = [f"{len(cases)} of {tried}"] if cases else []
-    where += [f"{len(drawn)} random sequences"] if drawn else []
+    where += [f"{len(drawn)} of the random sequences"] if drawn else []
     where += ["what it does with calls"] if "" in places else []
     return f"The model is wrong in {' and '.join(where)}. {why}."
 
@@ -394,24 +395,25 @@ def _model(
 def _accuracy(found: Judged, errors: Sequence[Errors], within: float) -> str:
     deltas = [each.delta for each in found.motion.values()]
     middle = float(np.median(deltas)) if deltas else 0.0
+    if not errors:
+        return "Nothing is known of its accuracy: no cycle was compared."
     said = [
         f"{each.quantity} within {_percent(each.middle):g} % in the middle case and "
-        f"{_percent(each.largest):g} % in the worst ({each.worst})"
+        f"{_percent(each.largest):g} % in the worst"
         for each in errors
         if each.quantity in ("jump", "period")
     ]
-    if not said:
-        return "Nothing is known of its accuracy: no cycle was compared."
     outside = [each.quantity for each in errors if each.largest > within]
-    verdict = (
-        f"within the {_percent(within):g} % asked for"
-        if not outside
-        else f"not within the {_percent(within):g} % asked for in {', '.join(outside)}"
-    )
+    asked = f"within the {_percent(within):g} % asked for"
+    if outside:
+        needed = math.ceil(1000.0 * max(each.largest for each in errors)) / 10.0
+        verdict = f"not {asked} in {', '.join(outside)}: take smaller steps, or --within {needed}%"
+    else:
+        verdict = asked
+    hidden = STANDS_OUT * middle
     return (
-        f"It is as accurate as {_class(found.like, middle)}: {'; '.join(said)}; {verdict}. "
-        f"A fault that moves the motion like data off by less than {STANDS_OUT * middle:.0e} "
-        "could hide in that."
+        f"It is as accurate as {_class(found.like, middle)}: {', '.join(said)}; {verdict}. "
+        f"A fault could hide in that which moves the motion like data off by {hidden:.0e}."
     )
 
 
@@ -423,7 +425,7 @@ def _class(like: Matched, middle: float) -> str:
     if method == "adaptive":
         return f"a solver of tolerance {float(size) * like.factor:.0e}"
     if size.endswith(" ms"):
-        return f"fixed steps of about {float(size[:-3]) * like.factor:.2g} ms"
+        return f"fixed steps of about {float(size[:-3]) * like.factor:.1g} ms"
     return f"a fixed number of steps in each communication step (like {like.solver})"
 
 

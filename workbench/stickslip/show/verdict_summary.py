@@ -65,6 +65,8 @@ def counts(verdict: Verdict) -> Text:
 def _why(verdict: Verdict) -> str:
     if verdict.kills is not None and not verdict.kills.passed:
         return "a planted fault survived, or a check detects none and has no reason to stay"
+    if verdict.proven:
+        return "it is not what was asked for"
     return "no check of the FMU against the exact solution or an invariant passed"
 
 
