@@ -21,6 +21,10 @@ FINISHES = "runs-to-the-end"
 """The check that a run which does not finish fails; for the others nothing is there to judge."""
 
 
+MOST_REPEATED = 4
+"""Runs of cases, and of sequences, that are repeated; an FMU that often fails fails."""
+
+
 @dataclass(frozen=True)
 class Answers:
     """Results of an FMU.
@@ -68,6 +72,22 @@ def ask(
     if progress is not None and trials:
         progress("FMU in random sequences", len(cases), len(cases))
     return Answers(found, others, asked_of, list(tried))
+
+
+def again(
+    pool: workers.Pool, baseline: Sequence[Baseline], answers: Answers, trials: Sequence[Trial]
+) -> Answers:
+    """Repeat a few runs that had no end, one by one: the second result decides."""
+    cases = {each.case.id: each.case for each in baseline}
+    plain, drawn = dict(answers.plain), list(answers.sequences)
+    lost = [case for case, answer in plain.items() if answer.failure is not None]
+    for case in lost[:MOST_REPEATED]:
+        (plain[case],) = pool.each(workers.plain_run, [(cases[case],)])
+    broken = [n for n, answer in enumerate(drawn) if answer.failure is not None]
+    for n in broken[:MOST_REPEATED]:
+        asked = (trials[n].baseline.case, trials[n].manner.manner)
+        (drawn[n],) = pool.each(workers.in_manner, [asked])
+    return replace(answers, plain=plain, sequences=drawn)
 
 
 def judge(

@@ -19,7 +19,7 @@ from stickslip_verification.report import provenance
 from stickslip_verification.run.baseline import Progress, compute, trials
 from stickslip_verification.run.contract import CONTRACTS, Wanted, chosen_contract
 from stickslip_verification.run.coverage import coverage_table, gaps
-from stickslip_verification.run.judged import ask, judge, motions
+from stickslip_verification.run.judged import again, ask, judge, motions
 from stickslip_verification.run.kill_matrix import How, detect
 from stickslip_verification.run.numerical import judge_numerical, judged, questions
 from stickslip_verification.suite.cases import Case
@@ -180,6 +180,10 @@ def verify(
         jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface, limits=limits
     ) as pool:
         answers = ask(pool, baseline, asked, progress, tried)
+    with workers.Pool(
+        1, time_limit, fmu, names, fresh=True, own_starts=held_to.interface, limits=limits
+    ) as pool:
+        answers = again(pool, baseline, answers, tried)
     kills = None
     if mutants:
         how = How(names, held_to, fresh=fresh, whole=whole_matrix, limits=limits)

@@ -1,4 +1,4 @@
-"""How accurate honest solvers are in each case: data, made by `run.lint.family_of`."""
+"""How accurate honest solvers are in each case: data, made by `run.family`."""
 
 import tomllib
 from collections.abc import Collection, Mapping
