@@ -126,6 +126,7 @@ def test_a_countermeasure_does_what_it_says_from_any_setting(window: Window) -> 
             window.press("v", "ArrowRight")
             item.locator("button").click()
             assert window.setting == {**PRESETS[name], **cure["set"]} != PRESETS[name]
+            window.drawn()
             assert window.part("#x-chart .curve.ghost", "d")
             ends = "cycle ends" in item.inner_text()
             assert window.text("#lead").startswith("No cycle") == ends

@@ -140,7 +140,6 @@ class Window:
         return self.page.inner_text(selector).replace("\u00a0", " ")
 
     def part(self, selector: str, name: str) -> str:
-        self.drawn()
         return self.page.get_attribute(selector, name) or ""
 
     def style(self, selector: str, name: str) -> str:
@@ -148,6 +147,7 @@ class Window:
         return str(self.page.eval_on_selector(selector, source, name))
 
     def paths(self) -> Mapping[str, str]:
+        self.drawn()
         return {each: self.part(each, "d") for each in (*CURVES, "#phase-chart .curve.mass")}
 
     def si_of(self, name: str) -> float:
