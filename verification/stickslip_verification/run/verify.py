@@ -174,6 +174,8 @@ def verify(
         of_sequences, drawn = under_law(of_sequences, law, seed), []
     elif grows:
         of_sequences += with_dwell(of_sequences, seed)
+    if held_to.banded:
+        of_sequences = [_from_the_start(case) for case in of_sequences]
     tried = trials(of_sequences, invariants.sequences, jobs, numerical=held_to.banded)
     fresh = file.once_per_process
     with workers.Pool(
@@ -213,6 +215,13 @@ def verify(
         tables=tables,
         questions=answered,
     )
+
+
+def _from_the_start(case: Case) -> Case:
+    """Return a case whose first changes are its start values: which act at 0 s is a convention."""
+    first, *others = case.steps
+    parameters = {**case.parameters, **first.changes}
+    return replace(case, parameters=parameters, steps=(replace(first, changes={}), *others))
 
 
 def _of_any(case: Case) -> bool:
