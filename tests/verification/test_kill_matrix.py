@@ -33,12 +33,13 @@ WHOLE, FORETOLD = How(), How(whole=False)
 
 @cache
 def baseline(numerical: bool) -> list[Baseline]:
-    return compute(CASES, INVARIANTS, jobs=1, numerical=numerical)
+    cases = [named("default"), named("heavy")] if numerical else CASES
+    return compute(cases, INVARIANTS, jobs=1, numerical=numerical)
 
 
 def tried(fmu: Path, *mutants: Mutant, how: How = FORETOLD) -> KillMatrix:
     """Try faults on two cases, and on the probes that need no fresh process."""
-    of_case = baseline(how.contract.banded)
+    of_case = baseline(how.contract.numerical)
     return detect(fmu, mutants, of_case, INVARIANTS, jobs=1, how=how)
 
 
@@ -107,10 +108,10 @@ def test_a_fault_is_detected_by_a_foretold_check_or_survives_with_the_reason(
 
 
 def test_a_foreign_fmu_carries_faults_in_its_calls_alone() -> None:
-    mutants = [fault(name) for name in ("unit-force-in-kgf", "constant-g")]
+    mutants = [fault(name) for name in ("unit-force-in-kgf", "output-x-pull-lags", "constant-g")]
     how = How(SLIDER.names, PHYSICS_CONTRACT, whole=False)
-    honest, unit, inside = tried(SLIDER.path, IN_ITS_CALLS, *mutants, how=how).rows
-    assert (honest.failing, unit.caught) == ({}, True)
+    honest, unit, lag, inside = tried(SLIDER.path, IN_ITS_CALLS, *mutants, how=how).rows
+    assert (honest.failing, unit.caught, lag.caught) == ({}, True, True)
     assert "carries no packed source" in (inside.broken or "")
     words = r"\w+.fmu: the fault constant-g changes the Python source of the block"
     with pytest.raises(FmuError, match=words):

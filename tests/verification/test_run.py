@@ -115,10 +115,19 @@ def test_where_nothing_applies_nothing_passes() -> None:
 
 
 def test_an_fmu_that_fails_takes_only_its_case_with_it() -> None:
-    verdict = judged(misbehaving("crash"), "grazing", "heavy")
-    ends = {r.case: r for r in verdict.checks if r.check == "any-sequence"}
+    verdict = judged(misbehaving("crash"), "one-step", "heavy", contract="exact")
+    ends = {r.case: r for r in verdict.checks if r.check == "runs-to-the-end" and r.side == "fmu"}
     assert "the process crashed (SIG" in (ends["heavy"].failure or "")
-    assert "crashed" in (ends["grazing"].failure or "")
+    assert ends["one-step"].passed
+    others = {r.verdict for r in verdict.checks if r.case == "heavy" and r.check == "z-course"}
+    assert others == {"not applicable", "pass"}
+    assert not verdict.passed
+
+
+def test_a_numerical_solution_that_crashes_fails_where_it_did() -> None:
+    verdict = judged(misbehaving("crash"), "grazing", "heavy")
+    ends = {r.case: r.failure or "" for r in verdict.checks if r.check == "any-sequence"}
+    assert all("the process crashed (SIG" in ends[case] for case in ("grazing", "heavy"))
     assert not verdict.passed
 
 

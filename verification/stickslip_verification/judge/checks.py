@@ -68,8 +68,8 @@ class Contract:
         return klass == Klass.PHYSICS or self.contract
 
     @property
-    def banded(self) -> bool:
-        """Whether a run is right in the band of a numerical solution about the exact motion."""
+    def numerical(self) -> bool:
+        """Whether an FMU is judged as a numerical solution, see `run.numerical`."""
         return self.side == "fmu" and not self.exact
 
 

@@ -145,7 +145,7 @@ def _try(
         broken = str(error)
     else:
         # A numerical solution is judged over all cases, by what no fault names in advance.
-        if not how.whole and not how.contract.banded:
+        if not how.whole and not how.contract.numerical:
             with _pool(planted, mutant, how) as pool:
                 failing, broken = _first_foretold(
                     pool, wanted, baseline, invariants, how.contract, trials
@@ -162,7 +162,7 @@ def _try(
         about=mutant.about,
         wanted=wanted,
         failing=failing,
-        caught=any(how.contract.banded or check in wanted for check in failing),
+        caught=any(how.contract.numerical or check in wanted for check in failing),
         broken=broken,
     )
 
@@ -242,7 +242,7 @@ def _failures(
         for trial, answer in zip(trials, answers.sequences, strict=True)
         if answer.late
     }
-    if contract.banded:
+    if contract.numerical:
         of_runs = judged(baseline, answers)
         results = judge_numerical(of_runs, baseline, invariants, answers, contract, trials)
     else:

@@ -75,6 +75,9 @@ CYCLE: Final[Mapping[str, str]] = {
 }
 """What a cycle is described by, and the outputs that show it; of the force the largest."""
 
+MOST_ASKED: Final = 50.0
+"""Above it [%] no error is one of the steps."""
+
 _EXACT: Final = 1e-11
 """A solution whose middle delta is below this one is exact."""
 
@@ -410,7 +413,8 @@ def _accuracy(found: Judged, errors: Sequence[Errors], within: float) -> str:
     asked = f"within the {_percent(within):g} % asked for"
     if outside:
         needed = math.ceil(1000.0 * max(each.largest for each in errors)) / 10.0
-        verdict = f"not {asked} in {', '.join(outside)}: take smaller steps, or --within {needed}%"
+        advice = f": take smaller steps, or --within {needed}%" if needed < MOST_ASKED else ""
+        verdict = f"not {asked} in {', '.join(outside)}{advice}"
     else:
         verdict = asked
     hidden = STANDS_OUT * middle

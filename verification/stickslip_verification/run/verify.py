@@ -155,7 +155,7 @@ def verify(
     finally:
         file.close()
     held_to = CONTRACTS[chosen.name]
-    if held_to.banded:
+    if held_to.numerical:
         cases = [case for case in cases if _of_any(case)] or cases
         if not full:
             cases = [case for case in cases if case.id not in long_cases()] or cases
@@ -167,16 +167,16 @@ def verify(
         asked = _without_fresh_processes(invariants)
         of_faults = _without_fresh_processes(invariants, but=foretold)
     jobs = workers.jobs_here() if jobs is None else jobs
-    baseline = compute(cases, invariants, jobs, progress, numerical=held_to.banded)
+    baseline = compute(cases, invariants, jobs, progress, numerical=held_to.numerical)
     drawn = draw_sequences(seed, sequences if invariants.sequences else 0, scope)
     of_sequences = [each.case for each in drawn]
     if law != COULOMB_NAME:
         of_sequences, drawn = under_law(of_sequences, law, seed), []
     elif grows:
         of_sequences += with_dwell(of_sequences, seed)
-    if held_to.banded:
+    if held_to.numerical:
         of_sequences = [_from_the_start(case) for case in of_sequences]
-    tried = trials(of_sequences, invariants.sequences, jobs, numerical=held_to.banded)
+    tried = trials(of_sequences, invariants.sequences, jobs, numerical=held_to.numerical)
     fresh = file.once_per_process
     with workers.Pool(
         jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface, limits=limits
@@ -192,7 +192,7 @@ def verify(
         kills = detect(fmu, mutants, baseline, of_faults, jobs, progress, how, tried)
     tables: list[Table] = []
     answered: list[Question] = []
-    if held_to.banded:
+    if held_to.numerical:
         runs = judged(baseline, answers)
         results = list(judge_numerical(runs, baseline, asked, answers, held_to, tried))
         answered, errors = questions(runs, results, baseline, within or WITHIN)

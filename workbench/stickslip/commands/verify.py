@@ -245,7 +245,7 @@ def _check_contract(contract: ContractName | None, strict: bool, accept: bool, p
 
 
 def _share(within: str | None) -> float | None:
-    """Read the part of a quantity that the fitness allows."""
+    """Read the part by which a quantity of the cycle may be off."""
     from stickslip.units import parse
 
     if within is None:
