@@ -25,7 +25,9 @@ SHARES: Final = ("x", "x_dot", "F")
 
 _EQUAL: Final = 1e-14
 _MOST_PHASES: Final = 200
-"""In one step; more are a chattering that never ends."""
+"""In one communication step; more are a chattering that never ends."""
+_MOST_IN_STEP: Final = 10
+"""In one step of a method."""
 
 
 def _semi_implicit(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:
@@ -69,57 +71,101 @@ def _runge_kutta(a: Any, z: float, u: float, v: float, h: float) -> tuple[float,
 class Solver:
     """A slider: a method with steps of `step` [s], or `parts` of each communication step.
 
-    Without a method it adapts its steps to the relative tolerance `rtol`.
+    It finds out at the end of a step what has happened in it, or has the events `located`. Without
+    a method it locates them and adapts the steps of `adapts` to the tolerance `rtol`, absolute
+    `atol` (in SI units), by default small against the motion.
     """
 
     method: Method | None = None
     step: float = 0.0
     parts: int = 0
+    located: bool = False
     rtol: float = 0.0
+    atol: float = 0.0
+    adapts: str = "RK45"
 
     def run(self, case: Case) -> Run:
         """Run a case; the outputs are `SHARES`."""
-        return _Slide(self, case).run()
+        return Slider(self, case).run()
 
+
+_METHODS: Final[Mapping[str, Method]] = {
+    "semi-implicit Euler": _semi_implicit,
+    "Euler": _euler,
+    "Verlet": _verlet,
+    "Heun": _heun,
+    "Runge-Kutta": _runge_kutta,
+}
 
 SOLVERS: Final[Mapping[str, Solver]] = {
-    "semi-implicit Euler, 1 ms": Solver(_semi_implicit, step=1e-3),
-    "semi-implicit Euler, 0.1 ms": Solver(_semi_implicit, step=1e-4),
-    "semi-implicit Euler, 10 in a step": Solver(_semi_implicit, parts=10),
-    "Euler, 1 ms": Solver(_euler, step=1e-3),
-    "Euler, 0.1 ms": Solver(_euler, step=1e-4),
-    "Euler, 20 in a step": Solver(_euler, parts=20),
-    "Verlet, 1 ms": Solver(_verlet, step=1e-3),
-    "Verlet, 10 in a step": Solver(_verlet, parts=10),
-    "Heun, 1 ms": Solver(_heun, step=1e-3),
-    "Runge-Kutta, 1 ms": Solver(_runge_kutta, step=1e-3),
-    "Runge-Kutta, 0.1 ms": Solver(_runge_kutta, step=1e-4),
-    "Runge-Kutta, 1 in a step": Solver(_runge_kutta, parts=1),
-    "Runge-Kutta, 10 in a step": Solver(_runge_kutta, parts=10),
-    "adaptive, 1e-3": Solver(rtol=1e-3),
-    "adaptive, 1e-6": Solver(rtol=1e-6),
-    "adaptive, 1e-10": Solver(rtol=1e-10),
+    **{
+        f"{name}, {1e3 * step:g} ms": Solver(method, step=step)
+        for name, method in _METHODS.items()
+        for step in (1e-3, 3e-4, 1e-4)
+    },
+    **{
+        f"{name}, {parts} in a step": Solver(method, parts=parts)
+        for name, method in _METHODS.items()
+        for parts in (1, 3, 10, 30)
+    },
+    **{
+        f"{name}, {1e3 * step:g} ms, events located": Solver(
+            _METHODS[name], step=step, located=True
+        )
+        for name in ("Heun", "Runge-Kutta")
+        for step in (1e-3, 3e-4)
+    },
+    **{
+        f"{name}, 10 in a step, events located": Solver(_METHODS[name], parts=10, located=True)
+        for name in ("Heun", "Runge-Kutta")
+    },
+    **{
+        f"{adapts}, {rtol:g}{' absolute' if atol else ''}": Solver(
+            rtol=rtol, atol=atol, adapts=adapts
+        )
+        for adapts, rtol, atol in (
+            *(("RK45", rtol, 0.0) for rtol in (1e-3, 1e-4, 1e-6, 1e-8, 1e-10)),
+            *(("RK45", rtol, rtol) for rtol in (1e-3, 1e-5, 1e-7, 1e-9)),
+            *(("RK23", rtol, 0.0) for rtol in (1e-3, 1e-5)),
+            ("DOP853", 1e-7, 0.0),
+            *(("LSODA", rtol, 0.0) for rtol in (1e-4, 1e-6)),
+            *(("BDF", rtol, 0.0) for rtol in (1e-4, 1e-6)),
+        )
+    },
 }
 """The family by its names, which say method and step, or tolerance."""
 
+Acceleration = Callable[
+    [Mapping[str, float], int, Callable[[float], float]], Callable[[float, float], float]
+]
+"""From values, direction and friction force at a velocity: the acceleration(z, x_dot) in slip."""
 
-class _Slide:
-    """One slider on its way through a case."""
 
-    def __init__(self, solver: Solver, case: Case) -> None:
-        self.solver, self.case = solver, case
+def _of_model(
+    p: Mapping[str, float], s: int, friction: Callable[[float], float]
+) -> Callable[[float, float], float]:
+    m, k, c, force = p["m"], p["k"], p["c"], p["F_ext"]
+    return lambda z, u: (k * z + force - s * friction(u) - c * u) / m
+
+
+class Slider:
+    """One slider on its way through a case; `acceleration` is that of another model."""
+
+    def __init__(self, solver: Solver, case: Case, acceleration: Acceleration = _of_model) -> None:
+        self.solver, self.case, self.acceleration = solver, case, acceleration
         self.p = dict(case.start)
         self.x, self.z, self.u = (self.p[name] for name in ("x_start", "z_start", "x_dot_start"))
         self.mode = (self.u > 0.0) - (self.u < 0.0)
         self.age = self.p.get("age_start", 0.0)
 
     def run(self) -> Run:
+        """Run the case; the outputs are `SHARES`."""
         rows = []
         first = self._shown()
         for step in self.case.steps:
             self.p |= step.changes
             if self.solver.method is None:
-                self._adapt(step.h)
+                self._locate(step.h)
             else:
                 self._step(self.solver.method, step.h)
             rows.append(self._shown())
@@ -169,9 +215,8 @@ class _Slide:
         return lambda u: float(np.interp(u, speeds, values))
 
     def _acceleration(self) -> Callable[[float, float], float]:
-        p, normal, s, friction = self.p, self._normal, self.mode, self._slip_friction()
-        m, k, c, force = p["m"], p["k"], p["c"], p["F_ext"]
-        return lambda z, u: (k * z + force - s * normal * friction(abs(u)) - c * u) / m
+        normal, friction = self._normal, self._slip_friction()
+        return self.acceleration(self.p, self.mode, lambda u: normal * friction(abs(u)))
 
     def _breaks_away(self) -> bool:
         driving = self.p["k"] * self.z + self.p["F_ext"]
@@ -188,6 +233,9 @@ class _Slide:
         h, v = h / count, self.p["v"]
         acceleration = self._acceleration()
         for _ in range(count):
+            if self.solver.located:
+                self._locate(h)
+                continue
             if self.mode == 0:
                 if not self._breaks_away():
                     self.z += v * h
@@ -201,12 +249,32 @@ class _Slide:
             if self.mode * after <= 0.0:
                 self._stop()
 
-    def _adapt(self, left: float) -> None:
+    def _locate(self, left: float) -> None:
         least = _EQUAL * left
-        for _ in range(_MOST_PHASES):
+        fixed = self.solver.method is not None
+        slip = self._cut if fixed else self._adapt
+        for _ in range(_MOST_IN_STEP if fixed else _MOST_PHASES):
             if left <= least:
                 return
-            left -= self._slip(left) if self.mode or self._breaks_away() else self._rest(left)
+            left -= slip(left) if self.mode or self._breaks_away() else self._rest(left)
+
+    def _cut(self, h: float) -> float:
+        """Slip for one step [s], or the part of it after which the mass stops; return how long."""
+        assert self.solver.method is not None
+        acceleration, v = self._acceleration(), self.p["v"]
+        state = self.z, self.u
+        way, after = self.solver.method(acceleration, *state, v, h)
+        low, high, stops = 0.0, h, self.mode * after <= 0.0
+        while stops and high - low > _EQUAL * h:
+            middle = 0.5 * (low + high)
+            way, after = self.solver.method(acceleration, *state, v, middle)
+            low, high = (middle, high) if self.mode * after > 0.0 else (low, middle)
+        self.x += way
+        self.z += v * high - way
+        self.u = after
+        if stops:
+            self._stop()
+        return high
 
     def _rest(self, left: float) -> float:
         """Stick until the mass breaks away, or for the time left [s]; return for how long."""
@@ -224,7 +292,7 @@ class _Slide:
         self.age += high
         return high
 
-    def _slip(self, left: float) -> float:
+    def _adapt(self, left: float) -> float:
         """Slip until the mass stops, or for the time left [s]; return for how long."""
         s, v, rtol = self.mode, self.p["v"], self.solver.rtol
         acceleration = self._acceleration()
@@ -241,7 +309,8 @@ class _Slide:
             (0.0, left),
             (self.z, self.u, 0.0),
             rtol=rtol,
-            atol=[1e-3 * rtol * size for size in sizes],
+            atol=self.solver.atol or [1e-3 * rtol * size for size in sizes],
+            method=self.solver.adapts,
             events=velocity,
         )
         self.z, self.u, way = map(float, solution.y[:, -1])

@@ -26,6 +26,9 @@ MOTION: Final = ("x", "x_dot")
 
 _SMOOTH: Final = (*MOTION, "F")
 
+_ALWAYS: Final = ("F", "F_friction", "x_pull", "z")
+"""What is off in half of the points is no solution, however much data that are off move it."""
+
 STANDS_OUT: Final = 20.0
 """From honest solvers; those left out of the family reached 13, faults 30 to 50,000 (measured)."""
 
@@ -37,6 +40,9 @@ SATURATED: Final = 0.1
 
 LEAST: Final = 1e-13
 """Below it delta is rounding."""
+
+DIVERGED: Final = 1.0
+"""Delta of a run that leaves all numbers: its steps are too long for the motion."""
 
 REPEATS: Final = 0.25
 """Distance of the quartiles over the median of an offset that repeats; honest solvers: above 0.3,
@@ -50,9 +56,8 @@ _NEAR: Final = 6
 _MOVES: Final = 1e-3
 """Least change, over the largest value, of a parameter that matters in a case, for each part."""
 
-_ALIKE: Final = 1.5
-"""Solvers whose misfit is up to this times the least one, and `_CLOSE` more, are matched too."""
-_CLOSE: Final = 0.05
+_ALIKE: Final = 4
+"""How many solvers are matched, the nearest ones: more of them excuse a fault, fewer accuse."""
 _FARTHEST: Final = 3.0
 """Largest misfit of one case, as a logarithm: what stands out does not choose the solver."""
 
@@ -113,6 +118,8 @@ class Ruler:
                 columns = np.where(self._other_phase, np.inf, columns)
             columns = columns[:, read[where]]
             deltas = _deltas(error, columns, SATURATED * largest)
+            if name in _ALWAYS and np.median(error) > SATURATED * largest:
+                deltas = np.full_like(deltas, DIVERGED)
             place = int(np.argmax(deltas))
             if deltas[place] > worst.delta:
                 worst = Deviation(float(deltas[place]), name, float(run.times[where[place]]))
@@ -227,22 +234,26 @@ def matched(deltas: Mapping[str, float], family: Mapping[str, Mapping[str, float
     cases = list(deltas)
     if not cases:
         return Matched(next(iter(family)), 1.0, {}, {})
-    got = np.log([max(deltas[case], LEAST) for case in cases])
+    got = _logarithms(deltas, cases)
     found = []
     for solver, of in family.items():
-        own = np.log([max(of[case], LEAST) for case in cases])
+        own = _logarithms(of, cases)
         factor = float(np.median(got - own))
         misfit = float(np.mean(np.minimum(np.abs(got - own - factor), _FARTHEST)))
         found.append((misfit, solver, factor, own + factor))
-    misfit, solver, factor, _ = min(found, key=lambda each: each[0])
-    near = [each for each in found if each[0] <= _ALIKE * misfit + _CLOSE]
+    near = sorted(found, key=lambda each: each[0])[:_ALIKE]
     expected = np.exp(np.max([own for *_, own in near], axis=0))
+    _, solver, factor, _ = near[0]
     return Matched(
         solver,
         math.exp(factor),
         dict(zip(cases, map(float, expected), strict=True)),
         {name: math.exp(each) for _, name, each, _ in near},
     )
+
+
+def _logarithms(deltas: Mapping[str, float], cases: Collection[str]) -> Series:
+    return np.log(np.clip([deltas[case] for case in cases], LEAST, DIVERGED))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import sys
 
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.solvers import SHARES, SOLVERS
-from stickslip_verification.judge.accuracy import Ruler
+from stickslip_verification.judge.accuracy import DIVERGED, Ruler
 from stickslip_verification.model.verdict import Klass
 from stickslip_verification.run.verify import LONGEST_OF_ANY
 from stickslip_verification.suite.cases import Case, load_cases
@@ -35,7 +35,7 @@ def _deltas(case: Case) -> list[float]:
     assert spreads is not None
     ruler = Ruler(exact, spreads)
     runs = [solver.run(case) for solver in SOLVERS.values()]
-    return [min(ruler.deviation(run, SHARES).delta, 1.0) for run in runs]
+    return [min(ruler.deviation(run, SHARES).delta, DIVERGED) for run in runs]
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.law import fitting, law_of
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import carries_source
-from stickslip_verification.drive.probes import IN_A_FRESH_PROCESS
+from stickslip_verification.drive.probes import IN_A_FRESH_PROCESS, OF_NUMERICAL
 from stickslip_verification.drive.stepping import may_change, require_law
 from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Klass, Question, Table, Verdict
@@ -161,11 +161,13 @@ def verify(
             cases = [case for case in cases if case.id not in long_cases()] or cases
             sequences = min(sequences, QUICK_SEQUENCES)
     invariants = load_invariants().of_laws({case.law for case in cases})
+    if not held_to.numerical:
+        invariants = _without(invariants, OF_NUMERICAL)
     asked = of_faults = invariants
     if not fresh_processes:
         foretold = {check for mutant in mutants for check in mutant.detected_by}
-        asked = _without_fresh_processes(invariants)
-        of_faults = _without_fresh_processes(invariants, but=foretold)
+        asked = _without(invariants, IN_A_FRESH_PROCESS)
+        of_faults = _without(invariants, IN_A_FRESH_PROCESS, but=foretold)
     jobs = workers.jobs_here() if jobs is None else jobs
     baseline = compute(cases, invariants, jobs, progress, numerical=held_to.numerical)
     drawn = draw_sequences(seed, sequences if invariants.sequences else 0, scope)
@@ -195,7 +197,7 @@ def verify(
     if held_to.numerical:
         runs = judged(baseline, answers)
         results = list(judge_numerical(runs, baseline, asked, answers, held_to, tried))
-        answered, errors = questions(runs, results, baseline, within or WITHIN)
+        answered, errors = questions(runs, results, baseline, answers, tried, within or WITHIN)
         tables.append(errors)
     else:
         results = list(judge(baseline, asked, answers, held_to, tried))
@@ -232,16 +234,12 @@ def _of_any(case: Case) -> bool:
     return physics and case.stop_time <= LONGEST_OF_ANY and step <= MOST_PERIODS * period
 
 
-def _without_fresh_processes(invariants: Invariants, but: Collection[str] = ()) -> Invariants:
-    """Return the invariants without the probes in fresh processes, but for those of these ids."""
-    return replace(
-        invariants,
-        probes=[
-            each
-            for each in invariants.probes
-            if each.probe not in IN_A_FRESH_PROCESS or each.id in but
-        ],
-    )
+def _without(
+    invariants: Invariants, probes: Collection[str], but: Collection[str] = ()
+) -> Invariants:
+    """Return the invariants without some probes, but for those of these ids."""
+    kept = [each for each in invariants.probes if each.probe not in probes or each.id in but]
+    return replace(invariants, probes=kept)
 
 
 def _try_to_open(

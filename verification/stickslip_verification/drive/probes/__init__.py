@@ -5,6 +5,7 @@ A probe returns its complaints, one line each; none if the FMU is sound.
 
 from collections.abc import Callable
 
+from stickslip_verification.drive.probes.ageing import keeps_its_cycle
 from stickslip_verification.drive.probes.calls import (
     gives,
     same_motion,
@@ -48,6 +49,7 @@ PROBES: dict[str, Probe] = {
         same_motion,
         gives,
         steps_onto_restick,
+        keeps_its_cycle,
         state_in_a_fresh_process,
         elsewhere,
         memory_of_steps,
@@ -68,3 +70,6 @@ IN_A_FRESH_PROCESS = frozenset(
     )
 )
 """The probes that start a process of their own, each half a second and more."""
+
+OF_NUMERICAL = frozenset({keeps_its_cycle.__name__})
+"""The probes of numerical solutions; the exact block meets long cases in their stead."""

@@ -1,0 +1,74 @@
+"""A probe of a long run: the cycle at its end must be that of its beginning."""
+
+import time
+from collections.abc import Mapping
+
+import numpy as np
+
+from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.probes.common import defaults
+from stickslip_verification.drive.stepping import NotApplicableError, lacking
+
+_ALIKE = 0.05
+"""Difference of mean and of deviation, as a part of the deviation: what the points' places in the
+cycles make is a fifth of it."""
+
+
+def keeps_its_cycle(
+    fmu: FmuFile,
+    parameters: Mapping[str, float],
+    step: float,
+    count: int,
+    window: int,
+    seconds: float,
+) -> list[str]:
+    """Complain if the elongation of the spring is another one at the end of a long run.
+
+    Parameters
+    ----------
+    fmu
+        The FMU.
+    parameters
+        What differs from our defaults (SI).
+    step
+        The communication step [s].
+    count, window
+        Number of steps, and of those that are compared at the beginning and at the end.
+    seconds
+        Time of the processor after which the run ends with fewer [s].
+
+    Raises
+    ------
+    NotApplicableError
+        It lacks a parameter, or is too slow for a run that is long.
+    """
+    if absent := lacking(fmu, parameters):
+        raise NotApplicableError(f"it has no variable {', '.join(absent)}")
+    values = {**defaults(fmu), **parameters}
+    name = "x" if fmu.has("x") else "F"
+    seen, end = [], time.process_time() + seconds
+    with fmu.instantiate() as instance:
+        instance.start({name: value for name, value in values.items() if fmu.has(name)})
+        read = instance.reader([name])
+        for number in range(count):
+            instance.step(number * step, step)
+            seen.append(read()[0])
+            if number % 1000 == 0:
+                instance.messages.clear()
+                if time.process_time() > end:
+                    break
+    if len(seen) < 4 * window:
+        raise NotApplicableError(f"{len(seen)} steps in {seconds:g} s are too few for a long run")
+    shown = np.array(seen)
+    if name == "x":
+        shown = values["v"] * step * np.arange(1, shown.size + 1) - shown
+    first, last = shown[window : 2 * window], shown[-window:]
+    spread = float(np.std(first))
+    moved = abs(float(np.mean(last) - np.mean(first))), abs(float(np.std(last)) - spread)
+    if max(moved) <= _ALIKE * spread:
+        return []
+    return [
+        f"after {shown.size * step:.0f} s the spring is stretched otherwise than at the beginning: "
+        f"mean {np.mean(last):.4g}, not {np.mean(first):.4g}; deviation {np.std(last):.4g}, not "
+        f"{spread:.4g}"
+    ]
