@@ -10,7 +10,8 @@ from tests.makers.foreign_block import START
 class StepBlock:
     """Semi-implicit Euler, in steps of `step` [s], or `order` of them in a communication step.
 
-    Faults: load light, by a tenth; damped ahead, and not behind; static friction high, by 1 %.
+    Faults: load light, by a tenth; damped ahead, and not behind; static friction high, by 1 %;
+    ages, by a tenth of mu_k after 700 slips.
     """
 
     def __init__(
@@ -26,6 +27,7 @@ class StepBlock:
         self.order, self.step, self.fault = order, step, fault
         self.x, self.u, self.z = (self.p[name] for name in ("x_start", "x_dot_start", "z_start"))
         self.mode = (self.u > 0.0) - (self.u < 0.0)
+        self.slips = 0
 
     def change(self, values: Mapping[str, float]) -> None:
         self.p.update(values)
@@ -33,6 +35,8 @@ class StepBlock:
     def _friction(self, mu: str) -> float:
         load = self.p["load"] * (0.9 if self.fault == "load light" else 1.0)
         high = 1.01 if self.fault == "static friction high" and mu == "mu_s" else 1.0
+        if self.fault == "ages" and mu == "mu_k" and self.slips > 700:
+            high = 0.9
         return high * self.p[mu] * (self.p["m"] * self.p["g"] + load)
 
     def advance(self, now: float, h: float) -> None:
@@ -48,6 +52,7 @@ class StepBlock:
                 self.u += h * (driving - drag) / p["m"]
                 if self.mode * self.u <= 0.0:
                     self.u, self.mode = 0.0, 0
+                    self.slips += 1
             self.x += h * self.u
             self.z += h * (p["v"] - self.u)
 

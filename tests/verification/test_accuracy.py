@@ -13,6 +13,7 @@ from stickslip_verification.drive import solvers
 from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.nearby import OFF, changes, spreads
+from stickslip_verification.drive.probes.ageing import keeps_its_cycle
 from stickslip_verification.drive.solvers import SOLVERS, Solver
 from stickslip_verification.judge.accuracy import STANDS_OUT, Ruler, matched, wrong_parameter
 from stickslip_verification.model.run import Run
@@ -234,3 +235,11 @@ def test_a_slider_as_people_write_it_is_told_what_it_is(fault: str, right: bool,
     assert model.good is right == (wrong(verdict) == [])
     assert "fixed steps of about 1 ms" in accuracy.answer
     assert verdict.passed is right
+
+
+@pytest.mark.parametrize(("fault", "said"), [("", []), ("ages", ["after 28 s the spring is"])])
+def test_a_block_that_ages_is_found(fault: str, said: list[str]) -> None:
+    fmu = plain(f"Long{fault.title()}", step=1e-3, fault=fault).opened()
+    setting = {"k": 90000.0, "v": 0.005}
+    told = keeps_its_cycle(fmu, setting, step=0.0047, count=6000, window=1000, seconds=60.0)
+    assert [each[:24] for each in told] == said

@@ -238,6 +238,9 @@ def _shown(shown: Shown, other: Callable[[Series, Shown], Series]) -> float:
 
 _OUTPUTS: Final[Mapping[str, Callable[[Series, Shown], Series]]] = {
     "has the other sign": lambda got, _: -got,
+    "has the other sign in backward motion": lambda got, of: np.where(
+        of.exact.outputs["x_dot"] < 0.0, -got, got
+    ),
     "is 1000 times too large": lambda got, _: 1e-3 * got,
     "is 1000 times too small": lambda got, _: 1e3 * got,
     "is that of the step before": lambda got, _: np.append(got[1:], got[-1]),

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from stickslip_verification.drive.answer import Answer
-from stickslip_verification.drive.solvers import SOLVERS
+from stickslip_verification.drive.solvers import SOLVERS, Solver
 from stickslip_verification.judge.accuracy import (
     DIVERGED,
     LEAST,
@@ -229,14 +229,27 @@ def _drawn(found: Judged, answers: Answers, trials: Sequence[Trial]) -> dict[str
         if trial.manner.manner != PLAIN or exact is None or spreads is None or run is None:
             continue
         ruler = Ruler(exact, spreads)
-        expected = [
-            factor * min(ruler.deviation(SOLVERS[solver].run(each.case)).delta, DIVERGED)
-            for solver, factor in found.like.alike.items()
+        solved = [
+            factor * min(ruler.deviation(solver.run(each.case)).delta, DIVERGED)
+            for solver, factor in _honest(found.like)
             if each.case.law in BUILT_IN
-        ] or [*found.like.expected.values()]
+        ]
+        expected = solved or [*found.like.expected.values()]
         delta = ruler.deviation(run).delta
         plain[each.case.id] = _Drawn(run, ruler, delta, max(LEAST, *expected))
     return plain
+
+
+def _honest(like: Matched) -> Iterator[tuple[Solver, float]]:
+    """Yield the solvers matched, with the factors of their deltas.
+
+    One that is rougher than one of the family takes longer steps, which may diverge.
+    """
+    for name, factor in like.alike.items():
+        solver = SOLVERS[name]
+        yield solver, factor
+        if solver.step and factor > 1.0:
+            yield replace(solver, step=solver.step * factor), 1.0
 
 
 def _of_other_steps(delta: float, expected: float) -> float:
