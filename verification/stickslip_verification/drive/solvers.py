@@ -116,8 +116,11 @@ SOLVERS: Final[Mapping[str, Solver]] = {
         for step in (1e-3, 3e-4)
     },
     **{
-        f"{name}, 10 in a step, events located": Solver(_METHODS[name], parts=10, located=True)
+        f"{name}, {parts} in a step, events located": Solver(
+            _METHODS[name], parts=parts, located=True
+        )
         for name in ("Heun", "Runge-Kutta")
+        for parts in (3, 10)
     },
     **{
         f"{adapts}, {rtol:g}{' absolute' if atol else ''}": Solver(
@@ -127,7 +130,7 @@ SOLVERS: Final[Mapping[str, Solver]] = {
             *(("RK45", rtol, 0.0) for rtol in (1e-3, 1e-4, 1e-6, 1e-8, 1e-10)),
             *(("RK45", rtol, rtol) for rtol in (1e-3, 1e-5, 1e-7, 1e-9)),
             *(("RK23", rtol, 0.0) for rtol in (1e-3, 1e-5)),
-            ("DOP853", 1e-7, 0.0),
+            *(("DOP853", rtol, 0.0) for rtol in (1e-4, 1e-7)),
             *(("LSODA", rtol, 0.0) for rtol in (1e-4, 1e-6)),
             *(("BDF", rtol, 0.0) for rtol in (1e-4, 1e-6)),
         )
