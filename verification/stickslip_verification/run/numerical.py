@@ -193,12 +193,18 @@ class _Drawn:
     expected: float
     too_stiff: bool
 
+    @property
+    def beyond(self) -> bool:
+        """Whether the run leaves all numbers since the block is too stiff for its steps."""
+        return self.too_stiff and not np.isfinite(self.delta)
+
 
 def _of_sequences(
     found: Judged, answers: Answers, contract: Contract, trials: Sequence[Trial], *, restless: bool
 ) -> Iterator[CheckResult]:
     plain = _drawn(found, answers, trials)
-    apart = sorted(plain, key=lambda each: plain[each].delta / plain[each].expected, reverse=True)
+    counted = [name for name, each in plain.items() if not each.beyond]
+    apart = sorted(counted, key=lambda each: plain[each].delta / plain[each].expected, reverse=True)
     excused = set(apart[: int(EXCUSED * len(apart))])
     least = max(found.like.expected.values(), default=LEAST)
     for trial, answer in zip(trials, answers.sequences, strict=True):
@@ -209,7 +215,7 @@ def _of_sequences(
             continue
         drawn = plain[case]
         expected = max(drawn.expected, least) if case in excused else drawn.expected
-        if not np.isfinite(drawn.delta) and drawn.too_stiff:
+        if drawn.beyond:
             yield replace(empty, not_applicable="the block is too stiff here for steps so long")
         elif manner.manner == PLAIN:
             yield _of_motion(empty, drawn.ruler, drawn.run, found.like.solver, expected)
@@ -236,7 +242,9 @@ def _drawn(found: Judged, answers: Answers, trials: Sequence[Trial]) -> dict[str
         expected = solved or [*found.like.expected.values()]
         delta = ruler.deviation(run).delta
         too_stiff = max(solved, default=0.0) >= DIVERGED or _stiff(each.case, found.like)
-        plain[each.case.id] = _Drawn(run, ruler, delta, max(LEAST, *expected), too_stiff)
+        # No sequence is held to more than the best case.
+        least = min(found.like.expected.values(), default=LEAST)
+        plain[each.case.id] = _Drawn(run, ruler, delta, max(least, *expected), too_stiff)
     return plain
 
 
