@@ -82,3 +82,8 @@ def test_what_both_models_have_keeps_number_and_name_and_own_rows_follow() -> No
     assert [numbers[name] for name in first] == [0, 9, 12, 20, 32, 33]
     own = ("shape", "v_s", "delta", "n_points", "mu_1", "u_2", "mu_2", "u_12", "mu_12")
     assert [numbers[name] for name in own] == [34, 35, 36, 37, 38, 39, 40, 59, 60]
+
+
+def test_the_friction_of_a_slip_depends_on_every_point_of_the_curve() -> None:
+    used = next(row for row in SPEC.table.rows if row.name == "mu_k_used")
+    assert {f"mu_{point}" for point in range(1, 13)} < set(used.depends)

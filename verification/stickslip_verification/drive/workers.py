@@ -40,6 +40,9 @@ from stickslip_verification.suite.invariants import Order, Probe
 
 T = TypeVar("T")
 
+NOT_MADE = "not finished"
+"""Beginning of what is said of a run for which no time was left."""
+
 TIME_LIMIT = 60.0
 """Seconds that one run of a case may take; the longest of the suite takes a few."""
 
@@ -306,7 +309,7 @@ class Pool:
     def _give_up(self) -> None:
         """Answer all tasks that are left with the end of the budget."""
         failure = (
-            f"not finished: runs without a result took {self._budget:g} s, all that the FMU has "
+            f"{NOT_MADE}: runs without a result took {self._budget:g} s, all that the FMU has "
             "for them; --budget gives more"
         )
         for worker in self._busy:
