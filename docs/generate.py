@@ -104,8 +104,8 @@ name, unit, range, and when each may be set. It is made from the variable table 
 - An annotation of the type `org.stickslip.contract` names the contract, `stickslip-exact` in
   version 1: this interface with its start values, and the exact motion to rounding.
 - All values are in SI units. Tools may show mm, mm/s and N/mm instead.
-- Positions, velocities and forces are positive along the way, in the direction of a positive `v`. `F_friction` is the force on
-  the mass: negative in a forward slip, and the negative of `F + F_ext` in stick.
+- Positions, velocities and forces are positive along the way, in the direction of a positive `v`.
+  `F_friction` is the force on the mass: negative in a forward slip, `-(F + F_ext)` in stick.
 - A fixed parameter is set before the start.
 - A tunable parameter or an input is set at any time and acts from the next step on.
 - An input holds its value over a step.

@@ -253,7 +253,7 @@ def matched(deltas: Mapping[str, float], family: Mapping[str, Mapping[str, float
 
 
 def _logarithms(deltas: Mapping[str, float], cases: Collection[str]) -> Series:
-    return np.log(np.clip([deltas[case] for case in cases], LEAST, DIVERGED))
+    return np.asarray(np.log(np.clip([deltas[case] for case in cases], LEAST, DIVERGED)))
 
 
 @dataclass(frozen=True)

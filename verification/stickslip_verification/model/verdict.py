@@ -232,6 +232,10 @@ class KillMatrix:
         return all(row.caught for row in self.rows) and all(self.kills_nothing.values())
 
 
+LIKELIEST = "What is it likeliest to do instead?"
+"""Asked of a model that is wrong."""
+
+
 @dataclass(frozen=True)
 class Question:
     """A question that a verdict answers in a sentence, and whether the answer is a good one."""

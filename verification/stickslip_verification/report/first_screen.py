@@ -6,6 +6,7 @@ from typing import Final
 
 from stickslip_verification.model.margins import error_text
 from stickslip_verification.model.verdict import (
+    LIKELIEST,
     SEQUENCE,
     CheckResult,
     Kind,
@@ -59,7 +60,7 @@ def farthest(verdict: Verdict) -> CheckResult | None:
 
 def reasons(verdict: Verdict) -> list[str]:
     """Say why a verdict fails beside its failed checks."""
-    found = [question.answer for question in verdict.questions[1:]]
+    found = [each.answer for each in verdict.questions[1:] if each.asked != LIKELIEST]
     if verdict.passed:
         return found
     if not verdict.checks:
@@ -69,6 +70,15 @@ def reasons(verdict: Verdict) -> list[str]:
     if verdict.kills is not None and not verdict.kills.passed:
         found.append("A planted fault survived, or an idle check has no reason to stay.")
     return found
+
+
+def likeliest(verdict: Verdict, failures: Sequence[FailedCheck]) -> str:
+    """Return the likeliest cause of a failure, from the runs or else the first failed check."""
+    for each in verdict.questions:
+        if each.asked == LIKELIEST:
+            return each.answer
+    meaning = failures[0].meaning if failures else None
+    return "" if meaning is None or not meaning.look else f"Likeliest cause: {meaning.look}"
 
 
 def shown_case(drawn: Collection[str], failures: Sequence[FailedCheck]) -> str | None:

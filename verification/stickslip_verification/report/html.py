@@ -96,6 +96,7 @@ def render(
         sentence=first_screen.sentence(verdict),
         reasons=first_screen.reasons(verdict),
         causes=first_screen.causes(failures),
+        likeliest=first_screen.likeliest(verdict, failures),
         farthest=first_screen.farthest(verdict),
         contract=verdict.contract,
         contracts=first_screen.CONTRACTS,

@@ -34,6 +34,7 @@ from stickslip_verification.judge.run_checks import same_run
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import (
+    LIKELIEST,
     SEQUENCE,
     CheckResult,
     Kind,
@@ -417,7 +418,7 @@ def questions(
     model = Question(
         "Is the model right?",
         not failed and wrong is None and middle <= TOO_ROUGH,
-        _model(found, failed, wrong, middle) + _likeliest(found, failed, wrong, answers, trials),
+        _model(found, failed, wrong, middle),
     )
     good = all(each.largest <= within for each in errors)
     accuracy = Question("How accurate is it?", good, _accuracy(found, errors, within))
@@ -438,7 +439,9 @@ def questions(
         ],
         note=f"Asked for is {100.0 * within:g} % in every case; --within says otherwise.",
     )
-    return [model, accuracy], table
+    likeliest = _likeliest(found, failed, wrong, answers, trials)
+    answered = [Question(LIKELIEST, good=False, answer=likeliest)] if likeliest else []
+    return [model, accuracy, *answered], table
 
 
 def _tells(wrong: WrongParameter | None) -> bool:
@@ -519,9 +522,9 @@ def _likeliest(
     said = cause(worst, others)
     drawn = "".join(_set(each.case) for each in worst[:1] if each.case.id.startswith(SEQUENCE))
     if said is None:
-        return f" No single cause explains it.{drawn}"
+        return f"No single cause explains it.{drawn}"
     of = "it" if len(plain) == 1 else f"the {len(worst)} runs that are farthest off"
-    return f" Likeliest: {said}; that explains {of}.{drawn}"
+    return f"Likeliest, {said}: that explains {of}.{drawn}"
 
 
 def _set(case: Case) -> str:
