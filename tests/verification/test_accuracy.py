@@ -230,7 +230,7 @@ def test_an_output_that_is_no_number_is_no_accuracy() -> None:
 def test_a_slider_as_people_write_it_is_told_what_it_is(fault: str, right: bool, told: str) -> None:
     fmu = plain(f"Plain{fault.title().replace(' ', '')}", step=1e-3, fault=fault)
     verdict = judged(fmu, *USED, sequences=8, within=0.2)
-    model, accuracy = verdict.questions
+    model, accuracy, *_ = verdict.questions
     assert told in model.answer
     assert model.good is right == (wrong(verdict) == [])
     assert "fixed steps of about 1 ms" in accuracy.answer
