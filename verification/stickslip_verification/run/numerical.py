@@ -264,13 +264,20 @@ def _honest(like: Matched) -> Iterator[tuple[Solver, float]]:
 
 def _stiff(case: Case, like: Matched) -> bool:
     """Whether steps as long as an FMU seems to take are longer than a time constant of a case."""
-    solver = SOLVERS[like.solver]
+    name, factor = _as_large(like)
+    solver = SOLVERS[name]
     now, rate = dict(case.start), 0.0
     for step in case.steps:
         now.update(step.changes)
-        h = step.h / solver.parts if solver.parts else min(solver.step * like.factor, step.h)
+        h = step.h / solver.parts if solver.parts else min(solver.step * factor, step.h)
         rate = max(rate, h * now["c"] / now["m"], h * math.sqrt(now["k"] / now["m"]))
     return rate > 1.0
+
+
+def _as_large(like: Matched) -> tuple[str, float]:
+    """Return the nearest solver, with errors about as large if there is one, and its factor."""
+    alike = list(like.alike.items())
+    return next((each for each in alike if abs(math.log10(each[1])) <= 1.0), alike[0])
 
 
 def _of_other_steps(delta: float, expected: float) -> float:
@@ -564,12 +571,15 @@ def _class(like: Matched, middle: float) -> str:
     """Name how accurate a solver is in the words of its users."""
     if middle < _EXACT:
         return "the exact motion, to rounding"
-    solver = SOLVERS[like.solver]
+    name, factor = _as_large(like)
+    solver = SOLVERS[name]
+    if abs(math.log10(factor)) > 1.0:
+        return f"a motion whose data are off by {middle:.0e}"
     if solver.rtol:
-        return f"a solver of tolerance {solver.rtol * like.factor:.0e}"
+        return f"a solver of tolerance {solver.rtol * factor:.0e}"
     if solver.step:
-        return f"fixed steps of about {1e3 * solver.step * like.factor:.1g} ms"
-    return f"a fixed number of steps in each communication step (like {like.solver})"
+        return f"fixed steps of about {1e3 * solver.step * factor:.1g} ms"
+    return f"a fixed number of steps in each communication step (like {name})"
 
 
 def _percent(part: float) -> float:
