@@ -342,7 +342,11 @@ def _of_other(
 
 
 def _no_run(empty: CheckResult, answer: Answer[Run]) -> CheckResult:
-    unknown = "the motions near the exact one are not known" if answer.value is not None else None
+    unknown = (
+        "its plain run is lacking, or what is near the exact one"
+        if answer.value is not None
+        else None
+    )
     lacking = answer.not_applicable or unknown
     return replace(empty, failure=answer.failure, not_applicable=lacking)
 
