@@ -23,6 +23,9 @@ EXPLAINS: Final = 0.1
 WORST: Final = 3
 """How many failed runs are tried."""
 
+OTHERS: Final = 15
+"""How many runs in which the FMU is right are compared with a cause, the shortest ones."""
+
 _SOLVER: Final = Solver(rtol=1e-7, adapts="LSODA")
 _EVEN: Final = 0.3
 """Distance of the quartiles over the median of a creep that is in proportion to the force."""
@@ -60,6 +63,7 @@ def cause(failures: Sequence[Shown], others: Sequence[Shown]) -> str | None:
             f"{1e6 * float(np.median(creeps)):.2g} um/s per newton"
         )
     failures = sorted(failures, key=lambda each: each.got.times[-1])
+    others = sorted(others, key=lambda each: each.got.times[-1])[:OTHERS]
     left = {}
     for words, solve in _models():
         parts = takewhile(lambda part: part <= EXPLAINS, (_left(each, solve) for each in failures))
