@@ -10,7 +10,7 @@ from pathlib import Path
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.other_runs import RUNS
-from stickslip_verification.drive.probes import PROBES
+from stickslip_verification.drive.probes import OF_NUMERICAL, PROBES
 from stickslip_verification.judge.invariant_checks import agreeing, applies
 from stickslip_verification.judge.metrics import METRICS
 from stickslip_verification.judge.second_values import Accepted, Key, load_accepted
@@ -237,7 +237,9 @@ def _yielded(
                 yield from (
                     (case.id, invariant.id + end, "reference") for end in ("", "-asymptotic")
                 )
-    yield from (("", invariant.id, "fmu") for invariant in invariants.probes)
+    yield from (
+        ("", each.id, "fmu") for each in invariants.probes if each.probe not in OF_NUMERICAL
+    )
 
 
 def _checks(cases: Iterable[Case]) -> Iterator[tuple[Case, Check]]:
