@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip_verification.drive.solvers import Acceleration, Slider, Solver
+from stickslip_verification.drive.solvers import SHARES, Acceleration, Slider, Solver
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth.parameters import CHANGEABLE
@@ -30,12 +30,12 @@ _SOLVER: Final = Solver(rtol=1e-7, adapts="LSODA")
 _EVEN: Final = 0.3
 """Distance of the quartiles over the median of a creep that is in proportion to the force."""
 
-Values = Mapping[str, float]
-
-
 _ALSO: Final = 3.0
 """How many times farther off a cause may be where the FMU is right, and `_PART` of the motion."""
 _PART: Final = 0.01
+
+
+Values = Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -55,9 +55,10 @@ def cause(failures: Sequence[Shown], others: Sequence[Shown]) -> str | None:
     """
     if not failures:
         return None
-    if (said := _of_output(failures)) or any(each.output not in _MOTION for each in failures):
+    if (said := _of_output(failures)) or any(each.output not in SHARES for each in failures):
         return said
-    if creeps := [creep for each in failures if (creep := _creep(each))]:
+    creeps = [creep for each in failures if (creep := _creep(each)) is not None]
+    if creeps and all(creeps):
         return (
             "friction is regularised: in stick the mass creeps at "
             f"{1e6 * float(np.median(creeps)):.2g} um/s per newton"
@@ -73,9 +74,6 @@ def cause(failures: Sequence[Shown], others: Sequence[Shown]) -> str | None:
     # Of those that explain about as much, the first is the simplest.
     least = min(left.values(), default=0.0)
     return next((words for words, part in left.items() if part <= 2.0 * least), None)
-
-
-_MOTION: Final = ("x", "x_dot", "F")
 
 
 def _left(shown: Shown, solve: Callable[[Case], Run]) -> float:
@@ -101,7 +99,7 @@ def _distances(shown: Shown, solve: Callable[[Case], Run]) -> list[tuple[float, 
     except ValueError:
         return []
     found = []
-    for name in _MOTION:
+    for name in SHARES:
         if name in shown.got.outputs:
             got, exact = shown.got.outputs[name], shown.exact.outputs[name]
             off, rest = (
@@ -112,7 +110,10 @@ def _distances(shown: Shown, solve: Callable[[Case], Run]) -> list[tuple[float, 
 
 
 def _creep(shown: Shown) -> float | None:
-    """Return the speed over the force [m/(N s)] at which a mass creeps that should stick."""
+    """Return the speed over the force [m/(N s)] at which a mass creeps that should stick.
+
+    0 where it does not creep in proportion to the force, None where it should hardly stick.
+    """
     got, exact = shown.got.outputs, shown.exact.outputs
     if not {"x_dot", "F"} <= set(got):
         return None
@@ -122,7 +123,7 @@ def _creep(shown: Shown) -> float | None:
         return None
     rates = got["x_dot"][sticks] / got["F"][sticks]
     low, middle, high = np.quantile(rates, (0.25, 0.5, 0.75))
-    return float(middle) if middle > 0.0 and high - low <= _EVEN * middle else None
+    return float(middle) if middle > 0.0 and high - low <= _EVEN * middle else 0.0
 
 
 def _models() -> Iterator[tuple[str, Callable[[Case], Run]]]:

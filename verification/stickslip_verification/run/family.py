@@ -4,9 +4,10 @@ It takes ten minutes of a processor. A test holds three of the solvers against t
 """
 
 import sys
+from concurrent.futures import ProcessPoolExecutor
 
 from stickslip_verification.drive import workers
-from stickslip_verification.drive.solvers import SHARES, SOLVERS
+from stickslip_verification.drive.solvers import SOLVERS
 from stickslip_verification.judge.accuracy import DIVERGED, Ruler
 from stickslip_verification.model.verdict import Klass
 from stickslip_verification.run.verify import LONGEST_OF_ANY
@@ -23,9 +24,10 @@ def main() -> None:
     ]
     lines += ["long = [", *(f'    "{name}",' for name in sorted(long_cases())), "]"]
     lines += ["solvers = [", *(f'    "{name}",' for name in SOLVERS), "]", "", "[deltas]"]
-    for case in cases:
-        lines.append(f'"{case.id}" = [{", ".join(f"{delta:.1e}" for delta in _deltas(case))}]')
-        print(lines[-1], file=sys.stderr, flush=True)
+    with ProcessPoolExecutor() as pool:
+        for case, deltas in zip(cases, pool.map(_deltas, cases), strict=True):
+            lines.append(f'"{case.id}" = [{", ".join(f"{delta:.1e}" for delta in deltas)}]')
+            print(lines[-1], file=sys.stderr, flush=True)
     FILE.write_text("\n".join(lines) + "\n", "utf-8")
 
 
@@ -35,7 +37,7 @@ def _deltas(case: Case) -> list[float]:
     assert spreads is not None
     ruler = Ruler(exact, spreads)
     runs = [solver.run(case) for solver in SOLVERS.values()]
-    return [min(ruler.deviation(run, SHARES).delta, DIVERGED) for run in runs]
+    return [min(ruler.deviation(run).delta, DIVERGED) for run in runs]
 
 
 if __name__ == "__main__":

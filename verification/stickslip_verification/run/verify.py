@@ -21,7 +21,8 @@ from stickslip_verification.run.contract import CONTRACTS, Wanted, chosen_contra
 from stickslip_verification.run.coverage import coverage_table, gaps
 from stickslip_verification.run.judged import again, ask, judge, motions
 from stickslip_verification.run.kill_matrix import How, detect
-from stickslip_verification.run.numerical import judge_numerical, judged, questions
+from stickslip_verification.run.numerical import judge_numerical, judged
+from stickslip_verification.run.questions import questions
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.family import long_cases
 from stickslip_verification.suite.faults import Mutant, MutantError

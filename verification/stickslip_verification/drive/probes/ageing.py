@@ -40,7 +40,7 @@ def keeps_its_cycle(
     Raises
     ------
     NotApplicableError
-        It lacks a parameter, or is too slow for a run that is long.
+        It lacks a parameter, is too slow for a run that is long, or diverges from the beginning.
     """
     if absent := lacking(fmu, parameters):
         raise NotApplicableError(f"it has no variable {', '.join(absent)}")
@@ -63,6 +63,8 @@ def keeps_its_cycle(
     if name == "x":
         shown = values["v"] * step * np.arange(1, shown.size + 1) - shown
     first, last = shown[window : 2 * window], shown[-window:]
+    if not np.all(np.isfinite(first)):
+        raise NotApplicableError("its steps are too long for this block")
     spread = float(np.std(first))
     moved = abs(float(np.mean(last) - np.mean(first))), abs(float(np.std(last)) - spread)
     if max(moved) <= _ALIKE * spread:
