@@ -58,7 +58,7 @@ _MOVES: Final = 1e-3
 
 _ALIKE: Final = 4
 """How many solvers are matched, the nearest ones: more of them excuse a fault, fewer accuse."""
-_FARTHEST: Final = 3.0
+_FARTHEST: Final = 2.0
 """Largest misfit of one case, as a logarithm: what stands out does not choose the solver."""
 
 
