@@ -76,7 +76,7 @@ def test_where_there_is_no_cycle_the_page_says_why(window: Window) -> None:
         "no gap": {"c": 1.0, "mu_k": 0.5, "v": 0.02},
     }.items():
         window.set(**values)
-        assert "No cycle" in window.text("#lead")
+        assert "It moves evenly" in window.text("#lead")
         assert reason in window.text("#lead")
         table = rows(window)
         assert {table[name]["words"][1] for name in ("delta_x", "T", "f", "t_stick")} == {"–"}

@@ -129,5 +129,5 @@ def test_a_countermeasure_does_what_it_says_from_any_setting(window: Window) -> 
             window.drawn()
             assert window.part("#x-chart .curve.ghost", "d")
             ends = "cycle ends" in item.inner_text()
-            assert window.text("#lead").startswith("No cycle") == ends
+            assert window.text("#lead").startswith("It moves evenly") == ends
             assert ends or window.cycle["delta_x"] < before

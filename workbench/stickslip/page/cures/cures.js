@@ -79,7 +79,7 @@ export function makeCures(page) {
     }
     tried = { from, cured: page.setting(), button };
     const { exists, delta_x } = page.solution().motion.cycle;
-    setText(told, `${what} ${exists ? `The jump is ${quantity(delta_x, "length")}.` : "No cycle."}`);
+    setText(told, `${what} ${exists ? `The jump is ${quantity(delta_x, "length")}.` : "It no longer sticks."}`);
   }
   on(back, "click", () => {
     page.set(tried.from.motion.p);

@@ -91,7 +91,7 @@ function jumpInWords(p, { exists, delta_x }, v_c, constant) {
   const [pull, critical] = [p.v, v_c].map((each) => quantity(each, "velocity"));
   const limit = `For v → 0 it comes down to ${quantity(slowJump(p), "length")}`;
   const end = v_c < Infinity ? `, and at ${critical} it ends.` : ".";
-  if (!exists) return `No cycle at ${pull}. ${limit.replace("it", "the jump")}${end}`;
+  if (!exists) return `It does not stick at ${pull}. ${limit.replace("it", "the jump")}${end}`;
   const ratio = constant > 0 ? `, ${digits(delta_x / constant, 3)} times the constant` : "";
   return `At ${pull} the jump is ${quantity(delta_x, "length")}${ratio}. ${limit}${end}`;
 }

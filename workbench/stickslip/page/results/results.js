@@ -107,11 +107,11 @@ function inWords({ cycle, numbers, p, curve, slip }, v_c) {
     const { even } = regimeAt(contactOf(p, curve), p.v);
     const settles = even && slip.settles();
     return settles
-      ? "No cycle, it slides: on this friction curve the slip from break-away calms down."
-      : "It swings and does not stick: on this friction curve no slip comes to rest.";
+      ? "It moves evenly: on this friction curve the slip from break-away calms down."
+      : "It swings, without a stop: on this friction curve no slip comes to rest.";
   }
   if (!cycle.exists) {
-    return `No cycle, it slides: ${whyNone(numbers, p, v_c)}`;
+    return `It moves evenly: ${whyNone(numbers, p, v_c)}`;
   }
   const { delta_x, T, t_stick, t_slip } = cycle;
   const jump = `It jumps ${quantity(delta_x, "length")} every ${quantity(T, "time")}`;
