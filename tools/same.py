@@ -111,7 +111,7 @@ def freeze(folder: Path, others: Path) -> None:
 
 def _command(*words: str) -> subprocess.CompletedProcess[str]:
     print("stickslip", *words, flush=True)
-    called = [sys.executable, "-m", "stickslip", *words]
+    called = [sys.executable, "-c", "from stickslip.cli import main; main()", *words]
     return subprocess.run(called, capture_output=True, text=True, env=os.environ, check=False)
 
 
