@@ -34,7 +34,8 @@ WHOLE, FORETOLD = How(), How(whole=False)
 @cache
 def baseline(numerical: bool) -> list[Baseline]:
     cases = [named("default"), named("heavy")] if numerical else CASES
-    return compute(cases, INVARIANTS, jobs=1, numerical=numerical)
+    of = [case.id for case in cases] if numerical else None
+    return compute(cases, INVARIANTS, jobs=1, numerical=of)
 
 
 def tried(fmu: Path, *mutants: Mutant, how: How = FORETOLD) -> KillMatrix:

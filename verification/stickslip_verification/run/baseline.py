@@ -3,7 +3,7 @@
 It is computed once, in several processes, and serves every FMU of a run.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from stickslip_verification.drive import workers
@@ -61,24 +61,29 @@ def compute(
     jobs: int,
     progress: Progress | None = None,
     *,
-    numerical: bool = False,
+    numerical: Collection[str] | None = None,
 ) -> list[Baseline]:
-    """Compute the baseline of each case, also of a numerical solution; `progress` counts them."""
+    """Compute the baseline of each case; `progress` counts them.
+
+    `numerical` are the cases that a numerical solution is judged in, by id.
+    """
     asked = [
         (case, invariant)
         for case in cases
         for invariant in invariants.orders
-        if not numerical and case.id in invariant.cases and invariant.holds_for(case.law)
+        if numerical is None and case.id in invariant.cases and invariant.holds_for(case.law)
     ]
     with workers.Pool(jobs, TIME_LIMIT) as pool:
         # Long runs first, so that no process is left alone with one at the end.
         by_length = sorted(cases, key=lambda case: case.stop_time, reverse=True)
         exacts = pool.each(workers.exact, [(case,) for case in by_length])
         orders = pool.each(workers.observed_order, asked)
-        of_numerical = [(case,) for case in by_length if numerical]
+        of_numerical = [(case,) for case in by_length if numerical and case.id in numerical]
         spreads = pool.each(workers.spreads, of_numerical)
         changes = pool.each(workers.changes, of_numerical)
-        references = pool.each(workers.reference, [(case,) for case in by_length if not numerical])
+        references = pool.each(
+            workers.reference, [(case,) for case in by_length if numerical is None]
+        )
         found: dict[str, tuple[Answer[Exact], Answer[Run]]] = {}
         for done, case in enumerate(by_length):
             if progress is not None:

@@ -16,10 +16,15 @@ from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import CheckResult, Klass, Motion
 from stickslip_verification.run.baseline import Baseline, Progress, Trial
 from stickslip_verification.suite.invariants import Invariants
+from stickslip_verification.suite.sequences import PLAIN
 
 FINISHES = "runs-to-the-end"
 """The check that a run which does not finish fails; for the others nothing is there to judge."""
 
+
+UNTRIED = "not tried, for the model is wrong in its plain runs; --full tries it"
+
+_UNTRIED: Answer[Run] = Answer(not_applicable=UNTRIED)
 
 MOST_REPEATED = 4
 """Runs of cases, and of sequences, that are repeated; an FMU that often fails fails."""
@@ -45,12 +50,30 @@ def ask(
     invariants: Invariants,
     progress: Progress | None = None,
     trials: Sequence[Trial] = (),
+    enough: Callable[[Mapping[str, Answer[Run]]], bool] | None = None,
 ) -> Answers:
-    """Run the FMU of a pool through the cases of the baseline and what the invariants ask for."""
+    """Run the FMU of a pool through the cases of the baseline and what the invariants ask for.
+
+    Where the plain runs are `enough`, only those of the sequences follow.
+    """
     cases = [each.case for each in baseline]
     kinds = list(dict.fromkeys(invariant.run for invariant in invariants.runs))
     asked = [(case, kind) for case in cases for kind in kinds]
     plain = pool.each(workers.plain_run, [(case,) for case in cases])
+    found: dict[str, Answer[Run]] = {}
+    for done, case in enumerate(cases):
+        if progress is not None:
+            progress(f"FMU: {case.id}", done, len(cases))
+        found[case.id] = next(plain)
+    if enough is not None and enough(found):
+        drawn = [each for each in trials if each.manner.manner == PLAIN]
+        ran = pool.each(workers.in_manner, [(each.baseline.case, PLAIN) for each in drawn])
+        return Answers(
+            found,
+            dict.fromkeys(((case.id, kind) for case, kind in asked), _UNTRIED),
+            {invariant.id: Answer(not_applicable=UNTRIED) for invariant in invariants.probes},
+            [next(ran) if each.manner.manner == PLAIN else _UNTRIED for each in trials],
+        )
     runs = pool.each(workers.other_run, asked)
     probes = pool.each(
         workers.probe, [(invariant,) for invariant in invariants.probes], most=workers.PROBE_LIMIT
@@ -58,12 +81,7 @@ def ask(
     tried = pool.each(
         workers.in_manner, [(each.baseline.case, each.manner.manner) for each in trials]
     )
-    found: dict[str, Answer[Run]] = {}
     others: dict[tuple[str, str], Answer[Run]] = {}
-    for done, case in enumerate(cases):
-        if progress is not None:
-            progress(f"FMU: {case.id}", done, len(cases))
-        found[case.id] = next(plain)
     for done, (case, kind) in enumerate(asked):
         if progress is not None and done % len(kinds) == 0:
             progress(f"FMU in other runs: {case.id}", done // len(kinds), len(cases))

@@ -243,7 +243,7 @@ def _failures(
         if answer.late
     }
     if contract.numerical:
-        of_runs = judged(baseline, answers)
+        of_runs = judged(baseline, answers.plain)
         results = judge_numerical(of_runs, baseline, invariants, answers, contract, trials)
     else:
         results = judge(baseline, invariants, answers, contract, trials, reference=False)

@@ -57,6 +57,9 @@ and slip one step late where others do not: there it may err as in the worst cas
 OF_OUTPUT: Final = 100.0
 """How many times the delta of the motion another output may be off: it may lag by a step."""
 
+CERTAIN: Final = 3
+"""Cases that stand out from which on the model is wrong, whatever else is tried."""
+
 AS_MUCH: Final = 10.0
 """How many times the delta of the plain run the run of other steps may have (measured: up to 5)."""
 
@@ -92,6 +95,13 @@ class Judged:
         }
         return matched(deltas, family)
 
+    @property
+    def certain(self) -> bool:
+        """Whether the plain runs say that the model is wrong."""
+        expected = self.like.expected
+        apart = [case for case, of in self.motion.items() if of.delta > STANDS_OUT * expected[case]]
+        return len(apart) >= CERTAIN
+
     def _honest(self, solver: str, case: str) -> float:
         """Return the delta of an honest solver in a case of one's own."""
         if self.cases[case].law not in BUILT_IN:
@@ -99,11 +109,11 @@ class Judged:
         return self.rulers[case].deviation(SOLVERS[solver].run(self.cases[case])).delta
 
 
-def judged(baseline: Sequence[Baseline], answers: Answers) -> Judged:
+def judged(baseline: Sequence[Baseline], plain: Mapping[str, Answer[Run]]) -> Judged:
     """Return the runs in cases of physics whose truth is known."""
     cases, rulers, runs = {}, {}, {}
     for each in baseline:
-        run = answers.plain[each.case.id].value
+        run = plain[each.case.id].value
         if each.exact.value is not None and each.spreads is not None and run is not None:
             assert each.spreads.value is not None
             cases[each.case.id] = each.case

@@ -12,7 +12,7 @@ from stickslip_verification.drive.fmu.law import fitting, law_of
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import carries_source
 from stickslip_verification.drive.probes import IN_A_FRESH_PROCESS, OF_NUMERICAL
-from stickslip_verification.drive.stepping import may_change, require_law
+from stickslip_verification.drive.stepping import can_run, may_change, require_law
 from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Klass, Question, Table, Verdict
 from stickslip_verification.report import provenance
@@ -149,6 +149,7 @@ def verify(
         file.look_for(COULOMB.parameters, optional=True)
         grows = all(file.has(each.name) for each in COULOMB.parameters)
         origin = provenance.collect(file, command)
+        applying = frozenset(case.id for case in cases if can_run(file, case))
         scope = Scope(
             frozenset(name for name in START_VALUES if file.has(name)),
             frozenset(name for name in CHANGEABLE if file.has(name) and may_change(file, name)),
@@ -170,7 +171,8 @@ def verify(
         asked = _without(invariants, IN_A_FRESH_PROCESS)
         of_faults = _without(invariants, IN_A_FRESH_PROCESS, but=foretold)
     jobs = workers.jobs_here() if jobs is None else jobs
-    baseline = compute(cases, invariants, jobs, progress, numerical=held_to.numerical)
+    apply_to = applying if held_to.numerical else None
+    baseline = compute(cases, invariants, jobs, progress, numerical=apply_to)
     drawn = draw_sequences(seed, sequences if invariants.sequences else 0, scope)
     of_sequences = [each.case for each in drawn]
     if law != COULOMB_NAME:
@@ -184,7 +186,9 @@ def verify(
     with workers.Pool(
         jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface, limits=limits
     ) as pool:
-        answers = ask(pool, baseline, asked, progress, tried)
+        quick = held_to.numerical and not full
+        enough = (lambda plain: judged(baseline, plain).certain) if quick else None
+        answers = ask(pool, baseline, asked, progress, tried, enough)
     with workers.Pool(
         1, time_limit, fmu, names, fresh=True, own_starts=held_to.interface, limits=limits
     ) as pool:
@@ -196,7 +200,7 @@ def verify(
     tables: list[Table] = []
     answered: list[Question] = []
     if held_to.numerical:
-        runs = judged(baseline, answers)
+        runs = judged(baseline, answers.plain)
         results = list(judge_numerical(runs, baseline, asked, answers, held_to, tried))
         answered, errors = questions(runs, results, baseline, answers, tried, within or WITHIN)
         tables.append(errors)
