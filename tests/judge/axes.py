@@ -132,8 +132,9 @@ class Motion:
         N = self.m * quantity(table.get("gravity", 9.81)) + quantity(table.get("load", 0.0))
         self.guideway = Guideway(axis["friction"], N, ratio)
         self.v, self.t = quantity(feed), 0.0
-        self.acceleration = quantity(axis.get("demand", {}).get("acceleration", math.inf))
         self.rigid = drive.get("kind") == "rigid"
+        demand = {} if self.rigid else axis.get("demand", {})
+        self.acceleration = quantity(demand.get("acceleration", math.inf))
         self.lag = self.dry = self.T_s = late = 0.0
         self.filters: list[tuple[list[float], list[float]]] = []
         self.w = math.sqrt(self.k / self.m)

@@ -25,7 +25,8 @@ Begin = Literal["rest", "jumps", "struck", "even"]
 _DEVIATION: Final = 0.02
 """Of the table's speed from the feed where a motion near even sliding begins."""
 _STEADY: Final = 1e-3
-"""A swing is steady where the range of its last extremes changes by less, relative."""
+"""A swing is steady where the range of its last extremes changes by less twice, relative: where a
+decay turns into growth it hardly changes either."""
 _SWINGS: Final = 8
 """Extremes of the speed that are looked at together."""
 _LAST: Final = 16
@@ -36,6 +37,11 @@ _STICKS: Final = 12
 """Sticks after which a motion sticks and slips, where the last half of them is as the first."""
 _ALIKE: Final = 0.02
 """How far the slips of both halves may differ, relative."""
+_CLOSE: Final = 0.05
+"""The amplitude of a swing that is too slow to be followed is found to this, relative."""
+_TRIED: Final = 12
+"""Windows of extremes after which a swing that was begun shows whether it grows: the loop settles
+first."""
 _BESIDE: Final = 1e-3
 """Time beside an extreme in which no other is looked for, in periods."""
 _MOST: Final = 6_000
@@ -124,6 +130,11 @@ class Courses:
             else:
                 state[system.layout.acceleration] = acceleration
             return Mode(0, motor), Point(state, 0.0)
+        return self._beside(_DEVIATION)
+
+    def _beside(self, deviation: float) -> tuple[Mode, Point]:
+        """Return even motion but for the table's speed, which is off by so much of the feed."""
+        system, axis, feed = self._system, self._axis, self._feed
         line = next(n for n, line in enumerate(system.lines) if feed <= line.high)
         sliding = system.lines[line]
         force = sliding.force + sliding.slope * (feed - sliding.low) + axis.c * feed - axis.along
@@ -131,9 +142,10 @@ class Courses:
         state[[MOTOR, LAST]] += force / axis.k
         if not system.drive.on_table:
             state[system.layout.command] += force / axis.k
-        state[SPEED] = feed * (1.0 + _DEVIATION)
+        state[SPEED] = feed * (1.0 + deviation)
         if not sliding.low < state[SPEED] < sliding.high:
-            state[SPEED] = feed * (1.0 - _DEVIATION)
+            state[SPEED] = feed * (1.0 - deviation)
+        line = next(n for n, line in enumerate(system.lines) if state[SPEED] <= line.high)
         return Mode(1, 1, line), Point(state, 0.0)
 
     def _events(self, mode: Mode, point: Point) -> Iterator[Extreme]:
@@ -212,10 +224,10 @@ class Courses:
         off = max(abs(event.speed / self._feed - 1.0) for event in last)
         if off < _STILL or (off < SETTLED and self._in_stable_line(last)):
             return Course("even", settling=self._settling(events))
-        if len(run) < 2 * _LAST:
+        if len(run) < 3 * _LAST:
             return None
-        before, now = (_height(part) for part in (run[-2 * _LAST : -_LAST], run[-_LAST:]))
-        steady = abs(now / before - 1.0) < _STEADY
+        first, before, now = _heights(run)
+        steady = max(abs(before / first - 1.0), abs(now / before - 1.0)) < _STEADY
         if steady and not self._in_stable_line(last):
             return Course("swings", swing=self._swing(run))
         return None
@@ -261,13 +273,56 @@ class Courses:
         if not run or (events and events[-1].mode.table == 0):
             # It creeps up to the feed without an extreme, or was never pulled away.
             return Course("even", settling=0.0)
-        if len(run) < 2 * _LAST:
+        if len(run) < 3 * _LAST:
             return Course("even", settling=self._settling(events))
-        before, now = (_height(part) for part in (run[-2 * _LAST : -_LAST], run[-_LAST:]))
+        _, before, now = _heights(run)
         stable = swing(self._axis, line=line_at(self._axis, self._feed)).damping >= 0.0
         if stable and now < (1.0 - _ALIKE) * before:
             return Course("even", settling=self._settling(events))
-        return Course("swings", swing=self._swing(run))
+        return self._slow(self._swing(run), 1.0 if now > before else -1.0)
+
+    def _slow(self, seen: Swinging, way: float) -> Course:
+        """Return where a swing leads that grows (`way` > 0) or fades too slowly to be followed.
+
+        Swings twice or half as wide are begun until one does not go the same way, then those
+        between.
+        """
+        goes_on, turns = seen.amplitude, math.nan
+        while not abs(turns / goes_on - 1.0) < _CLOSE:
+            tried = goes_on * 2.0**way if math.isnan(turns) else math.sqrt(goes_on * turns)
+            if tried >= 1.0:
+                return self.course("jumps")
+            if tried < _STILL:
+                break
+            grows = self._grows(tried)
+            if isinstance(grows, Course):
+                return grows
+            if (grows > 0.0) == (way > 0.0):
+                goes_on = tried
+            else:
+                turns = tried
+        return Course("swings", swing=Swinging(goes_on, seen.frequency))
+
+    def _grows(self, deviation: float) -> float | Course:
+        """Return whether a swing begun at a deviation grows (above 0), or where it leads."""
+        extremes: list[Extreme] = []
+        for event in self._events(*self._beside(deviation)):
+            extremes.append(event)
+            found = self._sticks(extremes) if event.name == "stop" else self._swings(extremes)
+            if found is not None:
+                return found
+            if len(run := self._run(extremes)) >= _TRIED * _LAST:
+                break
+        _, before, now = _heights(run) if len(run) >= 3 * _LAST else (1.0, 1.0, 0.0)
+        return now - before
+
+
+def _heights(run: list[Extreme]) -> tuple[float, float, float]:
+    """Return the ranges of the speed over the last three windows of extremes [m/s]."""
+    first, before, now = (
+        _height(run[-(number + 1) * _LAST : len(run) - number * _LAST]) for number in (2, 1, 0)
+    )
+    return first, before, now
 
 
 def _height(extremes: list[Extreme]) -> float:
