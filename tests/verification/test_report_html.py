@@ -13,10 +13,7 @@ from stickslip_verification import (
     KillMatrix,
     Meaning,
     Verdict,
-    compare,
-    read_earlier_report,
     render,
-    write_json,
     write_report,
 )
 from stickslip_verification.model.run import Run
@@ -169,19 +166,13 @@ def test_a_sentence_says_how_near_the_exact_motion_it_is_or_where_it_fails_and_w
     assert MARKUP not in page
 
 
-def test_only_the_dated_block_knows_where_when_and_what_was_earlier(tmp_path: Path) -> None:
+def test_only_the_dated_block_knows_where_and_when() -> None:
     here = render(full_verdict(created="today", platform="here"))
     there = render(full_verdict(created="tomorrow", platform="there", command="stickslip verify"))
     cut = re.compile(r"<!-- dated: begin -->.*<!-- dated: end -->", re.DOTALL)
     assert here != there
     assert cut.sub("", here) == cut.sub("", there)
     assert "stickslip verify" in text_of(there)
-    earlier = tmp_path / "earlier.json"
-    write_json(Verdict([result(error=1e-14)], PROVENANCE), earlier)
-    now = Verdict([result(error=9e-13)], PROVENANCE)
-    text = text_of(render(now, margins=compare(read_earlier_report(earlier), now)))
-    assert "Margins that grew by more than a factor 2: 1;" in text
-    assert "earlier.json" in text
 
 
 def test_of_the_random_sequences_those_that_failed_are_shown_and_all_are_counted() -> None:

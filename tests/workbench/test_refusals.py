@@ -98,7 +98,6 @@ REFUSED = [
     ("verify --names {names}", "--names goes with --fmu"),
     ("verify --cases broken.toml", "broken.toml: line 1: "),
     ("verify --cases one-step --pack", "--pack does not go with --cases"),
-    ("verify --baseline text.fmu", "text.fmu: "),
     ("verify --fault nothing", "--fault"),
     ("verify --fault none.toml", "--fault none.toml: no such file"),
     ("verify --fault 'state-*' --mutants", "--fault does not go with --mutants"),

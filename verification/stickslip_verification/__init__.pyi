@@ -22,10 +22,6 @@ from .model.verdict import Verdict as Verdict
 from .model.whole_file import replacing as replacing
 from .random_sets.run_all import prove as prove
 from .random_sets.tally import RandomTestResult as RandomTestResult
-from .report.earlier import EarlierReport as EarlierReport
-from .report.earlier import EarlierReportError as EarlierReportError
-from .report.earlier import compare as compare
-from .report.earlier import read_earlier_report as read_earlier_report
 from .report.html import render as render
 from .report.html import write_report as write_report
 from .report.json_file import as_json as as_json

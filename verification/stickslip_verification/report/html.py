@@ -14,12 +14,11 @@ from stickslip_verification.drive import convergence
 from stickslip_verification.model.margins import error_text
 from stickslip_verification.model.verdict import ObservedOrder, Outcome, Table, Verdict
 from stickslip_verification.model.whole_file import write_all
-from stickslip_verification.report import earlier as baseline
 from stickslip_verification.report import first_screen, kill_view, order_plot, plots, view
 from stickslip_verification.report.environment import environment, text_of
 from stickslip_verification.report.json_file import json_text
 from stickslip_verification.report.junit import as_junit
-from stickslip_verification.report.words import KINDS, SIDES, WORTH
+from stickslip_verification.report.words import KINDS, WORTH
 from stickslip_verification.suite.catalogue import Meaning
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
@@ -59,7 +58,6 @@ def render(
     verdict: Verdict,
     *,
     meanings: Mapping[str, Meaning] = NO_MEANINGS,
-    margins: baseline.Moves | None = None,
     drawn: Mapping[str, str] | None = None,
     full: bool = False,
 ) -> str:
@@ -71,8 +69,6 @@ def render(
         What came out.
     meanings
         For a check, what its failure means.
-    margins
-        How margins moved since an earlier report, where there is one.
     drawn
         The plots as `draw_cases` gives them; drawn here where they are not given.
     full
@@ -118,8 +114,7 @@ def render(
         kills=None if verdict.kills is None else kill_view.of(verdict.kills),
         orders=[_drawn_order(order, number) for number, order in enumerate(verdict.orders)],
         order_table=view.table_view(_orders(verdict.orders)),
-        moves=None if margins is None else _moves(margins),
-        provenance=list(_told(_dated(verdict, margins))),
+        provenance=list(_told(verdict.provenance)),
         style=text_of("style.css"),
         script=text_of("filter.js"),
     )  # fmt: skip
@@ -130,7 +125,6 @@ def write_report(
     folder: Path,
     *,
     meanings: Mapping[str, Meaning] = NO_MEANINGS,
-    margins: baseline.Moves | None = None,
     drawn: Mapping[str, str] | None = None,
     full: bool = False,
 ) -> None:
@@ -138,7 +132,7 @@ def write_report(
 
     Everything is made before the first file is touched. The arguments are those of `render`.
     """
-    page = render(verdict, meanings=meanings, margins=margins, drawn=drawn, full=full)
+    page = render(verdict, meanings=meanings, drawn=drawn, full=full)
     files = {"report.json": json_text(verdict), "junit.xml": as_junit(verdict), "index.html": page}
     write_all({folder / name: text for name, text in files.items()})
 
@@ -193,62 +187,6 @@ def _drawn_order(order: ObservedOrder, number: int) -> dict[str, Any]:
 
 def _slope(slope: float) -> str:
     return f"{slope:.2f}".replace("-", "\N{MINUS SIGN}") if math.isfinite(slope) else "–"
-
-
-def _moves(moves: baseline.Moves) -> dict[str, Any]:
-    head = ("case", "check", "side", "margin then", "now", "verdict then", "now")
-
-    def table(title: str, found: Sequence[baseline.Move]) -> view.TableView:
-        rows = [
-            [
-                view.case_name(move.case),
-                move.check,
-                SIDES.get(move.side, move.side),
-                _margin(move.before),
-                _margin(move.now),
-                move.before.verdict,
-                move.now.verdict,
-            ]
-            for move in found
-        ]
-        return view.table_view(Table(title, "", head, rows))
-
-    def names(keys: Sequence[baseline.Key]) -> list[str]:
-        return [
-            f"{view.case_name(case)} / {check} ({SIDES.get(side, side)})"
-            for case, check, side in keys
-        ]
-
-    return {
-        "compared": moves.compared,
-        "factor": f"{baseline.FACTOR:g}",
-        "floor": f"{baseline.FLOOR:g}",
-        "grew": moves.grew,
-        "shrank": moves.shrank,
-        "changed": moves.changed,
-        "tables": [
-            table("Verdicts that changed", moves.changed),
-            table("Margins that grew", moves.grew),
-            table("Margins that shrank", moves.shrank),
-        ],
-        "new": names(moves.new),
-        "gone": names(moves.gone),
-    }
-
-
-def _margin(entry: baseline.Entry) -> str:
-    return "–" if entry.verdict == Outcome.NOT_APPLICABLE else error_text(entry.margin)
-
-
-def _dated(verdict: Verdict, moves: baseline.Moves | None) -> dict[str, Any]:
-    told = dict(verdict.provenance)
-    if moves is not None:
-        told["earlier report"] = {
-            "file": str(moves.baseline.file),
-            "made": moves.baseline.created,
-            "SHA-256 of its FMU": moves.baseline.sha256,
-        }
-    return told
 
 
 def _told(provenance: Mapping[str, Any], path: str = "") -> list[tuple[str, str]]:

@@ -26,7 +26,6 @@ from stickslip.errors import CommandError
 if TYPE_CHECKING:
     from stickslip_verification import (
         Case,
-        EarlierReport,
         Limits,
         Meaning,
         Mutant,
@@ -124,10 +123,6 @@ def verify(
             "slip, period and force; default: 1e-6.",
         ),
     ] = None,
-    baseline: Annotated[
-        Path | None,
-        typer.Option(metavar="OLD.json", help="Show how margins changed since this report."),
-    ] = None,
     accept: Annotated[
         bool, typer.Option("--accept", help="Store the results as second values of the suite.")
     ] = False,
@@ -162,7 +157,6 @@ def verify(
     _check_accept(accept, names, cases, chosen)
     _check_pack(pack, fmu, names, cases)
     name_map = _names(names, chosen)
-    earlier = _baseline(baseline)
     _check_targets(output)
     faults = _mutants(mutants, fault)
     fmu = fmu or current_fmu(law)
@@ -183,7 +177,7 @@ def verify(
         mutants=faults,
         whole_matrix=mutants,
     )
-    written = _write(verdict, chosen, earlier, output, full=paper)
+    written = _write(verdict, chosen, output, full=paper)
     screen = console()
     if all_:
         screen.print(tables.verdict_table(verdict, screen.width))
@@ -191,11 +185,6 @@ def verify(
         from stickslip.show.verdict_summary import verdict_summary
 
         screen.print(verdict_summary(verdict, _meanings(chosen)))
-    if earlier is not None:
-        from stickslip.show.earlier_table import earlier_table
-        from stickslip_verification import compare
-
-        screen.print(earlier_table(compare(earlier, verdict)))
     for file in written:
         print(file)
     if pack:
@@ -331,17 +320,6 @@ def _names(file: Path | None, cases: "Sequence[Case]") -> "NameMap | None":
         raise CommandError(f"--names {error}") from error
 
 
-def _baseline(file: Path | None) -> "EarlierReport | None":
-    from stickslip_verification import EarlierReportError, read_earlier_report
-
-    if file is None:
-        return None
-    try:
-        return read_earlier_report(file)
-    except EarlierReportError as error:
-        raise CommandError(f"--baseline {error}") from error
-
-
 def _mutants(every: bool, wanted: str | None) -> "Sequence[Mutant]":
     """Load the faults that a pattern or a file names, or every fault of the suite.
 
@@ -389,20 +367,17 @@ def _verdict(fmu: Path, cases: "Sequence[Case]", **options: Any) -> "Verdict":
             raise CommandError(str(error)) from error
 
 
-def _write(
-    verdict: "Verdict",
-    cases: "Sequence[Case]",
-    earlier: "EarlierReport | None",
-    output: Path,
-    *,
-    full: bool,
-) -> list[Path]:
+def _write(verdict: "Verdict", cases: "Sequence[Case]", output: Path, *, full: bool) -> list[Path]:
     """Write the report, and give the files that a person may want to open."""
     from stickslip.progress import Meter
-    from stickslip.show import verdict_report
+    from stickslip_verification import write_json, write_report
 
     with Meter("Writing the report"):
-        return verdict_report.write(verdict, cases, earlier, output, full=full)
+        if output.suffix == ".json":
+            write_json(verdict, output)
+            return [output]
+        write_report(verdict, output, meanings=_meanings(cases), full=full)
+        return [output / "index.html", output / "report.json"]
 
 
 def _accept(verdict: "Verdict") -> None:
