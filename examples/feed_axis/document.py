@@ -203,4 +203,4 @@ def pictures_of(folder: Path, errors: dict[str, list[float]]) -> dict[str, str]:
             "hunting-variants": plots.small_multiples(holding, None, 6.0, (1.0, "s")),
             "coupling": plots.convergence(STEPS, errors, jump),
         }
-        return {name: as_svg(pages[name], PICTURES[name].title) for name in PICTURES}
+        return {name: as_svg(pages[name], Title=PICTURES[name].title) for name in PICTURES}

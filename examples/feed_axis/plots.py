@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_design.loop.jumps import jump_at, limit_of_jumps
+from stickslip_verification.report.svg import LINES
 
 from .axis import Axis
 from .coupling import Run
@@ -40,8 +41,7 @@ _STYLE: Final[Any] = {
     "font.size": 9.0,
     "legend.frameon": False,
     "lines.linewidth": 1.5,
-    # A simplified path draws a creeping stick; `stickslip_verification.report.svg` thins lines.
-    "path.simplify": False,
+    **LINES,
     "svg.fonttype": "path",
     "text.color": INK,
     "xtick.color": GREY,

@@ -335,7 +335,7 @@ def _draw(target: Path, axis: Axis, found: Run) -> None:
         else:
             shown = min(0.2, 0.5 * end)
             page = plots.creeping(found, axis, end - shown, shown)
-        target.write_text(as_svg(page, "A feed axis"), encoding="utf-8")
+        target.write_text(as_svg(page, Title="A feed axis"), encoding="utf-8")
 
 
 def _micro(length: float) -> str:

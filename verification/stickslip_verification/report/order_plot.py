@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from stickslip_verification.model.verdict import ObservedOrder
-from stickslip_verification.report.house_style import BLUE, INK, STYLE, as_svg, label_decades
+from stickslip_verification.report.house_style import BLUE, INK, STYLE, label_decades
+from stickslip_verification.report.svg import as_part
 
 
 def draw_order(order: ObservedOrder, number: int) -> str:
@@ -34,4 +35,4 @@ def draw_order(order: ObservedOrder, number: int) -> str:
         panel.set_xlabel("tolerance of the integration", labelpad=2.0)
         panel.set_ylabel(f"error of {order.quantity}", labelpad=3.0)
         title = f"{order.case}: error of {order.quantity} over the tolerance"
-        return as_svg(page, f"plot-order-{number}", title)
+        return as_part(page, f"plot-order-{number}", title)

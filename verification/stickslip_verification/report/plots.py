@@ -18,7 +18,7 @@ from stickslip_verification.model.verdict import (
     Motion,
     Verdict,
 )
-from stickslip_verification.report import curve, svg
+from stickslip_verification.report import curve
 from stickslip_verification.report.house_style import (
     BLUE,
     GREY,
@@ -26,9 +26,9 @@ from stickslip_verification.report.house_style import (
     ORANGE,
     SOFT,
     STYLE,
-    as_svg,
     label_decades,
 )
+from stickslip_verification.report.svg import as_part
 
 SIDES: Final = (("fmu", "FMU", BLUE, "o", 4.0), ("reference", "reference", ORANGE, "x", 3.4))
 
@@ -109,8 +109,7 @@ def draw_case(motion: Motion, tolerances: Mapping[str, float]) -> str:
             1.0 - _RIGHT / _SIZE[0], 5.0 / _SIZE[1], _what_is_marked(motion, drawn), ha="right",
             fontsize=8.0, color=SOFT,
         )  # fmt: skip
-        svg.thin(page)
-        return as_svg(page, f"plot-{motion.case}", f"{motion.case}: motion, force and errors")
+        return as_part(page, f"plot-{motion.case}", f"{motion.case}: motion, force and errors")
 
 
 def _panels(page: Figure) -> list[Axes]:

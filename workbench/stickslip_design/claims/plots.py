@@ -9,7 +9,7 @@ import itertools
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from stickslip_verification.report.svg import as_svg
+from stickslip_verification.report.svg import LINES, as_svg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,8 +41,7 @@ _STYLE: Any = {
     "grid.linewidth": 0.8,
     "legend.frameon": False,
     "lines.linewidth": 1.8,
-    # A simplified path rounds corners; `as_svg` thins lines.
-    "path.simplify": False,
+    **LINES,
     "lines.solid_capstyle": "round",
     "svg.fonttype": "path",
     "xtick.color": _GREY,
@@ -61,7 +60,7 @@ def draw(finding: Finding) -> str:
     import matplotlib
 
     with matplotlib.rc_context(_STYLE):
-        return as_svg(_compose(finding), finding.title)
+        return as_svg(_compose(finding), Title=finding.title)
 
 
 def _compose(finding: Finding) -> Figure:

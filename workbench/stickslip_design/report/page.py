@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from stickslip_fmu.release import VERSION
 from stickslip_verification.report.environment import environment, text_of
-from stickslip_verification.report.house_style import STYLE, as_svg
-from stickslip_verification.report.svg import thin
+from stickslip_verification.report.house_style import STYLE
+from stickslip_verification.report.svg import as_part
 
 from ..verdict import Verdict
 from . import plots, tables
@@ -65,5 +65,4 @@ def _drawn(page: Figure | None, prefix: str, title: str) -> Markup | None:
     if page is None:
         return None
     with mpl.rc_context(STYLE):
-        thin(page)
-        return Markup(as_svg(page, prefix, title))
+        return Markup(as_part(page, prefix, title))

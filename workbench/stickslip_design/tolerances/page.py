@@ -10,8 +10,8 @@ from markupsafe import Markup
 
 from stickslip_fmu.release import VERSION
 from stickslip_verification.report.environment import environment, text_of
-from stickslip_verification.report.house_style import STYLE, as_svg
-from stickslip_verification.report.svg import thin
+from stickslip_verification.report.house_style import STYLE
+from stickslip_verification.report.svg import as_part
 
 from . import words
 from .pictures import PICTURES, picture
@@ -45,8 +45,7 @@ def _drawn(found: Scatter, name: str) -> Markup | None:
     if page is None:
         return None
     with mpl.rc_context(STYLE):
-        thin(page)
-        return Markup(as_svg(page, name, f"Scatter: {name}"))
+        return Markup(as_part(page, name, f"Scatter: {name}"))
 
 
 def data(found: Scatter) -> dict[str, Any]:
