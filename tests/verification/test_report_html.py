@@ -91,7 +91,7 @@ Fails in 2 of 3 cases. A planted fault survived
 Likeliest cause: the arcs x-course fails in 1 case: The mass is elsewhere.
 Contract: physics (--contract physics). Physics checks decide.
 7 comparisons: 3 passed, 2 failed, 1 noted, 1 not applicable
-their.toml maps the variables
+file with the names of its variables their.toml
 0 held, 1 drifted
 1 of 3 detected, 1 survived, 1 could not be judged
 t_slip-exact (3)

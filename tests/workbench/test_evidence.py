@@ -60,7 +60,7 @@ def test_the_report_names_the_content_it_judged(built: Path, tmp_path: Path) -> 
 def test_the_report_passes_and_carries_no_date(built: Path) -> None:
     with zipfile.ZipFile(built) as archive:
         report = archive.read(FOLDER + "report.html").decode()
-    assert 'verification <span class="pass">pass</span>' in report
+    assert 'verification <span class="badge big pass">pass</span>' in report
     passed, total = map(int, re.findall(r"(\d+) of (\d+) comparisons passed", report)[0])
     assert passed == total > 50
     assert not re.search(r"20\d\d-\d\d-\d\d", report)

@@ -4,10 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-import numpy as np
-from matplotlib.axis import Axis
-from matplotlib.ticker import LogLocator, NullLocator
-
 from stickslip_verification.report.svg import LINES
 
 INK: Final = "#2b2f36"
@@ -38,10 +34,3 @@ STYLE: Final[Any] = {
     "svg.fonttype": "none",
     **LINES,
 }
-
-
-def label_decades(axis: Axis, limits: tuple[float, float], most: int) -> None:
-    """Label at most so many decades, and none of the lines between them."""
-    axis.set_major_locator(LogLocator(numticks=most + 1))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(lambda value, _: f"1e{round(float(np.log10(value)))}")

@@ -1,57 +1,75 @@
-"""The report as one page that asks for nothing outside itself, and the files beside it."""
+"""The report as one page that asks for nothing outside itself, and the files with it."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import NamedTuple
 
-from markupsafe import Markup
-
-from stickslip_verification.drive import convergence
-from stickslip_verification.model.margins import error_text
-from stickslip_verification.model.verdict import ObservedOrder, Outcome, Table, Verdict
+from stickslip_verification.drive.convergence import slope
+from stickslip_verification.model.verdict import (
+    LIKELIEST,
+    SEQUENCE,
+    CaseGroup,
+    CheckResult,
+    Kind,
+    Klass,
+    Motion,
+    Outcome,
+    Verdict,
+)
 from stickslip_verification.model.whole_file import write_all
-from stickslip_verification.report import first_screen, kill_view, order_plot, plots, view
-from stickslip_verification.report.environment import environment, text_of
+from stickslip_verification.report import plots, words
+from stickslip_verification.report.environment import environment, text_of, used
 from stickslip_verification.report.json_file import json_text
 from stickslip_verification.report.junit import as_junit
-from stickslip_verification.report.words import KINDS, WORTH
 from stickslip_verification.suite.catalogue import Meaning
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
 
-CURVE = "curve"
-"""The id of the picture on the first screen."""
+NEAREST = 10
+"""How many margins the page names."""
 
-NAMELESS = {
-    "file": "the FMU",
-    "sha256": "unknown",
-    "content": "",
-    "fmi_version": "",
-    "names": "",
-    "problems": "",
-}
-"""What page one has of an FMU, where the provenance does not say."""
+ITSELF = "The FMU itself"
+"""The group of what is checked on the FMU and not on a motion."""
 
-LABELS = {
-    "created": "made",
-    "fmu.file": "FMU",
-    "fmu.content": "SHA-256 of what is in it, without extra/",
-    "fmu.sha256": "SHA-256 of the FMU, as judged",
-    "fmu.fmi_version": "FMI version",
-    "fmu.contract": "contract in its description",
-    "fmu.names": "names of its variables",
-    "fmu.problems": "odd in the file",
-    "git": "revision",
-    "git.revision": "revision",
-    "git.dirty": "uncommitted changes",
-    "command": "to reproduce",
-    "trust": "if the FMU is not honest",
-}
-"""What the parts of the provenance are called; others go by their own names."""
+SEQUENCES = "Random sequences"
+"""The group of the random sequences, of which the page shows those that did not pass."""
+
+Numbered = tuple[int, CheckResult]
+"""A result and its number in the verdict."""
+
+
+class FailedCheck(NamedTuple):
+    """A check that failed somewhere, and its failures, the farthest from the tolerance first."""
+
+    check: str
+    results: Sequence[Numbered]
+    cases: Sequence[str]
+
+    @property
+    def of_reference(self) -> bool:
+        """Whether the reference alone fails it."""
+        return all(result.side == "reference" for _, result in self.results)
+
+
+class CaseResults(NamedTuple):
+    """A case with its results, what did not pass first; the motion is None where there is none."""
+
+    id: str
+    motion: Motion | None
+    results: Sequence[Numbered]
+    failed: bool
+
+
+class Group(NamedTuple):
+    """The cases under one heading that are shown, of how many, and how many of all failed."""
+
+    name: str
+    cases: Sequence[CaseResults]
+    total: int
+    failed: int
 
 
 def render(
@@ -74,47 +92,27 @@ def render(
     full
         Whether every comparison is printed; else a case that passed is printed as one line.
     """
-    failures = view.failed_checks(verdict, meanings)
-    noted = view.failed_checks(verdict, meanings, (Outcome.NOTED,))
-    nearest = view.nearest(verdict)
-    linked = frozenset(
-        [number for found in (*failures, *noted) for number in found.numbers]
-        + [number for _, number in nearest]
-    )
-    pictures = dict(plots.draw_cases(verdict) if drawn is None else drawn)
-    shown = first_screen.shown_case(pictures, failures)
-    curve = ""
-    if shown is not None:
-        curve = pictures[shown].replace("<svg", f'<svg id="{CURVE}"', 1)
-        pictures[shown] = _again(pictures[shown])
+    failures = failed_checks(verdict, (Outcome.FAIL, Outcome.DRIFT))
+    pictures = plots.draw_cases(verdict) if drawn is None else drawn
     return environment().get_template("index.html.j2").render(
-        word="pass" if verdict.passed else "fail",
-        sentence=first_screen.sentence(verdict),
-        reasons=first_screen.reasons(verdict),
-        causes=first_screen.causes(failures),
-        likeliest=first_screen.likeliest(verdict, failures),
-        farthest=first_screen.farthest(verdict),
-        contract=verdict.contract,
-        contracts=first_screen.CONTRACTS,
-        curve=Markup(curve),
-        shown=shown,
-        fmu=NAMELESS | dict(verdict.provenance.get("fmu") or {}),
-        full=full,
-        whole=view.PRINTED_WHOLE,
-        checks=verdict.checks,
-        summary=verdict.summary,
-        kinds=view.table_view(_kinds(verdict)),
-        kind_names=KINDS,
-        seconds=view.second_values(verdict),
+        verdict=verdict,
+        sentence=words.sentence(verdict),
+        reasons=words.reasons(verdict),
+        likeliest=_likeliest(verdict, failures, meanings),
+        farthest=max(words.with_exact_motion(verdict), key=lambda r: r.error or 0.0, default=None),
+        meanings=meanings,
         failures=failures,
-        noted=noted,
-        nearest=[place for place, _ in nearest],
-        tables=[view.table_view(t, f"table-{n}") for n, t in enumerate(verdict.tables)],
-        groups=view.case_groups(verdict, pictures, linked),
-        kills=None if verdict.kills is None else kill_view.of(verdict.kills),
-        orders=[_drawn_order(order, number) for number, order in enumerate(verdict.orders)],
-        order_table=view.table_view(_orders(verdict.orders)),
-        provenance=list(_told(verdict.provenance)),
+        noted=failed_checks(verdict, (Outcome.NOTED,)),
+        pictures=pictures,
+        size=plots.SIZE,
+        orders=[
+            (order, slope(list(order.tolerances), list(order.errors)), plots.draw_order(order, n))
+            for n, order in enumerate(verdict.orders)
+        ],
+        shown=_shown(pictures, failures),
+        groups=_groups(verdict),
+        nearest=_nearest(verdict),
+        full=full,
         style=text_of("style.css"),
         script=text_of("filter.js"),
     )  # fmt: skip
@@ -137,70 +135,101 @@ def write_report(
     write_all({folder / name: text for name, text in files.items()})
 
 
-def _kinds(verdict: Verdict) -> Table:
-    columns = ("passed", "failed", "noted", "not_applicable")
-    nothing = dict.fromkeys(columns, 0)
-    rows: list[Sequence[str | int]] = []
-    for kind, name in KINDS.items():
-        counts = nothing | verdict.by_kind.get(kind, {})
-        rows.append([name, *(counts[column] for column in columns), WORTH[kind]])
-    head = [column.replace("_", " ") for column in columns]
-    return Table("Kinds of truth", "", ["kind of truth", *head, "what it is worth"], rows)
+def failed_checks(verdict: Verdict, outcomes: Collection[Outcome]) -> list[FailedCheck]:
+    """Return each check with one of these outcomes, that of the likeliest cause first.
 
-
-def _again(picture: str) -> str:
-    """Return what shows the picture of the first screen a second time, without its lines."""
-    return picture[: picture.index(">") + 1] + f'<use href="#{CURVE}"/></svg>'
-
-
-def _orders(orders: Sequence[ObservedOrder]) -> Table:
-    head = ("case", "quantity", "promised", "observed", "from level to level", "levels",
-            "error at the coarsest tolerance", "at the finest")  # fmt: skip
-    rows: list[Sequence[str | int]] = []
-    for order in orders:
-        between = [slope for slope in order.orders if math.isfinite(slope)]
-        (finest, at_finest), *_, (coarsest, at_coarsest) = sorted(
-            zip(order.tolerances, order.errors, strict=True)
+    What the FMU fails comes before what the reference alone fails, what is compared with a truth
+    before what is compared with another program, and what fails in more cases before what fails in
+    fewer. Of two that fail equally often physics comes before contract, and an invariant first: it
+    looks at single samples, so it names the equation that is broken, while the exact motion is
+    missed after any fault.
+    """
+    checks: dict[str, list[Numbered]] = {}
+    for number, result in enumerate(verdict.checks):
+        if result.verdict in outcomes:
+            checks.setdefault(result.check, []).append((number, result))
+    failed = [
+        FailedCheck(
+            check,
+            sorted(results, key=lambda numbered: -used(numbered[1])),
+            list(dict.fromkeys(result.case for _, result in results)),
         )
-        rows.append(
-            [
-                order.case,
-                order.quantity,
-                f"{order.expected:.2g}",
-                _slope(convergence.slope(list(order.tolerances), list(order.errors))),
-                f"{_slope(min(between))} to {_slope(max(between))}" if between else "–",
-                len(order.tolerances),
-                f"{error_text(at_coarsest)} at {error_text(coarsest)}",
-                f"{error_text(at_finest)} at {error_text(finest)}",
-            ]
+        for check, results in checks.items()
+    ]
+
+    def rank(check: FailedCheck) -> tuple[bool, bool, int, bool, bool]:
+        first = verdict.checks[min(number for number, _ in check.results)]
+        return (
+            check.of_reference,
+            first.truth not in (Kind.CLOSED_FORM, Kind.INVARIANT),
+            -len(check.cases),
+            first.klass == Klass.CONTRACT,
+            first.truth != Kind.INVARIANT,
         )
-    return Table("Observed orders", "", head, rows)
+
+    return sorted(failed, key=rank)
 
 
-def _drawn_order(order: ObservedOrder, number: int) -> dict[str, Any]:
-    return {
-        "case": order.case,
-        "quantity": order.quantity,
-        "plot": Markup(order_plot.draw_order(order, number)),
-    }
+def _likeliest(
+    verdict: Verdict, failures: Sequence[FailedCheck], meanings: Mapping[str, Meaning]
+) -> str:
+    """Return the likeliest cause of a failure, from the runs or else the first failed check."""
+    for question in verdict.questions:
+        if question.asked == LIKELIEST:
+            return question.answer
+    meaning = meanings.get(failures[0].check) if failures else None
+    return "" if meaning is None or not meaning.look else f"Likeliest cause: {meaning.look}"
 
 
-def _slope(slope: float) -> str:
-    return f"{slope:.2f}".replace("-", "\N{MINUS SIGN}") if math.isfinite(slope) else "–"
+def _shown(drawn: Collection[str], failures: Sequence[FailedCheck]) -> str | None:
+    """Return the case whose curve is on the first screen, or None where none is drawn.
+
+    It is one of the likeliest cause, the default one before any other.
+    """
+    failed = [case for check in failures for case in sorted(check.cases, key="default".__ne__)]
+    return next((case for case in (*failed, "default", *drawn) if case in drawn), None)
 
 
-def _told(provenance: Mapping[str, Any], path: str = "") -> list[tuple[str, str]]:
-    """Return the provenance as pairs of label and text, nested tables flattened."""
-    lines: list[tuple[str, str]] = []
-    for key, value in provenance.items():
-        name = f"{path}.{key}" if path else str(key)
-        label = LABELS.get(name, f"version of {key}" if path == "versions" else name)
-        if isinstance(value, Mapping):
-            lines += _told(value, name)
-        elif isinstance(value, bool):
-            lines.append((label, "yes" if value else "no"))
-        elif isinstance(value, list | tuple):
-            lines.append((label, "; ".join(map(str, value)) or "none"))
-        else:
-            lines.append((label, "unknown" if value is None else str(value)))
-    return lines
+def _groups(verdict: Verdict) -> list[Group]:
+    """Return the cases in their groups, the default one first, then those that failed.
+
+    Of the random sequences only those that failed are shown.
+    """
+    motions = {motion.case: motion for motion in verdict.motions}
+    results: dict[str, list[Numbered]] = {}
+    for number, result in enumerate(verdict.checks):
+        results.setdefault(result.case, []).append((number, result))
+    groups: dict[str, list[CaseResults]] = {name: [] for name in (*CaseGroup, SEQUENCES, ITSELF)}
+    for case, of_case in results.items():
+        motion = motions.get(case)
+        group = CaseGroup.SETTINGS if motion is None else motion.group
+        name = SEQUENCES if case.startswith(SEQUENCE) else group if case else ITSELF
+        failed = any(result.failed for _, result in of_case)
+        ordered = sorted(of_case, key=_later)
+        groups[name].append(CaseResults(case, motion, ordered, failed))
+    return [
+        Group(
+            name,
+            sorted(
+                (case for case in cases if case.failed or name != SEQUENCES),
+                key=lambda case: (case.id != "default", not case.failed),
+            ),
+            len(cases),
+            sum(case.failed for case in cases),
+        )
+        for name, cases in groups.items()
+        if cases
+    ]
+
+
+def _later(numbered: Numbered) -> int:
+    """Order by failures, what is noted, and the rest as it ran."""
+    result = numbered[1]
+    return 0 if result.failed else 1 if result.verdict == Outcome.NOTED else 2
+
+
+def _nearest(verdict: Verdict) -> list[Numbered]:
+    """Return the passed results that use most of their tolerance."""
+    passed = [(n, r) for n, r in enumerate(verdict.checks) if r.verdict == Outcome.PASS]
+    most = sorted(passed, key=lambda numbered: -used(numbered[1]))[:NEAREST]
+    return [(number, result) for number, result in most if used(result) > 0.0]

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
 from stickslip_verification.model.verdict import CheckResult, Outcome, Verdict
-from stickslip_verification.report.words import KINDS, SIDES, what_happened
+from stickslip_verification.report.words import KINDS, SIDES, story
 
 ABOUT_THE_FMU = "the FMU"
 """Class name of the checks that belong to no case."""
@@ -76,16 +76,14 @@ def _add(suite: ET.Element, case: str, result: CheckResult) -> None:
     if result.not_applicable is not None:
         ET.SubElement(test, "skipped", message=_clean(result.not_applicable))
     elif result.failed:
-        failure = ET.SubElement(
-            test, "failure", type=result.truth, message=_clean(what_happened(result))
-        )
-        failure.text = _clean(_story(result))
+        failure = ET.SubElement(test, "failure", type=result.truth, message=_clean(story(result)))
+        failure.text = _clean(_numbers(result))
     elif result.verdict == Outcome.NOTED:
         output = ET.SubElement(test, "system-out")
-        output.text = _clean(f"noted, does not decide: {what_happened(result)}\n{_story(result)}")
+        output.text = _clean(f"noted, does not decide: {story(result)}\n{_numbers(result)}")
 
 
-def _story(result: CheckResult) -> str:
+def _numbers(result: CheckResult) -> str:
     return (
         f"quantity: {result.quantity} [{result.unit}]\n"
         f"expected: {result.expected!r}\n"

@@ -1,14 +1,16 @@
-"""The picture of a case: positions, spring force and the errors of both sides, as SVG."""
+"""The pictures of the report as SVG: the motion of a case, and an observed order."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Any, Final
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import (
@@ -16,18 +18,11 @@ from stickslip_verification.model.verdict import (
     CheckResult,
     Measure,
     Motion,
+    ObservedOrder,
     Verdict,
 )
 from stickslip_verification.report import curve
-from stickslip_verification.report.house_style import (
-    BLUE,
-    GREY,
-    INK,
-    ORANGE,
-    SOFT,
-    STYLE,
-    label_decades,
-)
+from stickslip_verification.report.house_style import BLUE, GREY, INK, ORANGE, SOFT, STYLE
 from stickslip_verification.report.svg import as_part
 
 SIDES: Final = (("fmu", "FMU", BLUE, "o", 4.0), ("reference", "reference", ORANGE, "x", 3.4))
@@ -44,12 +39,10 @@ TOLERANCES_APART: Final = 30.0
 HOPELESS: Final = 1e6
 """The largest error, as part of the scale, that the panel makes room for."""
 
-_SIZE: Final = (480.0, 412.0)
-_LEFT, _RIGHT, _BOTTOM, _TOP = 54.0, 29.0, 36.0, 24.0
-_GAPS: Final = (9.0, 21.0)
-_HEIGHTS: Final = (5.0, 4.0, 4.5)
-"""Page, margins, gaps [pt] and relative heights of the panels of a case."""
+SIZE: Final = (480.0, 412.0)
+"""Width and height of the picture of a case [pt]."""
 
+_DASHED: Final = (0, (5, 3))
 _PREFIXES: Final = ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
 
 
@@ -60,18 +53,9 @@ def draw_cases(verdict: Verdict) -> dict[str, str]:
     """
     failed = {result.case for result in verdict.checks if result.failed}
     return {
-        motion.case: draw_case(motion, course_tolerances(verdict.checks, motion.case))
+        motion.case: draw_case(motion, _course_tolerances(verdict.checks, motion.case))
         for motion in verdict.motions
         if motion.case in failed or not motion.case.startswith(SEQUENCE)
-    }
-
-
-def course_tolerances(checks: Sequence[CheckResult], case: str) -> dict[str, float]:
-    """Return the tolerance of the course of x on each side of a case, as part of its scale."""
-    return {
-        result.side: result.tolerance
-        for result in checks
-        if (result.case, result.check, result.measure) == (case, "x-course", Measure.OF_SCALE)
     }
 
 
@@ -89,187 +73,187 @@ def draw_case(motion: Motion, tolerances: Mapping[str, float]) -> str:
         For each side, the tolerance of the course of x as part of its scale, where there is one.
     """
     with mpl.rc_context(STYLE):
-        page = Figure(figsize=(_SIZE[0] / 72.0, _SIZE[1] / 72.0))
-        upper, middle, lower = _panels(page)
-        drawn = curve.curve(motion)
-        time, t_name = _scale(float(drawn.t[-1]), 0.1)
-        for panel in (upper, middle, lower):
-            end = float(drawn.t[-1]) / time or 1.0
-            # Single points at the ends stand free of the frame.
-            panel.set_xlim(*((0.0, end) if drawn.joined else (-0.015 * end, 1.015 * end)))
+        page = Figure(figsize=(SIZE[0] / 72.0, SIZE[1] / 72.0))
+        place = {"left": 0.112, "right": 0.94, "bottom": 0.088, "top": 0.942, "hspace": 0.16}
+        panels = page.subplots(
+            3, 1, sharex=True, height_ratios=(5.0, 4.0, 4.5), gridspec_kw=place
+        ).tolist()
+        line = curve.curve(motion)
+        time, prefix = _scale(float(line.t[-1]), 0.1)
+        end = float(line.t[-1]) / time or 1.0
+        # Single points at the ends stand free of the frame.
+        panels[0].set_xlim(*((0.0, end) if line.joined else (-0.015 * end, 1.015 * end)))
+        for panel in panels:
             panel.grid(visible=True, axis="y")
             panel.set_axisbelow(True)
-        _draw_positions(upper, motion, drawn, time)
-        _draw_force(middle, motion, drawn, time)
-        _draw_errors(lower, motion, tolerances, time)
-        for panel in (upper, middle):
-            panel.tick_params(labelbottom=False)
-        lower.set_xlabel(f"time  [{t_name}s]", loc="left", labelpad=2.0)
-        page.text(
-            1.0 - _RIGHT / _SIZE[0], 5.0 / _SIZE[1], _what_is_marked(motion, drawn), ha="right",
-            fontsize=8.0, color=SOFT,
-        )  # fmt: skip
+        _draw_positions(panels[0], motion, line, time)
+        _draw_force(panels[1], motion, line, time)
+        _draw_errors(panels[2], motion, tolerances, time)
+        panels[2].set_xlabel(f"time  [{prefix}s]", loc="left", labelpad=2.0)
+        said = _what_is_marked(motion, line)
+        page.text(place["right"], 0.012, said, ha="right", fontsize=8.0, color=SOFT)
         return as_part(page, f"plot-{motion.case}", f"{motion.case}: motion, force and errors")
 
 
-def _panels(page: Figure) -> list[Axes]:
-    width, height = _SIZE
-    free = height - _TOP - _BOTTOM - sum(_GAPS)
-    panels, top = [], height - _TOP
-    for share, gap in zip(_HEIGHTS, (*_GAPS, 0.0), strict=True):
-        tall = free * share / sum(_HEIGHTS)
-        box = (_LEFT / width, (top - tall) / height, 1 - (_LEFT + _RIGHT) / width, tall / height)
-        panels.append(page.add_axes(box))
-        top -= tall + gap
-    return panels
+def draw_order(order: ObservedOrder, number: int) -> str:
+    """Draw the error of the reference over its tolerance, with the slope that the method promises.
+
+    ``number`` tells this picture from the others on the page.
+    """
+    with mpl.rc_context(STYLE):
+        page = Figure(figsize=(3.6, 2.5))
+        panel = page.add_axes((0.19, 0.17, 0.77, 0.77))
+        levels, errors = np.array(order.tolerances, float), np.array(order.errors, float)
+        usable = np.isfinite(errors) & (errors > 0.0)
+        panel.loglog(levels[usable], errors[usable], color=BLUE, marker="o", ms=4.5, lw=1.2)
+        if usable.any():
+            # Through the middle of the points, so that it shows the slope and no offset.
+            offset = np.mean(np.log(errors[usable]) - order.expected * np.log(levels[usable]))
+            promised = np.exp(offset) * levels**order.expected
+            panel.loglog(levels, promised, color=INK, lw=1.0, ls=_DASHED)
+            promise = f"- - -  order {order.expected:.2g}"
+            panel.text(0.03, 0.93, promise, transform=panel.transAxes, va="top")
+        _label_decades(panel.xaxis)
+        _label_decades(panel.yaxis)
+        panel.grid(visible=True)
+        panel.set_xlabel("tolerance of the integration", labelpad=2.0)
+        panel.set_ylabel(f"error of {order.quantity}", labelpad=3.0)
+        title = f"{order.case}: error of {order.quantity} over the tolerance"
+        return as_part(page, f"plot-order-{number}", title)
 
 
-def _draw_positions(panel: Axes, motion: Motion, drawn: curve.Curve, time: float) -> None:
-    length, name = _scale(float(np.max(np.abs([drawn.x, drawn.x_pull]))))
+def _course_tolerances(checks: Sequence[CheckResult], case: str) -> dict[str, float]:
+    """Return the tolerance of the course of x on each side of a case, as part of its scale."""
+    return {
+        result.side: result.tolerance
+        for result in checks
+        if (result.case, result.check, result.measure) == (case, "x-course", Measure.OF_SCALE)
+    }
+
+
+def _draw_positions(panel: Axes, motion: Motion, line: curve.Curve, time: float) -> None:
+    length, name = _scale(float(np.max(np.abs([line.x, line.x_pull]))))
     panel.set_ylabel(f"position  [{name}m]")
-    _range(panel, np.concatenate((drawn.x, drawn.x_pull)) / length)
-    _line(panel, drawn, drawn.x_pull / length, time, GREY, 1.0, "x_pull")
-    _line(panel, drawn, drawn.x / length, time, INK, 1.6, "x, exact")
+    _range(panel, np.concatenate((line.x, line.x_pull)) / length)
+    _draw_line(panel, line, line.x_pull / length, time, GREY, 1.0, "x_pull")
+    _draw_line(panel, line, line.x / length, time, INK, 1.6, "x, exact")
     _mark_sides(panel, motion, "x", length, time)
     _legend(panel)
 
 
-def _draw_force(panel: Axes, motion: Motion, drawn: curve.Curve, time: float) -> None:
-    record = motion.exact
-    F_s = np.concatenate(([record.initial["F_s"]], record.outputs["F_s"]))
-    times = np.concatenate(([0.0], record.times))
-    force, prefix = _scale(float(np.max(np.abs(np.concatenate((drawn.F, F_s))))))
-    signs = sorted({float(np.sign(F)) for F in drawn.F if F != 0.0}) or [1.0]
-    reached = [sign for sign in signs if np.max(sign * drawn.F) > 0.3 * np.min(F_s)] or signs
-    lines = [sign * F_s / force for sign in reached]
-    _range(panel, np.concatenate((drawn.F / force, *lines)), above=0.16)
+def _draw_force(panel: Axes, motion: Motion, line: curve.Curve, time: float) -> None:
+    exact = motion.exact
+    F_s = np.concatenate(([exact.initial["F_s"]], exact.outputs["F_s"]))
+    times = np.concatenate(([0.0], exact.times))
+    force, prefix = _scale(float(np.max(np.abs(np.concatenate((line.F, F_s))))))
+    signs = sorted({float(np.sign(F)) for F in line.F if F != 0.0}) or [1.0]
+    reached = [sign for sign in signs if np.max(sign * line.F) > 0.3 * np.min(F_s)] or signs
+    limits = {"F_s" if sign > 0.0 else "\N{MINUS SIGN}F_s": sign * F_s / force for sign in reached}
+    _range(panel, np.concatenate((line.F / force, *limits.values())), above=0.16)
     low, high = panel.get_ylim()
-    together = abs(lines[-1][-1] - lines[0][-1]) < 0.1 * (high - low)
-    for n, (sign, line) in enumerate(zip(reached, lines, strict=True)):
-        panel.step(times / time, line, where="pre", color=INK, lw=0.9, ls=(0, (5, 3)))
-        label = "F_s" if sign > 0.0 else "\N{MINUS SIGN}F_s"
-        if together and len(lines) > 1:
-            label = "\N{PLUS-MINUS SIGN}F_s" if n == 0 else ""
-        panel.text(
-            1.008, line[-1], label, fontsize=8.0,
-            transform=panel.get_yaxis_transform(), ha="left", va="center",
-        )  # fmt: skip
-    _line(panel, drawn, drawn.F / force, time, INK, 1.6, "F")
+    for limit in limits.values():
+        panel.step(times / time, limit, where="pre", color=INK, lw=0.9, ls=_DASHED)
+    if len(limits) > 1 and 2.0 * F_s[-1] / force < 0.1 * (high - low):
+        # Two names would lie on one another.
+        limits = {"\N{PLUS-MINUS SIGN}F_s": limits["F_s"]}
+    for name, limit in limits.items():
+        right = panel.get_yaxis_transform()
+        panel.text(1.008, limit[-1], name, fontsize=8.0, transform=right, va="center")
+    _draw_line(panel, line, line.F / force, time, INK, 1.6, "F")
     _mark_sides(panel, motion, "F", force, time)
     panel.set_ylabel(f"spring force F  [{prefix}N]")
 
 
 def _draw_errors(panel: Axes, motion: Motion, tolerances: Mapping[str, float], time: float) -> None:
     panel.set_yscale("log")
-    largest = max([1e-14, *tolerances.values()])
-    found = {}
-    for side, *_ in SIDES:
-        for quantity in ("x", "F"):
-            errors = _errors(motion.exact, motion.records.get(side), quantity)
-            if errors is not None:
-                found[side, quantity] = errors
-                largest = max([largest, *errors[np.isfinite(errors)]])
-    panel.set_ylim(0.3 * NOTHING, 100.0 * min(largest, HOPELESS))
-    panel.set_ylabel("error / scale")
-    few = len(motion.exact.times) <= 30
+    known = {side: tolerance for side, tolerance in tolerances.items() if tolerance > 0.0}
     # Nearer to each other, the names of the two lines would lie on one another.
-    known = [tolerance for tolerance in tolerances.values() if tolerance > 0.0]
-    alike = len(known) > 1 and max(known) < TOLERANCES_APART * min(known)
+    alike = len(known) > 1 and max(known.values()) < TOLERANCES_APART * min(known.values())
+    marked = len(motion.exact.times) <= MARKS
+    largest = max([1e-14, *known.values()])
     for side, name, color, *_ in SIDES:
-        for quantity, look in (("F", (0, (1, 1.2))), ("x", "-")):
-            errors = found.get((side, quantity))
+        for quantity, style, marker in (("F", (0, (1, 1.2)), "s"), ("x", "-", "o")):
+            errors = _errors(motion.exact, motion.records.get(side), quantity)
             if errors is None:
                 continue
-            times = motion.exact.times[: len(errors)] / time
-            seen = np.clip(errors, NOTHING, 1e3 * HOPELESS)
-            marker = ("o" if quantity == "x" else "s") if few else ""
-            panel.plot(times, seen, color=color, lw=0.9, ls=look,
-                       label=f"{name} {quantity}", marker=marker, ms=3.0)  # fmt: skip
-        if side in tolerances and tolerances[side] > 0.0:
-            panel.axhline(tolerances[side], color=color, lw=1.0, ls=(0, (5, 3)))
-            if alike and side != "fmu":
-                continue
+            largest = max([largest, *errors[np.isfinite(errors)]])
+            panel.plot(
+                motion.exact.times[: len(errors)] / time,
+                np.clip(errors, NOTHING, 1e3 * HOPELESS),
+                color=color,
+                lw=0.9,
+                ls=style,
+                marker=marker if marked else "",
+                ms=3.0,
+                label=f"{name} {quantity}",
+            )
+        if side in known:
+            panel.axhline(known[side], color=color, lw=1.0, ls=_DASHED)
+        if side in known and (side == "fmu" or not alike):
             panel.annotate(
                 "tolerance, both" if alike else f"tolerance, {name}",
-                (1.0, tolerances[side]), (0.0, 2.5), color=INK if alike else color,
+                (1.0, known[side]), (0.0, 2.5), color=INK if alike else color,
                 xycoords=panel.get_yaxis_transform(), textcoords="offset points", fontsize=8.0,
                 ha="right", va="bottom",
             )  # fmt: skip
-    label_decades(panel.yaxis, panel.get_ylim(), 5)
-    if found:
+    panel.set_ylim(0.3 * NOTHING, 100.0 * min(largest, HOPELESS))
+    panel.set_ylabel("error / scale")
+    _label_decades(panel.yaxis)
+    if panel.get_legend_handles_labels()[0]:
         _legend(panel)
 
 
-def _legend(panel: Axes) -> None:
-    """Name the lines in the strip above the panel."""
-    panel.legend(
-        loc="lower left",
-        bbox_to_anchor=(-0.01, 0.99),
-        ncols=4,
-        borderpad=0.0,
-        borderaxespad=0.2,
-        columnspacing=1.4,
-        handlelength=1.7,
-        handletextpad=0.5,
-    )
-
-
-def _errors(exact: Run, record: Run | None, quantity: str) -> Series | None:
-    if record is None or quantity not in record.outputs:
+def _errors(exact: Run, run: Run | None, quantity: str) -> Series | None:
+    if run is None or quantity not in run.outputs:
         return None
     truth = exact.outputs[quantity]
-    got = record.outputs[quantity][: len(truth)]
+    got = run.outputs[quantity][: len(truth)]
     scale = float(np.max(np.abs(truth))) or 1.0
     with np.errstate(over="ignore", invalid="ignore"):
         return np.abs(got - truth[: len(got)]) / scale
 
 
-def _line(
-    panel: Axes, drawn: curve.Curve, y: Series, time: float, color: str, width: float, name: str
+def _draw_line(
+    panel: Axes, line: curve.Curve, y: Series, time: float, color: str, width: float, name: str
 ) -> None:
-    if drawn.joined:
-        panel.plot(drawn.t / time, y, color=color, lw=width, label=name, solid_joinstyle="miter")
+    if line.joined:
+        panel.plot(line.t / time, y, color=color, lw=width, label=name, solid_joinstyle="miter")
     else:
         size = width + (2.6 if len(y) <= 300 else 1.0)
-        panel.plot(
-            drawn.t / time, y, color=color, ls="none", marker="o", ms=size, mew=0.0, label=name
-        )
+        panel.plot(line.t / time, y, "o", color=color, ms=size, mew=0.0, label=name)
 
 
 def _mark_sides(panel: Axes, motion: Motion, output: str, unit: float, time: float) -> None:
     every = _every(motion)
     for n, (side, name, color, marker, size) in enumerate(SIDES):
-        record = motion.records.get(side)
-        if record is None or output not in record.outputs:
+        run = motion.records.get(side)
+        if run is None or output not in run.outputs:
             continue
         # The sides are marked in turn, or the one drawn later would hide the other.
         chosen = slice(n * every // 2, len(motion.exact.times), every)
         with np.errstate(over="ignore"):
-            values = record.outputs[output][chosen] / unit
-        panel.plot(
-            motion.exact.times[chosen][: len(values)] / time,
-            # What lies beyond the panel is marked at its edge.
-            np.clip(values, *panel.get_ylim()),
-            color=color,
-            ls="none",
-            marker=marker,
-            ms=size,
-            mew=1.1,
-            mfc="none",
-            clip_on=False,
-            label=name,
-        )
+            values = run.outputs[output][chosen] / unit
+        times = motion.exact.times[chosen][: len(values)] / time
+        # What lies beyond the panel is marked at its edge.
+        panel.plot(times, np.clip(values, *panel.get_ylim()), marker, color=color, ms=size,
+                   mew=1.1, mfc="none", clip_on=False, label=name)  # fmt: skip
 
 
 def _every(motion: Motion) -> int:
     return max(1, -(-len(motion.exact.times) // MARKS))
 
 
-def _what_is_marked(motion: Motion, drawn: curve.Curve) -> str:
+def _what_is_marked(motion: Motion, line: curve.Curve) -> str:
     count, every = len(motion.exact.times), _every(motion)
     what = f"{count} sample{'s' if count > 1 else ''}"
     marked = what if every == 1 else f"markers: 1 in {every} of {what}"
-    return marked if drawn.joined else f"{marked}; more happens between samples than they tell"
+    return marked if line.joined else f"{marked}; more happens between samples than they tell"
+
+
+def _legend(panel: Axes) -> None:
+    """Name the lines in the strip above the panel."""
+    place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.99), "ncols": 4}
+    panel.legend(**place, borderpad=0.0, borderaxespad=0.2, columnspacing=1.4, handlelength=1.7)
 
 
 def _range(panel: Axes, values: Series, above: float = 0.07) -> None:
@@ -284,3 +268,10 @@ def _scale(largest: float, above: float = 2.0) -> tuple[float, str]:
         if largest >= above * size and (size <= 1.0 or largest >= 1e4):
             return size, prefix
     return 1.0, ""
+
+
+def _label_decades(axis: Axis) -> None:
+    """Label five decades at most, and none of the lines between them."""
+    axis.set_major_locator(LogLocator(numticks=6))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(lambda value, _: f"1e{round(float(np.log10(value)))}")

@@ -1,9 +1,18 @@
-"""Texts of the report, and sections that its caller adds."""
+"""What the report says in words: of a verdict in one sentence, of a result in one line."""
 
+from collections.abc import Collection, Iterable
 from typing import Final
 
 from stickslip_verification.model.margins import error_text
-from stickslip_verification.model.verdict import CheckResult, Kind, Measure, Outcome
+from stickslip_verification.model.verdict import (
+    LIKELIEST,
+    SEQUENCE,
+    CheckResult,
+    Kind,
+    Measure,
+    Outcome,
+    Verdict,
+)
 
 KINDS: Final[dict[str, str]] = {
     Kind.CLOSED_FORM: "closed form",
@@ -27,16 +36,19 @@ WORTH: Final[dict[str, str]] = {
 
 SIDES: Final = {"fmu": "FMU", "reference": "reference", "both": "both"}
 
-MEASURES: Final[dict[str, str]] = {
-    Measure.RELATIVE: "of value",
-    Measure.OF_SCALE: "of scale",
-    Measure.ABSOLUTE: "",
-}
+MEASURES: Final[dict[str, str]] = {Measure.RELATIVE: "of value", Measure.OF_SCALE: "of scale"}
 """What an error is a part of; an absolute one has the unit of its quantity."""
 
 
-def what_happened(result: CheckResult) -> str:
-    """Say in one line why a result is not a plain pass."""
+def measure(result: CheckResult) -> str:
+    """Say what the error of a result is a part of, or in which unit it is."""
+    return MEASURES.get(result.measure, result.unit if result.unit != "1" else "")
+
+
+def story(result: CheckResult) -> str:
+    """Say in one line why a result is not a plain pass; "" where it is one."""
+    if result.verdict == Outcome.PASS:
+        return ""
     if result.not_applicable is not None:
         return result.not_applicable
     if result.failure is not None:
@@ -47,6 +59,76 @@ def what_happened(result: CheckResult) -> str:
             f"{result.second.accepted!r} {result.unit} accepted earlier; allowed "
             f"{error_text(result.second.tolerance)}"
         )
-    measure = MEASURES.get(result.measure, "") or (result.unit if result.unit != "1" else "")
-    allowed = f"{error_text(result.tolerance)} {measure}".strip()
+    allowed = f"{error_text(result.tolerance)} {measure(result)}".strip()
     return f"error {error_text(result.error)} is above {allowed}"
+
+
+def sentence(verdict: Verdict) -> str:
+    """Say what came out: how near the exact motion the FMU is, or where it fails."""
+    if verdict.questions:
+        return verdict.questions[0].answer
+    failed = {result.case for result in verdict.checks if result.failed}
+    if failed:
+        return f"Fails in {_of_all(verdict, failed)}."
+    compared = with_exact_motion(verdict)
+    if not compared:
+        return "No output was compared with the exact motion."
+    largest = max(result.error or 0.0 for result in compared)
+    near = f"Within {error_text(largest)} of" if largest else "Equal to the last bit to"
+    where = _of_all(verdict, {result.case for result in compared}, short=True)
+    return f"{near} the exact motion in {where}."
+
+
+def reasons(verdict: Verdict) -> list[str]:
+    """Say why a verdict fails beside its failed checks."""
+    said = [each.answer for each in verdict.questions[1:] if each.asked != LIKELIEST]
+    if verdict.passed:
+        return said
+    if not verdict.checks:
+        said.append("Nothing was compared, so nothing is verified.")
+    elif not verdict.proven:
+        said.append("No comparison of the FMU with a closed form or an invariant passed.")
+    if verdict.kills is not None and not verdict.kills.passed:
+        said.append("A planted fault survived, or an idle check has no reason to stay.")
+    return said
+
+
+def with_exact_motion(verdict: Verdict) -> list[CheckResult]:
+    """Return what compares an output of the FMU with the exact motion, in parts of its scale."""
+    return [
+        result
+        for result in verdict.checks
+        if result.side == "fmu"
+        and result.truth == Kind.CLOSED_FORM
+        and result.measure == Measure.OF_SCALE
+        and result.verdict == Outcome.PASS
+    ]
+
+
+def places(cases: Collection[str]) -> str:
+    """Count cases and random sequences in words."""
+    sequences = sum(case.startswith(SEQUENCE) for case in cases)
+    named = (len(set(cases) - {""}) - sequences, "case"), (sequences, "random sequence")
+    counted = [_many(number, name) for number, name in named if number]
+    return _and([*counted, "the FMU itself"] if "" in cases else counted)
+
+
+def _of_all(verdict: Verdict, cases: set[str], *, short: bool = False) -> str:
+    """Say which part of the cases and random sequences these are; `short` leaves out a whole."""
+    parts = []
+    for of, name in ((verdict.cases, "case"), (verdict.sequences, "random sequence")):
+        part, whole = len(cases.intersection(of)), _many(len(of), name)
+        if part:
+            parts.append(whole if short and part == len(of) else f"{part} of {whole}")
+    if "" in cases:
+        parts.append(f"{'in ' if parts else ''}what the FMU declares, refuses and promises")
+    return _and(parts)
+
+
+def _many(number: int, name: str) -> str:
+    return f"{number} {name}" if number == 1 else f"{number} {name}s"
+
+
+def _and(parts: Iterable[str]) -> str:
+    *first, last = parts
+    return f"{', '.join(first)} and {last}" if first else last

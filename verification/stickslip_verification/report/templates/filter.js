@@ -63,13 +63,6 @@
   form.elements.open.addEventListener("click", () => setAll(true));
   form.elements.close.addEventListener("click", () => setAll(false));
   addEventListener("hashchange", openTarget);
-  let before = [];
-  addEventListener("beforeprint", () => {
-    before = cases.map(({ box }) => box.open);
-    const full = document.body.classList.contains("full");
-    for (const { box } of cases) box.open = full || box.classList.contains("whole");
-  });
-  addEventListener("afterprint", () => cases.forEach(({ box }, n) => (box.open = before[n])));
   form.hidden = false;
   openTarget();
 })();
