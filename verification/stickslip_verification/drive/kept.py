@@ -12,11 +12,10 @@ import pickle
 import platform
 from collections.abc import Callable
 from functools import cache
-from importlib import metadata
+from importlib import metadata, util
 from pathlib import Path
 from typing import Any, TypeVar
 
-import stickslip_ref
 from stickslip_verification.model.whole_file import write_whole
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth.named import BUILT_IN
@@ -54,7 +53,9 @@ def kept(function: Callable[..., T], case: Case, *arguments: Any) -> T:
 @cache
 def _made_from() -> str:
     """Return a digest of the code that computes: both packages, Python and the libraries."""
-    packages = (Path(__file__).parents[1], Path(stickslip_ref.__file__).parent)
+    reference = util.find_spec("stickslip_ref")
+    packages = [Path(__file__).parents[1]]
+    packages += [] if reference is None else map(Path, reference.submodule_search_locations or ())
     sources = [file.read_text("utf-8") for each in packages for file in sorted(each.rglob("*.py"))]
     versions = [f"{name} {metadata.version(name)}" for name in _LIBRARIES]
     return _digest(platform.python_version(), *versions, *sources)

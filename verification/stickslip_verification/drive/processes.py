@@ -290,7 +290,7 @@ def _context() -> BaseContext:
     methods: Mapping[str, None] = dict.fromkeys(multiprocessing.get_all_start_methods())
     context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
     if "forkserver" in methods:
-        context.set_forkserver_preload(["stickslip_verification.drive.workers"])
+        context.set_forkserver_preload(["stickslip_verification.drive.workers", "stickslip_ref"])
         _start_server()
     return context
 

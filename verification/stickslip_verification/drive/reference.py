@@ -1,14 +1,22 @@
-"""A case run with the SciPy reference, through its public API."""
+"""A case run with the SciPy reference, through its public API.
+
+The reference is imported when it runs: most of a second that only the workers' processes need.
+"""
+
+from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-import stickslip_ref
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
+
+if TYPE_CHECKING:
+    import stickslip_ref
 
 
 def run_reference(case: Case) -> Run:
@@ -31,6 +39,8 @@ def run_reference(case: Case) -> Run:
 
 def simulate_reference(case: Case, rtol: float | None = None) -> stickslip_ref.Trajectory:
     """Simulate a case with the reference; `rtol` is the tolerance of a step, its own if None."""
+    import stickslip_ref
+
     base, own = _split(case, case.parameters)
     changes = [
         stickslip_ref.Change(time, *_split(case, step.changes))

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
@@ -302,6 +301,9 @@ class Slider:
 
         def velocity(_: float, y: Any) -> float:
             return float(s * y[1])
+
+        # It takes half a second to import, which only the processes that solve need.
+        from scipy.integrate import solve_ivp
 
         # SciPy takes an event's options as attributes of the function.
         velocity.terminal, velocity.direction = True, -1  # type: ignore[attr-defined]
