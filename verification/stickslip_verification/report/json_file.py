@@ -7,49 +7,29 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from stickslip_verification.model.verdict import CheckResult, KillMatrix, Verdict
+from stickslip_verification.model.verdict import CheckResult, Verdict
 from stickslip_verification.model.whole_file import write_whole
-
-KEYS = {
-    "case": "case",
-    "check": "check",
-    "quantity": "quantity",
-    "unit": "unit",
-    "truth": "truth",
-    "class": "klass",
-    "side": "side",
-    "measure": "measure",
-    "expected": "expected",
-    "got": "got",
-    "error": "error",
-    "tolerance": "tolerance",
-    "because": "because",
-    "passed": "passed",
-    "decides": "decides",
-    "verdict": "verdict",
-    "failure": "failure",
-    "not_applicable": "not_applicable",
-}
-"""The keys of a check and the names in `CheckResult` that they stand for; ``second`` follows."""
 
 
 def as_json(verdict: Verdict) -> dict[str, Any]:
-    """Return the verdict as plain JSON values: summary, by_kind, checks and what is beside them.
+    """Return the verdict as plain JSON values: summary, by_kind, checks and what is with them.
 
     A number that is not finite becomes null. A check without anything to compare has null for
     ``got`` and ``error``, and its ``because`` starts with what happened.
     """
-    return {
-        "summary": dict(verdict.summary),
+    kills = verdict.kills
+    values = {
+        "summary": verdict.summary,
         "passed": verdict.passed,
         "by_kind": verdict.by_kind,
         "checks": [_row(result) for result in verdict.checks],
-        "orders": [_plain(asdict(order)) for order in verdict.orders],
-        "kills": None if verdict.kills is None else _kills(verdict.kills),
+        "orders": [asdict(order) for order in verdict.orders],
+        "kills": None if kills is None else {"passed": kills.passed, **asdict(kills)},
         "contract": asdict(verdict.contract),
-        "tables": [_plain(asdict(table)) for table in verdict.tables],
-        "provenance": _plain(verdict.provenance),
+        "tables": [asdict(table) for table in verdict.tables],
+        "provenance": verdict.provenance,
     }
+    return {key: _plain(value) for key, value in values.items()}
 
 
 def json_text(verdict: Verdict) -> str:
@@ -63,15 +43,11 @@ def write_json(verdict: Verdict, path: Path) -> None:
 
 
 def _row(result: CheckResult) -> dict[str, Any]:
-    row = {key: _plain(getattr(result, name)) for key, name in KEYS.items()}
+    row = vars(result) | {"class": result.klass, "verdict": result.verdict}
     if result.failure is not None:
         row["because"] = f"{result.failure} (the tolerance: {result.because})"
-    row["second"] = None if result.second is None else _plain(asdict(result.second))
-    return row
-
-
-def _kills(kills: KillMatrix) -> dict[str, Any]:
-    return {"passed": kills.passed, **_plain(asdict(kills))}
+    row["second"] = None if result.second is None else asdict(result.second)
+    return {key: value for key, value in row.items() if key not in ("klass", "measured")}
 
 
 def _plain(value: Any) -> Any:

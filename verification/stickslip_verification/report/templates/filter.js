@@ -1,48 +1,37 @@
 "use strict";
 (() => {
   const form = document.getElementById("filter");
-  const cases = [...document.querySelectorAll("details.case")].map((box) => ({
-    box,
-    name: ["name", "title"]
-      .map((part) => box.querySelector(`summary .${part}`).textContent.toLowerCase())
-      .join(" "),
-    groups: [...box.querySelectorAll("tbody")],
-    rows: [...box.querySelectorAll("tbody tr:not(.kind)")].map((row) => ({
-      row,
-      text: row.textContent.toLowerCase(),
-    })),
-  }));
-  const headings = [...document.querySelectorAll("section.group")];
-  const opened = cases.map(({ box }) => box.open);
+  const boxes = [...document.querySelectorAll("details.case")];
+  const opened = boxes.map((box) => box.open);
+  const shownRows = "tbody tr:not(.kind):not([hidden])";
 
   function apply() {
     const { failed, kind, text } = form.elements;
-    const wanted = text.value.trim().toLowerCase();
-    const active = failed.checked || kind.value || wanted;
-    let shown = 0;
-    let all = 0;
-    cases.forEach(({ box, name, rows, groups }, n) => {
-      let here = 0;
-      for (const { row, text: words } of rows) {
-        const fits =
-          (!failed.checked || !row.classList.contains("pass")) &&
-          (!kind.value || row.classList.contains(kind.value)) &&
-          (!wanted || name.includes(wanted) || words.includes(wanted));
-        row.hidden = !fits;
-        here += fits ? 1 : 0;
+    const asked = text.value.trim().toLowerCase();
+    const active = Boolean(failed.checked || kind.value || asked);
+    const has = (part) => part.textContent.toLowerCase().includes(asked);
+    const fits = ({ classList }) =>
+      !(failed.checked && classList.contains("pass")) &&
+      (!kind.value || classList.contains(kind.value));
+    boxes.forEach((box, n) => {
+      const named = [...box.querySelectorAll(".name, .title")].some(has);
+      for (const row of box.querySelectorAll("tbody tr:not(.kind)")) {
+        row.hidden = !(fits(row) && (named || has(row)));
       }
-      for (const group of groups) {
+      for (const group of box.querySelectorAll("tbody")) {
         group.hidden = !group.querySelector("tr:not(.kind):not([hidden])");
       }
-      box.hidden = here === 0;
-      box.open = active ? here > 0 && here < 60 : opened[n];
-      shown += here;
-      all += rows.length;
+      const shown = box.querySelectorAll(shownRows).length;
+      box.hidden = shown === 0;
+      box.open = active ? shown > 0 && shown < 60 : opened[n];
     });
-    for (const heading of headings) {
-      heading.hidden = Boolean(active) && !heading.querySelector("details.case:not([hidden])");
+    for (const group of document.querySelectorAll("section.group")) {
+      group.hidden = active && !group.querySelector("details:not([hidden])");
     }
-    form.querySelector("output").textContent = active ? `${shown} of ${all} shown` : "";
+    const count = (rows) => document.querySelectorAll(`.rows ${rows}`).length;
+    form.querySelector("output").textContent = active
+      ? `${count(shownRows)} of ${count("tbody tr:not(.kind)")} shown`
+      : "";
   }
 
   function openTarget() {
@@ -53,15 +42,17 @@
     if (target) target.scrollIntoView();
   }
 
-  const setAll = (open) => cases.forEach(({ box }) => (box.open = open));
   let waiting = 0;
   form.addEventListener("input", () => {
     clearTimeout(waiting);
     waiting = setTimeout(apply, 120);
   });
   form.addEventListener("submit", (event) => event.preventDefault());
-  form.elements.open.addEventListener("click", () => setAll(true));
-  form.elements.close.addEventListener("click", () => setAll(false));
+  for (const name of ["open", "close"]) {
+    form.elements[name].addEventListener("click", () => {
+      for (const box of boxes) box.open = name === "open";
+    });
+  }
   addEventListener("hashchange", openTarget);
   form.hidden = false;
   openTarget();
