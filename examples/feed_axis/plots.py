@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_design.loop.jumps import jump_at, limit_of_jumps
-from stickslip_verification.report.svg import LINES
+from stickslip_verification.report.svg import BASE
 
 from .axis import Axis
 from .coupling import Run
@@ -27,7 +27,7 @@ GREY: Final = "#8d939c"
 INK: Final = "#2b2f36"
 _SHADE: Final = "#edf0f4"
 
-_STYLE: Final[Any] = {
+_STYLE: Final[Any] = BASE | {
     "axes.edgecolor": GREY,
     "axes.labelcolor": INK,
     "axes.labelsize": 9.0,
@@ -37,12 +37,9 @@ _STYLE: Final[Any] = {
     "axes.titlelocation": "left",
     "axes.titlesize": 9.0,
     "figure.facecolor": "white",
-    "font.family": "DejaVu Sans",
     "font.size": 9.0,
     "legend.frameon": False,
     "lines.linewidth": 1.5,
-    **LINES,
-    "svg.fonttype": "path",
     "text.color": INK,
     "xtick.color": GREY,
     "xtick.labelcolor": INK,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from stickslip_verification.report.svg import LINES
+from stickslip_verification.report.svg import BASE
 
 INK: Final = "#2b2f36"
 GREY: Final = "#9aa1ab"
@@ -13,9 +13,7 @@ BLUE: Final = "#0072b2"
 ORANGE: Final = "#d55e00"
 """Blue and vermillion of Okabe and Ito, told apart with every colour vision and in grey."""
 
-STYLE: Final[Any] = {
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
+STYLE: Final[Any] = BASE | {
     "font.size": 9.0,
     "axes.edgecolor": GREY,
     "axes.labelcolor": INK,
@@ -31,6 +29,4 @@ STYLE: Final[Any] = {
     "xtick.major.width": 0.7,
     "ytick.major.width": 0.7,
     "legend.frameon": False,
-    "svg.fonttype": "none",
-    **LINES,
 }

@@ -20,12 +20,15 @@ SHAPE: Final = 0.03
 """Distance [pt] by which a thinned line may leave the full one, a 30th of a thin line's width: a
 stick stays flat. With a tenth, smooth curves show corners."""
 
-LINES: Final[dict[str, Any]] = {
+BASE: Final[dict[str, Any]] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
     "path.simplify": True,
     "path.simplify_threshold": SHAPE,
+    "svg.fonttype": "none",
     "svg.hashsalt": "stickslip",
 }
-"""Part of the style of every figure: few points, and the same text for the same figure."""
+"""Part of the style of every figure: few points, texts as texts, the same text each time."""
 
 SAME: Final = 2.5 * SHAPE
 """Distance [pt] up to which two lines are the same: each may be thinned to other points."""
@@ -44,7 +47,8 @@ def as_svg(figure: Figure, **metadata: str) -> str:
     text = io.StringIO()
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     figure.savefig(text, format="svg", metadata=nothing | metadata)
-    return text.getvalue()
+    # The points of a line stand in one line of text.
+    return text.getvalue().replace(" \n", " ")
 
 
 def as_part(figure: Figure, name: str, title: str) -> str:

@@ -9,7 +9,7 @@ import itertools
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from stickslip_verification.report.svg import LINES, as_svg
+from stickslip_verification.report.svg import BASE, as_svg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,7 +23,7 @@ _PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 _GREY = "#666666"
 _FAINT = "#E4E4E4"
 
-_STYLE: Any = {
+_STYLE: Any = BASE | {
     "axes.edgecolor": _GREY,
     "axes.grid": True,
     "axes.grid.which": "major",
@@ -35,15 +35,12 @@ _STYLE: Any = {
     "axes.titlesize": 9.0,
     "axes.titlelocation": "left",
     "figure.facecolor": "white",
-    "font.family": "DejaVu Sans",
     "font.size": 9.0,
     "grid.color": _FAINT,
     "grid.linewidth": 0.8,
     "legend.frameon": False,
     "lines.linewidth": 1.8,
-    **LINES,
     "lines.solid_capstyle": "round",
-    "svg.fonttype": "path",
     "xtick.color": _GREY,
     "xtick.labelcolor": "black",
     "ytick.color": _GREY,
