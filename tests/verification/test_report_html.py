@@ -185,10 +185,9 @@ def test_of_the_random_sequences_those_that_failed_are_shown_and_all_are_counted
 
 
 def test_the_files_are_written_together_or_not_at_all(tmp_path: Path) -> None:
-    drawn = dict.fromkeys(("default", "tuned"), "<svg></svg>")
-    write_report(full_verdict(), tmp_path, drawn=drawn)
+    write_report(full_verdict(), tmp_path)
     before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
     assert set(before) == {"index.html", "junit.xml", "report.json"}
     with pytest.raises(TypeError):
-        write_report(full_verdict(versions={"a": {1, 2}}), tmp_path, drawn=drawn)
+        write_report(full_verdict(versions={"a": {1, 2}}), tmp_path)
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before

@@ -49,10 +49,8 @@ def suite_like(*failing: str) -> str:
     coverage = Table("Random sequences", "What changed, and where.", head, rows, "Seed 1.")
     motions = [motion(case) for case in ("default", *failing)]
     verdict = Verdict(checks, PROVENANCE, motions, tables=[coverage, coverage])
-    picture = '<svg viewBox="0 0 480 412" role="img" aria-label="drawn"></svg>'
     meanings = dict.fromkeys(NAMES, Meaning(REASON, REASON))
-    drawn = {each.case: picture for each in motions}
-    return render(verdict, meanings=meanings, drawn=drawn)
+    return render(verdict, meanings=meanings)
 
 
 @pytest.fixture

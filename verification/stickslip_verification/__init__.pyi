@@ -27,7 +27,6 @@ from .report.html import write_report as write_report
 from .report.json_file import as_json as as_json
 from .report.json_file import write_json as write_json
 from .report.packed import packed_report as packed_report
-from .report.plots import draw_cases as draw_cases
 from .run.lint import lint as lint
 from .run.verify import verify as verify
 from .suite.cases import Case as Case

@@ -76,7 +76,6 @@ def render(
     verdict: Verdict,
     *,
     meanings: Mapping[str, Meaning] = NO_MEANINGS,
-    drawn: Mapping[str, str] | None = None,
     full: bool = False,
 ) -> str:
     """Return the report as HTML; the same but for its last block for the same results.
@@ -87,13 +86,11 @@ def render(
         What came out.
     meanings
         For a check, what its failure means.
-    drawn
-        The plots as `draw_cases` gives them; drawn here where they are not given.
     full
         Whether every comparison is printed; else a case that passed is printed as one line.
     """
     failures = failed_checks(verdict, (Outcome.FAIL, Outcome.DRIFT))
-    pictures = plots.draw_cases(verdict) if drawn is None else drawn
+    pictures = plots.draw_cases(verdict)
     return environment().get_template("index.html.j2").render(
         verdict=verdict,
         sentence=words.sentence(verdict),
@@ -123,14 +120,13 @@ def write_report(
     folder: Path,
     *,
     meanings: Mapping[str, Meaning] = NO_MEANINGS,
-    drawn: Mapping[str, str] | None = None,
     full: bool = False,
 ) -> None:
     """Write index.html, report.json and junit.xml into `folder`, all or none.
 
     Everything is made before the first file is touched. The arguments are those of `render`.
     """
-    page = render(verdict, meanings=meanings, drawn=drawn, full=full)
+    page = render(verdict, meanings=meanings, full=full)
     files = {"report.json": json_text(verdict), "junit.xml": as_junit(verdict), "index.html": page}
     write_all({folder / name: text for name, text in files.items()})
 

@@ -80,7 +80,7 @@ def sentence(verdict: Verdict) -> str:
 
 
 def reasons(verdict: Verdict) -> list[str]:
-    """Say why a verdict fails beside its failed checks."""
+    """Say why a verdict fails apart from its failed checks."""
     said = [each.answer for each in verdict.questions[1:] if each.asked != LIKELIEST]
     if verdict.passed:
         return said
