@@ -7,7 +7,7 @@ from random import Random
 
 from scipy.integrate import solve_ivp
 
-from fmukit.model import Spec
+from fmi.model import Spec
 from stickslip_fmu.block import Block
 from stickslip_fmu.laws.stribeck.law import STRIBECK
 from stickslip_fmu.spec import SPEC, spec_of

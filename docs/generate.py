@@ -13,8 +13,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from fmukit.model import Spec
-from fmukit.table import Variable
+from fmi.model import Spec
+from fmi.table import Variable
 from stickslip_design.axis.keys import ANY, BY_SECTION, SECTIONS
 from stickslip_design.axis.template import example
 from stickslip_design.claims import pages

@@ -377,7 +377,7 @@ class Bar(MetaPathFinder):
 
     def find_spec(self, name: str, path: Any, target: Any = None) -> None:
         root = name.partition(".")[0]
-        ours = root in ("examples", "fmukit", "stickslip") or root.startswith("stickslip_")
+        ours = root in ("examples", "fmi", "stickslip") or root.startswith("stickslip_")
         # What an FMU brings is named by its content.
         if ours and not re.match(r"stickslip_fmu_[0-9a-f]{16}", root):
             raise ImportError(f"{name} is barred here")

@@ -8,7 +8,7 @@ from typing import Literal
 
 import pytest
 
-from fmukit.packer import travelling
+from fmi.packer import travelling
 from stickslip_fmu.packer import MAIN
 from tests.python import python, run
 
@@ -20,7 +20,7 @@ FOLDERS = {
     if (folder / "__init__.py").exists()
 }
 OUTSIDE = {
-    "fmukit": "pythonfmu pythonfmu3",
+    "fmi": "pythonfmu pythonfmu3",
     "stickslip_fmu": "",
     "stickslip_native": "",
     "stickslip_ref": "numpy scipy",

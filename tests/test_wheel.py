@@ -17,7 +17,7 @@ from tests.sharing import made_once
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = (
-    "fmukit",
+    "fmi",
     "stickslip",
     "stickslip_design",
     "stickslip_fmu",

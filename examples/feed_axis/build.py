@@ -1,9 +1,9 @@
-"""Packs ServoDrive.fmu: the modules of `servo_drive` and fmukit, named by their content."""
+"""Packs ServoDrive.fmu: the modules of `servo_drive` and fmi, named by their content."""
 
 from pathlib import Path
 from typing import Final
 
-from fmukit.packer import build_fmu
+from fmi.packer import build_fmu
 
 _MAIN: Final = "from examples.feed_axis.servo_drive.model import SPEC"
 

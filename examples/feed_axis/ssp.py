@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Final
 from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
 
-from fmukit.packer import write_archive
+from fmi.packer import write_archive
 
 from .axis import Axis
 

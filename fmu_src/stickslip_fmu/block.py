@@ -8,8 +8,8 @@ parameter took another value; nothing else re-bases the motion.
 import math
 from typing import Any, Dict, Optional
 
-from fmukit.model import ModelError
-from fmukit.plain import values
+from fmi.model import ModelError
+from fmi.plain import values
 
 from .laws.law import Arc, Friction, Law, Motion, Start
 from .meter import CycleMeter

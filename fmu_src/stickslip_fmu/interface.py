@@ -7,8 +7,8 @@ and one attribute of `block.Block`.
 
 from typing import Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
-from fmukit.model import Annotation
-from fmukit.table import ABOVE_ZERO, Item, Quantity, Table, Unit, Variable
+from fmi.model import Annotation
+from fmi.table import ABOVE_ZERO, Item, Quantity, Table, Unit, Variable
 
 from .meter import MOST_SLIPS
 

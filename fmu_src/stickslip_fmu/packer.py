@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Literal, Mapping, Optional
 
-from fmukit import packer
+from fmi import packer
 
 from .laws.named import COULOMB_NAME, friction_law
 from .spec import SPEC

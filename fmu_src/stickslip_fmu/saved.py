@@ -2,8 +2,8 @@
 
 from typing import Any, Dict, Sequence
 
-from fmukit.model import ModelError
-from fmukit.plain import check
+from fmi.model import ModelError
+from fmi.plain import check
 
 from .meter import MOST_SLIPS
 

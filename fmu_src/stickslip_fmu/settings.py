@@ -1,7 +1,7 @@
 """The values that rule the motion: parameters, inputs and start values together."""
 
-from fmukit.model import ModelError
-from fmukit.table import Values
+from fmi.model import ModelError
+from fmi.table import Values
 
 
 class Settings(Values):

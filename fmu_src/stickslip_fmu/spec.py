@@ -1,6 +1,6 @@
-"""Specifications for the kit: the block under a friction law, with name, release and experiment."""
+"""Specifications of the FMU: the block under a friction law, with name, release and experiment."""
 
-from fmukit.model import Experiment, Spec
+from fmi.model import Experiment, Spec
 
 from .block import Block
 from .interface import CONTRACT, table_of

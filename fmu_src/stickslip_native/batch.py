@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Iterator, Mapping, NamedTuple, Protocol, Sequence, Union
 
-from fmukit.table import Table
+from fmi.table import Table
 from stickslip_fmu.laws.named import COULOMB_NAME
 
 from .compiler import Compiler, CompilerError, compiler_for

@@ -5,7 +5,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Dict, NamedTuple, Tuple
 
-from fmukit.model import Spec
+from fmi.model import Spec
 from stickslip_fmu.laws.named import COULOMB_NAME, friction_law
 from stickslip_fmu.spec import SPEC, spec_of
 

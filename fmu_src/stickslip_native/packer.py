@@ -6,10 +6,10 @@ from typing import Dict, List, Literal, Mapping, Optional
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from fmukit.description import LOG_CATEGORIES, identity
-from fmukit.fmi2 import description as fmi2
-from fmukit.fmi3 import description as fmi3
-from fmukit.packer import write_archive
+from fmi.description import LOG_CATEGORIES, identity
+from fmi.fmi2 import description as fmi2
+from fmi.fmi3 import description as fmi3
+from fmi.packer import write_archive
 from stickslip_fmu.laws.named import COULOMB_NAME
 
 from .compiler import FLAGS, Compiler, compiler_for

@@ -2,8 +2,8 @@
 
 from typing import Dict, List
 
-from fmukit.model import Spec
-from fmukit.table import Table, Variable
+from fmi.model import Spec
+from fmi.table import Table, Variable
 
 _HEADER = """\
 /* The variables of the model, made from its table. */

@@ -17,7 +17,7 @@ from examples.feed_axis.servo_drive.model import ServoDrive
 from examples.feed_axis.servo_drive.motion import Inertia, Place, Pull
 from examples.feed_axis.servo_drive.setpoint import SetPoint
 from examples.feed_axis.servo_drive.table import Settings
-from fmukit.model import ModelError
+from fmi.model import ModelError
 
 from .coupled import FILTERED, servo
 

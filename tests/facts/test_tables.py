@@ -10,7 +10,7 @@ from dataclasses import fields
 import pytest
 
 import stickslip_ref as ref
-from fmukit.model import ModelError
+from fmi.model import ModelError
 from stickslip_fmu.block import Block
 from stickslip_ref import Change, Parameters, simulate
 from stickslip_verification import truth

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
-from fmukit.model import Spec
+from fmi.model import Spec
 from stickslip_fmu.block import Block
 from stickslip_fmu.laws.named import friction_law
 from stickslip_fmu.spec import SPEC, TABLE, spec_of

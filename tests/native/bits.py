@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from ctypes import c_double
 from typing import Any
 
-from fmukit.model import ModelError
+from fmi.model import ModelError
 from stickslip_fmu.block import Block
 from tests.fmu.blocks import log_uniform
 from tests.native.core import ACCEPTED, Core, NativeBlock

@@ -4,7 +4,7 @@ import struct
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from fmukit.table import Table
+from fmi.table import Table
 
 HEAD = (("magic", "8s"), ("version", "I"), ("length", "I"), ("names", "Q"))
 _SUMS = ("elapsed", "x_start", "W_pull", "W_k", "Q_friction")

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from fmukit.table import Table, Variable
+from fmi.table import Table, Variable
 from stickslip_native.named import native_law
 from tests.conftest import built
 from tests.driver import Host

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from fmukit.table import Table
+from fmi.table import Table
 from stickslip_native.named import native_law
 from tests.conftest import Sized, built
 from tests.driver import Instance, Refused, loaded

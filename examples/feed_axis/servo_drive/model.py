@@ -1,12 +1,12 @@
-"""The servo drive as a model of fmukit."""
+"""The servo drive as a model of fmi."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-from fmukit.model import Experiment, Model, ModelError, Spec
-from fmukit.plain import check, values
+from fmi.model import Experiment, Model, ModelError, Spec
+from fmi.plain import check, values
 
 from . import filters, motion
 from .controller import Controller, Gains

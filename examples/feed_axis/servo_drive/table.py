@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fmukit.table import ABOVE_ZERO, Quantity, Table, Unit, Values, Variable
+from fmi.table import ABOVE_ZERO, Quantity, Table, Unit, Values, Variable
 
 from .motion import inertia_at_slide
 

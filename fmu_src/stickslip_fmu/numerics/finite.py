@@ -2,7 +2,7 @@
 
 import math
 
-from fmukit.model import ModelError
+from fmi.model import ModelError
 
 NOT_FINITE = "the motion or its forces leave the range of double-precision numbers"
 

@@ -10,8 +10,8 @@ import struct
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from fmukit.model import ModelError
-from fmukit.table import Variable
+from fmi.model import ModelError
+from fmi.table import Variable
 from tests.driver import ERROR, FATAL, OK, WARNING
 from tests.fmu.blocks import spec_named
 from tests.fmu.lives.player import SKIPPED, Call, Outcome

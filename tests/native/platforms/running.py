@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple
 
 import fmpy
 
-from fmukit.table import Variable
+from fmi.table import Variable
 from stickslip_fmu.spec import TABLE
 from stickslip_native.compiler import FLAGS, compiler_for
 from stickslip_native.platforms import PLATFORMS

@@ -10,7 +10,7 @@ from stickslip.errors import CommandError
 from stickslip_fmu.interface import FIRST_OWN
 
 if TYPE_CHECKING:
-    from fmukit.table import Table
+    from fmi.table import Table
     from stickslip_design.curve_file import Curve
 
 CURVE_LAW = "stribeck"

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from fmukit.table import Table, Variable
+from fmi.table import Table, Variable
 from stickslip import units
 from stickslip.errors import CommandError
 from stickslip_fmu.spec import TABLE

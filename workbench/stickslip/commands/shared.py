@@ -139,7 +139,7 @@ def tell_of(fmu: Path) -> None:
 
 def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
     """Put the evidence into the FMU that was judged, which `option` named."""
-    from fmukit.packer import add
+    from fmi.packer import add
     from stickslip.handbook.evidence import evidence
     from stickslip_verification.drive.fmu.archive import FmuFile
     from stickslip_verification.drive.fmu.digest import content_digest

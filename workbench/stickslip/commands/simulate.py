@@ -35,7 +35,7 @@ from stickslip.commands.shared import COULOMB, build_for_run, console, here_on_p
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
-    from fmukit.table import Table
+    from fmi.table import Table
     from stickslip.simulate.engines import Experiment
     from stickslip.simulate.run import Run
     from stickslip_ref import Parameters

@@ -3,7 +3,7 @@
 from importlib.resources import files
 from typing import Any, Final
 
-from fmukit.table import Table, Variable
+from fmi.table import Table, Variable
 from stickslip_fmu.interface import table_of
 from stickslip_fmu.laws.named import COULOMB_NAME, friction_law
 from stickslip_fmu.release import DATE, VERSION

@@ -14,7 +14,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 import stickslip_ref
-from fmukit.table import Table, Variable
+from fmi.table import Table, Variable
 from stickslip.errors import CommandError
 from stickslip.progress import deferred_interrupt
 from stickslip.simulate.run import Run, drawable_interval, fitting_interval, sample_times

@@ -23,7 +23,7 @@ STUDY: Final = "study.pickle"
 
 _FORMAT: Final = "stickslip study 1"
 _PACKAGES: Final = (
-    *("fmukit", "stickslip_design", "stickslip_fmu", "stickslip_native"),
+    *("fmi", "stickslip_design", "stickslip_fmu", "stickslip_native"),
     *("stickslip_ref", "stickslip_score", "stickslip_verification"),
 )
 """Our packages that results are computed by."""

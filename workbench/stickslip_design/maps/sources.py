@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from fmukit.table import Variable
+from fmi.table import Variable
 
 from ..axis import AxisError, AxisFile, Number
 from ..axis.build import key_of

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from fmukit.table import Table
+from fmi.table import Table
 from stickslip_fmu.interface import table_of
 from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
 from stickslip_ref import (

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from fmukit.model import Spec
+from fmi.model import Spec
 from stickslip_fmu.block import Block
 from stickslip_fmu.laws.named import friction_law
 from stickslip_fmu.spec import spec_of

@@ -2,7 +2,7 @@
 
 from typing import Optional, Tuple
 
-from fmukit.table import ABOVE_ZERO, Quantity
+from fmi.table import ABOVE_ZERO, Quantity
 
 from ...interface import Own, calculated, parameter
 from ...numerics.finite import finite

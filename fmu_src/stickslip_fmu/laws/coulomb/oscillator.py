@@ -3,7 +3,7 @@
 import math
 from typing import Any, Iterator, Tuple
 
-from fmukit.model import ModelError
+from fmi.model import ModelError
 
 from ...settings import Settings
 

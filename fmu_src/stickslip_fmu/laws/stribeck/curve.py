@@ -2,7 +2,7 @@
 
 from typing import List, Optional, Tuple, Union
 
-from fmukit.model import ModelError
+from fmi.model import ModelError
 
 from ...numerics.finite import finite
 from ...settings import Settings

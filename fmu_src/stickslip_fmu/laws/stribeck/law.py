@@ -2,7 +2,7 @@
 
 from typing import Optional, Tuple
 
-from fmukit.table import ABOVE_ZERO, Item, Quantity, Variable
+from fmi.table import ABOVE_ZERO, Item, Quantity, Variable
 
 from ...interface import Own, parameter
 from ...settings import Settings

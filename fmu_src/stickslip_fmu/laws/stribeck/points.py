@@ -2,7 +2,7 @@
 
 from typing import List, Optional, Tuple
 
-from fmukit.model import ModelError
+from fmi.model import ModelError
 
 from ...settings import Settings
 from .band import Band

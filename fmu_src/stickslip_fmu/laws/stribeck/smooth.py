@@ -3,7 +3,7 @@
 import math
 from typing import Optional, Tuple, Union
 
-from fmukit.model import ModelError
+from fmi.model import ModelError
 
 from ...numerics.finite import finite
 from ...settings import Settings

@@ -1,4 +1,4 @@
-"""Packs a model as an FMU: its modules, the kit and the wrapper's binaries in one file.
+"""Packs a model as an FMU: its modules, those of fmi and the wrapper's binaries in one file.
 
 The modules that travel are found by their imports, from the text of a module that defines SPEC:
 every module outside the standard library and the wrappers. They stand in one package, named by its
@@ -37,7 +37,7 @@ _FACES: Dict[int, _Face] = {
         f"pythonfmu {pythonfmu.__version__}",
         pythonfmu.FmuBuilder,
         """\
-from {package}.fmukit.lifetime import hold
+from {package}.fmi.lifetime import hold
 from {package}.slave import Packed
 
 hold(globals())
@@ -61,14 +61,14 @@ class Packed(slave.Packed, Fmi3Slave):
 
 # The module `slave` of the packed package: the text that defines SPEC, then this.
 _SLAVE_CLASS = """
-from fmukit.fmi{face}.face import Slave
+from fmi.fmi{face}.face import Slave
 
 
 class Packed(Slave, spec=SPEC):
     \"""The model as a slave.\"""
 """
 
-_PACKAGE_TEXT = b'"""The model and the kit that makes it an FMU."""\n'
+_PACKAGE_TEXT = b'"""The model and what makes it an FMU."""\n'
 
 # Commands of the wrappers, which an FMU does not need.
 _COMMANDS = ("__main__.py", "csvbuilder.py", "deploy.py")
@@ -134,7 +134,7 @@ def pack(main: str, prefix: str, face: Literal[2, 3] = 2) -> Dict[str, bytes]:
     sources = travelling(main, face)
     # Two FMUs in one process share their modules by name, so the name tells the content.
     package = prefix + _digest(chosen.wrapper, chosen.slave, sources)
-    with tempfile.TemporaryDirectory(prefix="fmukit-") as folder:
+    with tempfile.TemporaryDirectory(prefix="fmi-") as folder:
         workshop = Path(folder)
         for name, content in sources.items():
             file = workshop / package / name
@@ -163,7 +163,7 @@ def travelling(main: str, face: Literal[2, 3] = 2) -> Dict[str, bytes]:
     first = _Module("slave", Path("slave.py"), text.encode("utf-8"))
     files = {"__init__.py": _PACKAGE_TEXT, "slave.py": first.packed()}
     # The wrapper's file imports `lifetime` itself.
-    waiting = {"fmukit.lifetime": "slave", **dict.fromkeys(first.imported(), "slave")}
+    waiting = {"fmi.lifetime": "slave", **dict.fromkeys(first.imported(), "slave")}
     seen = set()
     while waiting:
         name, importer = waiting.popitem()

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from fmukit.packer import PackError, travelling
+from fmi.packer import PackError, travelling
 from stickslip_fmu import packer
 
 Write = Callable[[str, str], None]
@@ -25,7 +25,7 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
 
 def test_one_face_travels_and_neither_packer_nor_another_friction_law() -> None:
     two, three = travelling(packer.MAIN, 2), travelling(packer.MAIN, 3)
-    faces = {"fmukit/fmi2/__init__.py", "fmukit/fmi2/description.py", "fmukit/fmi2/face.py"}
+    faces = {"fmi/fmi2/__init__.py", "fmi/fmi2/description.py", "fmi/fmi2/face.py"}
     assert two.keys() - three.keys() == faces
     assert three.keys() - two.keys() == {each.replace("fmi2", "fmi3") for each in faces}
     assert not [each for each in two if "packer" in each or "stribeck" in each]

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from fmukit.packer import build_fmu
+from fmi.packer import build_fmu
 from tests.contributing import blocks, walk
 from tests.driver import Host, play
 from tests.fmu.acts import printed_log
@@ -119,7 +119,7 @@ ALONE = """
 import sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
-from fmukit.packer import build_fmu
+from fmi.packer import build_fmu
 for name in ("stickslip", "stickslip_fmu", "stickslip_ref", "numpy"):
     try:
         __import__(name)
@@ -131,8 +131,8 @@ build_fmu("from pendulum import SPEC", Path(sys.argv[1], "Pendulum.fmu"), "pendu
 
 
 @pytest.mark.gate
-def test_the_kit_packs_where_nothing_else_of_ours_is(tmp_path: Path, host: Host) -> None:
-    for name in ("fmukit", "pythonfmu", "pythonfmu3"):
+def test_fmi_packs_where_nothing_else_of_ours_is(tmp_path: Path, host: Host) -> None:
+    for name in ("fmi", "pythonfmu", "pythonfmu3"):
         spec = find_spec(name)
         assert spec is not None
         (tmp_path / name).symlink_to(Path(spec.origin or "").parent, target_is_directory=True)
@@ -144,7 +144,7 @@ def test_the_kit_packs_where_nothing_else_of_ours_is(tmp_path: Path, host: Host)
 
 
 NOTED = """
-from fmukit.model import Annotation
+from fmi.model import Annotation
 
 MASTER = Annotation("org.example.master", "Rate", {"unit": "Hz", "value": "100"})
 PLOT = Annotation("org.example.plot", "Colour", {"name": "blue & \\"green\\" <"})

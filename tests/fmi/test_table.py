@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from fmukit.model import ModelError
-from fmukit.plain import check, values
-from fmukit.table import ABOVE_ZERO, Quantity, Table, Unit, Values, Variable
+from fmi.model import ModelError
+from fmi.plain import check, values
+from fmi.table import ABOVE_ZERO, Quantity, Table, Unit, Values, Variable
 
 MASS, COUNT = Quantity("Mass", "Real", "Mass", "kg"), Quantity("Count", "Integer")
 UNITS = {"kg": Unit({"kg": 1})}

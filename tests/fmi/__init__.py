@@ -1,0 +1,1 @@
+"""Tests of fmi: a model as an FMU."""

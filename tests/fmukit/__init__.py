@@ -1,1 +1,0 @@
-"""Tests of fmukit: a model as an FMU."""
