@@ -1,34 +1,40 @@
-"""Parts that the model descriptions of all FMI versions have: identity, date, units, elements."""
+"""The model description of FMI 2.0 and 3.0, made from the variable table."""
 
 import hashlib
 import os
 import uuid
 from datetime import datetime, timezone
-from typing import Dict, Iterator, Mapping, Sequence, Tuple
+from typing import Any, Dict, Iterable, Iterator, List, Literal
 from xml.etree.ElementTree import Element, SubElement
 
-from .model import Annotation, Experiment, Spec
+from .model import Spec
 from .table import Quantity, Table, Variable
 
-# Categories of the messages of every face.
-LOG_CATEGORIES = {
-    "logStatusWarning": "A value was taken, but not as it was given.",
-    "logAll": "All messages.",
+Face = Literal[2, 3]
+"""The major version of FMI."""
+
+_CAPABILITIES: Dict[Face, Dict[str, str]] = {
+    2: {
+        "needsExecutionTool": "false",
+        "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": "false",
+        "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    },
+    3: {
+        "needsExecutionTool": "false",
+        "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+        "canHandleVariableCommunicationStepSize": "true",
+        "providesIntermediateUpdate": "false",
+        "mightReturnEarlyFromDoStep": "false",
+        "canReturnEarlyAfterIntermediateUpdate": "false",
+        "hasEventMode": "false",
+    },
 }
-
-
-def generation_time(release: str) -> str:
-    """Return the date of the build: SOURCE_DATE_EPOCH where it is set, else that of the release.
-
-    Raises ValueError where that variable is no whole number of seconds.
-    """
-    epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    if not epoch:
-        return release
-    if not epoch.isdecimal():
-        raise ValueError(f"SOURCE_DATE_EPOCH = {epoch!r}: expected whole seconds since 1970")
-    moment = datetime.fromtimestamp(int(epoch), timezone.utc)
-    return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def identity(content: str) -> str:
@@ -39,152 +45,222 @@ def identity(content: str) -> str:
     return f"{{{uuid.UUID(bytes=hashlib.sha256(content.encode()).digest()[:16])}}}"
 
 
-def root_element(spec: Spec, version: str, identifier: Tuple[str, str], generator: str) -> Element:
-    """Return the root of modelDescription.xml, still empty.
+def model_description(
+    spec: Spec,
+    face: Face,
+    identity: str,
+    generator: str,
+    refusals: str = "",
+    sources: Iterable[str] = (),
+) -> Element:
+    """Return the root of modelDescription.xml.
 
     Parameters
     ----------
     spec
         The model.
-    version
-        FMI version.
-    identifier
-        Name and value of the attribute that identifies the FMU; no binary compares it.
+    face
+        The major version of FMI.
+    identity
+        The GUID of FMI 2.0, the instantiation token of FMI 3.0; no binary compares it.
     generator
         Name and version of the tool that makes the FMU.
+    refusals
+        Meaning of the errors in the log; "" where the FMU logs none.
+    sources
+        Files in sources/ that have to be compiled, for FMI 2.0.
 
     Raises
     ------
     ValueError
-        If the name of the model is no identifier.
+        If the name of the model is no identifier, or SOURCE_DATE_EPOCH is set to something else
+        than whole seconds.
     """
     if not spec.name.isidentifier():
         raise ValueError(f"the model name {spec.name!r} is no Python identifier")
-    return Element(
+    table = spec.table
+    root = Element(
         "fmiModelDescription",
         {
-            "fmiVersion": version,
+            "fmiVersion": f"{face}.0",
             "modelName": spec.name,
-            identifier[0]: identifier[1],
+            "guid" if face == 2 else "instantiationToken": identity,
             "description": spec.description,
             "author": spec.author,
             "version": spec.version,
             "copyright": spec.author,
             "license": spec.licence,
             "generationTool": generator,
-            "generationDateAndTime": generation_time(spec.date),
+            "generationDateAndTime": _generation_time(spec.date),
             "variableNamingConvention": "flat",
         },
     )
+    slave = SubElement(root, "CoSimulation", {"modelIdentifier": spec.name, **_CAPABILITIES[face]})
+    _add(slave, "SourceFiles", (Element("File", {"name": name}) for name in sources))
+    _add(root, "UnitDefinitions", _units(table))
+    _add(root, "TypeDefinitions", _types(table, face))
+    _add(root, "LogCategories", _log_categories(refusals))
+    SubElement(root, "DefaultExperiment", _experiment(spec))
+    if face == 2:
+        _add(root, "VendorAnnotations", _annotations(spec, "Tool", "name"))
+    _add(root, "ModelVariables", _variables(table, face))
+    _add_structure(SubElement(root, "ModelStructure"), table, face)
+    if face == 3:
+        _add(root, "Annotations", _annotations(spec, "Annotation", "type"))
+    return root
 
 
-def add_units(root: Element, table: Table) -> None:
-    """Add the unit definitions."""
-    parent = SubElement(root, "UnitDefinitions")
+def _generation_time(release: str) -> str:
+    """Return the date of the build: SOURCE_DATE_EPOCH where it is set, else that of the release."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    if not epoch:
+        return release
+    if not epoch.isdecimal():
+        raise ValueError(f"SOURCE_DATE_EPOCH = {epoch!r}: expected whole seconds since 1970")
+    moment = datetime.fromtimestamp(int(epoch), timezone.utc)
+    return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def _add(parent: Element, tag: str, members: Iterable[Element]) -> None:
+    """Add a list; the schemas forbid one without members."""
+    listed = list(members)
+    if listed:
+        SubElement(parent, tag).extend(listed)
+
+
+def _units(table: Table) -> Iterator[Element]:
     for name, unit in table.units.items():
-        element = SubElement(parent, "Unit", {"name": name})
+        element = Element("Unit", {"name": name})
         SubElement(element, "BaseUnit", {base: str(power) for base, power in unit.base.items()})
         for display, factor in unit.displays:
             SubElement(element, "DisplayUnit", {"name": display, "factor": repr(factor)})
+        yield element
 
 
-def add_log_categories(root: Element, categories_of_face: Mapping[str, str]) -> None:
-    """Add the categories of messages with their meanings."""
-    categories = SubElement(root, "LogCategories")
-    for name, text in categories_of_face.items():
-        SubElement(categories, "Category", {"name": name, "description": text})
+def _types(table: Table, face: Face) -> Iterator[Element]:
+    for name, quantity in table.quantities.items():
+        attributes = _type_attributes(quantity)
+        if face == 2:
+            element = Element("SimpleType", {"name": name})
+            SubElement(element, quantity.kind, attributes)
+        else:
+            element = Element(f"{quantity.fmi3_type}Type", {"name": name, **attributes})
+            for item in quantity.items:
+                fields = {key: str(value) for key, value in item._asdict().items()}
+                SubElement(element, "Item", fields)
+        yield element
 
 
-def add_experiment(root: Element, experiment: Experiment) -> None:
-    """Add the default experiment."""
-    attributes = {
-        "startTime": experiment.start_time,
-        "stopTime": experiment.stop_time,
-        "stepSize": experiment.step_size,
-    }
-    given = {name: repr(value) for name, value in attributes.items() if value is not None}
-    SubElement(root, "DefaultExperiment", given)
-
-
-def add_annotations(parent: Element, tag: str, key: str, given: Sequence[Annotation]) -> None:
-    """Add annotations, each an element `tag` whose attribute `key` is the type."""
-    for annotation in given:
-        element = SubElement(parent, tag, {key: annotation.type})
-        SubElement(element, annotation.element, dict(annotation.attributes))
-
-
-def drop_empty_lists(root: Element) -> None:
-    """Remove lists without members, which the schemas forbid."""
-    for parent in (root, *root.iter("ModelStructure")):
-        for child in list(parent):
-            if not len(child) and not child.attrib and child.tag != "ModelStructure":
-                parent.remove(child)
-
-
-def type_attributes(quantity: Quantity) -> Dict[str, str]:
+def _type_attributes(quantity: Quantity) -> Dict[str, str]:
     """Return the attributes of a type of Reals: quantity, units, order of magnitude."""
     if quantity.kind != "Real":
         return {}
-    attributes = {}
-    if quantity.quantity:
-        attributes["quantity"] = quantity.quantity
-    if quantity.unit:
-        attributes["unit"] = quantity.unit
-    if quantity.shown_in:
-        attributes["displayUnit"] = quantity.shown_in
-    if quantity.nominal:
-        attributes["nominal"] = repr(quantity.nominal)
-    return attributes
-
-
-def variable_attributes(variable: Variable) -> Dict[str, str]:
-    """Return the attributes of a variable that all FMI versions have, without its values."""
     attributes = {
-        "name": variable.name,
-        "valueReference": str(variable.number),
-        "description": variable.description,
-        "causality": variable.causality,
-        "variability": variable.variability,
+        "quantity": quantity.quantity,
+        "unit": quantity.unit,
+        "displayUnit": quantity.shown_in,
+        "nominal": repr(quantity.nominal) if quantity.nominal else "",
     }
-    if variable.causality != "input":
-        attributes["initial"] = "calculated" if variable.start is None else "exact"
-    return attributes
+    return {name: text for name, text in attributes.items() if text}
 
 
-def value_attributes(variable: Variable) -> Dict[str, str]:
+def _log_categories(refusals: str) -> Iterator[Element]:
+    meanings = {
+        "logStatusWarning": "A value was taken, but not as it was given.",
+        "logAll": "All messages.",
+        "logStatusError": refusals,
+    }
+    for name, meaning in meanings.items():
+        if meaning:
+            yield Element("Category", {"name": name, "description": meaning})
+
+
+def _experiment(spec: Spec) -> Dict[str, str]:
+    names = ("startTime", "stopTime", "stepSize")
+    return {name: repr(value) for name, value in zip(names, spec.experiment) if value is not None}
+
+
+def _annotations(spec: Spec, tag: str, key: str) -> Iterator[Element]:
+    for annotation in spec.annotations:
+        element = Element(tag, {key: annotation.type})
+        SubElement(element, annotation.element, dict(annotation.attributes))
+        yield element
+
+
+def _variables(table: Table, face: Face) -> Iterator[Element]:
+    for variable in table.rows:
+        attributes = {
+            "name": variable.name,
+            "valueReference": str(variable.number),
+            "description": variable.description,
+            "causality": variable.causality,
+            "variability": variable.variability,
+        }
+        if variable.causality != "input":
+            attributes["initial"] = "calculated" if variable.start is None else "exact"
+        if face == 2:
+            element = Element("ScalarVariable", attributes)
+            SubElement(element, variable.kind, _value_attributes(variable))
+        else:
+            attributes.update(_value_attributes(variable))
+            element = Element(variable.type.fmi3_type, attributes)
+        yield element
+    if face == 3:
+        time = {
+            "name": "time",
+            "valueReference": str(table.time_reference),
+            "description": "Time",
+            "causality": "independent",
+            "variability": "continuous",
+        }
+        if "Time" in table.quantities:
+            time.update(declaredType="Time", **_type_attributes(table.quantities["Time"]))
+        yield Element("Float64", time)
+
+
+def _value_attributes(variable: Variable) -> Dict[str, str]:
     """Return type, bounds and start of a variable.
 
     The attributes of the type are repeated, for readers that do not look them up.
     """
-    attributes = {"declaredType": variable.type.name, **type_attributes(variable.type)}
-    for key, value in (
-        ("min", variable.minimum),
-        ("max", variable.maximum),
-        ("start", variable.start),
-    ):
-        if value is not None:
-            attributes[key] = str(value).lower() if isinstance(value, bool) else repr(value)
-    return attributes
+    values: Dict[str, Any] = {
+        "min": variable.minimum,
+        "max": variable.maximum,
+        "start": variable.start,
+    }
+    return {
+        "declaredType": variable.type.name,
+        **_type_attributes(variable.type),
+        **{
+            name: str(value).lower() if isinstance(value, bool) else repr(value)
+            for name, value in values.items()
+            if value is not None
+        },
+    }
 
 
-def outputs(table: Table) -> Iterator[Variable]:
-    """Give the outputs. A value that is set acts from the next step on, so none feeds through."""
-    return (variable for variable in table.rows if variable.causality == "output")
-
-
-def initial_unknowns(table: Table, offset: int = 0) -> Iterator[Tuple[Variable, Dict[str, str]]]:
-    """Give the variables that are calculated at the start, with the attributes of dependency.
-
-    The known variables are numbered from `offset` on.
-    """
-    for variable in outputs(table):
-        if variable.start is None:
-            numbers = sorted(table.by_name[name].number + offset for name in variable.depends)
-            kind = "constant" if variable.in_proportion else "dependent"
-            yield (
-                variable,
-                {
-                    "dependencies": " ".join(map(str, numbers)),
-                    "dependenciesKind": " ".join([kind] * len(numbers)),
-                },
-            )
+def _add_structure(parent: Element, table: Table, face: Face) -> None:
+    """Add outputs, none of which follows an input at once, and what is calculated at the start."""
+    # FMI 2.0 names a variable by its position, counted from 1.
+    key, first = ("index", 1) if face == 2 else ("valueReference", 0)
+    outputs: List[Element] = []
+    unknowns: List[Element] = []
+    for row in table.rows:
+        if row.causality != "output":
+            continue
+        name = {key: str(row.number + first)}
+        outputs.append(Element("Unknown" if face == 2 else "Output", {**name, "dependencies": ""}))
+        if row.start is None:
+            numbers = sorted(table.by_name[each].number + first for each in row.depends)
+            kind = "constant" if row.in_proportion else "dependent"
+            dependencies = {
+                "dependencies": " ".join(map(str, numbers)),
+                "dependenciesKind": " ".join([kind] * len(numbers)),
+            }
+            tag = "Unknown" if face == 2 else "InitialUnknown"
+            unknowns.append(Element(tag, {**name, **dependencies}))
+    if face == 2:
+        _add(parent, "Outputs", outputs)
+        _add(parent, "InitialUnknowns", unknowns)
+    else:
+        parent.extend([*outputs, *unknowns])

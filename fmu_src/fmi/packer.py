@@ -5,8 +5,8 @@ every module outside the standard library and the wrappers. They stand in one pa
 content, each under its own name; imports between them are made relative, so that two FMUs in one
 process never share a module.
 
-The wrapper's builder makes the archive, pythonfmu's for FMI 2.0 and pythonfmu3's for FMI 3.0; a
-second pass makes it the same, byte for byte, at every build: names sorted, dates fixed, deflated.
+The wrapper is pythonfmu for FMI 2.0 and pythonfmu3 for FMI 3.0. An archive is the same, byte for
+byte, at every build: names sorted, dates fixed, deflated.
 """
 
 import ast
@@ -15,38 +15,45 @@ import os
 import sys
 import tempfile
 import zipfile
-from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Literal, Mapping, NamedTuple, Optional
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional
+from xml.dom.minidom import parseString
+from xml.etree.ElementTree import tostring
 
 import pythonfmu
 import pythonfmu3
 
+from .description import Face, identity, model_description
+from .model import Spec
 
-class _Face(NamedTuple):
-    """One FMI version: its wrapper and the slave's own file."""
 
-    wrapper: str
-    builder: Any
+class _Wrapper(NamedTuple):
+    """The wrapper of one FMI version, the slave's own file, and what errors in the log mean."""
+
+    module: Any
     slave: str
+    refusals: str
+
+    @property
+    def name(self) -> str:
+        return f"{self.module.__name__} {self.module.__version__}"
 
 
-_FACES: Dict[int, _Face] = {
-    2: _Face(
-        f"pythonfmu {pythonfmu.__version__}",
-        pythonfmu.FmuBuilder,
+_WRAPPERS: Dict[Face, _Wrapper] = {
+    2: _Wrapper(
+        pythonfmu,
         """\
 from {package}.fmi.lifetime import hold
 from {package}.slave import Packed
 
 hold(globals())
 """,
+        "",
     ),
     # pythonfmu3 looks for the class in the text of the file that it is told.
-    3: _Face(
-        f"pythonfmu3 {pythonfmu3.__version__}",
-        pythonfmu3.FmuBuilder,
+    3: _Wrapper(
+        pythonfmu3,
         """\
 from pythonfmu3 import Fmi3Slave
 
@@ -56,12 +63,13 @@ from {package} import slave
 class Packed(slave.Packed, Fmi3Slave):
     pass
 """,
+        "A step was refused, and why.",
     ),
 }
 
 # The module `slave` of the packed package: the text that defines SPEC, then this.
 _SLAVE_CLASS = """
-from fmi.fmi{face}.face import Slave
+from fmi.fmi{face} import Slave
 
 
 class Packed(Slave, spec=SPEC):
@@ -73,9 +81,8 @@ _PACKAGE_TEXT = b'"""The model and what makes it an FMU."""\n'
 # Commands of the wrappers, which an FMU does not need.
 _COMMANDS = ("__main__.py", "csvbuilder.py", "deploy.py")
 
-# Modules that a host of the FMU has, or that the wrapper packs.
-_WRAPPERS = ("pythonfmu", "pythonfmu3")
-_AT_HAND = {*sys.stdlib_module_names, *_WRAPPERS}
+# Modules that a host of the FMU has, or that travel as the wrapper.
+_AT_HAND = {*sys.stdlib_module_names, "pythonfmu", "pythonfmu3"}
 
 # The oldest Python that loads the FMU.
 _PYTHON = (3, 8)
@@ -90,21 +97,20 @@ class PackError(ValueError):
 
 def build_fmu(
     main: str,
-    target: Path,
+    destination: Path,
     prefix: str,
     parts: Optional[Mapping[str, bytes]] = None,
-    face: Literal[2, 3] = 2,
+    face: Face = 2,
 ) -> Path:
-    """Build an FMU and return `target`.
+    """Build an FMU and return its file.
 
     Parameters
     ----------
     main
         Text of a module that defines SPEC, a `model.Spec`: ``from pendulum import SPEC``. The
         modules that it imports, directly or not, must be importable in this process.
-    target
-        The file to write, ending in .fmu. Folders are made. An old file stays until the new one is
-        whole.
+    destination
+        As of `write_fmu`.
     prefix
         Beginning of the name of the packed package; the rest is a digest of the content.
     parts
@@ -123,33 +129,38 @@ def build_fmu(
         If SOURCE_DATE_EPOCH is set to something else than whole seconds, or the table of the model
         is wrong.
     """
-    target.parent.mkdir(parents=True, exist_ok=True)
-    write_archive({**pack(main, prefix, face), **(parts or {})}, target)
-    return target
-
-
-def pack(main: str, prefix: str, face: Literal[2, 3] = 2) -> Dict[str, bytes]:
-    """Return the files of an FMU by their path in it, for `write_archive`; see `build_fmu`."""
-    chosen = _FACES[face]
+    wrapper = _WRAPPERS[face]
+    home = Path(wrapper.module.__file__).parent
     sources = travelling(main, face)
     # Two FMUs in one process share their modules by name, so the name tells the content.
-    package = prefix + _digest(chosen.wrapper, chosen.slave, sources)
-    with tempfile.TemporaryDirectory(prefix="fmi-") as folder:
-        workshop = Path(folder)
-        for name, content in sources.items():
-            file = workshop / package / name
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_bytes(content)
-        slave = workshop / f"{package}_slave.py"
-        slave.write_text(chosen.slave.format(package=package), encoding="utf-8")
-        with _imports_apart(package):
-            raw = chosen.builder.build_FMU(
-                slave, workshop / "raw", project_files=[workshop / package]
-            )
-        return _entries(raw)
+    package = prefix + digest_of(f"{wrapper.name}\0{wrapper.slave}", sources)[:16]
+    spec = _spec_of(main)
+    root = model_description(spec, face, identity(package), wrapper.name, wrapper.refusals)
+    entries = {
+        "modelDescription.xml": parseString(tostring(root)).toprettyxml(encoding="UTF-8"),
+        "resources/slavemodule.txt": f"{package}_slave".encode(),
+        f"resources/{package}_slave.py": wrapper.slave.format(package=package).encode(),
+    }
+    for name, content in sources.items():
+        entries[f"resources/{package}/{name}"] = content
+    for file in home.glob("*.py"):
+        if file.name not in _COMMANDS:
+            entries[f"resources/{home.name}/{file.name}"] = file.read_bytes()
+    for file in home.glob("resources/binaries/*/*"):
+        entries[f"binaries/{file.parent.name}/{spec.name}{file.suffix}"] = file.read_bytes()
+    return write_fmu(destination, spec.name, face, {**entries, **(parts or {})})
 
 
-def travelling(main: str, face: Literal[2, 3] = 2) -> Dict[str, bytes]:
+def _spec_of(main: str) -> Spec:
+    """Return the SPEC that a text defines, whose model must start."""
+    scope: Dict[str, Any] = {"__name__": __name__}
+    exec(compile(main, "slave", "exec", dont_inherit=True), scope)
+    spec: Spec = scope["SPEC"]
+    spec.start()
+    return spec
+
+
+def travelling(main: str, face: Face = 2) -> Dict[str, bytes]:
     """Return the files of the packed package by their path in it; raises PackError.
 
     Parameters
@@ -299,6 +310,27 @@ def add(fmu: Path, parts: Mapping[str, bytes]) -> None:
     write_archive({**entries, **parts}, fmu)
 
 
+def write_fmu(destination: Path, name: str, face: Face, entries: Mapping[str, bytes]) -> Path:
+    """Write an FMU and return its file.
+
+    Parameters
+    ----------
+    destination
+        The file, ending in .fmu, or the folder that gets ``<name>.fmu``, and for FMI 3.0
+        ``<name>_fmi3.fmu``. Folders are made. An old file stays until the new one is whole.
+    name, face
+        What names the file in a folder.
+    entries
+        Files of the FMU by their path in it.
+    """
+    target = destination
+    if destination.suffix != ".fmu":
+        target = destination / (f"{name}.fmu" if face == 2 else f"{name}_fmi3.fmu")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    write_archive(entries, target)
+    return target
+
+
 def write_archive(entries: Mapping[str, bytes], target: Path) -> None:
     """Write an archive whose bytes depend on its entries alone, or nothing at all.
 
@@ -308,7 +340,8 @@ def write_archive(entries: Mapping[str, bytes], target: Path) -> None:
     part = Path(name)
     try:
         with os.fdopen(handle, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
-            for entry in _in_order(entries):
+            # Readers look for the description first.
+            for entry in sorted(entries, key=lambda name: (name != "modelDescription.xml", name)):
                 info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
                 info.compress_type = zipfile.ZIP_DEFLATED
                 info.external_attr = 0o644 << 16
@@ -328,48 +361,9 @@ def _umask() -> int:
     return mask
 
 
-def _digest(wrapper: str, slave: str, sources: Mapping[str, bytes]) -> str:
-    """Return a name for this content: 16 hexadecimal digits."""
-    digest = hashlib.sha256(f"{wrapper}\0{slave}".encode())
-    for name in sorted(sources):
-        digest.update(f"\0{name}\0{len(sources[name])}\0".encode() + sources[name])
-    return digest.hexdigest()[:16]
-
-
-@contextmanager
-def _imports_apart(package: str) -> Iterator[None]:
-    """Keep the builder's imports apart from the modules that this process has loaded.
-
-    The builder imports the slave by name and leaves it, and its folder, in the import system. Where
-    the same FMU runs in this process, that name belongs to files that may be gone.
-    """
-    path = list(sys.path)
-    loaded = {name: module for name, module in sys.modules.items() if name.startswith(package)}
-    _unload(package)
-    try:
-        yield
-    finally:
-        sys.path[:] = path
-        _unload(package)
-        sys.modules.update(loaded)
-
-
-def _unload(package: str) -> None:
-    for name in [name for name in sys.modules if name.startswith(package)]:
-        del sys.modules[name]
-
-
-def _entries(archive: Path) -> Dict[str, bytes]:
-    """Return the files of an archive by name, without the wrapper's sources and commands."""
-    commands = {f"resources/{each}/{name}" for each in _WRAPPERS for name in _COMMANDS}
-    with zipfile.ZipFile(archive) as source:
-        return {
-            name: source.read(name)
-            for name in source.namelist()
-            if not name.startswith("sources/") and name not in commands
-        }
-
-
-def _in_order(entries: Mapping[str, bytes]) -> Iterator[str]:
-    """Give the model description first, where readers look for it, then the rest by name."""
-    return iter(sorted(entries, key=lambda name: (name != "modelDescription.xml", name)))
+def digest_of(head: str, files: Mapping[str, bytes]) -> str:
+    """Return the SHA-256 of a text and of files by name, in hexadecimal digits."""
+    digest = hashlib.sha256(head.encode())
+    for name in sorted(files):
+        digest.update(f"\0{name}\0{len(files[name])}\0".encode() + files[name])
+    return digest.hexdigest()

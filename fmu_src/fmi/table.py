@@ -83,6 +83,13 @@ class Quantity(NamedTuple):
     shown_in: str = ""
     items: Tuple[Item, ...] = ()
 
+    @property
+    def fmi3_type(self) -> str:
+        """Type in FMI 3.0."""
+        if self.items:
+            return "Enumeration"
+        return {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}[self.kind]
+
 
 class Variable(NamedTuple):
     """One variable.
@@ -222,6 +229,11 @@ class Table:
             objection = self._objection(row, position)
             if objection is not None:
                 raise ValueError(f"{row.name}: {objection}")
+
+    @property
+    def time_reference(self) -> int:
+        """Value reference of the time, which FMI 3.0 lists as a variable."""
+        return len(self.rows)
 
     def start_values(self) -> Dict[str, float]:
         """Return the start value of every parameter and input, by name."""

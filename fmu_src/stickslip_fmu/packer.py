@@ -1,9 +1,10 @@
 """Builds the FMU of the block under Coulomb's friction law, or under another one."""
 
 from pathlib import Path
-from typing import Literal, Mapping, Optional
+from typing import Mapping, Optional
 
-from fmi import packer
+from fmi.description import Face
+from fmi.packer import build_fmu
 
 from .laws.named import COULOMB_NAME, friction_law
 from .spec import SPEC
@@ -22,29 +23,18 @@ SPEC = spec_of({name})
 def build(
     destination: Path,
     parts: Optional[Mapping[str, bytes]] = None,
-    face: Literal[2, 3] = 2,
+    face: Face = 2,
     law: str = COULOMB_NAME,
 ) -> Path:
-    """Build the FMU.
+    """Build the FMU and return its file.
 
     Parameters
     ----------
-    destination
-        The file to write, ending in .fmu, or the folder that gets StickSlip.fmu, and for FMI 3.0
-        StickSlip_fmi3.fmu; with another friction law the name of its model stands for StickSlip.
-        Folders are made. What was there stays until the new file is whole.
-    parts
-        Files that travel beside what is built here, such as documentation/index.html, by their
-        path in the FMU.
-    face
-        The major version of FMI.
+    destination, parts, face
+        As of `fmi.packer.build_fmu`. In a folder the file has the name of the law's model, for
+        Coulomb's law StickSlip.
     law
         Name of a friction law, as `laws.named.friction_law` takes it.
-
-    Returns
-    -------
-    Path
-        The file that was written.
 
     Raises
     ------
@@ -54,15 +44,10 @@ def build(
         If SOURCE_DATE_EPOCH is set to something else than whole seconds, the law is not found, its
         rows do not fit the table, its model is called StickSlip, or a module of it cannot travel.
     """
-    main, model = MAIN, SPEC.name
+    main = MAIN
     if law != COULOMB_NAME:
         named = friction_law(law)
         main = _MAIN_OF_LAW.format(module=named.module, name=named.name)
-        model = named.law.interface.model
-        if not model.isidentifier():
-            raise ValueError(f"the model name {model!r} of {law!r} is no Python identifier")
-        if model == SPEC.name:
+        if named.law.interface.model == SPEC.name:
             raise ValueError(f"the friction law {law!r} needs a model name other than {SPEC.name}")
-    file_name = f"{model}.fmu" if face == 2 else f"{model}_fmi3.fmu"
-    target = destination if destination.suffix == ".fmu" else destination / file_name
-    return packer.build_fmu(main, target, "stickslip_fmu_", parts, face)
+    return build_fmu(main, destination, "stickslip_fmu_", parts, face)

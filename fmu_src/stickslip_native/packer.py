@@ -1,15 +1,12 @@
 """Builds the native FMU: its description, a library for each platform, and their C sources."""
 
-import hashlib
 from pathlib import Path
-from typing import Dict, List, Literal, Mapping, Optional
+from typing import Dict, List, Mapping, Optional
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from fmi.description import LOG_CATEGORIES, identity
-from fmi.fmi2 import description as fmi2
-from fmi.fmi3 import description as fmi3
-from fmi.packer import write_archive
+from fmi.description import Face, identity, model_description
+from fmi.packer import digest_of, write_fmu
 from stickslip_fmu.laws.named import COULOMB_NAME
 
 from .compiler import FLAGS, Compiler, compiler_for
@@ -25,24 +22,23 @@ _IDENTITY = """\
 #define STICKSLIP_IDENTITY "{identity}"
 """
 
-_LOG_CATEGORIES = {**LOG_CATEGORIES, "logStatusError": "A call was refused, and why."}
+_REFUSALS = "A call was refused, and why."
 
 
 def build(
     destination: Path,
     parts: Optional[Mapping[str, bytes]] = None,
-    face: Literal[2, 3] = 2,
+    face: Face = 2,
     this_machine: bool = False,
     law: str = COULOMB_NAME,
 ) -> Path:
-    """Build the native FMU.
+    """Build the native FMU and return its file.
 
     Parameters
     ----------
     destination
-        The file to write, ending in .fmu, or the folder that gets StickSlip_native.fmu, and for
-        FMI 3.0 StickSlip_native_fmi3.fmu; with another friction law the name of its model stands
-        for StickSlip. Folders are made. What was there stays until the new file is whole.
+        As of `fmi.packer.write_fmu`. In a folder the file is called after the law's model, for
+        Coulomb's law StickSlip_native.
     parts
         Files that travel beside what is built here, such as documentation/index.html, by their
         path in the FMU.
@@ -52,11 +48,6 @@ def build(
         Whether `cc` compiles for this machine alone, and not Zig for all platforms.
     law
         Name of a built-in friction law, as `named.native_law` takes it.
-
-    Returns
-    -------
-    Path
-        The file that was written.
 
     Raises
     ------
@@ -70,8 +61,6 @@ def build(
     """
     model = native_law(law).spec.name
     compiler = compiler_for(this_machine)
-    file_name = f"{model}_native.fmu" if face == 2 else f"{model}_native_fmi3.fmu"
-    target = destination if destination.suffix == ".fmu" else destination / file_name
     sources = sources_of(face, law)
     entries = {
         "modelDescription.xml": description(face, sources, law),
@@ -81,12 +70,10 @@ def build(
     }
     if face == 3:
         entries["sources/buildDescription.xml"] = _build_description(sources, model)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    write_archive(entries, target)
-    return target
+    return write_fmu(destination, f"{model}_native", face, entries)
 
 
-def sources_of(face: Literal[2, 3], law: str = COULOMB_NAME) -> Dict[str, bytes]:
+def sources_of(face: Face, law: str = COULOMB_NAME) -> Dict[str, bytes]:
     """Return the C sources of the FMU under a friction law by name; they lie in one folder.
 
     Among them are those made from the table, and identity.h with the FMU's identity.
@@ -104,7 +91,7 @@ def sources_of(face: Literal[2, 3], law: str = COULOMB_NAME) -> Dict[str, bytes]
 
 
 def libraries(
-    face: Literal[2, 3],
+    face: Face,
     sources: Mapping[str, bytes],
     compiler: Compiler,
     law: str = COULOMB_NAME,
@@ -125,27 +112,18 @@ def libraries(
     }
 
 
-def description(
-    face: Literal[2, 3], sources: Mapping[str, bytes], law: str = COULOMB_NAME
-) -> bytes:
+def description(face: Face, sources: Mapping[str, bytes], law: str = COULOMB_NAME) -> bytes:
     """Return modelDescription.xml of the FMU with these sources."""
     spec = native_law(law).spec
-    maker = f"stickslip {spec.version}"
-    own = _identity(face, sources)
-    if face == 2:
-        compiled = tuple(_compiled(sources))
-        root = fmi2.model_description(spec, own, maker, _LOG_CATEGORIES, compiled)
-    else:
-        root = fmi3.model_description(spec, own, maker, _LOG_CATEGORIES)
-    return _text_of(root)
+    compiled = _compiled(sources) if face == 2 else []
+    maker, own = f"stickslip {spec.version}", _identity(face, sources)
+    return _text_of(model_description(spec, face, own, maker, _REFUSALS, compiled))
 
 
-def _identity(face: Literal[2, 3], sources: Mapping[str, bytes]) -> str:
+def _identity(face: Face, sources: Mapping[str, bytes]) -> str:
     """Return the GUID or token, which is made from sources, FMI version and compiler options."""
-    digest = hashlib.sha256(f"FMI {face} {' '.join(FLAGS)}".encode())
-    for name in sorted(sources.keys() - {"identity.h"}):
-        digest.update(f"\0{name}\0{len(sources[name])}\0".encode() + sources[name])
-    return identity(digest.hexdigest())
+    files = {name: sources[name] for name in sources.keys() - {"identity.h"}}
+    return identity(digest_of(f"FMI {face} {' '.join(FLAGS)}", files))
 
 
 def _compiled(sources: Mapping[str, bytes]) -> List[str]:

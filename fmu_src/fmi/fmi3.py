@@ -1,15 +1,14 @@
 """The FMI 3.0 co-simulation face of a model, for pythonfmu3's wrapper."""
 
-from typing import Any, Callable, Dict, List, NamedTuple, Optional
+from typing import Any, Callable, List, NamedTuple, Optional
 
 from pythonfmu3 import Fmi3Slave
 
-from ..instance import Instance, LogMessage, entry
-from ..lifetime import settle
-from ..model import ModelError, Spec
-from ..readers import References
-from ..table import Variable
-from .description import time_reference, type_name
+from .instance import Instance, LogMessage, entry
+from .lifetime import settle
+from .model import ModelError, Spec
+from .readers import References
+from .table import Variable
 
 _ERROR = 3
 _TYPES = ("Float64", "Int32", "Int64", "UInt64", "Boolean", "String")
@@ -17,7 +16,7 @@ _TYPES = ("Float64", "Int32", "Int64", "UInt64", "Boolean", "String")
 
 def _type_of(variable: Variable) -> str:
     """Return the type whose calls read and set a variable."""
-    name = type_name(variable.type)
+    name = variable.type.fmi3_type
     return "Int64" if name == "Enumeration" else name
 
 
@@ -54,7 +53,7 @@ class Slave(Instance, Fmi3Slave):  # type: ignore[misc]
         if spec is not None:
             cls._spec = spec
             cls._references = References(spec.table, _TYPES, _type_of)
-            cls._time_reference = time_reference(spec.table)
+            cls._time_reference = spec.table.time_reference
 
     def __init__(self, **arguments: Any) -> None:
         arguments.setdefault("instance_name", "")
@@ -144,18 +143,6 @@ class Slave(Instance, Fmi3Slave):  # type: ignore[misc]
     def get_continuous_state_derivatives(self) -> List[float]:
         """Return an empty list: the wrapper would not survive a refusal here."""
         return []
-
-    def to_xml(self, model_options: Optional[Dict[str, str]] = None) -> Any:
-        """Return the model description for the builder; options have no effect."""
-        import pythonfmu3  # only a build asks, and an import of the whole builder is slow
-
-        from ..description import identity
-        from .description import model_description
-
-        package = __name__.partition(".")[0]
-        return model_description(
-            self._spec, identity(package), f"pythonfmu3 {pythonfmu3.__version__}"
-        )
 
     def _read_with_time(self, vrs: List[int]) -> List[float]:
         """Return Float64 values, the time among them."""

@@ -1,12 +1,12 @@
 """The FMI 2.0 co-simulation face of a model, for pythonfmu's wrapper."""
 
-from typing import Any, Dict, List, Optional
+from typing import Any, List
 
 from pythonfmu import Fmi2Slave
 
-from ..instance import Instance, entry
-from ..model import Spec
-from ..readers import References
+from .instance import Instance, entry
+from .model import Spec
+from .readers import References
 
 _TYPES = ("Real", "Integer", "Boolean", "String")
 
@@ -68,15 +68,3 @@ class Slave(Instance, Fmi2Slave):  # type: ignore[misc]
     def set_integer(self, vrs: List[int], values: List[int]) -> None:
         """Set Integer parameters and inputs."""
         self._set("Integer", vrs, values)
-
-    def to_xml(self, model_options: Optional[Dict[str, str]] = None) -> Any:
-        """Return the model description for the builder; options have no effect."""
-        import pythonfmu  # only a build asks, and an import of the whole builder is slow
-
-        from ..description import identity
-        from .description import model_description
-
-        package = __name__.partition(".")[0]
-        return model_description(
-            self._spec, identity(package), f"pythonfmu {pythonfmu.__version__}"
-        )
