@@ -13,7 +13,7 @@ from typing import Any, Callable, List, NamedTuple, Optional, Sequence, TypeVar
 from .lifetime import give_reference
 from .model import ModelError, Spec
 from .readers import References
-from .states import Handle, State, from_bytes, held
+from .states import Handle, State, from_bytes
 from .table import Variable
 
 _WARNING = 1
@@ -155,7 +155,7 @@ class Instance:
 
     @entry
     def _set_fmu_state(self, handle: Any) -> None:
-        state = held(handle)
+        state = handle.state if type(handle) is Handle else None
         if state is None:
             raise ModelError("the state to set is none that this FMU handed out")
         self._model.thaw(state.model)
@@ -170,8 +170,7 @@ class Instance:
     @staticmethod
     def _fmu_state_to_bytes(handle: Any) -> bytes:
         try:
-            state = held(handle)
-            return b"null" if state is None else state.to_bytes()
+            return Handle.to_bytes(handle)
         except Exception:
             return b"null"
 

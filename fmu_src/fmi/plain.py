@@ -37,16 +37,12 @@ def values(kind: Type[_Record], plain: Dict[str, float]) -> _Record:
 def _fits(value: Any, pattern: Any) -> bool:
     if isinstance(pattern, tuple):
         return any(_fits(value, each) for each in pattern)
-    if isinstance(pattern, dict):
-        return (
-            isinstance(value, dict)
-            and value.keys() == pattern.keys()
-            and all(_fits(value[each], pattern[each]) for each in pattern)
+    if type(value) is not type(pattern):
+        return False
+    if isinstance(value, dict):
+        return value.keys() == pattern.keys() and all(
+            _fits(value[key], pattern[key]) for key in value
         )
-    if isinstance(pattern, list):
-        return (
-            isinstance(value, list)
-            and len(value) == len(pattern)
-            and all(map(_fits, value, pattern))
-        )
-    return type(value) is type(pattern) and (type(value) is not float or math.isfinite(value))
+    if isinstance(value, list):
+        return len(value) == len(pattern) and all(map(_fits, value, pattern))
+    return not isinstance(value, float) or math.isfinite(value)

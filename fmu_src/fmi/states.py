@@ -10,7 +10,7 @@ import atexit
 import json
 import sys
 from collections import deque
-from typing import Any, Callable, Deque, Optional, Tuple, Type
+from typing import Any, Callable, Deque, NamedTuple, Optional, Tuple, Type
 
 from .lifetime import give_reference
 from .model import Model, ModelError, Spec
@@ -24,8 +24,8 @@ _MOST_KEPT = 512
 _REFERENCES = 8
 
 
-class State:
-    """Everything that a later call depends on; never changed once made.
+class State(NamedTuple):
+    """Everything that a later call depends on.
 
     Attributes
     ----------
@@ -43,40 +43,20 @@ class State:
         Whether the outputs follow the values that are set.
     """
 
-    __slots__ = ("_bytes", "kind", "model", "phase", "settled", "time", "values")
-
-    def __init__(
-        self,
-        kind: Type[Model],
-        model: Any,
-        wanted: Values,
-        time: float,
-        phase: str,
-        settled: bool,
-    ) -> None:
-        self.kind = kind
-        self.model = model
-        self.values = wanted
-        self.time = time
-        self.phase = phase
-        self.settled = settled
-        self._bytes: Optional[bytes] = None
+    kind: Type[Model]
+    model: Any
+    values: Values
+    time: float
+    phase: str
+    settled: bool
 
     def to_bytes(self) -> bytes:
         """Return the state as JSON, whose numbers keep all their digits."""
-        if self._bytes is None:
-            model = self.kind(type(self.values).at_start())
-            model.thaw(self.model)
-            self._bytes = json.dumps(
-                {
-                    "model": model.save(),
-                    "values": self.values.as_dict(),
-                    "time": self.time,
-                    "phase": self.phase,
-                    "settled": self.settled,
-                }
-            ).encode("utf-8")
-        return self._bytes
+        model = self.kind(type(self.values).at_start())
+        model.thaw(self.model)
+        fields = {**self._asdict(), "model": model.save(), "values": self.values.as_dict()}
+        del fields["kind"]
+        return json.dumps(fields).encode("utf-8")
 
 
 def from_bytes(spec: Spec, content: bytes) -> State:
@@ -126,10 +106,17 @@ class Handle:
         The state; None once the handle was freed, or where the bytes held none.
     """
 
-    __slots__ = ("state",)
+    __slots__ = ("_bytes", "state")
 
     def __init__(self, state: Optional[State]) -> None:
         self.state = state
+        self._bytes: Optional[bytes] = None
+
+    def to_bytes(self) -> bytes:
+        """Return the state as JSON, made once: the simulator asks for its size first."""
+        if self._bytes is None:
+            self._bytes = b"null" if self.state is None else self.state.to_bytes()
+        return self._bytes
 
     # The defaults hold what the method needs: at the end of the process the module goes first.
     def __del__(
@@ -140,12 +127,7 @@ class Handle:
         make_whole: Callable[[Tuple["Handle", ...]], None] = _make_whole,
     ) -> None:
         """Drop the state and keep the handle; Python calls this at the first release only."""
-        self.state = None
+        self.state = self._bytes = None
         freed.append((self,) * references)
         if len(freed) > most:
             make_whole(freed.popleft())
-
-
-def held(handle: Any) -> Optional[State]:
-    """Return the state of a handle, or None where it was freed, had none or is no handle."""
-    return handle.state if type(handle) is Handle else None

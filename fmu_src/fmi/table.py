@@ -9,6 +9,7 @@ import sys
 from typing import (
     TYPE_CHECKING,
     Any,
+    Callable,
     ClassVar,
     Dict,
     Iterable,
@@ -187,18 +188,12 @@ class Table:
     units
         Units by name.
     quantities
-        Types, in the order of the model description.
+        Types, in the order of the model description; as an attribute, by name.
     rows
-        Variables in any order.
+        Variables in any order; as an attribute, in the order of their numbers.
 
     Attributes
     ----------
-    units
-        Units by name.
-    quantities
-        Types by name.
-    rows
-        Variables in the order of their numbers.
     by_name
         Variables by name.
 
@@ -274,60 +269,21 @@ def _with_floats(row: Variable) -> Variable:
     return row
 
 
-class _RecordType(type):
-    """Makes the classes of `Values`: the slots and `changed` from the rows of a table."""
+def copier(kind: type, names: Iterable[str]) -> Callable[[Any], Any]:
+    """Return a function that copies an object of a class, one statement a field.
 
-    def __new__(
-        mcs: Type["_RecordType"],
-        name: str,
-        bases: Tuple[type, ...],
-        namespace: Dict[str, Any],
-        table: Optional[Table] = None,
-    ) -> "_RecordType":
-        slots: Tuple[str, ...] = ()
-        if table is not None:
-            slots = tuple(row.name for row in table.rows if row.settable)
-            taken = {each for base in bases for each in dir(base)}
-            inherited = {each for base in bases for each in getattr(base, "names", ())}
-            clashing = [each for each in slots if each in taken - inherited]
-            if clashing:
-                raise ValueError(f"{clashing[0]}: {name} has another attribute of this name")
-            namespace = {**namespace, "table": table, "names": slots}
-            slots = tuple(each for each in slots if each not in inherited)
-        return super().__new__(mcs, name, bases, {**namespace, "__slots__": slots})
-
-    def __init__(
-        cls,
-        name: str,
-        bases: Tuple[type, ...],
-        namespace: Dict[str, Any],
-        table: Optional[Table] = None,
-    ) -> None:
-        super().__init__(name, bases, namespace)
-        # Every class copies into its own kind.
-        cls.changed = _copier(cls, getattr(cls, "names", ()))
-
-
-def _copier(kind: type, names: Iterable[str]) -> Any:
-    """Return the method `changed` of a record, one statement a value.
-
-    A simulator may set an input before every step: a loop over the names takes three times as long.
+    A simulator may set an input and take a state at every step: a loop over the names takes three
+    times as long.
     """
-    source = "".join(
-        [
-            "def changed(self, name, value):\n",
-            "    twin = new(kind)\n",
-            *(f"    twin.{name} = self.{name}\n" for name in names),
-            "    set_value(twin, name, value)\n",
-            "    return twin\n",
-        ]
-    )
-    scope: Dict[str, Any] = {"new": object.__new__, "kind": kind, "set_value": setattr}
-    exec(compile(source, f"<changed of {kind.__name__}>", "exec"), scope)
-    return scope["changed"]
+    lines = ["def copy(self):", "    twin = new(kind)"]
+    lines += [f"    twin.{name} = self.{name}" for name in names]
+    scope: Dict[str, Any] = {"new": object.__new__, "kind": kind}
+    exec("\n".join([*lines, "    return twin"]), scope)
+    copy: Callable[[Any], Any] = scope["copy"]
+    return copy
 
 
-class Values(metaclass=_RecordType):
+class Values:
     """The values of all parameters and inputs, each an attribute of the variable's name.
 
     Values never change once made, so models and states may share them: see `changed`. The record
@@ -349,16 +305,24 @@ class Values(metaclass=_RecordType):
     """
 
     table: ClassVar[Table]
-    names: ClassVar[Tuple[str, ...]]
+    names: ClassVar[Tuple[str, ...]] = ()
+    _copy: ClassVar[Callable[[Any], Any]]
+
+    def __init_subclass__(cls, table: Optional[Table] = None) -> None:
+        if table is not None:
+            taken = set(dir(cls)) - set(cls.names)
+            cls.table = table
+            cls.names = tuple(row.name for row in table.rows if row.settable)
+            for name in cls.names:
+                if name in taken:
+                    raise ValueError(f"{name}: {cls.__name__} has another attribute of this name")
+        # Every class copies into its own kind.
+        cls._copy = copier(cls, cls.names)
 
     if TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> float:
             """Return the value of a variable."""
-            raise NotImplementedError
-
-        def changed(self: _Record, name: str, value: float) -> _Record:
-            """Return these values, but for one."""
             raise NotImplementedError
 
     def __init__(self, values: Mapping[str, float]) -> None:
@@ -367,6 +331,12 @@ class Values(metaclass=_RecordType):
             if isinstance(value, float) and self.table.by_name[name].kind == "Integer":
                 value = int(value) if value.is_integer() else value
             setattr(self, name, value)
+
+    def changed(self: _Record, name: str, value: float) -> _Record:
+        """Return these values, but for one."""
+        twin: _Record = self._copy()
+        setattr(twin, name, value)
+        return twin
 
     @classmethod
     def at_start(cls: Type[_Record]) -> _Record:

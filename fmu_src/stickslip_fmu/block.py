@@ -48,35 +48,19 @@ class State(Record):
         Whether `wanted` is to be taken up.
     """
 
-    __slots__ = (
-        "Q_friction",
-        "W_k",
-        "W_pull",
-        "arc",
-        "changed",
-        "elapsed",
-        "elapsed_low",
-        "friction",
-        "meter",
-        "settings",
-        "started",
-        "wanted",
-        "x",
-    )
-
-    wanted: Settings
-    settings: Settings
-    friction: Friction
+    Q_friction: Sum
+    W_k: Sum
+    W_pull: Sum
     arc: Arc
+    changed: bool
     elapsed: float
     elapsed_low: float
-    x: Sum
-    W_pull: Sum
-    W_k: Sum
-    Q_friction: Sum
+    friction: Friction
     meter: CycleMeter
+    settings: Settings
     started: bool
-    changed: bool
+    wanted: Settings
+    x: Sum
 
     def twin(self) -> "State":
         """Return a copy with a meter of its own."""
@@ -86,8 +70,7 @@ class State(Record):
 
     def save(self) -> Dict[str, Any]:
         """Return the fields by name as plain data, but for the friction, which follows."""
-        fields = {name: getattr(self, name) for name in self.__slots__}
-        del fields["friction"]
+        fields = {name: getattr(self, name) for name in self.fields if name != "friction"}
         for name in ("wanted", "settings"):
             fields[name] = fields[name].as_dict()
         fields["arc"] = self.arc.start

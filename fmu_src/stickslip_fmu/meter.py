@@ -27,27 +27,20 @@ class CycleMeter(Record):
         Time of the last transition [s].
     """
 
-    __slots__ = (
-        "T",
-        "_cycle",
-        "_displacement",
-        "_peak",
-        "_phase",
-        "_relief",
-        "_seen_break_away",
-        "delta_x",
-        "n_slips",
-        "spring_drop",
-        "t_event",
-        "t_slip",
-        "t_stick",
-        "x_dot_peak",
-    )
-
-    _phase: Sum
+    T: float
     _cycle: Sum
     _displacement: Sum
+    _peak: float
+    _phase: Sum
     _relief: Sum
+    _seen_break_away: bool
+    delta_x: float
+    n_slips: int
+    spring_drop: float
+    t_event: float
+    t_slip: float
+    t_stick: float
+    x_dot_peak: float
 
     def __init__(self, start_time: float) -> None:
         self.delta_x = 0.0

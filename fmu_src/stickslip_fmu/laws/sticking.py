@@ -49,8 +49,6 @@ class StickArc:
         Time at rest before this arc [s].
     """
 
-    __slots__ = ("_way", "age", "duration", "k", "mode", "v", "x_dot_start", "z_end", "z_start")
-
     def __init__(
         self,
         k: float,
@@ -134,8 +132,6 @@ class Sticking:
     gap
         Their difference [N], known better than as a difference.
     """
-
-    __slots__ = ("F_s", "gap", "kinetic", "settings")
 
     F_s: float
     kinetic: float

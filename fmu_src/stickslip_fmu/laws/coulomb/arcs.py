@@ -42,25 +42,6 @@ class SlipArc:
         Kinetic friction mu_k N [N].
     """
 
-    __slots__ = (
-        "_acceleration",
-        "_fade",
-        "_from_rest",
-        "_kinetic",
-        "_net",
-        "_oscillator",
-        "_peak_time",
-        "_push",
-        "_reach",
-        "_swing",
-        "_z_dot",
-        "duration",
-        "mode",
-        "v",
-        "x_dot_start",
-        "z_start",
-    )
-
     def __init__(
         self,
         oscillator: Oscillator,

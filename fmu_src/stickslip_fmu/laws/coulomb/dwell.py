@@ -30,8 +30,6 @@ class Dwell:
         Age from which on the logarithm counts [s].
     """
 
-    __slots__ = ("rise", "strength", "t_0", "tau_s")
-
     def __init__(self, rise: float, tau_s: float, strength: float, t_0: float) -> None:
         self.rise = rise
         self.tau_s = tau_s
@@ -81,8 +79,6 @@ class AgeingStickArc(StickArc):
     dwell
         Its growth.
     """
-
-    __slots__ = ()
 
     def __init__(
         self,

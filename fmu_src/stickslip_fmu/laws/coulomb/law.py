@@ -42,8 +42,6 @@ class CoulombFriction(Sticking):
         If a force or a rate is beyond the range of double-precision numbers.
     """
 
-    __slots__ = ("age_start", "dwell", "mu_k_used", "oscillator", "varies")
-
     def __init__(self, settings: Settings, before: Optional[Friction]) -> None:
         super().__init__(settings)
         normal = settings.normal_force()

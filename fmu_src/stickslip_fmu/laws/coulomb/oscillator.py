@@ -53,23 +53,6 @@ class Oscillator:
         If a rate is not a double-precision number other than zero.
     """
 
-    __slots__ = (
-        "_beginning",
-        "_far_apart",
-        "_later",
-        "a",
-        "b",
-        "c",
-        "fast",
-        "k",
-        "m",
-        "overdamped",
-        "quickest",
-        "slow",
-        "w",
-        "w2",
-    )
-
     def __init__(self, k: float, m: float, c: float) -> None:
         self.k = k
         self.m = m

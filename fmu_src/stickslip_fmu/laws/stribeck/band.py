@@ -75,8 +75,6 @@ class BandSlip(SlipArc):
         rest or never ends.
     """
 
-    __slots__ = ("_band", "_base", "_ceiling", "_floor", "leaves")
-
     def __init__(
         self,
         oscillator: Oscillator,

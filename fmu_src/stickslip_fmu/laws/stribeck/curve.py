@@ -44,8 +44,6 @@ class CurveFriction(Sticking):
         the range of double-precision numbers.
     """
 
-    __slots__ = ("_oscillators", "bands", "mu_k_used", "normal", "points")
-
     def __init__(self, settings: Settings, before: Optional[Friction]) -> None:
         super().__init__(settings)
         mu_1, mu_s = settings.mu_1, settings.mu_s

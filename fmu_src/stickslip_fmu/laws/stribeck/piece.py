@@ -68,8 +68,6 @@ class Smooth:
         Friction of high speeds [N].
     """
 
-    __slots__ = ("c", "drop", "k", "m", "rest", "shape", "v", "v_s", "w")
-
     def __init__(
         self,
         k: float,
@@ -110,23 +108,6 @@ class PieceSlip:
     leaves
         1 where the slip goes on after the piece, 0 where it comes to rest or never ends.
     """
-
-    __slots__ = (
-        "_descending",
-        "_fall",
-        "_heat",
-        "_last",
-        "_law",
-        "_net",
-        "_scale",
-        "_speeds",
-        "duration",
-        "leaves",
-        "mode",
-        "v",
-        "x_dot_start",
-        "z_start",
-    )
 
     age = 0.0
 

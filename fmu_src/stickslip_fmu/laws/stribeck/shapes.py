@@ -36,8 +36,6 @@ class Stribeck:
         The series, see `series.expansion_of`.
     """
 
-    __slots__ = ("analytic", "breadth", "delta", "expand", "flat_from")
-
     def __init__(self, delta: float) -> None:
         self.delta = delta
         self.analytic = delta <= MOST_WHOLE and delta == math.floor(delta)
@@ -73,8 +71,6 @@ class Stribeck:
 
 class Hyperbolic:
     """The shape ``1/(1 + q)``; attributes and methods are those of `Stribeck`."""
-
-    __slots__ = ()
 
     delta = 1.0
     analytic = True

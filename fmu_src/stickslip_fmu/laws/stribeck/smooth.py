@@ -52,8 +52,6 @@ class SmoothFriction(Sticking):
         If a force or a rate is beyond the range of double-precision numbers.
     """
 
-    __slots__ = ("_flat", "_tangent", "mu_k_used", "oscillator", "smooth")
-
     def __init__(self, settings: Settings, before: Optional[Friction]) -> None:
         super().__init__(settings)
         normal = settings.normal_force()
