@@ -5,7 +5,7 @@ documentation and the tests are made from the table of both. A calculated output
 and one attribute of `block.Block`.
 """
 
-from typing import Dict, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from fmi.model import Annotation
 from fmi.table import ABOVE_ZERO, Item, Quantity, Table, Unit, Variable
@@ -99,10 +99,6 @@ class Own(NamedTuple):
     units: Mapping[str, Unit] = {}
 
 
-def _type(quantity: Union[str, Quantity]) -> Quantity:
-    return QUANTITIES[quantity] if isinstance(quantity, str) else quantity
-
-
 def parameter(
     number: int,
     name: str,
@@ -111,22 +107,11 @@ def parameter(
     start: float,
     description: str,
     minimum: Optional[float] = None,
+    maximum: Optional[float] = None,
 ) -> Variable:
     """Return the row of a parameter; `quantity` is a name in QUANTITIES or a law's own quantity."""
-    return Variable(
-        number,
-        name,
-        _type(quantity),
-        "parameter",
-        variability,
-        start,
-        description,
-        minimum=minimum,
-    )
-
-
-def _input(number: int, name: str, quantity: str, description: str, start: float = 0.0) -> Variable:
-    return Variable(number, name, QUANTITIES[quantity], "input", "continuous", start, description)
+    row = _row(number, name, quantity, "parameter", variability, start, description)
+    return row._replace(minimum=minimum, maximum=maximum)
 
 
 def calculated(
@@ -135,69 +120,44 @@ def calculated(
     quantity: Union[str, Quantity],
     description: str,
     depends: Tuple[str, ...],
-    minimum: Optional[float] = None,
-    maximum: Optional[float] = None,
     variability: str = "continuous",
-    held_at: str = "",
-    in_proportion: bool = False,
+    **other: Any,
 ) -> Variable:
     """Return the row of an output that follows from the state; see `Variable`."""
-    return Variable(
-        number,
-        name,
-        _type(quantity),
-        "output",
-        variability,
-        None,
-        description,
-        held_at,
-        minimum,
-        maximum,
-        depends,
-        in_proportion,
-    )
+    row = _row(number, name, quantity, "output", variability, None, description)
+    return row._replace(depends=depends, **other)
 
 
-def _metered(
-    number: int,
-    name: str,
-    quantity: str,
-    description: str,
-    minimum: Optional[float] = None,
-    maximum: Optional[float] = None,
-) -> Variable:
-    start = 0.0 if QUANTITIES[quantity].kind == "Real" else 0
-    return Variable(
-        number,
-        name,
-        QUANTITIES[quantity],
-        "output",
-        "discrete",
-        start,
-        description,
-        f"meter.{name}",
-        minimum,
-        maximum,
-    )
+def _row(number: int, name: str, quantity: Union[str, Quantity], *other: Any) -> Variable:
+    kind = QUANTITIES[quantity] if isinstance(quantity, str) else quantity
+    return Variable(number, name, kind, *other)
 
 
-def _account(number: int, name: str, description: str, minimum: Optional[float] = None) -> Variable:
-    return Variable(
-        number,
-        name,
-        QUANTITIES["Energy"],
-        "output",
-        "continuous",
-        0.0,
-        description,
-        minimum=minimum,
-    )
+def _input(number: int, name: str, quantity: str, description: str, start: float = 0.0) -> Variable:
+    return _row(number, name, quantity, "input", "continuous", start, description)
+
+
+def _motion(number: int, name: str, quantity: str, description: str, *starts: str) -> Variable:
+    """Return the row of an output that is the sum of these at the start."""
+    return calculated(number, name, quantity, description, starts, in_proportion=True)
+
+
+def _metered(number: int, name: str, quantity: str, description: str, *range_: float) -> Variable:
+    place = f"meter.{name}"
+    return _row(number, name, quantity, "output", "discrete", 0, description, place, *range_)
+
+
+def _account(number: int, name: str, description: str, *range_: float) -> Variable:
+    return _row(number, name, "Energy", "output", "continuous", 0, description, "", *range_)
 
 
 def table_of(own: Own) -> Table:
     """Return the table of the block under a friction law with these rows of its own."""
     weight = ("m", "g", "load")
     rest_test = (*weight, "k", *own.at_rest, "x_dot_start", "z_start", "F_ext")
+    slip = (*rest_test, "c", *own.in_slip)
+    break_away = rest_test if own.ages else (*weight, *own.at_rest)
+    direction = "-1 slips backward, 0 sticks, +1 slips forward"
     rows = (
         parameter(0, "m", "Mass", "fixed", 1.0, "Mass", ABOVE_ZERO),
         parameter(1, "g", "Acceleration", "fixed", 9.81, "Gravity", ABOVE_ZERO),
@@ -209,49 +169,16 @@ def table_of(own: Own) -> Table:
         _input(9, "v", "Velocity", "Velocity of the pulled end, held over a step", 0.02),
         _input(10, "load", "Force", "Normal force on top of m g, at least -m g, held over a step"),
         _input(11, "F_ext", "Force", "External force on the mass along the way, held over a step"),
-        calculated(12, "x", "Position", "Position of the mass", ("x_start",), in_proportion=True),
-        calculated(
-            13, "x_dot", "Velocity", "Velocity of the mass", ("x_dot_start",), in_proportion=True
-        ),
-        calculated(
-            14,
-            "x_pull",
-            "Position",
-            "Position of the pulled end",
-            ("x_start", "z_start"),
-            in_proportion=True,
-        ),
-        calculated(
-            15, "z", "Length", "Spring extension x_pull - x", ("z_start",), in_proportion=True
-        ),
+        _motion(12, "x", "Position", "Position of the mass", "x_start"),
+        _motion(13, "x_dot", "Velocity", "Velocity of the mass", "x_dot_start"),
+        _motion(14, "x_pull", "Position", "Position of the pulled end", "x_start", "z_start"),
+        _motion(15, "z", "Length", "Spring extension x_pull - x", "z_start"),
         calculated(16, "F", "Force", "Spring force k z", ("k", "z_start")),
+        calculated(17, "F_friction", "Force", "Friction on the mass, with its viscous part", slip),
+        calculated(18, "F_s", "Force", own.break_away, break_away, minimum=0.0),
+        calculated(19, "sticking", "Flag", "Whether the mass sticks", rest_test, "discrete"),
         calculated(
-            17,
-            "F_friction",
-            "Force",
-            "Friction on the mass, with its viscous part",
-            (*rest_test, "c", *own.in_slip),
-        ),
-        calculated(
-            18,
-            "F_s",
-            "Force",
-            own.break_away,
-            rest_test if own.ages else (*weight, *own.at_rest),
-            0.0,
-        ),
-        calculated(
-            19, "sticking", "Flag", "Whether the mass sticks", rest_test, variability="discrete"
-        ),
-        calculated(
-            20,
-            "mode",
-            "SlipDirection",
-            "-1 slips backward, 0 sticks, +1 slips forward",
-            rest_test,
-            -1,
-            1,
-            variability="discrete",
+            20, "mode", "SlipDirection", direction, rest_test, "discrete", minimum=-1, maximum=1
         ),
         _metered(21, "delta_x", "Length", "Displacement of the mass in the last completed slip"),
         _metered(22, "spring_drop", "Length", "Fall of z over the last completed slip"),
@@ -262,15 +189,7 @@ def table_of(own: Own) -> Table:
         _metered(27, "x_dot_peak", "Velocity", "Extreme velocity of the last completed slip"),
         _metered(28, "n_slips", "Count", "Completed slips", 0, MOST_SLIPS),
         # Calculated and not from zero: before the first transition it shows the start time.
-        calculated(
-            29,
-            "t_event",
-            "Time",
-            "Time of the last transition",
-            (),
-            variability="discrete",
-            held_at="meter.t_event",
-        ),
+        _metered(29, "t_event", "Time", "Time of the last transition")._replace(start=None),
         _account(30, "W_pull", "Work done by the pulling end"),
         _account(31, "W_k", "Energy put in by changing k"),
         _account(32, "Q_friction", "Heat made by friction and damping", 0.0),

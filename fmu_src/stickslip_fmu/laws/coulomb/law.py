@@ -81,6 +81,24 @@ class CoulombFriction(Sticking):
         return SlipArc(self.oscillator, self.settings.v, z, x_dot, mode, net, self.kinetic)
 
 
+_MU = "FrictionCoefficient"
+_CLAMPED = "Kinetic friction coefficient; above mu_s it is clamped, see mu_k_used"
+_USED = "Kinetic friction coefficient after the clamp"
+_USED_AT, _BOTH = "state.friction.mu_k_used", ("mu_s", "mu_k")
+_GROWS = "Time constant of the growth from mu_k to mu_s in stick; 0 for none"
+_STRENGTH = "Growth of static friction in stick with ln(1 + t/t_0), t the age of the stick"
+_OLD = "Age of the first stick when the run starts at rest"
+_ROWS = (
+    parameter(4, "mu_s", _MU, "tunable", 0.5, "Static friction coefficient", 0.0),
+    parameter(5, "mu_k", _MU, "tunable", 0.3, _CLAMPED, 0.0),
+    calculated(33, "mu_k_used", _MU, _USED, _BOTH, "discrete", minimum=0.0, held_at=_USED_AT),
+    parameter(34, "tau_s", _AGE, "tunable", 0.0, _GROWS, 0.0),
+    parameter(35, "B", _MU, "tunable", 0.0, _STRENGTH, 0.0),
+    parameter(36, "t_0", _AGE, "tunable", 1.0, "Time scale of that logarithm", ABOVE_ZERO),
+    parameter(37, "age_start", _AGE, "fixed", 0.0, _OLD, 0.0),
+)
+
+
 class Coulomb:
     """Coulomb's friction law."""
 
@@ -91,58 +109,7 @@ class Coulomb:
             "again. Solved exactly from event to event, so no result depends on the communication "
             "step."
         ),
-        rows=(
-            parameter(
-                4, "mu_s", "FrictionCoefficient", "tunable", 0.5, "Static friction coefficient", 0.0
-            ),
-            parameter(
-                5,
-                "mu_k",
-                "FrictionCoefficient",
-                "tunable",
-                0.3,
-                "Kinetic friction coefficient; above mu_s it is clamped, see mu_k_used",
-                0.0,
-            ),
-            calculated(
-                33,
-                "mu_k_used",
-                "FrictionCoefficient",
-                "Kinetic friction coefficient after the clamp",
-                ("mu_s", "mu_k"),
-                0.0,
-                variability="discrete",
-                held_at="state.friction.mu_k_used",
-            ),
-            parameter(
-                34,
-                "tau_s",
-                _AGE,
-                "tunable",
-                0.0,
-                "Time constant of the growth from mu_k to mu_s in stick; 0 for none",
-                0.0,
-            ),
-            parameter(
-                35,
-                "B",
-                "FrictionCoefficient",
-                "tunable",
-                0.0,
-                "Growth of static friction in stick with ln(1 + t/t_0), t the age of the stick",
-                0.0,
-            ),
-            parameter(36, "t_0", _AGE, "tunable", 1.0, "Time scale of that logarithm", ABOVE_ZERO),
-            parameter(
-                37,
-                "age_start",
-                _AGE,
-                "fixed",
-                0.0,
-                "Age of the first stick when the run starts at rest",
-                0.0,
-            ),
-        ),
+        rows=_ROWS,
         at_rest=("mu_s", "mu_k", "tau_s", "B", "t_0", "age_start"),
         in_slip=(),
         break_away="Break-away force mu_s N, of a stick of this age where tau_s or B is not 0",

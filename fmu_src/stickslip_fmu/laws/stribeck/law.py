@@ -1,6 +1,6 @@
 """Stribeck friction as the block asks for it: three shapes of one friction law."""
 
-from typing import Optional, Tuple
+from typing import Iterator, Optional, Tuple
 
 from fmi.table import ABOVE_ZERO, Item, Quantity, Variable
 
@@ -13,13 +13,13 @@ from .curve import CurveFriction
 from .points import MOST_POINTS, first_ignored, names_of
 from .smooth import HYPERBOLIC, SmoothFriction
 
-STRIBECK_SHAPE, CURVE = 1, 3
+CURVE = 3
 
 _SHAPE = Quantity(
     "FrictionShape",
     "Integer",
     items=(
-        Item("Stribeck", STRIBECK_SHAPE, "mu_k + (mu_s - mu_k) exp(-(|x_dot|/v_s)^delta)"),
+        Item("Stribeck", 1, "mu_k + (mu_s - mu_k) exp(-(|x_dot|/v_s)^delta)"),
         Item("Hyperbolic", HYPERBOLIC, "mu_k + (mu_s - mu_k)/(1 + |x_dot|/v_s)"),
         Item("Curve", CURVE, "Straight lines through the points u, mu; constant beyond the last"),
     ),
@@ -37,81 +37,26 @@ def _shared() -> Tuple[Variable, ...]:
     return rows["mu_s"], rows["mu_k"], used
 
 
-def _points() -> Tuple[Variable, ...]:
-    """Return the rows of the points of the curve."""
-    number = _FIRST + 4
-    rows = [
-        parameter(
-            number,
-            "mu_1",
-            "FrictionCoefficient",
-            "fixed",
-            0.5,
-            "Curve: friction coefficient at the beginning of slip, at most mu_s",
-            0.0,
-        )
-    ]
+def _points() -> Iterator[Variable]:
+    """Give the rows of the points of the curve."""
+    mu, text = "FrictionCoefficient", "Curve: friction coefficient at "
+    first = text + "the beginning of slip, at most mu_s"
+    yield parameter(_FIRST + 4, "mu_1", mu, "fixed", 0.5, first, 0.0)
     for point in range(2, MOST_POINTS + 1):
-        u, mu = names_of(point)
-        rows.append(
-            parameter(
-                number + 1,
-                u,
-                "Velocity",
-                "fixed",
-                (point - 1) / 10,
-                f"Curve: speed of point {point}, above that of point {point - 1}",
-                ABOVE_ZERO,
-            )
-        )
-        rows.append(
-            parameter(
-                number + 2,
-                mu,
-                "FrictionCoefficient",
-                "fixed",
-                0.3,
-                f"Curve: friction coefficient at point {point}",
-                0.0,
-            )
-        )
-        number += 2
-    return tuple(rows)
+        number = _FIRST + 1 + 2 * point
+        names = names_of(point)
+        speed = f"Curve: speed of point {point}, above that of point {point - 1}"
+        yield parameter(number, names[0], "Velocity", "fixed", (point - 1) / 10, speed, ABOVE_ZERO)
+        yield parameter(number + 1, names[1], mu, "fixed", 0.3, f"{text}point {point}", 0.0)
 
 
+_FALL = "Stribeck, Hyperbolic: speed of the fall of friction"
+_COUNT = "Curve: number of points that count"
 _OWN = (
-    Variable(
-        _FIRST,
-        "shape",
-        _SHAPE,
-        "parameter",
-        "fixed",
-        STRIBECK_SHAPE,
-        "Shape of friction over speed",
-        minimum=STRIBECK_SHAPE,
-        maximum=CURVE,
-    ),
-    parameter(
-        _FIRST + 1,
-        "v_s",
-        "Velocity",
-        "tunable",
-        0.01,
-        "Stribeck, Hyperbolic: speed of the fall of friction",
-        ABOVE_ZERO,
-    ),
+    parameter(_FIRST, "shape", _SHAPE, "fixed", 1, "Shape of friction over speed", 1, CURVE),
+    parameter(_FIRST + 1, "v_s", "Velocity", "tunable", 0.01, _FALL, ABOVE_ZERO),
     parameter(_FIRST + 2, "delta", _EXPONENT, "tunable", 2.0, "Stribeck: exponent", 1.0),
-    Variable(
-        _FIRST + 3,
-        "n_points",
-        Quantity("Count", "Integer"),
-        "parameter",
-        "fixed",
-        2,
-        "Curve: number of points that count",
-        minimum=2,
-        maximum=MOST_POINTS,
-    ),
+    parameter(_FIRST + 3, "n_points", "Count", "fixed", 2, _COUNT, 2, MOST_POINTS),
     *_points(),
 )
 
@@ -126,10 +71,7 @@ class Stribeck:
             "Stribeck's curve, a hyperbola or measured points. Solved exactly from event to event, "
             "so no result depends on the communication step."
         ),
-        rows=(
-            *_shared(),
-            *_OWN,
-        ),
+        rows=(*_shared(), *_OWN),
         at_rest=("mu_s",),
         in_slip=("mu_k", *(row.name for row in _OWN)),
     )
