@@ -1,23 +1,15 @@
 """The FMI 3.0 co-simulation face of a model, for pythonfmu3's wrapper."""
 
-from typing import Any, Callable, List, NamedTuple, Optional
+from typing import Any, Callable, List, NamedTuple, Sequence
 
 from pythonfmu3 import Fmi3Slave
 
-from .instance import Instance, LogMessage, entry
+from .instance import Instance, LogMessage, entry, getter, setter
 from .lifetime import settle
-from .model import ModelError, Spec
-from .readers import References
+from .model import ModelError
 from .table import Variable
 
 _ERROR = 3
-_TYPES = ("Float64", "Int32", "Int64", "UInt64", "Boolean", "String")
-
-
-def _type_of(variable: Variable) -> str:
-    """Return the type whose calls read and set a variable."""
-    name = variable.type.fmi3_type
-    return "Int64" if name == "Enumeration" else name
 
 
 class StepResult(NamedTuple):
@@ -42,25 +34,17 @@ def _absent(call: str) -> Callable[..., Any]:
 
 
 class Slave(Instance, Fmi3Slave):  # type: ignore[misc]
-    """A model as a slave; a subclass names the model, ``class Packed(Slave, spec=SPEC)``."""
+    """A model as a slave."""
 
-    # Value reference of the independent variable, the time.
-    _time_reference: int
+    _types = ("Float64", "Int32", "Int64", "UInt64", "Boolean", "String")
 
-    def __init_subclass__(cls, spec: Optional[Spec] = None, **arguments: Any) -> None:
-        super().__init_subclass__(**arguments)
-        # The class in the slave's own file has the model from its base.
-        if spec is not None:
-            cls._spec = spec
-            cls._references = References(spec.table, _TYPES, _type_of)
-            cls._time_reference = spec.table.time_reference
+    @staticmethod
+    def _type_of(variable: Variable) -> str:
+        name = variable.type.fmi3_type
+        return "Int64" if name == "Enumeration" else name
 
     def __init__(self, **arguments: Any) -> None:
-        arguments.setdefault("instance_name", "")
         super().__init__(**arguments)
-        self.modelName = self._spec.name
-        self._float_readers = self._references.readers["Float64"]
-        self._begin()
         if self.resources is not None:
             settle(self.resources)
 
@@ -82,56 +66,10 @@ class Slave(Instance, Fmi3Slave):  # type: ignore[misc]
         self._time = current_time + step_size
         return _DONE
 
-    def get_float64(self, vrs: List[int]) -> List[float]:
-        """Return Float64 values by value reference."""
-        # The call that simulators make most, so the common way is written out.
-        try:
-            if self._settled:
-                read = self._float_readers.get(tuple(vrs))
-                if read is not None:
-                    return read(self._model)
-            if self._time_reference in vrs:
-                return self._read_with_time(vrs)
-            return self._read("Float64", vrs)
-        except BaseException as error:  # whatever it is, the importing process must survive it
-            raise self._fail(error) from None
-
-    @entry
-    def get_int32(self, vrs: List[int]) -> List[int]:
-        """Return Int32 values by value reference."""
-        return self._read("Int32", vrs)
-
-    @entry
-    def get_int64(self, vrs: List[int]) -> List[int]:
-        """Return Enumeration values by value reference."""
-        return self._read("Int64", vrs)
-
-    @entry
-    def get_uint64(self, vrs: List[int]) -> List[Any]:
-        """Refuse: a table has no UInt64."""
-        return self._read("UInt64", vrs)
-
-    @entry
-    def set_float64(self, vrs: List[int], values: List[float]) -> None:
-        """Set Float64 parameters and inputs."""
-        if self._time_reference in vrs:
-            raise ModelError("time is the independent variable: it cannot be set")
-        self._set("Float64", vrs, values)
-
-    @entry
-    def set_int32(self, vrs: List[int], values: List[int]) -> None:
-        """Set Int32 parameters and inputs."""
-        self._set("Int32", vrs, values)
-
-    @entry
-    def set_int64(self, vrs: List[int], values: List[int]) -> None:
-        """Set Enumeration parameters and inputs."""
-        self._set("Int64", vrs, values)
-
-    @entry
-    def set_uint64(self, vrs: List[int], values: List[int]) -> None:
-        """Refuse: a table has no UInt64."""
-        self._set("UInt64", vrs, values)
+    get_float64, set_float64 = Instance.get_reals, setter("Float64")
+    get_int32, set_int32 = getter("Int32"), setter("Int32")
+    get_int64, set_int64 = getter("Int64"), setter("Int64")
+    get_uint64, set_uint64 = getter("UInt64"), setter("UInt64")
 
     set_time = _absent("fmi3SetTime")
     update_discrete_states = _absent("fmi3UpdateDiscreteStates")
@@ -144,8 +82,15 @@ class Slave(Instance, Fmi3Slave):  # type: ignore[misc]
         """Return an empty list: the wrapper would not survive a refusal here."""
         return []
 
-    def _read_with_time(self, vrs: List[int]) -> List[float]:
-        """Return Float64 values, the time among them."""
-        time = self._time_reference
-        others = iter(self._read("Float64", [each for each in vrs if each != time]))
+    def _read(self, kind: str, vrs: Sequence[int]) -> List[Any]:
+        """Return values by value reference, the time among them."""
+        time = self._spec.table.time_reference
+        if kind != "Float64" or time not in vrs:
+            return super()._read(kind, vrs)
+        others = iter(super()._read(kind, [each for each in vrs if each != time]))
         return [self._time if each == time else next(others) for each in vrs]
+
+    def _set(self, kind: str, vrs: Sequence[int], values: Sequence[Any]) -> None:
+        if kind == "Float64" and self._spec.table.time_reference in vrs:
+            raise ModelError("time is the independent variable: it cannot be set")
+        super()._set(kind, vrs, values)

@@ -8,7 +8,7 @@ wrapper calls returns a value or raises an error that `_fail` made.
 import contextlib
 import functools
 import sys
-from typing import Any, Callable, List, NamedTuple, Optional, Sequence, TypeVar
+from typing import Any, Callable, ClassVar, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from .lifetime import give_reference
 from .model import ModelError, Spec
@@ -51,15 +51,62 @@ def entry(method: _Method) -> _Method:
     return guarded  # type: ignore[return-value]
 
 
-class Instance:
-    """One instance of a model, without the calls that only one FMI version has."""
+def getter(kind: str) -> Callable[..., Any]:
+    """Return the method that reads values of a type by value reference."""
 
-    # Set by the class of the packed slave: the model, its variables under the types of the FMI
-    # version.
-    _spec: Spec
-    _references: References
+    @entry
+    def get(self: "Instance", vrs: List[int]) -> List[Any]:
+        return self._read(kind, vrs)
+
+    return get
+
+
+def setter(kind: str) -> Callable[..., Any]:
+    """Return the method that sets parameters and inputs of a type."""
+
+    @entry
+    def set_values(self: "Instance", vrs: List[int], values: List[Any]) -> None:
+        self._set(kind, vrs, values)
+
+    return set_values
+
+
+class Instance:
+    """One instance of a model, without the calls that only one FMI version has.
+
+    A class derives from it and from the slave of a wrapper; its subclass names the model,
+    ``class Packed(Slave, spec=SPEC)``.
+    """
+
+    # The types of the FMI version, that of Reals first.
+    _types: ClassVar[Tuple[str, ...]]
     # Whether the simulator's log reads texts as printf formats.
     _log_is_printf = False
+    # The model, and its variables under those types.
+    _spec: Spec
+    _references: References
+
+    def __init_subclass__(cls, spec: Optional[Spec] = None, **arguments: Any) -> None:
+        super().__init_subclass__(**arguments)
+        # The class in the slave's own file may have the model from its base.
+        if spec is not None:
+            cls._spec = spec
+            cls._references = References(spec.table, cls._types, cls._type_of)
+        # For a text that it cannot read the wrapper looks this up with an exception pending, and
+        # then Python gives up at the first class that lacks it.
+        cls.set_string = Instance.set_string  # type: ignore[method-assign]
+
+    def __init__(self, **arguments: Any) -> None:
+        arguments.setdefault("instance_name", "")
+        super().__init__(**arguments)
+        self.modelName = self._spec.name
+        self._real_readers = self._references.readers[self._types[0]]
+        self._begin()
+
+    @staticmethod
+    def _type_of(variable: Variable) -> str:
+        """Return the type of a variable in the FMI version."""
+        raise NotImplementedError
 
     def _begin(self) -> None:
         """Start in the phase after the instantiation."""
@@ -109,20 +156,20 @@ class Instance:
         self._ready = False
         self._phase = "terminated"
 
-    @entry
-    def get_boolean(self, vrs: List[int]) -> List[bool]:
-        """Return Boolean values by value reference."""
-        return self._read("Boolean", vrs)
+    get_boolean, set_boolean = getter("Boolean"), setter("Boolean")
+    get_string = getter("String")
 
-    @entry
-    def get_string(self, vrs: List[int]) -> List[str]:
-        """Refuse: a table has no strings."""
-        return self._read("String", vrs)
-
-    @entry
-    def set_boolean(self, vrs: List[int], values: List[bool]) -> None:
-        """Set Boolean parameters and inputs."""
-        self._set("Boolean", vrs, values)
+    def get_reals(self, vrs: List[int]) -> List[float]:
+        """Return Reals by value reference."""
+        # The call that simulators make most, so the common way is written out.
+        try:
+            if self._settled:
+                read = self._real_readers.get(tuple(vrs))
+                if read is not None:
+                    return read(self._model)
+            return self._read(self._types[0], vrs)
+        except BaseException as error:  # whatever it is, the importing process must survive it
+            raise self._fail(error) from None
 
     @entry
     def set_string(self, vrs: List[int], values: List[str]) -> None:
