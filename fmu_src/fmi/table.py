@@ -173,7 +173,8 @@ class Variable(NamedTuple):
         low = -math.inf if self.minimum is None else self.minimum
         high = math.inf if self.maximum is None else self.maximum
         if math.isfinite(value) and low <= value <= high:
-            return None
+            whole = self.kind == "Real" or value == int(value)
+            return None if whole else f"{self.name} = {value!r} is no whole number"
         unit = "" if self.unit in ("", "1") else f" {self.unit}"
         text = f"{self.name} = {value!r}{unit} is out of range: it must be {self.range}"
         # Subnormal numbers have lost digits.

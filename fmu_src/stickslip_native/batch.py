@@ -8,9 +8,9 @@ import tempfile
 from array import array
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Iterator, Mapping, NamedTuple, Protocol, Sequence, Union
+from typing import Any, Iterator, Mapping, NamedTuple, Optional, Protocol, Union
 
-from fmi.table import Table
+from fmi.table import Variable
 from stickslip_fmu.laws.named import COULOMB_NAME
 
 from .compiler import Compiler, CompilerError, compiler_for
@@ -83,58 +83,46 @@ def first_slips(values: Mapping[str, Union[float, Numbers]], law: str = COULOMB_
         If a name is unknown, lists differ in length, or a value is out of range, alone or together
         with the others; the message names the run, from 0 on.
     """
-    spec = native_law(law).spec
-    names = [row.name for row in spec.table.rows if row.settable]
-    numbers, lists = {}, {}
-    for name, each in values.items():
-        if isinstance(each, (int, float)):
-            numbers[name] = each
-        else:
-            lists[name] = array("d", list(each))
-    lengths = {len(each) for each in lists.values()}
-    if len(lengths) > 1:
-        raise ValueError(
-            "the lists differ in length: "
-            + ", ".join(f"{name} has {len(each)}" for name, each in lists.items())
-        )
-    count = lengths.pop() if lengths else 1
-    for name in values:
-        _check(spec.table, name, lists[name] if name in lists else [numbers[name]])
-    start = {**spec.table.start_values(), **numbers}
-    table = array("d", bytes(8 * count * len(names)))
+    table = native_law(law).spec.table
+    single = {name: value for name, value in values.items() if isinstance(value, (int, float))}
+    lists = {
+        name: array("d", [single[name]] if name in single else list(value))  # type: ignore[arg-type]
+        for name, value in values.items()
+    }
+    lengths = {name: len(list_) for name, list_ in lists.items() if name not in single}
+    if len(set(lengths.values())) > 1:
+        texts = (f"{name} has {length}" for name, length in lengths.items())
+        raise ValueError("the lists differ in length: " + ", ".join(texts))
+    count = max(lengths.values(), default=1)
+    for name, list_ in lists.items():
+        _check(table.by_name.get(name), name, list_)
+    names = [row.name for row in table.rows if row.settable]
+    settings = array("d", bytes(8 * count * len(names)))
+    start = table.start_values()
     for place, name in enumerate(names):
-        constant = array("d", [start.get(name, 0.0)])
-        table[place :: len(names)] = lists.get(name, constant * count)
-    found = array("d", bytes(8 * count * len(FirstSlips._fields)))
+        list_ = lists.get(name, array("d", [start[name]]))
+        settings[place :: len(names)] = list_ if name in lengths else list_ * count
+    width = len(FirstSlips._fields)
+    slips = array("d", bytes(8 * count * width))
     reason = ctypes.create_string_buffer(_REASON_SIZE)
-    computed = _function(law)(_address(table), count, _address(found), reason)
+    computed = _function(law)(_address(settings), count, _address(slips), reason)
     if computed < count:
         raise ValueError(f"run {computed}: {reason.value.decode()}")
-    width = len(FirstSlips._fields)
-    return FirstSlips(*(found[place::width] for place in range(width)))
+    return FirstSlips(*(slips[place::width] for place in range(width)))
 
 
-def _check(table: Table, name: str, values: Sequence[float]) -> None:
+def _check(row: Optional[Variable], name: str, values: "array[float]") -> None:
     """Raise ValueError for the first value that the variable cannot take."""
-    row = table.by_name.get(name)
     if row is None or not row.settable:
         raise ValueError(f"{name!r} is no parameter or input of the block")
-    if not values:
-        return
     # Of many values the extremes tell: only a wrong list is looked through.
-    in_range = not any(map(row.objection, (min(values), max(values))))
-    if in_range and all(map(math.isfinite, values)) and (row.kind == "Real" or _whole(values)):
+    finite = row.kind == "Real" and len(values) > 0 and all(map(math.isfinite, values))
+    if finite and not any(map(row.objection, (min(values), max(values)))):
         return
     for number, value in enumerate(values):
         objection = row.objection(value)
-        if objection is None and row.kind != "Real" and not _whole([value]):
-            objection = f"{name} = {value!r} is no whole number"
         if objection is not None:
             raise ValueError(f"run {number}: {objection}")
-
-
-def _whole(values: Sequence[float]) -> bool:
-    return all(each == int(each) for each in values)
 
 
 def _address(numbers: "array[float]") -> int:

@@ -3,15 +3,14 @@
 import re
 from functools import lru_cache
 from pathlib import Path
-from typing import Dict, NamedTuple, Tuple
+from typing import NamedTuple, Tuple
 
 from fmi.model import Spec
 from stickslip_fmu.laws.named import COULOMB_NAME, friction_law
 from stickslip_fmu.spec import SPEC, spec_of
 
 HOME = Path(__file__).parent
-LAWS = HOME / "laws"
-SHARED = LAWS / "shared"
+_LAWS = HOME / "laws"
 _INCLUDED = re.compile(r'^#include "(.+)\.h"$', re.MULTILINE)
 
 
@@ -45,25 +44,15 @@ def native_law(name: str = COULOMB_NAME) -> NativeLaw:
         If there is no such law, or it has no native side.
     """
     law = friction_law(name).law
-    folders = native_laws()
+    folders = {file.parent.name: file.parent for file in sorted(_LAWS.glob("*/friction_law.h"))}
     if name not in folders:
         raise ValueError(
             f"the friction law {name!r} has no native side; {' and '.join(folders)} have one"
         )
-    spec = SPEC if name == COULOMB_NAME else spec_of(law)
-    return NativeLaw(spec, files_of(folders[name]))
-
-
-def native_laws() -> Dict[str, Path]:
-    """Return the folders of the friction laws that have a native side, by the law's name."""
-    return {each.parent.name: each.parent for each in sorted(LAWS.glob("*/friction_law.h"))}
-
-
-def files_of(folder: Path) -> Tuple[Path, ...]:
-    """Return the files of a law's folder, and those of laws/shared whose headers they include."""
-    files = sorted(folder.glob("*.[ch]"))
+    files = sorted(folders[name].glob("*.[ch]"))
     # The list grows while it is read: shared files may include others.
     for file in files:
         for stem in _INCLUDED.findall(file.read_text()):
-            files += [each for each in sorted(SHARED.glob(f"{stem}.[ch]")) if each not in files]
-    return tuple(files)
+            shared = sorted(_LAWS.glob(f"shared/{stem}.[ch]"))
+            files += [file for file in shared if file not in files]
+    return NativeLaw(SPEC if name == COULOMB_NAME else spec_of(law), tuple(files))

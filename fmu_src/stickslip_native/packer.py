@@ -65,7 +65,7 @@ def build(
     entries = {
         "modelDescription.xml": description(face, sources, law),
         **{f"sources/{name}": content for name, content in sources.items()},
-        **libraries(face, sources, compiler, law),
+        **_libraries(face, sources, compiler, model),
         **(parts or {}),
     }
     if face == 3:
@@ -79,33 +79,27 @@ def sources_of(face: Face, law: str = COULOMB_NAME) -> Dict[str, bytes]:
     Among them are those made from the table, and identity.h with the FMU's identity.
     """
     spec, own = native_law(law)
-    found: Dict[str, bytes] = {name: text.encode() for name, text in table_files(spec).items()}
+    sources = {name: text.encode() for name, text in table_files(spec).items()}
     common = [file for folder in _FOLDERS for file in HOME.glob(f"{folder}/*.[ch]")]
     for file in sorted((*common, *own)):
         if not file.name.startswith(_OTHER_FACE[face]):
-            if file.name in found:
+            if file.name in sources:
                 raise ValueError(f"two C sources have the name {file.name}")
-            found[file.name] = file.read_bytes()
-    found["identity.h"] = _IDENTITY.format(identity=_identity(face, found)).encode()
-    return found
+            sources[file.name] = file.read_bytes()
+    sources["identity.h"] = _IDENTITY.format(identity=_identity(face, sources)).encode()
+    return sources
 
 
-def libraries(
-    face: Face,
-    sources: Mapping[str, bytes],
-    compiler: Compiler,
-    law: str = COULOMB_NAME,
+def _libraries(
+    face: Face, sources: Mapping[str, bytes], compiler: Compiler, model: str
 ) -> Dict[str, bytes]:
-    """Return the libraries of the FMU by their path in it; raises CompilerError.
-
-    Those of one folder become one universal library.
-    """
-    model = native_law(law).spec.name
+    """Return the libraries by their path; those of one folder become one universal library."""
     files: Dict[str, Dict[Platform, bytes]] = {}
-    for each in compiler.platforms:
-        built = compiler.library(sources, model, each)
-        for folder in each.folders(face):
-            files.setdefault(f"binaries/{folder}/{model}{each.suffix}", {})[each] = built
+    for platform in compiler.platforms:
+        built = compiler.library(sources, model, platform)
+        for folder in platform.folders(face):
+            file = f"binaries/{folder}/{model}{platform.suffix}"
+            files.setdefault(file, {})[platform] = built
     return {
         file: universal(libraries) if len(libraries) > 1 else next(iter(libraries.values()))
         for file, libraries in files.items()
