@@ -100,7 +100,9 @@ def model_description(
     _add(root, "UnitDefinitions", _units(table))
     _add(root, "TypeDefinitions", _types(table, face))
     _add(root, "LogCategories", _log_categories(refusals))
-    SubElement(root, "DefaultExperiment", _experiment(spec))
+    experiment = zip(("startTime", "stopTime", "stepSize"), spec.experiment)
+    given = {name: repr(value) for name, value in experiment if value is not None}
+    SubElement(root, "DefaultExperiment", given)
     if face == 2:
         _add(root, "VendorAnnotations", _annotations(spec, "Tool", "name"))
     _add(root, "ModelVariables", _variables(table, face))
@@ -173,11 +175,6 @@ def _log_categories(refusals: str) -> Iterator[Element]:
     for name, meaning in meanings.items():
         if meaning:
             yield Element("Category", {"name": name, "description": meaning})
-
-
-def _experiment(spec: Spec) -> Dict[str, str]:
-    names = ("startTime", "stopTime", "stepSize")
-    return {name: repr(value) for name, value in zip(names, spec.experiment) if value is not None}
 
 
 def _annotations(spec: Spec, tag: str, key: str) -> Iterator[Element]:

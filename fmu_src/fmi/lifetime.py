@@ -52,20 +52,12 @@ def settle(resources: str) -> None:
     """Keep one entry of the search path for the FMU whose resources are in this folder."""
     while sys.path.count(resources) > 1:
         sys.path.remove(resources)
-    if resources not in _binaries:
-        _binaries[resources] = _names(resources)
-
-
-def _names(resources: str) -> Set[str]:
-    """Return the names under which the binaries beside this folder may have been loaded.
-
-    A simulator may delete the folder before its process ends. Then only the name that it was
-    loaded as finds a binary; a folder from a URI may begin with more slashes.
-    """
-    if _ONLY_IF_LOADED is None:
-        return set()
+    if resources in _binaries or _ONLY_IF_LOADED is None:
+        return
+    # A simulator may delete the folder before its process ends. Then only the name that it was
+    # loaded as finds a binary; a folder from a URI may begin with more slashes.
     folder = "/" + os.path.dirname(resources).lstrip("/")  # noqa: PTH120 - pathlib keeps two slashes
-    return {
+    _binaries[resources] = {
         name
         for binary in Path(folder).glob("binaries/*/*.so")
         for name in (str(binary), str(binary.resolve()))

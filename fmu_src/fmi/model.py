@@ -86,19 +86,9 @@ class Model(Protocol):
         """Set an input or a tunable parameter; it acts from the start of the next step."""
 
     def advance(self, time: float, step: float) -> None:
-        """Move on by one communication step.
+        """Move on by one communication step, of length `step` [s] from `time` [s] on.
 
-        Parameters
-        ----------
-        time
-            Time at the start of the step [s].
-        step
-            Length of the step [s].
-
-        Raises
-        ------
-        ModelError
-            If the model cannot follow the step or the values set.
+        Raises ModelError if the model cannot follow the step or the values set.
         """
 
     def refresh(self) -> None:

@@ -11,7 +11,6 @@ byte, at every build: names sorted, dates fixed, deflated.
 
 import ast
 import hashlib
-import os
 import sys
 import tempfile
 import zipfile
@@ -75,8 +74,6 @@ from fmi.fmi{face} import Slave
 class Packed(Slave, spec=SPEC):
     \"""The model as a slave.\"""
 """
-
-_PACKAGE_TEXT = b'"""The model and what makes it an FMU."""\n'
 
 # Commands of the wrappers, which an FMU does not need.
 _COMMANDS = ("__main__.py", "csvbuilder.py", "deploy.py")
@@ -172,7 +169,10 @@ def travelling(main: str, face: Face = 2) -> Dict[str, bytes]:
     """
     text = main.rstrip("\n") + "\n" + _SLAVE_CLASS.format(face=face)
     first = _Module("slave", Path("slave.py"), text.encode("utf-8"))
-    files = {"__init__.py": _PACKAGE_TEXT, "slave.py": first.packed()}
+    files = {
+        "__init__.py": b'"""The model and what makes it an FMU."""\n',
+        "slave.py": first.packed(),
+    }
     # The wrapper's file imports `lifetime` itself.
     waiting = {"fmi.lifetime": "slave", **dict.fromkeys(first.imported(), "slave")}
     seen = set()
@@ -198,17 +198,7 @@ def travelling(main: str, face: Face = 2) -> Dict[str, bytes]:
 
 
 class _Module:
-    """One module that travels.
-
-    Parameters
-    ----------
-    name
-        Dotted name.
-    file
-        Where it stands.
-    source
-        Its text.
-    """
+    """One module that travels: its dotted name, its file and its text."""
 
     def __init__(self, name: str, file: Path, source: bytes) -> None:
         self.name = name
@@ -336,10 +326,9 @@ def write_archive(entries: Mapping[str, bytes], target: Path) -> None:
 
     Raises OSError if it cannot be written; an old file stays then.
     """
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=".", suffix=".part")
-    part = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".") as folder:
+        part = Path(folder, target.name)
+        with zipfile.ZipFile(part, "w") as archive:
             # Readers look for the description first.
             for entry in sorted(entries, key=lambda name: (name != "modelDescription.xml", name)):
                 info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
@@ -347,18 +336,7 @@ def write_archive(entries: Mapping[str, bytes], target: Path) -> None:
                 info.external_attr = 0o644 << 16
                 info.create_system = 3
                 archive.writestr(info, entries[entry], compresslevel=9)
-        part.chmod(0o666 & ~_umask())
         part.replace(target)
-    except BaseException:
-        part.unlink()
-        raise
-
-
-def _umask() -> int:
-    # A temporary file is private, the FMU is not.
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def digest_of(head: str, files: Mapping[str, bytes]) -> str:

@@ -292,8 +292,12 @@ class Block:
             self._pass_event(time + (step - left))
             high, low = left, left_low
             transitions += 1
-            if transitions % _TRANSITIONS_TO_ESTIMATE == 0:
-                _check_pace(transitions, step, step - left)
+            estimated = transitions % _TRANSITIONS_TO_ESTIMATE == 0
+            if estimated and transitions > MOST_TRANSITIONS * ((step - left) / step):
+                raise ModelError(
+                    f"step size h = {step!r} s is out of range: it holds more than "
+                    f"{MOST_TRANSITIONS} transitions between stick and slip; make it shorter"
+                )
         state.elapsed = high
         state.elapsed_low = low
         self._horizon = self._duration
@@ -379,12 +383,3 @@ class Block:
         state.elapsed_low = 0.0
         self.mode = arc.mode
         self._duration = arc.duration
-
-
-def _check_pace(transitions: int, step: float, done: float) -> None:
-    """Refuse a step of which `done` [s] already held so many transitions that it never ends."""
-    if transitions > MOST_TRANSITIONS * (done / step):
-        raise ModelError(
-            f"step size h = {step!r} s is out of range: it holds more than "
-            f"{MOST_TRANSITIONS} transitions between stick and slip; make it shorter"
-        )

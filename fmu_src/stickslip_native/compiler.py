@@ -122,24 +122,18 @@ def compiler_for(this_machine: bool) -> Compiler:
 
     Raises CompilerError if it is not installed, or FMI has no name for this machine here.
     """
-    return _cc() if this_machine else _zig()
-
-
-def _zig() -> Compiler:
-    if find_spec("ziglang") is None:
-        raise CompilerError(
-            "the native FMU for all platforms is compiled by ziglang, which is not installed: "
-            "pip install 'stickslip[native]'"
-        )
-    return Compiler((sys.executable, "-m", "ziglang", "cc"), PLATFORMS, is_zig=True)
-
-
-def _cc() -> Compiler:
+    if not this_machine:
+        if find_spec("ziglang") is None:
+            raise CompilerError(
+                "the native FMU for all platforms is compiled by ziglang, which is not installed: "
+                "pip install 'stickslip[native]'"
+            )
+        return Compiler((sys.executable, "-m", "ziglang", "cc"), PLATFORMS, is_zig=True)
     if shutil.which("cc") is None:
         raise CompilerError("there is no C compiler: a program cc, which is gcc or clang")
     target = current()
     if target is None:
-        names = ", ".join(each.fmi3 for each in PLATFORMS)
+        names = ", ".join(platform.fmi3 for platform in PLATFORMS)
         raise CompilerError(f"this machine is none of {names}")
     return Compiler(("cc",), (target,), is_zig=False)
 

@@ -22,8 +22,6 @@ _IDENTITY = """\
 #define STICKSLIP_IDENTITY "{identity}"
 """
 
-_REFUSALS = "A call was refused, and why."
-
 
 def build(
     destination: Path,
@@ -111,7 +109,8 @@ def description(face: Face, sources: Mapping[str, bytes], law: str = COULOMB_NAM
     spec = native_law(law).spec
     compiled = _compiled(sources) if face == 2 else []
     maker, own = f"stickslip {spec.version}", _identity(face, sources)
-    return _text_of(model_description(spec, face, own, maker, _REFUSALS, compiled))
+    refusals = "A call was refused, and why."
+    return _text_of(model_description(spec, face, own, maker, refusals, compiled))
 
 
 def _identity(face: Face, sources: Mapping[str, bytes]) -> str:

@@ -82,11 +82,6 @@ class Oscillator:
             )
         self._beginning = _BEGINNING / self.quickest
 
-    @property
-    def constants(self) -> Tuple[float, float, float]:
-        """Stiffness, mass and damping."""
-        return self.k, self.m, self.c
-
     def responses(self, tau: float) -> Tuple[float, float, float]:
         """Return G [1], K [s] and the slope of K [1] at `tau` [s]."""
         return self._first(tau) if tau < self._beginning else self._later(tau)
@@ -176,9 +171,9 @@ class Oscillator:
 def oscillator_of(settings: Settings, before: Any) -> Oscillator:
     """Return mass, spring and damping of the settings, those of the friction before where alike."""
     constants = settings.k, settings.m, settings.c
-    found = getattr(before, "oscillator", None)
-    if isinstance(found, Oscillator) and found.constants == constants:
-        return found
+    shared = getattr(before, "oscillator", None)
+    if isinstance(shared, Oscillator) and (shared.k, shared.m, shared.c) == constants:
+        return shared
     return Oscillator(*constants)
 
 

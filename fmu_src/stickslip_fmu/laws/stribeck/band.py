@@ -106,10 +106,10 @@ class BandSlip(SlipArc):
 
     @property
     def exit_speed(self) -> float:
-        """The speed at which the next arc of the same slip starts [m/s], in its band."""
+        """The speed at which the next arc of the same slip starts [m/s], just beyond."""
         if self.leaves == _UP:
-            return above(self._band.high)
-        return below(self._band.low)
+            return self._band.high * (1.0 + 2.0**-52)
+        return self._band.low * (1.0 - 2.0**-52)
 
     def net_at_end(self, growth: float) -> float:
         """Return the net force with the friction at standstill at the end [N]."""
@@ -276,13 +276,3 @@ class BandSlip(SlipArc):
                 return high
             reach *= 2.0
         return math.inf
-
-
-def above(speed: float) -> float:
-    """Return the number next above a speed above 0 [m/s], or two beyond."""
-    return speed * (1.0 + 2.0**-52)
-
-
-def below(speed: float) -> float:
-    """Return the number next below a speed above 0 [m/s], or two beyond."""
-    return speed * (1.0 - 2.0**-52)

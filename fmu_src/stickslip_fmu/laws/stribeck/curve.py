@@ -56,7 +56,8 @@ class CurveFriction(Sticking):
         self.gap = (mu_s - mu_1) * normal
         self.bands: Tuple[Band, ...]
         self._oscillators: List[Optional[Oscillator]]
-        if isinstance(before, CurveFriction) and self._alike(before):
+        self._of_bands = settings.k, settings.m, settings.c, normal, self.points
+        if isinstance(before, CurveFriction) and self._of_bands == before._of_bands:
             self.bands, self._oscillators = before.bands, before._oscillators
         else:
             self.bands = tuple(band_of(line, mu_1, normal) for line in lines_of(self.points))
@@ -82,17 +83,6 @@ class CurveFriction(Sticking):
         if len(self.bands) == 1:
             return SlipArc(oscillator, v, z, x_dot, mode, net, self.kinetic)
         return BandSlip(oscillator, v, z, x_dot, mode, net, self.kinetic, band)
-
-    def _alike(self, before: "CurveFriction") -> bool:
-        """Whether the bands under these settings are those of before."""
-        now, then = self.settings, before.settings
-        return (now.k, now.m, now.c, self.normal, self.points) == (
-            then.k,
-            then.m,
-            then.c,
-            before.normal,
-            before.points,
-        )
 
     def _oscillator(self, position: int) -> Oscillator:
         """Return mass, spring and damping of a band, made when it is first entered."""

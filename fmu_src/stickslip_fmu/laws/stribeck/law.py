@@ -4,7 +4,7 @@ from typing import Iterator, Optional, Tuple
 
 from fmi.table import ABOVE_ZERO, Item, Quantity, Variable
 
-from ...interface import Own, parameter
+from ...interface import FIRST_OWN, Own, parameter
 from ...settings import Settings
 from ..coulomb.coefficients import clamp_warning
 from ..coulomb.law import COULOMB
@@ -25,7 +25,6 @@ _SHAPE = Quantity(
     ),
 )
 _EXPONENT = Quantity("Exponent", "Real", "", "1", 1.0)
-_FIRST = 34
 
 
 def _shared() -> Tuple[Variable, ...]:
@@ -41,9 +40,9 @@ def _points() -> Iterator[Variable]:
     """Give the rows of the points of the curve."""
     mu, text = "FrictionCoefficient", "Curve: friction coefficient at "
     first = text + "the beginning of slip, at most mu_s"
-    yield parameter(_FIRST + 4, "mu_1", mu, "fixed", 0.5, first, 0.0)
+    yield parameter(FIRST_OWN + 4, "mu_1", mu, "fixed", 0.5, first, 0.0)
     for point in range(2, MOST_POINTS + 1):
-        number = _FIRST + 1 + 2 * point
+        number = FIRST_OWN + 1 + 2 * point
         names = names_of(point)
         speed = f"Curve: speed of point {point}, above that of point {point - 1}"
         yield parameter(number, names[0], "Velocity", "fixed", (point - 1) / 10, speed, ABOVE_ZERO)
@@ -53,10 +52,10 @@ def _points() -> Iterator[Variable]:
 _FALL = "Stribeck, Hyperbolic: speed of the fall of friction"
 _COUNT = "Curve: number of points that count"
 _OWN = (
-    parameter(_FIRST, "shape", _SHAPE, "fixed", 1, "Shape of friction over speed", 1, CURVE),
-    parameter(_FIRST + 1, "v_s", "Velocity", "tunable", 0.01, _FALL, ABOVE_ZERO),
-    parameter(_FIRST + 2, "delta", _EXPONENT, "tunable", 2.0, "Stribeck: exponent", 1.0),
-    parameter(_FIRST + 3, "n_points", "Count", "fixed", 2, _COUNT, 2, MOST_POINTS),
+    parameter(FIRST_OWN, "shape", _SHAPE, "fixed", 1, "Shape of friction over speed", 1, CURVE),
+    parameter(FIRST_OWN + 1, "v_s", "Velocity", "tunable", 0.01, _FALL, ABOVE_ZERO),
+    parameter(FIRST_OWN + 2, "delta", _EXPONENT, "tunable", 2.0, "Stribeck: exponent", 1.0),
+    parameter(FIRST_OWN + 3, "n_points", "Count", "fixed", 2, _COUNT, 2, MOST_POINTS),
     *_points(),
 )
 

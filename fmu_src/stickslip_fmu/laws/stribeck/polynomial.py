@@ -31,11 +31,6 @@ def value_and_slope(coefficients: Sequence[float], s: float) -> Tuple[float, flo
     return total, slope
 
 
-def derivative(coefficients: Sequence[float]) -> List[float]:
-    """Return the coefficients of the derivative."""
-    return [power * coefficients[power] for power in range(1, len(coefficients))]
-
-
 def first_zero(coefficients: Sequence[float], end: float) -> Optional[float]:
     """Return the first s up to `end` at which a polynomial that starts above 0 reaches 0, or None.
 
@@ -157,5 +152,5 @@ def _falling_zero(coefficients: Sequence[float], low: float, high: float) -> flo
 
 def _turn(coefficients: Sequence[float], low: float, high: float, sign: float) -> float:
     """Return where the derivative times `sign` falls through 0, between `low` and `high`."""
-    slopes = [sign * each for each in derivative(coefficients)]
+    slopes = [sign * (power * coefficients[power]) for power in range(1, len(coefficients))]
     return falling_zero(lambda s: value_and_slope(slopes, s), low, high)

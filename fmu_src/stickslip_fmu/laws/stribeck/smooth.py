@@ -77,16 +77,8 @@ class SmoothFriction(Sticking):
     def slip_terms(self) -> Tuple[float, ...]:
         """Return what the equation of slip is made of, beside mass, shape and direction."""
         settings, smooth = self.settings, self.smooth
-        return (
-            settings.k,
-            settings.c,
-            settings.v,
-            settings.F_ext,
-            smooth.drop,
-            smooth.rest,
-            settings.v_s,
-            settings.delta,
-        )
+        forces = smooth.drop, smooth.rest, settings.v_s, settings.delta
+        return (settings.k, settings.c, settings.v, settings.F_ext, *forces)
 
     def after(self, arc: Union[StickArc, SlipOfSticking], z: float) -> Arc:
         """Return what follows the end of an arc: in a slip that goes on, its next arc."""
