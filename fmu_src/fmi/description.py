@@ -100,9 +100,9 @@ def model_description(
     _add(root, "UnitDefinitions", _units(table))
     _add(root, "TypeDefinitions", _types(table, face))
     _add(root, "LogCategories", _log_categories(refusals))
-    experiment = zip(("startTime", "stopTime", "stepSize"), spec.experiment)
-    given = {name: repr(value) for name, value in experiment if value is not None}
-    SubElement(root, "DefaultExperiment", given)
+    times = zip(("startTime", "stopTime", "stepSize"), spec.experiment)
+    experiment = {name: repr(value) for name, value in times if value is not None}
+    SubElement(root, "DefaultExperiment", experiment)
     if face == 2:
         _add(root, "VendorAnnotations", _annotations(spec, "Tool", "name"))
     _add(root, "ModelVariables", _variables(table, face))
@@ -248,7 +248,7 @@ def _add_structure(parent: Element, table: Table, face: Face) -> None:
         name = {key: str(row.number + first)}
         outputs.append(Element("Unknown" if face == 2 else "Output", {**name, "dependencies": ""}))
         if row.start is None:
-            numbers = sorted(table.by_name[each].number + first for each in row.depends)
+            numbers = sorted(table.by_name[known].number + first for known in row.depends)
             kind = "constant" if row.in_proportion else "dependent"
             dependencies = {
                 "dependencies": " ".join(map(str, numbers)),

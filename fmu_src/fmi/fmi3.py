@@ -87,8 +87,8 @@ class Slave(Instance, Fmi3Slave):  # type: ignore[misc]
         time = self._spec.table.time_reference
         if kind != "Float64" or time not in vrs:
             return super()._read(kind, vrs)
-        others = iter(super()._read(kind, [each for each in vrs if each != time]))
-        return [self._time if each == time else next(others) for each in vrs]
+        others = iter(super()._read(kind, [number for number in vrs if number != time]))
+        return [self._time if number == time else next(others) for number in vrs]
 
     def _set(self, kind: str, vrs: Sequence[int], values: Sequence[Any]) -> None:
         if kind == "Float64" and self._spec.table.time_reference in vrs:

@@ -28,7 +28,7 @@ else:
 _ONLY_IF_LOADED = getattr(os, "RTLD_NOLOAD", None)
 
 # Objects kept alive for good, where reference counts cannot be raised.
-_kept: List[Any] = []
+_immortal: List[Any] = []
 
 # Names under which the binary of an FMU, its wrapper, may be loaded, by its folder of resources.
 _binaries: Dict[str, Set[str]] = {}
@@ -39,7 +39,7 @@ def give_reference(lost: Any) -> None:
     if _counts_can_be_raised:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(lost))
     else:
-        _kept.append(lost)
+        _immortal.append(lost)
 
 
 def hold(module_globals: Dict[str, Any]) -> None:

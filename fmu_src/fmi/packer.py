@@ -218,7 +218,7 @@ class _Module:
 
     def imported(self) -> List[str]:
         """Return the modules that have to travel with this one, and their packages."""
-        found = []
+        modules = []
         for node in ast.walk(self._tree):
             if isinstance(node, ast.Import):
                 for alias in node.names:
@@ -233,10 +233,10 @@ class _Module:
                 if base is None:
                     continue
                 inner = (f"{base}.{alias.name}" for alias in node.names)
-                for name in (base, *(each for each in inner if _file_of(each) is not None)):
+                for name in (base, *(one for one in inner if _file_of(one) is not None)):
                     parts = name.split(".")
-                    found += [".".join(parts[:n]) for n in range(1, len(parts) + 1)]
-        return found
+                    modules += [".".join(parts[:n]) for n in range(1, len(parts) + 1)]
+        return modules
 
     def packed(self) -> bytes:
         """Return the source with absolute imports of travelling modules made relative."""
@@ -265,8 +265,8 @@ class _Module:
         if not node.level:
             return None if _at_hand(node.module or "") else node.module
         package = self.name.split(".") + ([""] if self._is_package else [])
-        kept = package[: len(package) - node.level]
-        return ".".join([*kept, *([node.module] if node.module else [])])
+        parents = package[: len(package) - node.level]
+        return ".".join([*parents, *([node.module] if node.module else [])])
 
 
 def _at_hand(name: str) -> bool:

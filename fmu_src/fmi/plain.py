@@ -36,7 +36,7 @@ def values(kind: Type[_Record], plain: Dict[str, float]) -> _Record:
 
 def _fits(value: Any, pattern: Any) -> bool:
     if isinstance(pattern, tuple):
-        return any(_fits(value, each) for each in pattern)
+        return any(_fits(value, choice) for choice in pattern)
     if type(value) is not type(pattern):
         return False
     if isinstance(value, dict):

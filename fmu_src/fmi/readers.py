@@ -38,7 +38,7 @@ class References:
     ) -> None:
         self._rows = table.rows
         self._types = [type_of(row) for row in table.rows]
-        self.readers: Dict[str, Dict[Tuple[int, ...], Reader]] = {each: {} for each in types}
+        self.readers: Dict[str, Dict[Tuple[int, ...], Reader]] = {kind: {} for kind in types}
 
     def variable(self, kind: str, reference: int) -> Variable:
         """Return the variable behind a value reference; raises ModelError where there is none."""
@@ -67,7 +67,7 @@ def _compiled(attributes: Sequence[str]) -> Reader:
         "def read(model):\n"
         "    if model.stale:\n"
         "        model.refresh()\n"
-        f"    return [{', '.join(f'model.{each}' for each in attributes)}]\n"
+        f"    return [{', '.join(f'model.{name}' for name in attributes)}]\n"
     )
     scope: Dict[str, Reader] = {}
     exec(compile(source, "<reader of values>", "exec"), scope)

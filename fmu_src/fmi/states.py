@@ -19,8 +19,8 @@ from .table import Values
 
 PHASES = ("instantiated", "initialization", "stepping", "terminated")
 
-# Freed handles that are kept, and references to each.
-_MOST_KEPT = 512
+# Most freed handles that are not let go, and references to each.
+_MOST_FREED = 512
 _REFERENCES = 8
 
 
@@ -66,25 +66,25 @@ def from_bytes(spec: Spec, content: bytes) -> State:
         raise ModelError("the bytes hold no state")
     model = spec.start()
     # The two members without a pattern here are checked as they are read.
-    saved, given = state.pop("model", None), state.pop("values", None)
+    saved, plain = state.pop("model", None), state.pop("values", None)
     check(state, {"time": 0.0, "phase": "", "settled": True})
     model.restore(saved)
-    return State(spec.model, model.freeze(), values(spec.values, given), **state)
+    return State(spec.model, model.freeze(), values(spec.values, plain), **state)
 
 
-def _count(kept: Tuple[Any, ...]) -> int:
+def _count(handles: Tuple[Any, ...]) -> int:
     """Return the reference count of the object in a tuple, those of this call included."""
-    return sys.getrefcount(kept[0])
+    return sys.getrefcount(handles[0])
 
 
 # The count while no reference was released.
 _WHOLE = _count((object(),) * _REFERENCES)
 
 
-def _make_whole(kept: Tuple[Any, ...]) -> None:
+def _make_whole(handles: Tuple[Any, ...]) -> None:
     """Give back the references that were released, so that the tuple can be let go."""
-    for _ in range(_WHOLE - _count(kept)):
-        give_reference(kept[0])
+    for _ in range(_WHOLE - _count(handles)):
+        give_reference(handles[0])
 
 
 _freed: Deque[Tuple["Handle", ...]] = deque()
@@ -122,7 +122,7 @@ class Handle:
     def __del__(
         self,
         freed: Deque[Tuple["Handle", ...]] = _freed,
-        most: int = _MOST_KEPT,
+        most: int = _MOST_FREED,
         references: int = _REFERENCES,
         make_whole: Callable[[Tuple["Handle", ...]], None] = _make_whole,
     ) -> None:

@@ -111,8 +111,8 @@ class Variable(NamedTuple):
         Start value in the unit of the type; None for an output that is calculated.
     description
         The meaning of the variable, in words.
-    held_at
-        Attribute of the model that holds the value, such as ``meter.T``; "" for the attribute of
+    path
+        Attribute of the model with the value, such as ``meter.T``; "" for the attribute of
         the variable's own name, which of a settable variable is in ``wanted``.
     minimum, maximum
         Closed bounds in the unit of the type, or None.
@@ -129,7 +129,7 @@ class Variable(NamedTuple):
     variability: str
     start: Optional[float]
     description: str
-    held_at: str = ""
+    path: str = ""
     minimum: Optional[float] = None
     maximum: Optional[float] = None
     depends: Tuple[str, ...] = ()
@@ -153,13 +153,13 @@ class Variable(NamedTuple):
     @property
     def attribute(self) -> str:
         """Attribute of the model that holds the value."""
-        return self.held_at or (f"wanted.{self.name}" if self.settable else self.name)
+        return self.path or (f"wanted.{self.name}" if self.settable else self.name)
 
     @property
     def range(self) -> str:
         """The range in words."""
         if self.type.items:
-            return "one of " + ", ".join(f"{each.value} ({each.name})" for each in self.type.items)
+            return "one of " + ", ".join(f"{item.value} ({item.name})" for item in self.type.items)
         words = []
         if self.minimum is not None:
             above_zero = self.minimum == ABOVE_ZERO
@@ -211,7 +211,7 @@ class Table:
     ) -> None:
         quantities = tuple(quantities)
         self.units = dict(units)
-        self.quantities = {each.name: each for each in quantities}
+        self.quantities = {quantity.name: quantity for quantity in quantities}
         self.rows = tuple(sorted(map(_with_floats, rows), key=lambda row: row.number))
         self.by_name = {row.name: row for row in self.rows}
         if len(self.quantities) < len(quantities):

@@ -35,5 +35,5 @@ class Record:
 def plain(value: Any) -> Any:
     """Return a tuple as a list, a record by name, and any other value as it is."""
     if isinstance(value, tuple):
-        return [plain(each) for each in value]
+        return [plain(part) for part in value]
     return value.save() if isinstance(value, Record) else value

@@ -73,7 +73,7 @@ class Compiler(NamedTuple):
         # The same words in every folder: a path would get into the library, and into Zig's cache.
         file = f"{name}{target.suffix}"
         words: List[str] = [*self.command, *self._options(file, target), "-shared", "-o", file]
-        words += sorted(each for each in sources if each.endswith(".c"))
+        words += sorted(file for file in sources if file.endswith(".c"))
         if target.system == "linux":
             words.append("-lm")
         with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
@@ -100,10 +100,10 @@ class Compiler(NamedTuple):
         """
         if not self.is_zig:
             return {}
-        found = find_spec("ziglang")
-        assert found is not None
-        assert found.origin is not None
-        folder = Path(found.origin).parent
+        zig = find_spec("ziglang")
+        assert zig is not None
+        assert zig.origin is not None
+        folder = Path(zig.origin).parent
         return {name: (what, (folder / file).read_bytes()) for name, file, what in _RUNTIME}
 
     def _options(self, file: str, target: Platform) -> List[str]:

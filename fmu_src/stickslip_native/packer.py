@@ -128,8 +128,8 @@ def _build_description(sources: Mapping[str, bytes], model: str) -> bytes:
     root = Element("fmiBuildDescription", {"fmiVersion": "3.0"})
     configuration = SubElement(root, "BuildConfiguration", {"modelIdentifier": model})
     together = SubElement(configuration, "SourceFileSet", {"language": "C99"})
-    for each in _compiled(sources):
-        SubElement(together, "SourceFile", {"name": each})
+    for name in _compiled(sources):
+        SubElement(together, "SourceFile", {"name": name})
     return _text_of(root)
 
 

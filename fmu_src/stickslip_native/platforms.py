@@ -67,7 +67,7 @@ def current() -> Optional[Platform]:
     processor = _PROCESSORS.get(platform.machine().lower(), "")
     name = f"{processor}-{_SYSTEMS.get(sys.platform, '')}"
     # A 32-bit process cannot load what is compiled here.
-    fitting = [each for each in PLATFORMS if each.fmi3 == name and sys.maxsize > 2**32]
+    fitting = [one for one in PLATFORMS if one.fmi3 == name and sys.maxsize > 2**32]
     return fitting[0] if fitting else None
 
 

@@ -78,8 +78,8 @@ def _row(table: Table, row: Variable) -> str:
         _truth(bool(row.type.items)),
         _truth(row.settable),
         _truth(row.variability == "fixed"),
-        *(_truth(each is not None) for each in (row.start, row.minimum, row.maximum)),
-        *(_number(each) for each in (row.start, row.minimum, row.maximum)),
+        *(_truth(value is not None) for value in (row.start, row.minimum, row.maximum)),
+        *(_number(value) for value in (row.start, row.minimum, row.maximum)),
         _text(row.range),
         f"offsetof(struct settings, {row.name})" if row.settable else "0",
     ]

@@ -70,10 +70,10 @@ def _output(
     name: str,
     quantity: Quantity,
     description: str,
-    held_at: str,
+    path: str,
     variability: str = "continuous",
 ) -> Variable:
-    return Variable(number, name, quantity, "output", variability, 0.0, description, held_at)
+    return Variable(number, name, quantity, "output", variability, 0.0, description, path)
 
 
 # The start values are those of the example's axis, whose drive has this inertia [kg.m2], this way

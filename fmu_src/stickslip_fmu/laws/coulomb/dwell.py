@@ -96,8 +96,8 @@ class AgeingStickArc(StickArc):
             return
         reach = math.copysign(1.0, v) * (self.z_end - z) if way is None else way / k
         self.duration = load_up(max(reach, 0.0), abs(v), dwell.extension(age, k))
-        held = breakaway + dwell.growth(age + self.duration)
-        self.z_end = (math.copysign(held, v) - external) / k
+        force = breakaway + dwell.growth(age + self.duration)
+        self.z_end = (math.copysign(force, v) - external) / k
 
 
 def load_up(reach: float, pull: float, dwell: Dwell) -> float:

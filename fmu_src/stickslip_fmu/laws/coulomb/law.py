@@ -91,7 +91,7 @@ _OLD = "Age of the first stick when the run starts at rest"
 _ROWS = (
     parameter(4, "mu_s", _MU, "tunable", 0.5, "Static friction coefficient", 0.0),
     parameter(5, "mu_k", _MU, "tunable", 0.3, _CLAMPED, 0.0),
-    calculated(33, "mu_k_used", _MU, _USED, _BOTH, "discrete", minimum=0.0, held_at=_USED_AT),
+    calculated(33, "mu_k_used", _MU, _USED, _BOTH, "discrete", minimum=0.0, path=_USED_AT),
     parameter(34, "tau_s", _AGE, "tunable", 0.0, _GROWS, 0.0),
     parameter(35, "B", _MU, "tunable", 0.0, _STRENGTH, 0.0),
     parameter(36, "t_0", _AGE, "tunable", 1.0, "Time scale of that logarithm", ABOVE_ZERO),

@@ -19,6 +19,7 @@ The recurrences are written out as one function without loops: loops take three 
 a change of an input at every step asks for a series every time.
 """
 
+from functools import lru_cache
 from typing import Any, Callable, Dict, Iterable, List, Tuple
 
 ORDER = 26
@@ -37,9 +38,8 @@ and, from the highest power of the speed down to s^1, pairs of the coefficient u
 of u_j/(j + 1).
 """
 
-_written: Dict[str, Expand] = {}
 
-
+@lru_cache(maxsize=None)
 def expansion_of(kind: str) -> Expand:
     """Return the function that computes the coefficients.
 
@@ -48,10 +48,8 @@ def expansion_of(kind: str) -> Expand:
     kind
         "hyperbolic", "power" for an exponent that is not whole, or the whole exponent.
     """
-    found = _written.get(kind)
-    if found is None:
-        found = _written[kind] = _function("expand", _source(kind))
-    return found
+    expand: Expand = _function("expand", _source(kind))
+    return expand
 
 
 def _function(name: str, source: str) -> Any:
