@@ -12,9 +12,9 @@ from stickslip_verification import CheckResult, NameMap, load_invariants, load_m
 from stickslip_verification.drive import CommunicationStep, FmuFile, Setting, run
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.fmu.names import Target
-from stickslip_verification.drive.other_runs import RUNS
+from stickslip_verification.drive.masters import RUNS, run_case
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.drive.stepping import NotApplicableError, run_case
+from stickslip_verification.drive.stepping import NotApplicableError
 from stickslip_verification.judge.checks import EXACT_CONTRACT
 from stickslip_verification.judge.run_checks import judge_run
 from stickslip_verification.model.quantities import OUTPUT_NAMES

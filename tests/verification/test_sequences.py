@@ -10,7 +10,7 @@ from stickslip_verification import load_invariants, truth
 from stickslip_verification.drive import FmuFile
 from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.drive.kept import kept
-from stickslip_verification.drive.manners import MANNERS
+from stickslip_verification.drive.masters import MANNERS
 from stickslip_verification.judge.band import of_any_sequence
 from stickslip_verification.judge.checks import EXACT_CONTRACT, judge_in_band
 from stickslip_verification.judge.invariant_checks import blank

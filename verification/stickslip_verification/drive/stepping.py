@@ -1,26 +1,16 @@
-"""An FMU driven through a setting: values before the start, steps, changes between them."""
+"""The setting that an FMU is driven through, and what an FMU lacks for one."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
-from stickslip_verification.drive.fmu.archive import FmuFile, available
+from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
-from stickslip_verification.drive.fmu.instance import FmuInstance
-from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.experiment import CommunicationStep as CommunicationStep
 from stickslip_verification.suite.experiment import points
 from stickslip_verification.truth.named import COULOMB_NAME
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, Parameter, changeable
-
-Read = Callable[[], list[float]]
-
-AfterStep = Callable[[float], bool]
-"""Called with the time since the start [s] after each step; a true answer ends the run there."""
 
 
 class NotApplicableError(Exception):
@@ -67,11 +57,8 @@ def setting_of(fmu: FmuFile, case: Case) -> Setting:
     if fmu.own_starts:
         return Setting(case.parameters, case.steps)
     values = case.start
-    absent = lacking(fmu, values, case.own)
     changed = {name for step in case.steps for name in step.changes}
-    absent += sorted(name for name in changed if not fmu.has(name))
-    if absent:
-        raise NotApplicableError(f"it has no variable {', '.join(dict.fromkeys(absent))}")
+    need(fmu, [*lacking(fmu, values, case.own), *sorted(changed)])
     fixed = sorted(name for name in changed if not may_change(fmu, name, case.own))
     if fixed:
         raise NotApplicableError(f"it cannot change {', '.join(fixed)} on the way")
@@ -114,92 +101,34 @@ def lacking(fmu: FmuFile, values: Mapping[str, float], own: Sequence[Parameter] 
     return [n for n in values if not fmu.has(n) and values[n] != starts[n]]
 
 
+def defaults(fmu: FmuFile) -> dict[str, float]:
+    """Return our default of every parameter and input that the FMU has (SI)."""
+    return {name: value for name, value in START_VALUES.items() if fmu.has(name)}
+
+
 def may_change(fmu: FmuFile, name: str, own: Sequence[Parameter] = ()) -> bool:
     """Whether a variable, maybe one of a friction law's `own`, may be set between two steps."""
-    variable = fmu.variables[name]
-    return name in CHANGEABLE | changeable(own) and (
-        variable.causality == "input" or variable.variability == "tunable"
+    variable = fmu.variables.get(name)
+    return (
+        variable is not None
+        and name in CHANGEABLE | changeable(own)
+        and (variable.causality == "input" or variable.variability == "tunable")
     )
 
 
-@dataclass
-class Driver:
-    """One instance on its way through a setting; rows of outputs gather in `rows`."""
-
-    instance: FmuInstance
-    setting: Setting
-    names: Sequence[str]
-    after_step: AfterStep | None = None
-
-    def __post_init__(self) -> None:
-        self._read: Read | None = None
-        self.initial: list[float] = []
-        self.rows: list[list[float]] = []
-
-    def begin(self) -> None:
-        """Set the parameters and initialize."""
-        self.instance.start(self.setting.parameters, self.setting.start_time)
-        self.initial = self._reader()()
-
-    def go(self, begin: int, end: int) -> None:
-        """Take the steps from number `begin` up to `end` without it, one row each."""
-        read, setting = self._reader(), self.setting
-        for number in range(begin, end):
-            step = setting.steps[number]
-            self.instance.set(step.changes)
-            self.instance.step(setting.start_time + setting.points[number], step.h)
-            self.rows.append(read())
-            if self.after_step is not None and self.after_step(setting.points[number + 1]):
-                return
-
-    def read_again(self, number: int) -> None:
-        """Read the outputs where `number` steps are taken, as after a state that was set."""
-        if number:
-            self.rows[number - 1] = self._reader()()
-
-    def whole(self) -> Run:
-        """Go from the start to the end."""
-        self.begin()
-        self.go(0, len(self.setting.steps))
-        return self.run()
-
-    def run(self) -> Run:
-        """Return what was read so far."""
-        columns = np.array(self.rows, dtype=np.float64).reshape(len(self.rows), len(self.names))
-        return Run(
-            times=np.array(self.setting.points[1 : len(self.rows) + 1]),
-            outputs={name: columns[:, i] for i, name in enumerate(self.names)},
-            initial=dict(zip(self.names, self.initial, strict=True)),
-            messages=tuple(self.instance.messages),
-        )
-
-    def _reader(self) -> Read:
-        if self._read is None:
-            self._read = self.instance.reader(self.names)
-        return self._read
+def need(fmu: FmuFile, names: Iterable[str]) -> None:
+    """Raise `NotApplicableError` with the names that the FMU lacks, if it lacks any."""
+    absent = [name for name in dict.fromkeys(names) if not fmu.has(name)]
+    if absent:
+        raise NotApplicableError(f"it has no variable {', '.join(absent)}")
 
 
-def run(fmu: FmuFile, setting: Setting, after_step: AfterStep | None = None) -> Run:
-    """Drive a fresh instance of an FMU through a setting.
-
-    Parameters
-    ----------
-    fmu
-        The FMU. An output that it lacks is absent from the run.
-    setting
-        Values before the start, steps and changes.
-    after_step
-        For progress, and to end the run early.
-
-    Raises
-    ------
-    FmuError
-        With the FMU's own message, if it refuses a call.
-    """
-    with fmu.instantiate() as instance:
-        return Driver(instance, setting, available(fmu, OUTPUT_NAMES), after_step).whole()
+def need_instances(fmu: FmuFile) -> None:
+    """Raise `NotApplicableError` if only one instance may be made in a process."""
+    need_ability(not fmu.once_per_process, "be instantiated twice in a process")
 
 
-def run_case(fmu: FmuFile, case: Case) -> Run:
-    """Drive a fresh instance of an FMU through a case; raises as `setting_of` and `run` do."""
-    return run(fmu, setting_of(fmu, case))
+def need_ability(able: bool, what: str) -> None:
+    """Raise `NotApplicableError` with what an FMU says that it cannot do."""
+    if not able:
+        raise NotApplicableError(f"it cannot {what}, by its description")

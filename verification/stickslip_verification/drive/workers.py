@@ -26,12 +26,11 @@ from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.fmu.variables import Variable
 from stickslip_verification.drive.kept import kept
-from stickslip_verification.drive.manners import MANNERS
-from stickslip_verification.drive.other_runs import RUNS
+from stickslip_verification.drive.masters import MANNERS, RUNS, Master, run_case
 from stickslip_verification.drive.probes import PROBES
 from stickslip_verification.drive.processes import OUT_OF_MEMORY, Worker
 from stickslip_verification.drive.reference import run_reference
-from stickslip_verification.drive.stepping import Driver, NotApplicableError, Setting, run_case
+from stickslip_verification.drive.stepping import NotApplicableError, Setting
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
@@ -149,8 +148,9 @@ def trial_run(
     def whole() -> Run:
         fmu = _fmu()
         fmu.variables = variables
-        with fmu.instantiate() as instance:
-            return Driver(instance, setting, names).whole()
+        master = Master(fmu, setting)
+        master.names = names
+        return master.run()
 
     return _answer(whole)
 

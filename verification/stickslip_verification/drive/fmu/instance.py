@@ -233,6 +233,18 @@ class FmuInstance(ABC):
         state: State = self._do("deserialize FMU state", self._slave.deserializeFMUState, written)
         return state
 
+    def written(self, state: State) -> bytes:
+        """Write a state as bytes and free it."""
+        written = self.serialize(state)
+        self.free_state(state)
+        return written
+
+    def restore(self, written: bytes) -> None:
+        """Go back to a state that was written as bytes."""
+        state = self.deserialize(written)
+        self.set_state(state)
+        self.free_state(state)
+
     def _can(self, able: bool, what: str) -> None:
         if not able:
             raise FmuError(f"{self.file.path.name}: cannot {what} its state, by its description")

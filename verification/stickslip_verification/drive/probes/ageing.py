@@ -6,8 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.probes.common import defaults
-from stickslip_verification.drive.stepping import NotApplicableError, lacking
+from stickslip_verification.drive.stepping import NotApplicableError, defaults, lacking, need
 
 _ALIKE = 0.05
 """Difference of mean and of deviation, as a part of the deviation: what the points' places in the
@@ -42,8 +41,7 @@ def keeps_its_cycle(
     NotApplicableError
         It lacks a parameter, is too slow for a run that is long, or diverges from the beginning.
     """
-    if absent := lacking(fmu, parameters):
-        raise NotApplicableError(f"it has no variable {', '.join(absent)}")
+    need(fmu, lacking(fmu, parameters))
     values = {**defaults(fmu), **parameters}
     name = "x" if fmu.has("x") else "F"
     seen, end = [], time.process_time() + seconds

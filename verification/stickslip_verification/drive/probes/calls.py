@@ -11,8 +11,14 @@ from typing import Any
 from stickslip_verification.drive.fmu.archive import FmuFile, available
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.instance import FmuInstance
-from stickslip_verification.drive.probes.common import defaults, need, need_instances
-from stickslip_verification.drive.stepping import NotApplicableError, lacking, may_change
+from stickslip_verification.drive.stepping import (
+    NotApplicableError,
+    defaults,
+    lacking,
+    may_change,
+    need,
+    need_instances,
+)
 from stickslip_verification.model import formulas
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.truth.parameters import complete

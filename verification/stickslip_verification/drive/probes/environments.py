@@ -11,7 +11,6 @@ from itertools import chain
 from pathlib import Path
 
 from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.probes import fresh_process
 from stickslip_verification.drive.probes.calls import (
@@ -22,7 +21,7 @@ from stickslip_verification.drive.probes.calls import (
     differences,
 )
 from stickslip_verification.drive.probes.fresh_process import Environment, FreshProcessError
-from stickslip_verification.drive.stepping import NotApplicableError
+from stickslip_verification.drive.stepping import need_ability
 
 _PATIENCE = 4.0
 """Seconds after which no further environment is tried, to find the one that matters."""
@@ -78,13 +77,12 @@ def state_in_a_fresh_process(
     tolerance
         Of the largest value in the same unit; None for bit for bit.
     """
-    if not _serializes(fmu):
-        raise NotApplicableError("it cannot serialize its state, by its description")
+    need_ability(_serializes(fmu), "serialize its state")
     check_playable(fmu, chain(calls, then))
     with fmu.instantiate() as instance:
         caller = Caller(fmu, instance)
         caller.play(calls)
-        state = _written(instance), caller.since
+        state = instance.written(instance.get_state()), caller.since
         expected = caller.play(then)
     start = [{"start": caller.start}]
     order = _Order(fmu.path.absolute(), fmu.names, start, then, state)
@@ -149,10 +147,10 @@ def _played(order: _Order) -> list[Row]:
         caller.play(order.calls)
         if order.state is not None:
             written, since = order.state
-            _take_up(instance, written)
+            instance.restore(written)
             caller.resume(since)
         elif _serializes(fmu):
-            _take_up(instance, _written(instance))
+            instance.restore(instance.written(instance.get_state()))
         if order.folders:
             _go_where_nothing_is()
         return caller.play(order.then)
@@ -160,21 +158,6 @@ def _played(order: _Order) -> list[Row]:
 
 def _serializes(fmu: FmuFile) -> bool:
     return fmu.can_get_and_set_state and fmu.can_serialize_state
-
-
-def _written(instance: FmuInstance) -> bytes:
-    """Return the state of an instance as bytes."""
-    state = instance.get_state()
-    written = instance.serialize(state)
-    instance.free_state(state)
-    return written
-
-
-def _take_up(instance: FmuInstance, written: bytes) -> None:
-    """Set the state that was written as these bytes."""
-    state = instance.deserialize(written)
-    instance.set_state(state)
-    instance.free_state(state)
 
 
 def _go_where_nothing_can_be_written() -> None:

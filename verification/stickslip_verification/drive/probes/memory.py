@@ -10,9 +10,13 @@ from pathlib import Path
 from stickslip_verification.drive.fmu.archive import FmuFile, available
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.probes import fresh_process
-from stickslip_verification.drive.probes.common import defaults, need_instances
 from stickslip_verification.drive.probes.fresh_process import FreshProcessError
-from stickslip_verification.drive.stepping import NotApplicableError
+from stickslip_verification.drive.stepping import (
+    NotApplicableError,
+    defaults,
+    need_ability,
+    need_instances,
+)
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.truth.parameters import START_VALUES
 
@@ -66,8 +70,7 @@ def memory_of_states(fmu: FmuFile, count: int, most: float, seconds: float) -> l
 
     Arguments as in `memory_of_steps`; every fourth state is serialized too.
     """
-    if not fmu.can_get_and_set_state:
-        raise NotApplicableError("it cannot get and set its state, by its description")
+    need_ability(fmu.can_get_and_set_state, "get and set its state")
     return _growing(fmu, "state", count, most, seconds)
 
 
@@ -115,9 +118,7 @@ def _iterating(fmu: FmuFile) -> Iterator[Callable[[], object]]:
             instance.step(number * _STEP, _STEP)
             instance.set_state(state)
             if fmu.can_serialize_state and number % 4 == 0:
-                copy = instance.deserialize(instance.serialize(state))
-                instance.set_state(copy)
-                instance.free_state(copy)
+                instance.restore(instance.serialize(state))
             instance.free_state(state)
             # Every state is of another moment.
             instance.step(number * _STEP, _STEP)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from stickslip_verification.drive.fmu.archive import FmuFile, available
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.instance import FmuInstance
-from stickslip_verification.drive.probes.common import defaults, need, need_instances
+from stickslip_verification.drive.stepping import defaults, need, need_instances
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 
 _STEP = 0.001

@@ -1,0 +1,525 @@
+"""Masters: the ways of calling an FMU through a case, all of which must give the case's motion.
+
+`Master` calls plainly; a `Way` is what differs. A run of `RUNS` is compared with the plain one, see
+docs/theory.md (18), a run of `MANNERS` with the exact motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from random import Random
+
+import numpy as np
+
+from stickslip_verification.drive.fmu.archive import FmuFile, available
+from stickslip_verification.drive.fmu.instance import FmuInstance
+from stickslip_verification.drive.stepping import (
+    Setting,
+    lacking,
+    may_change,
+    need,
+    need_ability,
+    need_instances,
+    setting_of,
+)
+from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.model.run import Run
+from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
+from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.experiment import CommunicationStep
+
+AfterStep = Callable[[float], bool]
+"""Called with the time since the start [s] after each step; a true answer ends the run there."""
+
+_PIECES = (0.3, 0.45)
+"""Parts of a step that it is cut into, the rest being the last."""
+
+_ROLLBACKS, _REPEATED = 5, 20
+"""How often a run is set back, and over how many steps each time."""
+
+_UNREAD_STEPS, _BUSY_STEPS = 40, 100
+"""Steps that one step of a case is cut into where nothing is read, and where inputs are set too."""
+
+_ROUNDING = 2e-15
+"""Part of its value by which an input that is set before every step is off."""
+
+_STATES = 100
+"""States that exist at once, once in a run."""
+
+_TINY = 1e-9
+"""The shortest part of a step."""
+
+
+class Master:
+    """One run of an FMU through a setting.
+
+    Attributes
+    ----------
+    names
+        What is read: all outputs that the FMU has, if nobody says otherwise.
+    start, values, seed
+        Start values of the case, these with what was changed so far, and what decides orders and
+        cuts: the same for the same case.
+    instances
+        The first runs the case.
+    number, next
+        The step that comes next.
+    """
+
+    next: CommunicationStep
+
+    def __init__(
+        self,
+        fmu: FmuFile,
+        setting: Setting,
+        way: Way | None = None,
+        start: Mapping[str, float] | None = None,
+        seed: str = "",
+    ) -> None:
+        self.fmu, self.setting, self.way = fmu, setting, way or Way()
+        self.names: Sequence[str] = available(fmu, OUTPUT_NAMES)
+        self.start = start or {}
+        self.values = dict(self.start)
+        self.seed, self.draw = seed, Random(seed)
+        self.instances: list[FmuInstance] = []
+        self.number = 0
+        self._initial: list[float] = []
+        self._rows: dict[int, list[float]] = {}
+        self._readers: dict[FmuInstance, Callable[[], list[float]]] = {}
+
+    @property
+    def instance(self) -> FmuInstance:
+        """The instance that runs the case."""
+        return self.instances[0]
+
+    @property
+    def time(self) -> float:
+        """The communication point [s]."""
+        return self.setting.start_time + self.setting.points[self.number]
+
+    def run(self, after_step: AfterStep | None = None) -> Run:
+        """Drive the FMU and return what was read; `FmuError` if it refuses a call."""
+        way, steps, points = self.way, self.setting.steps, self.setting.points
+        with ExitStack() as stack:
+            for _ in range(way.instances):
+                self.instances.append(stack.enter_context(self.fmu.instantiate()))
+            way.begin(self)
+            for self.number, self.next in enumerate(steps):
+                self.values |= self.next.changes
+                way.set(self)
+                way.step(self)
+                if way.reads or self.number + 1 == len(steps):
+                    self._rows[self.number] = way.read(self)
+                if after_step is not None and after_step(points[self.number + 1]):
+                    break
+        columns = np.array(list(self._rows.values()), dtype=np.float64)
+        columns = columns.reshape(len(self._rows), len(self.names))
+        return Run(
+            times=np.array([points[number + 1] for number in self._rows]),
+            outputs={name: columns[:, i] for i, name in enumerate(self.names)},
+            initial=dict(zip(self.names, self._initial, strict=False)),
+            messages=tuple(self.instance.messages),
+        )
+
+    def begin(self) -> None:
+        """Set the parameters and initialize."""
+        self.instance.start(self.setting.parameters, self.setting.start_time)
+        if self.way.reads_start:
+            self._initial = self.read()
+
+    def set(self) -> None:
+        """Set what changes before the next step."""
+        self.instance.set(self.next.changes)
+
+    def step(self) -> None:
+        """Make the next step."""
+        self.instance.step(self.time, self.next.h)
+
+    def read(self, instance: FmuInstance | None = None) -> list[float]:
+        """Read the outputs in their order."""
+        instance = instance or self.instance
+        if instance not in self._readers:
+            self._readers[instance] = instance.reader(self.names)
+        return self._readers[instance]()
+
+    def read_again(self) -> None:
+        """Read the outputs of the last step again, after a state was set."""
+        if self.number:
+            self._rows[self.number - 1] = self.read()
+
+    def go(self, instance: FmuInstance, begin: int, end: int) -> None:
+        """Take steps with an instance, and read after each; the values do not count."""
+        setting = self.setting
+        for step, time in zip(setting.steps[begin:end], setting.points[begin:end], strict=False):
+            instance.set(step.changes)
+            instance.step(time, step.h)
+            self.read(instance)
+
+    def pieces(self, cuts: int) -> Iterator[tuple[float, float]]:
+        """Cut the next step into `cuts` + 1 uneven pieces and a tiny one: their time and length."""
+        h, time = self.next.h, self.time
+        ends = sorted([_TINY * h, *(h * self.draw.random() for _ in range(cuts)), h])
+        for before, after in zip([0.0, *ends], ends, strict=False):
+            if after > before:
+                yield time, after - before
+                time += after - before
+
+    def others(self, *, changeable: bool = False) -> dict[str, float]:
+        """Return values some of which are unlike the case's; of what may change on the way alone.
+
+        Each is unlike or as the case has it, so that what is made from several values meets some
+        that are the same.
+        """
+        start, draw = self.start, Random(f"other than {self.seed}")
+        values = {
+            "m": 2.5 * start["m"],
+            "g": 1.5 * start["g"],
+            "k": 0.7 * start["k"],
+            "c": start["c"] + start["m"],
+            "mu_s": 1.2 * start["mu_s"] + 0.1,
+            "mu_k": 0.5 * start["mu_k"],
+            "v": -1.3 * start["v"] - 0.01,
+            "load": abs(start["load"]) + 3.0 * start["m"],
+            "F_ext": 0.5 * start["F_ext"] - start["mu_s"] * start["m"],
+            "x_start": start["x_start"] + 0.1,
+            "x_dot_start": start["x_dot_start"] + 0.05,
+            "z_start": start["z_start"] - 0.01,
+        }
+        values = {name: draw.choice((value, start[name])) for name, value in values.items()}
+        return {
+            name: value
+            for name, value in values.items()
+            if self.fmu.has(name) and (not changeable or may_change(self.fmu, name))
+        }
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way of calling: what it does otherwise than the plain one.
+
+    Attributes
+    ----------
+    begin, set, step, read
+        Called in place of the master's own.
+    setting, back
+        From an FMU and a case to what is run, and from its run to what is to equal the plain one.
+    reads, reads_start
+        Whether outputs are read after each step, and after the initialization.
+    instances
+        How many there are.
+    states, written
+        Whether states are set, and whether they are written as bytes.
+    """
+
+    begin: Callable[[Master], None] = Master.begin
+    set: Callable[[Master], None] = Master.set
+    step: Callable[[Master], None] = Master.step
+    read: Callable[[Master], list[float]] = Master.read
+    setting: Callable[[FmuFile, Case], Setting] = setting_of
+    back: Callable[[Run], Run] = lambda run: run
+    reads: bool = True
+    reads_start: bool = True
+    instances: int = 1
+    states: bool = False
+    written: bool = False
+
+    def __call__(self, fmu: FmuFile, case: Case) -> Run:
+        """Run a case; `FmuError`, or `NotApplicableError` with what the FMU lacks."""
+        setting = self.setting(fmu, case)
+        need_ability(not self.written or fmu.can_serialize_state, "serialize its state")
+        need_ability(not self.states or fmu.can_get_and_set_state, "get and set its state")
+        if self.instances > 1:
+            need_instances(fmu)
+        run = self.back(Master(fmu, setting, self, start=case.start, seed=case.id).run())
+        whole = len(run.times) == len(case.steps)
+        return replace(run, times=np.array(case.times)) if whole else run
+
+
+def _symmetric(symmetry: Symmetry) -> Way:
+    def setting(fmu: FmuFile, case: Case) -> Setting:
+        plain = setting_of(fmu, case)
+        values = symmetry.scaled(case.start, case.own)
+        # What the plain run does without, of a friction law's parameters, has no effect.
+        own = {each.name for each in case.own}
+        need(fmu, lacking(fmu, {n: value for n, value in values.items() if n not in own}))
+        return Setting(
+            {name: value for name, value in values.items() if fmu.has(name)},
+            [
+                CommunicationStep(step.h * symmetry.pace, symmetry.scaled(step.changes, case.own))
+                for step in plain.steps
+            ],
+        )
+
+    def back(run: Run) -> Run:
+        factors = symmetry.outputs
+        return replace(
+            run,
+            outputs={n: s / factors.get(n, 1.0) for n, s in run.outputs.items()},
+            initial={n: value / factors.get(n, 1.0) for n, value in run.initial.items()},
+        )
+
+    return Way(setting=setting, back=back)
+
+
+def _cut(fmu: FmuFile, case: Case) -> Setting:
+    whole = setting_of(fmu, case)
+    pieces = []
+    for step in whole.steps:
+        first, second = (step.h * part for part in _PIECES)
+        for h, changes in ((first, step.changes), (second, {}), (step.h - first - second, {})):
+            pieces.append(CommunicationStep(h, changes))
+    return Setting(whole.parameters, pieces)
+
+
+def _joined(run: Run) -> Run:
+    whole = slice(len(_PIECES), None, len(_PIECES) + 1)
+    outputs = {name: samples[whole] for name, samples in run.outputs.items()}
+    return replace(run, times=run.times[whole], outputs=outputs)
+
+
+def _at_mark(m: Master) -> bool:
+    """Whether the next step is one of a few before which a run is set back."""
+    marks = range(1, _ROLLBACKS + 1)
+    return m.number in {len(m.setting.steps) * n // (_ROLLBACKS + 1) for n in marks}
+
+
+def _set_back_at_marks(m: Master) -> None:
+    """Now and then go on, set the state back, and repeat the same steps."""
+    if _at_mark(m):
+        state = m.instance.get_state()
+        m.go(m.instance, m.number, m.number + _REPEATED)
+        m.instance.set_state(state)
+        m.instance.free_state(state)
+        m.read_again()
+    m.set()
+
+
+def _begin_both(m: Master) -> None:
+    for _ in m.instances:
+        m.begin()
+        m.instances.reverse()
+
+
+def _carry_over_at_marks(m: Master) -> None:
+    """Now and then go on in the other instance, from the state as bytes."""
+    if _at_mark(m):
+        written = m.instance.written(m.instance.get_state())
+        m.instances.reverse()
+        m.instance.restore(written)
+        m.read_again()
+    m.set()
+
+
+def _begin_again(m: Master) -> None:
+    """Run most of the case, set what may be set, so that what stays shows, and reset."""
+    m.begin()
+    m.go(m.instance, 0, max(len(m.setting.steps) * 2 // 3, 1))
+    changes = {"v": 0.05, "load": 1.0}
+    m.instance.set({name: value for name, value in changes.items() if may_change(m.fmu, name)})
+    m.instance.reset()
+    m.begin()
+
+
+def _begin_beside(m: Master) -> None:
+    m.begin()
+    other = m.instances[1]
+    other.start({**m.setting.parameters, "v": 0.037})
+    m.read(other)
+
+
+def _go_on_beside(m: Master) -> None:
+    """Before each step, step another instance, pulled at another speed."""
+    if m.number:
+        m.go(m.instances[1], m.number - 1, m.number)
+    m.set()
+
+
+RUNS: Mapping[str, Way] = {
+    "mirror": _symmetric(MIRROR),
+    "forces": _symmetric(HEAVIER),
+    "time": _symmetric(QUICKER),
+    "splitting": Way(setting=_cut, back=_joined),
+    "rollback": Way(set=_set_back_at_marks, states=True),
+    "serialized": Way(
+        begin=_begin_both, set=_carry_over_at_marks, instances=2, states=True, written=True
+    ),
+    "reset": Way(begin=_begin_again),
+    "two_instances": Way(begin=_begin_beside, set=_go_on_beside, instances=2),
+}
+"""What an invariant can name as ``run``."""
+
+
+def _in_parts_unread(m: Master) -> None:
+    for piece in m.pieces(_UNREAD_STEPS):
+        m.instance.step(*piece)
+
+
+def _in_parts_read(m: Master) -> None:
+    """Read between steps of very different length."""
+    for piece in m.pieces(3):
+        m.instance.step(*piece)
+        m.read()
+
+
+def _in_parts_set(m: Master) -> None:
+    """Set the inputs before every step, moved by rounding each time."""
+    inputs = {name: m.values[name] for name in ("v", "F_ext") if may_change(m.fmu, name)}
+    for number, piece in enumerate(m.pieces(_BUSY_STEPS)):
+        off = _ROUNDING if number % 2 else -_ROUNDING
+        m.instance.set({name: value * (1.0 + off) for name, value in inputs.items()})
+        m.instance.step(*piece)
+    m.instance.set(inputs)
+
+
+def _set_between_reads(m: Master) -> None:
+    _read_one_by_one(m)
+    m.set()
+    _read_one_by_one(m)
+
+
+def _read_one_by_one(m: Master) -> list[float]:
+    """Read again and again, singly and in lists, in another order each time."""
+    values: dict[str, float] = {}
+    for length in m.draw.sample((1, 2, len(m.names)), 3):
+        order = m.draw.sample(m.names, len(m.names))
+        for n in range(0, len(order), length):
+            some = order[n : n + length]
+            values |= zip(some, m.instance.reader(some)(), strict=True)
+    return [values[name] for name in m.names]
+
+
+def _begin_alone(m: Master) -> None:
+    """Choose one or two outputs, which alone are read."""
+    few = min(len(m.names), m.draw.randint(1, 2))
+    m.names = m.draw.sample(m.names, few)
+    m.begin()
+
+
+def _begin_apart(m: Master) -> None:
+    _set_singly(m, m.setting.parameters)
+    m.instance.start({})
+
+
+def _set_apart(m: Master) -> None:
+    """Set some values to something else first: what is set last before a step counts."""
+    other = m.others(changeable=True)
+    there_and_back = m.draw.sample(sorted(other), len(other) // 2)
+    m.instance.set({name: other[name] for name in there_and_back})
+    _set_singly(m, {name: m.values[name] for name in [*there_and_back, *m.next.changes]})
+
+
+def _set_singly(m: Master, values: Mapping[str, float]) -> None:
+    """Set each value by a call of its own, some twice, in another order each time."""
+    order = [*sorted(values), *m.draw.sample(sorted(values), len(values) // 2)]
+    m.draw.shuffle(order)
+    for name in order:
+        m.instance.set({name: values[name]})
+
+
+def _set_back(m: Master) -> None:
+    """Take states before and after a set, go on otherwise, and set the state back.
+
+    Many states exist at once, and they are set in another order than they were taken in.
+    """
+    instance, h, time = m.instance, m.next.h, m.time
+    before = instance.get_state()
+    m.set()
+    after = instance.get_state()
+    instance.set(m.others(changeable=True))
+    crowded = m.number == Random(m.seed).randrange(len(m.setting.steps))
+    others = [instance.get_state() for _ in range(_STATES if crowded else 1)]
+    for part in (h / 3.0, h):
+        instance.step(time, part)
+        time += part
+    for state in (others[0], before, after):
+        instance.set_state(state)
+    for state in (before, *others, after):
+        instance.free_state(state)
+
+
+def _begin_far_apart(m: Master) -> None:
+    m.instances[1].start(m.others())
+    m.instances[1].step(0.0, 0.1)
+    m.begin()
+
+
+def _carry_over(m: Master) -> None:
+    """Carry the state as bytes into another instance, which has run through something else.
+
+    It is written when the instance that it is of has gone on.
+    """
+    m.set()
+    state = m.instance.get_state()
+    m.instance.set(m.others(changeable=True))
+    m.instance.step(m.time, m.next.h / 3.0)
+    written = m.instance.written(state)
+    m.instances.reverse()
+    m.instance.restore(written)
+
+
+def _begin_two(m: Master) -> None:
+    m.begin()
+    m.instances[1].start(m.others())
+
+
+def _step_two(m: Master) -> None:
+    """Step another instance in between, with other values throughout."""
+    m.instances[1].step(m.time, m.next.h)
+    m.step()
+    m.instances[1].set(m.others(changeable=True))
+
+
+def _begin_after_another_run(m: Master) -> None:
+    m.instance.start(m.others())
+    m.instance.step(0.0, 0.1)
+    m.instance.set(m.others(changeable=True))
+    m.instance.reset()
+    m.begin()
+
+
+MANNERS: Mapping[str, Way] = {
+    name: replace(way, reads_start=False)
+    for name, way in {
+        "plain": Way(),
+        "unread": Way(step=_in_parts_unread, reads=False),
+        "busy": Way(step=_in_parts_set, reads=False),
+        "in_pieces": Way(step=_in_parts_read),
+        "one_by_one": Way(set=_set_between_reads, read=_read_one_by_one),
+        "alone": Way(begin=_begin_alone),
+        "apart": Way(begin=_begin_apart, set=_set_apart),
+        "set_back": Way(set=_set_back, states=True),
+        "carried_over": Way(
+            begin=_begin_far_apart, set=_carry_over, instances=2, states=True, written=True
+        ),
+        "two_at_once": Way(begin=_begin_two, step=_step_two, instances=2),
+        "reset": Way(begin=_begin_after_another_run),
+    }.items()
+}
+"""What a family of sequences can name as ``manner``."""
+
+
+def run(fmu: FmuFile, setting: Setting, after_step: AfterStep | None = None) -> Run:
+    """Drive a fresh instance of an FMU through a setting.
+
+    Parameters
+    ----------
+    fmu
+        The FMU. An output that it lacks is absent from the run.
+    setting
+        Values before the start, steps and changes.
+    after_step
+        For progress, and to end the run early.
+
+    Raises
+    ------
+    FmuError
+        With the FMU's own message, if it refuses a call.
+    """
+    return Master(fmu, setting).run(after_step)
+
+
+def run_case(fmu: FmuFile, case: Case) -> Run:
+    """Drive a fresh instance of an FMU through a case; raises as `setting_of` and `run` do."""
+    return run(fmu, setting_of(fmu, case))
