@@ -86,8 +86,6 @@ def target(name: str) -> dict[str, object]:
         ({"additions": (Addition("stickslip_fmu/block.py", "pass"),)}, "is packed already"),
         (target("law.friction_forces"), "may be in stickslip_fmu/laws/coulomb/law.py, "),
         (target("clutch.engage"), "target: no clutch.engage in the FMU$"),
-        (target("block.Block.engage"), "target: no block.Block.engage in the FMU$"),
-        (target("face.Fmi2Slave.do_step"), "target: no face.Fmi2Slave.do_step in the FMU$"),
     ],
 )
 def test_a_fault_that_does_not_fit_the_fmu_is_refused_and_nothing_is_written(
