@@ -15,7 +15,7 @@ from stickslip_verification import (
     verify,
 )
 from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.probes import IN_A_FRESH_PROCESS
+from stickslip_verification.drive.probes.table import IN_A_FRESH_PROCESS
 from stickslip_verification.judge.checks import PHYSICS_CONTRACT
 from stickslip_verification.run.baseline import Baseline, compute
 from stickslip_verification.run.kill_matrix import How, detect

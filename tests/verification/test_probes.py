@@ -10,10 +10,11 @@ import pytest
 from _pytest.mark import ParameterSet
 
 from stickslip_verification import Mutant, load_invariants, load_mutants
-from stickslip_verification.drive import FmuError, FmuFile
+from stickslip_verification.drive import FmuError, FmuFile, fresh_process
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.drive.probes import PROBES, environments, fresh_process, memory
+from stickslip_verification.drive.probes import environments, memory
 from stickslip_verification.drive.probes.calls import differences
+from stickslip_verification.drive.probes.table import PROBES
 from stickslip_verification.drive.stepping import NotApplicableError
 from stickslip_verification.suite.faults import Substitution
 from tests.conftest import built

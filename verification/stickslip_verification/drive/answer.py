@@ -1,7 +1,10 @@
 """The result of a task in another process: a value, or the reason why there is none."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
+
+from stickslip_verification.drive.fmu.errors import NotApplicableError
 
 T = TypeVar("T")
 
@@ -26,3 +29,21 @@ class Answer(Generic[T]):
     failure: str | None = None
     not_applicable: str | None = None
     late: bool = False
+
+
+def answer_of(task: Callable[..., T], *arguments: Any) -> Answer[T]:
+    """Do a task in this process; what it raises is an answer."""
+    try:
+        return Answer(task(*arguments))
+    except NotApplicableError as error:
+        return Answer(not_applicable=str(error))
+    except MemoryError:
+        return Answer(failure="MemoryError: more memory than --memory gives")
+    except (Exception, SystemExit, KeyboardInterrupt) as error:
+        # Code that a fault brings along may try to leave; Ctrl-C does not reach this process.
+        return Answer(failure=reason(error))
+
+
+def reason(error: BaseException) -> str:
+    """Return kind and text of an error on one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"

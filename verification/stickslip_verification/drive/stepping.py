@@ -1,20 +1,22 @@
 """The setting that an FMU is driven through, and what an FMU lacks for one."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
-from stickslip_verification.suite.cases import Case
+from stickslip_verification.drive.fmu.errors import NotApplicableError as NotApplicableError
 from stickslip_verification.suite.experiment import CommunicationStep as CommunicationStep
 from stickslip_verification.suite.experiment import points
 from stickslip_verification.truth.named import COULOMB_NAME
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, Parameter, changeable
 
-
-class NotApplicableError(Exception):
-    """The FMU lacks what a case or an invariant needs; the text says what."""
+if TYPE_CHECKING:
+    from stickslip_verification.suite.cases import Case
 
 
 @dataclass(frozen=True)

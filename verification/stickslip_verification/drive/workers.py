@@ -19,7 +19,7 @@ from types import TracebackType
 from typing import Any, Self, TypeVar
 
 from stickslip_verification.drive import convergence, nearby
-from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.answer import Answer, answer_of, reason
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
@@ -27,10 +27,10 @@ from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.fmu.variables import Variable
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.masters import MANNERS, RUNS, Master, run_case
-from stickslip_verification.drive.probes import PROBES
+from stickslip_verification.drive.probes.table import PROBES
 from stickslip_verification.drive.processes import OUT_OF_MEMORY, Worker
 from stickslip_verification.drive.reference import run_reference
-from stickslip_verification.drive.stepping import NotApplicableError, Setting
+from stickslip_verification.drive.stepping import Setting
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
@@ -89,27 +89,27 @@ def allowed(jobs: int) -> int:
 
 def exact(case: Case) -> Answer[Exact]:
     """Compute the exact motion of a case."""
-    return _answer(kept, exact_motion, case)
+    return answer_of(kept, exact_motion, case)
 
 
 def reference(case: Case) -> Answer[Run]:
     """Run the reference on a case."""
-    return _answer(kept, run_reference, case)
+    return answer_of(kept, run_reference, case)
 
 
 def spreads(case: Case) -> Answer[dict[str, Series]]:
     """Follow motions near the exact one of a case."""
-    return _answer(kept, nearby.spreads, case)
+    return answer_of(kept, nearby.spreads, case)
 
 
 def changes(case: Case) -> Answer[dict[str, dict[str, Series]]]:
     """Follow a case with each of its parameters a little larger."""
-    return _answer(kept, nearby.changes, case)
+    return answer_of(kept, nearby.changes, case)
 
 
 def observed_order(case: Case, invariant: Order) -> Answer[ObservedOrder]:
     """Observe how the reference's error falls with its tolerance."""
-    return _answer(kept, convergence.observe, case, invariant)
+    return answer_of(kept, convergence.observe, case, invariant)
 
 
 def open_fmu() -> Answer[bool]:
@@ -122,22 +122,22 @@ def open_fmu() -> Answer[bool]:
 
 def plain_run(case: Case) -> Answer[Run]:
     """Run the FMU of this process on a case."""
-    return _answer(lambda: run_case(_fmu(), case))
+    return answer_of(lambda: run_case(_fmu(), case))
 
 
 def other_run(case: Case, run: str) -> Answer[Run]:
     """Run the FMU of this process on a case in another way, a key of `RUNS`."""
-    return _answer(lambda: RUNS[run](_fmu(), case))
+    return answer_of(lambda: RUNS[run](_fmu(), case))
 
 
 def in_manner(case: Case, manner: str) -> Answer[Run]:
     """Run the FMU of this process on a case in a manner, a key of `MANNERS`."""
-    return _answer(lambda: MANNERS[manner](_fmu(), case))
+    return answer_of(lambda: MANNERS[manner](_fmu(), case))
 
 
 def probe(invariant: Probe) -> Answer[list[str]]:
     """Try a probe on the FMU of this process."""
-    return _answer(lambda: PROBES[invariant.probe](_fmu(), **invariant.arguments))
+    return answer_of(lambda: PROBES[invariant.probe](_fmu(), **invariant.arguments))
 
 
 def trial_run(
@@ -152,7 +152,7 @@ def trial_run(
         master.names = names
         return master.run()
 
-    return _answer(whole)
+    return answer_of(whole)
 
 
 class Pool:
@@ -284,7 +284,7 @@ class Pool:
             self._drop(worker, order, Answer(failure=f"the process {end}"), now)
             return
         except Exception as error:
-            self._drop(worker, order, Answer(failure=f"no readable answer: {_reason(error)}"), now)
+            self._drop(worker, order, Answer(failure=f"no readable answer: {reason(error)}"), now)
             return
         if not isinstance(answer, Answer):
             self._drop(worker, order, Answer(failure="no readable answer"), now)
@@ -369,22 +369,6 @@ def _fmu() -> FmuFile:
         assert _HELD.path is not None
         _HELD.file = FmuFile(_HELD.path, _HELD.names, _HELD.hooks, own_starts=_HELD.own_starts)
     return _HELD.file
-
-
-def _answer(function: Callable[..., T], *arguments: Any) -> Answer[T]:
-    try:
-        return Answer(function(*arguments))
-    except NotApplicableError as error:
-        return Answer(not_applicable=str(error))
-    except MemoryError:
-        return Answer(failure="MemoryError: more memory than --memory gives")
-    except (Exception, SystemExit, KeyboardInterrupt) as error:
-        # Code that a fault brings along may try to leave; Ctrl-C does not reach this process.
-        return Answer(failure=_reason(error))
-
-
-def _reason(error: BaseException) -> str:
-    return f"{type(error).__name__}: {' '.join(str(error).split())}"
 
 
 def _end(code: int) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.masters import RUNS
-from stickslip_verification.drive.probes import OF_NUMERICAL, PROBES
+from stickslip_verification.drive.probes.table import OF_NUMERICAL, PROBES
 from stickslip_verification.judge.invariant_checks import agreeing, applies
 from stickslip_verification.judge.metrics import METRICS
 from stickslip_verification.judge.second_values import Accepted, Key, load_accepted

@@ -11,7 +11,7 @@ from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.law import fitting, law_of
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import carries_source
-from stickslip_verification.drive.probes import IN_A_FRESH_PROCESS, OF_NUMERICAL
+from stickslip_verification.drive.probes.table import IN_A_FRESH_PROCESS, OF_NUMERICAL
 from stickslip_verification.drive.stepping import can_run, may_change, require_law
 from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Klass, Question, Table, Verdict

@@ -1,12 +1,14 @@
 """An FMU as a file: extracted once, its description read, its variables found by our names."""
 
+from __future__ import annotations
+
 import shutil
 import weakref
 import xml.etree.ElementTree as ElementTree
 import zipfile
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import fmpy
 import fmpy.model_description
@@ -32,8 +34,10 @@ from stickslip_verification.drive.fmu.variables import (
     extra_outputs,
     listing,
 )
-from stickslip_verification.suite.faults import Hook
 from stickslip_verification.truth.parameters import Parameter
+
+if TYPE_CHECKING:
+    from stickslip_verification.suite.faults import Hook
 
 _FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
 

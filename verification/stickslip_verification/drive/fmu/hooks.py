@@ -1,10 +1,14 @@
 """Planted faults that act on the calls between the suite, as master, and an FMU."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip_verification.drive.fmu.instance import FmuInstance, Unpacked
-from stickslip_verification.suite.faults import Hook
+
+if TYPE_CHECKING:
+    from stickslip_verification.suite.faults import Hook
 
 
 class Hooked(FmuInstance):

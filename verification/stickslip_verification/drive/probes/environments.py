@@ -2,17 +2,17 @@
 
 import contextlib
 import os
-import shutil
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain
 from pathlib import Path
 
+from stickslip_verification.drive import fresh_process
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.probes import fresh_process
+from stickslip_verification.drive.fresh_process import Environment
 from stickslip_verification.drive.probes.calls import (
     Call,
     Caller,
@@ -20,7 +20,6 @@ from stickslip_verification.drive.probes.calls import (
     check_playable,
     differences,
 )
-from stickslip_verification.drive.probes.fresh_process import Environment, FreshProcessError
 from stickslip_verification.drive.stepping import need_ability
 
 _PATIENCE = 4.0
@@ -28,31 +27,6 @@ _PATIENCE = 4.0
 
 _UNWRITABLE = Path("/proc")
 """A folder that even root cannot write to, where there is one."""
-
-
-@dataclass(frozen=True)
-class _Order:
-    """What a fresh process is to play.
-
-    Attributes
-    ----------
-    fmu, names
-        The FMU's file and the map to its names.
-    calls, then
-        Calls, and those whose outputs are wanted.
-    state
-        A serialized state to go on from between the two, with the time from the start to it [s].
-    folders
-        Whether the working folder changes: at the instantiation it is an empty one, at `calls` one
-        that cannot be written to, at `then` one that was deleted.
-    """
-
-    fmu: Path
-    names: NameMap
-    calls: Sequence[Call]
-    then: Sequence[Call]
-    state: tuple[bytes, float] | None = None
-    folders: bool = False
 
 
 def state_in_a_fresh_process(
@@ -84,9 +58,8 @@ def state_in_a_fresh_process(
         caller.play(calls)
         state = instance.written(instance.get_state()), caller.since
         expected = caller.play(then)
-    start = [{"start": caller.start}]
-    order = _Order(fmu.path.absolute(), fmu.names, start, then, state)
-    return _compared(order, expected, tolerance, environment)
+    play = partial(_played, fmu.path.absolute(), fmu.names, [{"start": caller.start}], then, state)
+    return _compared(play, expected, tolerance, environment)
 
 
 def elsewhere(
@@ -98,7 +71,7 @@ def elsewhere(
 ) -> list[str]:
     """Complain if the FMU moves otherwise in a fresh process with another environment.
 
-    There its working folder changes, see `_Order`, and between `calls` and `then` its state is
+    There its working folder changes, see `_played`, and between `calls` and `then` its state is
     serialized and taken up again, if it can. All environments act at once. Only where the motion
     differs, they are tried one by one, to find the one that matters.
 
@@ -119,41 +92,65 @@ def elsewhere(
         caller = Caller(fmu, instance)
         caller.play(calls)
         expected = caller.play(then)
-    alone = _Order(fmu.path.absolute(), fmu.names, calls, then)
-    moved = replace(alone, folders=True)
+    alone = partial(_played, fmu.path.absolute(), fmu.names, calls, then)
+    moved = partial(alone, folders=True)
     together = {name: value for each in environments.values() for name, value in each.items()}
     complaints = _compared(moved, expected, tolerance, together)
     if not complaints:
         return []
-    single: list[tuple[str, _Order, Environment]] = [("in a fresh process", alone, {})]
-    single += [(name, alone, environment) for name, environment in environments.items()]
-    single += [("in another working folder", moved, {})]
-    for name, order, environment in single:
+    single = {
+        "in a fresh process": (alone, {}),
+        **{name: (alone, environment) for name, environment in environments.items()},
+        "in another working folder": (moved, {}),
+    }
+    for name, (play, environment) in single.items():
         if time.monotonic() > begun + _PATIENCE:
             break
-        found = _compared(order, expected, tolerance, environment)
+        found = _compared(play, expected, tolerance, environment)
         if found:
             return [f"{name}: {each}" for each in found]
-    return [f"{', '.join(name for name, *_ in single[1:])}: {each}" for each in complaints]
+    _, *names = single
+    return [f"{', '.join(names)}: {each}" for each in complaints]
 
 
-def _played(order: _Order) -> list[Row]:
-    """Return the outputs after the steps of an order, in this process."""
-    fmu = FmuFile(order.fmu, order.names)
+def _played(
+    path: Path,
+    names: NameMap,
+    calls: Sequence[Call],
+    then: Sequence[Call],
+    state: tuple[bytes, float] | None = None,
+    folders: bool = False,
+) -> list[Row]:
+    """Play calls in this process; return the outputs after the steps of `then`.
+
+    Parameters
+    ----------
+    path, names
+        The FMU's file and the map to its names.
+    calls, then
+        What is played.
+    state
+        A serialized state to go on from between the two, with the time from the start to it [s].
+    folders
+        Whether the working folder changes: at the instantiation it is an empty one, at `calls` one
+        that cannot be written to, at `then` one that was deleted.
+    """
+    fmu = FmuFile(path, names)
     with contextlib.closing(fmu), fmu.instantiate() as instance:
         caller = Caller(fmu, instance)
-        if order.folders:
+        if folders:
             _go_where_nothing_can_be_written()
-        caller.play(order.calls)
-        if order.state is not None:
-            written, since = order.state
+        caller.play(calls)
+        if state is not None:
+            written, since = state
             instance.restore(written)
             caller.resume(since)
         elif _serializes(fmu):
             instance.restore(instance.written(instance.get_state()))
-        if order.folders:
-            _go_where_nothing_is()
-        return caller.play(order.then)
+        if folders:
+            with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+                os.chdir(folder)
+        return caller.play(then)
 
 
 def _serializes(fmu: FmuFile) -> bool:
@@ -166,27 +163,16 @@ def _go_where_nothing_can_be_written() -> None:
     os.chdir(_UNWRITABLE if os.access(folder, os.W_OK) and _UNWRITABLE.is_dir() else folder)
 
 
-def _go_where_nothing_is() -> None:
-    folder = Path(tempfile.mkdtemp())
-    os.chdir(folder)
-    # Windows keeps a working folder.
-    with contextlib.suppress(OSError):
-        folder.rmdir()
-
-
 def _compared(
-    order: _Order,
+    play: "partial[list[Row]]",
     expected: Sequence[Row],
     tolerance: float | None,
     environment: Environment,
 ) -> list[str]:
-    """Have an order played in a fresh process, and tell where the rows are not those expected."""
-    folder = Path(tempfile.mkdtemp(prefix="stickslip-there-")) if order.folders else None
-    try:
-        rows = fresh_process.call(_played, order, environment=environment, folder=folder)
-    except FreshProcessError as error:
-        return [str(error)]
-    finally:
-        if folder is not None:
-            shutil.rmtree(folder, ignore_errors=True)
-    return differences(rows, expected, tolerance)
+    """Have calls played in a fresh process, and say where the rows are not those expected."""
+    with tempfile.TemporaryDirectory(prefix="stickslip-there-", ignore_cleanup_errors=True) as new:
+        folder = Path(new) if play.keywords else None
+        answer = fresh_process.call(play, environment=environment, folder=folder)
+    if answer.value is None:
+        return [answer.failure or "no answer"]
+    return differences(answer.value, expected, tolerance)

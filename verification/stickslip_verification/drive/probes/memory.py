@@ -7,10 +7,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
 
+from stickslip_verification.drive import fresh_process
 from stickslip_verification.drive.fmu.archive import FmuFile, available
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.probes import fresh_process
-from stickslip_verification.drive.probes.fresh_process import FreshProcessError
 from stickslip_verification.drive.stepping import (
     NotApplicableError,
     defaults,
@@ -163,13 +162,12 @@ def _growing(fmu: FmuFile, what: str, count: int, most: float, seconds: float) -
     if not _PAGES.exists():
         raise NotApplicableError("the memory of a process is read on Linux only")
     limit = fresh_process.LIMIT + _PATIENCE * seconds
-    try:
-        parts = fresh_process.call(
-            measure, fmu.path.absolute(), fmu.names, what, count, seconds, _PATIENCE, limit=limit
-        )
-    except FreshProcessError as error:
-        return [str(error)]
-    return judged(parts, what, most, seconds)
+    answer = fresh_process.call(
+        measure, fmu.path.absolute(), fmu.names, what, count, seconds, _PATIENCE, limit=limit
+    )
+    if answer.value is None:
+        return [answer.failure or "no answer"]
+    return judged(answer.value, what, most, seconds)
 
 
 def judged(parts: Sequence[tuple[int, int]], what: str, most: float, seconds: float) -> list[str]:

@@ -1,0 +1,50 @@
+"""The probes by the names that invariants use."""
+
+from collections.abc import Callable
+
+from stickslip_verification.drive.probes import (
+    ageing,
+    calls,
+    declarations,
+    environments,
+    memory,
+    refusals,
+)
+
+Probe = Callable[..., list[str]]
+"""Takes the FMU and the probe's arguments. Raises `FmuError`, or `NotApplicableError`."""
+
+_IN_A_FRESH_PROCESS: tuple[Probe, ...] = (
+    environments.state_in_a_fresh_process,
+    environments.elsewhere,
+    memory.memory_of_steps,
+    memory.memory_of_states,
+    memory.memory_of_instances,
+)
+
+PROBES: dict[str, Probe] = {
+    probe.__name__: probe
+    for probe in (
+        declarations.declared_variables,
+        declarations.declared_units,
+        declarations.declared_types,
+        declarations.declared_starts,
+        refusals.refuses,
+        refusals.refuses_step,
+        refusals.warns,
+        refusals.fails_until_reset,
+        calls.starts_at,
+        calls.same_motion,
+        calls.gives,
+        calls.steps_onto_restick,
+        ageing.keeps_its_cycle,
+        *_IN_A_FRESH_PROCESS,
+    )
+}
+"""What an invariant can name as ``probe``."""
+
+IN_A_FRESH_PROCESS = frozenset(probe.__name__ for probe in _IN_A_FRESH_PROCESS)
+"""The probes that start a process of their own, each half a second and more."""
+
+OF_NUMERICAL = frozenset({ageing.keeps_its_cycle.__name__})
+"""The probes of numerical solutions; the exact block meets long cases in their stead."""
