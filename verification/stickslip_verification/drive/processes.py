@@ -21,14 +21,12 @@ import struct
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import BaseContext
 from pathlib import Path
 from typing import Any, Final, NoReturn
-
-from stickslip_verification.drive.fmu.errors import FmuError
 
 MOST_ANSWERED: Final = 2**30
 """Bytes of one answer that are taken; the longest record of the suite has some 10^7."""
@@ -225,7 +223,7 @@ def _end_descendants(worker: int) -> None:
     while time.monotonic() < last:
         with contextlib.suppress(OSError):
             os.killpg(worker, signal.SIGKILL)
-        for child in _children():
+        for child in (process for process, parent, _ in _processes() if parent == os.getpid()):
             with contextlib.suppress(OSError):
                 os.kill(child, signal.SIGKILL)
         try:
@@ -236,22 +234,14 @@ def _end_descendants(worker: int) -> None:
         time.sleep(0.002)
 
 
-def _children() -> list[int]:
-    """Return the children of this process where /proc tells them."""
-    return [process for process, parent, _ in _processes() if parent == os.getpid()]
-
-
 def _memory_of_descendants() -> int:
     """Return the bytes in memory of all descendants; pages that they share count for each."""
-    family = {os.getpid()}
+    family, pages = {os.getpid()}, 0
     others = list(_processes())
-    pages, grown = 0, True
-    while grown:
-        members = [each for each in others if each[1] in family]
+    while members := [each for each in others if each[1] in family]:
         others = [each for each in others if each[1] not in family]
-        family |= {process for process, _, _ in members}
+        family = {process for process, _, _ in members}
         pages += sum(resident for _, _, resident in members)
-        grown = bool(members)
     return pages * os.sysconf("SC_PAGE_SIZE")
 
 
@@ -286,22 +276,17 @@ def _prctl(option: int, value: int) -> None:
 
 
 def _context() -> BaseContext:
-    """Return the context that starts workers fastest: forks of a server with all modules loaded."""
-    methods: Mapping[str, None] = dict.fromkeys(multiprocessing.get_all_start_methods())
-    context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
-    if "forkserver" in methods:
-        context.set_forkserver_preload(["stickslip_verification.drive.workers", "stickslip_ref"])
-        _start_server()
-    return context
+    """Return the context that starts workers fastest: forks of a server with all modules loaded.
 
-
-def _start_server() -> None:
-    """Start the fork server with Ctrl-C blocked and standard error discarded from the start.
-
-    By itself it ignores Ctrl-C only once its modules are loaded, after about a second. A worker
-    that it forks during an interrupt would print a traceback of no use.
+    The server is started with Ctrl-C blocked and standard error discarded. By itself it ignores
+    Ctrl-C only once its modules are loaded, after about a second, and a worker that it forks during
+    an interrupt would print a traceback of no use.
     """
-    choose_folder_of_sockets()
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["stickslip_verification.drive.workers", "stickslip_ref"])
+    _choose_folder_of_sockets()
     resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -309,21 +294,16 @@ def _start_server() -> None:
             forkserver.ensure_running()
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    return context
 
 
-def choose_folder_of_sockets() -> None:
-    """Have the server's socket in a folder with a short name.
+def _choose_folder_of_sockets() -> None:
+    """Have the server's socket in a folder with a short name, if there is one.
 
     multiprocessing makes the folder of its sockets in that for temporary files, once in a process.
-
-    Raises
-    ------
-    FmuError
-        If there is no folder with a short name that can be written.
     """
     usual = tempfile.gettempdir()
-    chosen = multiprocessing.current_process()._config.get("tempdir")  # type: ignore[attr-defined]
-    if chosen is not None or len(os.fsencode(usual)) <= LONGEST_FOLDER:
+    if len(os.fsencode(usual)) <= LONGEST_FOLDER:
         return
     try:
         for tempfile.tempdir in SHORT_FOLDERS:
@@ -332,25 +312,20 @@ def choose_folder_of_sockets() -> None:
                 return
     finally:
         tempfile.tempdir = usual
-    raise FmuError(
-        f"{usual}: the name of this folder for temporary files is too long for sockets, which "
-        f"take {LONGEST_FOLDER} bytes; set TMPDIR to a shorter one"
-    )
 
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
     """Discard the standard error of processes started in this block."""
     try:
-        kept = os.dup(_ERRORS)
+        copy = os.dup(_ERRORS)
     except OSError:  # closed already
         yield
         return
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, _ERRORS)
-    os.close(nowhere)
+    with Path(os.devnull).open("wb") as nowhere:
+        os.dup2(nowhere.fileno(), _ERRORS)
     try:
         yield
     finally:
-        os.dup2(kept, _ERRORS)
-        os.close(kept)
+        os.dup2(copy, _ERRORS)
+        os.close(copy)

@@ -8,15 +8,16 @@ at most. A guess that another comes near is written as a comment, for a person t
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from stickslip_verification.drive.fmu.archive import REQUIRED, description_of
+from stickslip_verification.drive.fmu.archive import REQUIRED
+from stickslip_verification.drive.fmu.description import Declared, read_description
 from stickslip_verification.drive.fmu.likeness import MEANINGS, WHOLE, candidate, likeness, words
 from stickslip_verification.drive.fmu.names import INPUT_UNITS, UNITS
-from stickslip_verification.drive.fmu.variables import Variable, looks_like, told, units_defined
+from stickslip_verification.drive.fmu.variables import Variable, looks_like
 from stickslip_verification.drive.trial import DIRECTED, trial
 from stickslip_verification.model.quantities import QUANTITIES
 
@@ -57,9 +58,8 @@ def starter(fmu: Path) -> str:
     FmuError
         No such file, or not an FMU.
     """
-    description = description_of(fmu)
-    units = units_defined(description)
-    theirs = {each.name: each for each in description.modelVariables}
+    description = read_description(fmu)
+    theirs, units = description.declared, description.units
     fitting = [candidate(ours, each, units) for ours in UNITS for each in theirs.values()]
     scores = {v: likeness(v.name, theirs[v.their_name]) for v in fitting if v}
     seen = _tried(fmu, scores)
@@ -85,7 +85,7 @@ def starter(fmu: Path) -> str:
     rest = [each for name, each in theirs.items() if name not in named]
     if rest:
         lines += ["", "# Variables of the FMU that have no entry"]
-        lines += [f"# {_plain(told(each))} ({each.causality})" for each in rest]
+        lines += [f"# {_plain(str(each))} ({each.causality})" for each in rest]
     return "\n".join(lines) + "\n"
 
 
@@ -139,7 +139,7 @@ def _line(
     ours: str,
     chosen: Variable | None,
     near: Sequence[Variable],
-    theirs: Mapping[str, Any],
+    theirs: Mapping[str, Declared],
     seen: Mapping[Variable, int],
 ) -> str:
     unit = "" if UNITS[ours] == "1" else f" [{UNITS[ours]}]"
@@ -149,7 +149,7 @@ def _line(
     if chosen is None:
         same = theirs.get(ours)
         if same and looks_like(ours, same) and same.name not in [v.their_name for v in near]:
-            return f'{ours} = ""  # {about}; of the FMU: {_plain(told(same))}, something else'
+            return f'{ours} = ""  # {about}; of the FMU: {_plain(str(same))}, something else'
         first = _quoted(near[0].their_name if near else "...")
         return f"# {ours} = {first}  # {about}{_or(near[1:])}"
     if chosen.unit is not None:

@@ -13,14 +13,14 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from multiprocessing.connection import wait
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self, TypeVar
 
 from stickslip_verification.drive import convergence, nearby
 from stickslip_verification.drive.answer import Answer, answer_of, reason
-from stickslip_verification.drive.exact import Exact, exact_motion
+from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
@@ -31,11 +31,10 @@ from stickslip_verification.drive.probes.table import PROBES
 from stickslip_verification.drive.processes import OUT_OF_MEMORY, Worker
 from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.drive.stepping import Setting
-from stickslip_verification.model.run import Run, Series
-from stickslip_verification.model.verdict import ObservedOrder
+from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Hook
-from stickslip_verification.suite.invariants import Order, Probe
+from stickslip_verification.suite.invariants import Probe
 
 T = TypeVar("T")
 
@@ -87,72 +86,48 @@ def allowed(jobs: int) -> int:
     return min(jobs, MOST_PER_PROCESSOR * jobs_here())
 
 
-def exact(case: Case) -> Answer[Exact]:
-    """Compute the exact motion of a case."""
-    return answer_of(kept, exact_motion, case)
+exact = partial(kept, exact_motion)
+reference = partial(kept, run_reference)
+spreads = partial(kept, nearby.spreads)
+changes = partial(kept, nearby.changes)
+observed_order = partial(kept, convergence.observe)
+"""Tasks about a case, without an FMU."""
 
 
-def reference(case: Case) -> Answer[Run]:
-    """Run the reference on a case."""
-    return answer_of(kept, run_reference, case)
-
-
-def spreads(case: Case) -> Answer[dict[str, Series]]:
-    """Follow motions near the exact one of a case."""
-    return answer_of(kept, nearby.spreads, case)
-
-
-def changes(case: Case) -> Answer[dict[str, dict[str, Series]]]:
-    """Follow a case with each of its parameters a little larger."""
-    return answer_of(kept, nearby.changes, case)
-
-
-def observed_order(case: Case, invariant: Order) -> Answer[ObservedOrder]:
-    """Observe how the reference's error falls with its tolerance."""
-    return answer_of(kept, convergence.observe, case, invariant)
-
-
-def open_fmu() -> Answer[bool]:
+def open_fmu() -> bool:
     """Read the description of the FMU of this process; whether that is possible."""
-    try:
-        return Answer(_fmu() is not None)
-    except FmuError:
-        return Answer(False)
+    with contextlib.suppress(FmuError):
+        return _fmu() is not None
+    return False
 
 
-def plain_run(case: Case) -> Answer[Run]:
+def plain_run(case: Case) -> Run:
     """Run the FMU of this process on a case."""
-    return answer_of(lambda: run_case(_fmu(), case))
+    return run_case(_fmu(), case)
 
 
-def other_run(case: Case, run: str) -> Answer[Run]:
+def other_run(case: Case, run: str) -> Run:
     """Run the FMU of this process on a case in another way, a key of `RUNS`."""
-    return answer_of(lambda: RUNS[run](_fmu(), case))
+    return RUNS[run](_fmu(), case)
 
 
-def in_manner(case: Case, manner: str) -> Answer[Run]:
+def in_manner(case: Case, manner: str) -> Run:
     """Run the FMU of this process on a case in a manner, a key of `MANNERS`."""
-    return answer_of(lambda: MANNERS[manner](_fmu(), case))
+    return MANNERS[manner](_fmu(), case)
 
 
-def probe(invariant: Probe) -> Answer[list[str]]:
+def probe(invariant: Probe) -> list[str]:
     """Try a probe on the FMU of this process."""
-    return answer_of(lambda: PROBES[invariant.probe](_fmu(), **invariant.arguments))
+    return PROBES[invariant.probe](_fmu(), **invariant.arguments)
 
 
-def trial_run(
-    setting: Setting, variables: Mapping[str, Variable], names: Sequence[str]
-) -> Answer[Run]:
+def trial_run(setting: Setting, variables: Mapping[str, Variable], names: Sequence[str]) -> Run:
     """Run the FMU of this process through a setting, by `variables` under any names."""
-
-    def whole() -> Run:
-        fmu = _fmu()
-        fmu.variables = variables
-        master = Master(fmu, setting)
-        master.names = names
-        return master.run()
-
-    return answer_of(whole)
+    fmu = _fmu()
+    fmu.variables = variables
+    master = Master(fmu, setting)
+    master.names = names
+    return master.run()
 
 
 class Pool:
@@ -193,7 +168,8 @@ class Pool:
         self._memory = None if fmu is None else round(limits.memory * _GIGABYTE)
         self._fresh = fresh
         self._folder = tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True)
-        self._arguments = (self._folder.name, fmu, names, hooks, own_starts)
+        opened = fmu and partial(FmuFile, fmu, names, hooks, own_starts=own_starts)
+        self._arguments = (self._folder.name, opened)
         self._waiting: deque[_Order] = deque()
         self._idle: list[Worker] = []
         self._busy: dict[Worker, _Order] = {}
@@ -201,7 +177,7 @@ class Pool:
 
     def each(
         self,
-        task: Callable[..., Answer[T]],
+        task: Callable[..., T],
         arguments: Sequence[tuple[Any, ...]],
         most: float = math.inf,
     ) -> Iterator[Answer[T]]:
@@ -217,18 +193,9 @@ class Pool:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._waiting.clear()
-        workers = (*self._idle, *self._busy)
-        for worker in workers:
-            worker.stop()
-        for worker in workers:
-            worker.end()
+        _end_all([*self._idle, *self._busy])
         self._folder.cleanup()
 
     def _answer_to(self, order: "_Order") -> Answer[Any]:
@@ -240,16 +207,14 @@ class Pool:
     def _assign(self) -> None:
         """Give each process a task, starting those that may be started."""
         while self._waiting and (self._idle or len(self._busy) < self._jobs):
-            worker = self._idle.pop() if self._idle else self._start()
+            new = not self._idle
+            worker = Worker(_begin, self._arguments, self._memory) if new else self._idle.pop()
             order = self._waiting.popleft()
             order.begun = time.monotonic()
             self._busy[worker] = order
             # One that has ended in the meantime is found by `_wait`.
             with contextlib.suppress(OSError):
-                worker.give(order.task, order.arguments)
-
-    def _start(self) -> Worker:
-        return Worker(_begin, self._arguments, self._memory)
+                worker.give(answer_of, (order.task, *order.arguments))
 
     def _wait(self) -> None:
         """Wait for an answer, the end of a process, a time limit or the end of the budget."""
@@ -262,10 +227,11 @@ class Pool:
         now = time.monotonic()
         for worker, order in list(self._busy.items()):
             if any(handle in ready for handle in worker.handles):
-                self._take(worker, order, now)
+                answer, lost = _taken(worker)
+                self._settle(worker, answer, now, ends=lost or self._fresh)
             elif now >= order.begun + order.limit:
                 failure = f"no answer within {order.limit:g} s; the process was ended"
-                self._drop(worker, order, Answer(failure=failure, late=True), now)
+                self._settle(worker, Answer(failure=failure, late=True), now)
         if self._lost_till(now) >= self._budget:
             self._give_up()
 
@@ -274,37 +240,16 @@ class Pool:
         running = sum(now - order.begun for order in self._busy.values())
         return (self._lost + running) / max(1, len(self._busy) + len(self._idle))
 
-    def _take(self, worker: Worker, order: "_Order", now: float) -> None:
-        """Take the answer of a process, or the reason why it gives none."""
-        try:
-            answer = worker.answer()
-        except (EOFError, OSError):
-            code = worker.exit_code()
-            end = "gave half an answer and was ended" if code is None else _end(code)
-            self._drop(worker, order, Answer(failure=f"the process {end}"), now)
-            return
-        except Exception as error:
-            self._drop(worker, order, Answer(failure=f"no readable answer: {reason(error)}"), now)
-            return
-        if not isinstance(answer, Answer):
-            self._drop(worker, order, Answer(failure="no readable answer"), now)
-        elif self._fresh:
-            self._drop(worker, order, answer, now)
-        else:
-            self._settle(order, answer, now)
-            del self._busy[worker]
-            self._idle.append(worker)
-
-    def _drop(self, worker: Worker, order: "_Order", answer: Answer[Any], now: float) -> None:
-        """Settle a task and end its process."""
-        self._settle(order, answer, now)
-        del self._busy[worker]
-        worker.end()
-
-    def _settle(self, order: "_Order", answer: Answer[Any], now: float) -> None:
+    def _settle(self, worker: Worker, answer: Answer[Any], now: float, ends: bool = True) -> None:
+        """Note the answer to the task of a process, which ends or is free for another."""
+        order = self._busy.pop(worker)
         order.answer = answer
         if answer.failure is not None:
             self._lost += now - order.begun
+        if ends:
+            worker.end()
+        else:
+            self._idle.append(worker)
 
     def _give_up(self) -> None:
         """Answer all tasks that are left with the end of the budget."""
@@ -312,10 +257,7 @@ class Pool:
             f"{NOT_MADE}: runs without a result took {self._budget:g} s, all that the FMU has "
             "for them; --budget gives more"
         )
-        for worker in self._busy:
-            worker.stop()
-        for worker in self._busy:
-            worker.end()
+        _end_all(list(self._busy))
         for order in (*self._busy.values(), *self._waiting):
             order.answer = Answer(failure=failure, late=True)
         self._busy.clear()
@@ -326,38 +268,22 @@ class Pool:
 class _Order:
     """A task, since when it runs, and its answer."""
 
-    task: Callable[..., Answer[Any]]
+    task: Callable[..., Any]
     arguments: tuple[Any, ...]
     limit: float
     begun: float = 0.0
     answer: Answer[Any] | None = None
 
 
-@dataclass
-class _Held:
-    """The FMU of a worker, opened at its first use."""
-
-    path: Path | None = None
-    names: NameMap | None = None
-    hooks: Sequence[Hook] = ()
-    own_starts: bool | None = None
-    file: FmuFile | None = None
+_OPENED: list[Callable[[], FmuFile]] = []
+"""Opens the FMU of a worker, once."""
 
 
-_HELD = _Held()
-
-
-def _begin(
-    folder: str,
-    fmu: Path | None,
-    names: NameMap | None,
-    hooks: Sequence[Hook],
-    own_starts: bool | None,
-) -> None:
+def _begin(folder: str, opened: Callable[[], FmuFile] | None) -> None:
     """Set up a worker: an FMU's prints are discarded."""
     tempfile.tempdir = folder
-    _HELD.path, _HELD.names, _HELD.hooks, _HELD.own_starts = fmu, names, hooks, own_starts
-    if fmu is not None:
+    if opened is not None:
+        _OPENED.append(cache(opened))
         nowhere = os.open(os.devnull, os.O_WRONLY)
         for stream in (1, 2):
             os.dup2(nowhere, stream)
@@ -365,10 +291,29 @@ def _begin(
 
 
 def _fmu() -> FmuFile:
-    if _HELD.file is None:
-        assert _HELD.path is not None
-        _HELD.file = FmuFile(_HELD.path, _HELD.names, _HELD.hooks, own_starts=_HELD.own_starts)
-    return _HELD.file
+    return _OPENED[0]()
+
+
+def _end_all(workers: Sequence[Worker]) -> None:
+    for worker in workers:
+        worker.stop()
+    for worker in workers:
+        worker.end()
+
+
+def _taken(worker: Worker) -> tuple[Answer[Any], bool]:
+    """Return the answer of a process, or why it gives none, and whether it is lost."""
+    try:
+        answer = worker.answer()
+    except (EOFError, OSError):
+        code = worker.exit_code()
+        end = "gave half an answer and was ended" if code is None else _end(code)
+        return Answer(failure=f"the process {end}"), True
+    except Exception as error:
+        return Answer(failure=f"no readable answer: {reason(error)}"), True
+    if not isinstance(answer, Answer):
+        return Answer(failure="no readable answer"), True
+    return answer, False
 
 
 def _end(code: int) -> str:

@@ -32,10 +32,7 @@ def main() -> None:
 
 
 def _deltas(case: Case) -> list[float]:
-    exact, spreads = workers.exact(case).value, workers.spreads(case).value
-    assert exact is not None
-    assert spreads is not None
-    ruler = Ruler(exact, spreads)
+    ruler = Ruler(workers.exact(case), workers.spreads(case))
     runs = [solver.run(case) for solver in SOLVERS.values()]
     return [min(ruler.deviation(run).delta, DIVERGED) for run in runs]
 

@@ -13,12 +13,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from stickslip_verification import FmuError, Unit
-from stickslip_verification.drive.fmu.archive import description_of
+from stickslip_verification.drive.fmu.description import NUMBERS, Description, read_description
 from stickslip_verification.drive.fmu.unpacking import check_size, new_folder, unpack
-from stickslip_verification.drive.fmu.variables import NUMBERS, unit_of, units_defined
 
 from ..quantity import QuantityError
 from .job import FLOATING, Component, Variable, Wire
@@ -86,7 +85,7 @@ def read_model(path: Path | str) -> Model:
 
 
 def _fmu(path: Path, content: bytes) -> Model:
-    description = description_of(path)
+    description = read_description(path)
     component = _component(path.name, "", description)
     return Model(
         path,
@@ -97,8 +96,8 @@ def _fmu(path: Path, content: bytes) -> Model:
         {each.name: each for each in _variables(0, "", description)},
         (),
         {},
-        units_defined(description),
-        _experiment(description),
+        description.units,
+        {name: float(text) for name, text in description.experiment.items()},
     )
 
 
@@ -118,13 +117,13 @@ def _system(path: Path, content: bytes) -> Model:
             if not fmu.is_file():
                 raise SweepError(f"{path}: has no file {source}, the FMU of {name}")
             try:
-                description = description_of(fmu)
+                description = read_description(fmu)
             except FmuError as error:
                 said = str(error).replace(str(fmu), f"{path}: {source}")
                 raise SweepError(said) from None
             components.append(_component(name, source, description))
             variables |= {each.name: each for each in _variables(index, f"{name}.", description)}
-            for unit, meaning in units_defined(description).items():
+            for unit, meaning in description.units.items():
                 if units.setdefault(unit, meaning) != meaning:
                     raise SweepError(f"{path}: its FMUs define the unit {unit!r} differently")
     finally:
@@ -143,30 +142,28 @@ def _system(path: Path, content: bytes) -> Model:
     )
 
 
-def _component(name: str, source: str, description: Any) -> Component:
-    interface = description.coSimulation
-    return Component(
-        name, source, description.fmiVersion[:3], description.guid, interface.modelIdentifier
-    )
+def _component(name: str, source: str, description: Description) -> Component:
+    identifier = description.model_identifier
+    return Component(name, source, description.fmi_version, description.token, identifier)
 
 
-def _variables(component: int, before: str, description: Any) -> Iterator[Variable]:
-    for each in description.modelVariables:
+def _variables(component: int, before: str, description: Description) -> Iterator[Variable]:
+    for each in description.declared.values():
         obstacle = ""
-        if each.type not in NUMBERS:
-            obstacle = f"is of type {each.type}, and no number"
-        elif each.dimensions:
+        if each.kind not in NUMBERS:
+            obstacle = f"is of type {each.kind}, and no number"
+        elif each.is_array:
             obstacle = "is an array"
         yield Variable(
             name=f"{before}{each.name}",
             component=component,
             own=each.name,
-            reference=each.valueReference,
-            kind=each.type,
-            causality=each.causality or "local",
-            variability=each.variability or "continuous",
-            unit=unit_of(each) or "",
-            description=" ".join((each.description or "").split()),
+            reference=each.reference,
+            kind=each.kind,
+            causality=each.causality,
+            variability=each.variability,
+            unit=each.unit or "",
+            description=each.text,
             obstacle=obstacle,
             # A structural parameter is set in a mode of its own.
             starts=each.variability != "constant"
@@ -174,15 +171,6 @@ def _variables(component: int, before: str, description: Any) -> Iterator[Variab
             and (each.causality in _SETTABLE or each.initial in _AT_START),
             start=each.start or "",
         )
-
-
-def _experiment(description: Any) -> dict[str, float]:
-    stated = description.defaultExperiment
-    if stated is None:
-        return {}
-    names = {"start_time": "startTime", "stop_time": "stopTime", "step": "stepSize"}
-    found = {name: getattr(stated, theirs) for name, theirs in names.items()}
-    return {name: float(text) for name, text in found.items() if text is not None}
 
 
 def _wires(

@@ -71,6 +71,3 @@ class Fmi2Instance(FmuInstance):
             self._slave.fmi2DoStep(self._slave.component, time, h, 1)
         except fmpy.fmi1.FMICallException as error:
             raise self._failure(f"fmi2DoStep(t = {time!r}, h = {h!r})", error) from None
-
-    def _sizes(self, count: int) -> tuple[int, ...]:
-        return ()

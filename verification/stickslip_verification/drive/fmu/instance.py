@@ -107,9 +107,9 @@ class FmuInstance(ABC):
     def step(self, time: float, h: float) -> None:
         """Step from the communication point `time` [s] by `h` [s]."""
 
-    @abstractmethod
     def _sizes(self, count: int) -> tuple[int, ...]:
         """Return what a get or set function takes after the values."""
+        return ()
 
     def _failure(self, call: str, error: Exception) -> FmuError:
         said = " ".join(self.messages[-1].split()) if self.messages else "without a message"
@@ -132,23 +132,22 @@ class FmuInstance(ABC):
     def set(self, values: Mapping[str, float]) -> None:
         """Set variables by name; `FmuError` for one that the FMU does not have."""
         self._check(values)
-        groups: dict[tuple[str, Any], list[str]] = {}
-        references, numbers = {}, {}
+        groups: dict[tuple[str, Any], list[tuple[str, int, float]]] = {}
         for name, value in values.items():
             variable = self.file.variables[name]
-            groups.setdefault(self.C_TYPES[variable.kind], []).append(name)
-            references[name] = variable.reference
-            numbers[name] = value if name in self._untouched else self._theirs(variable, value)
-        for (kind, c_type), members in groups.items():
-            count = len(members)
-            which = (ctypes.c_uint * count)(*map(references.__getitem__, members))
-            buffer = (c_type * count)(*map(numbers.__getitem__, members))
-            call = getattr(self._slave, f"{self.PREFIX}Set{kind}")
+            number = value if name in self._untouched else self._theirs(variable, value)
+            group = groups.setdefault(self.C_TYPES[variable.kind], [])
+            group.append((name, variable.reference, number))
+        for (kind, c_type), group in groups.items():
+            names, references, numbers = zip(*group, strict=True)
+            count, call = len(group), f"{self.PREFIX}Set{kind}"
+            which, buffer = (ctypes.c_uint * count)(*references), (c_type * count)(*numbers)
+            sizes = self._sizes(count)
             try:
-                call(self._slave.component, which, count, buffer, *self._sizes(count))
+                getattr(self._slave, call)(self._slave.component, which, count, buffer, *sizes)
             except fmpy.fmi1.FMICallException as error:
-                what = ", ".join(f"{name} = {values[name]!r}" for name in members)
-                raise self._failure(f"{self.PREFIX}Set{kind}({what})", error) from None
+                what = ", ".join(f"{name} = {values[name]!r}" for name in names)
+                raise self._failure(f"{call}({what})", error) from None
 
     def _theirs(self, variable: Variable, value: float) -> float:
         change = variable.conversion

@@ -6,12 +6,13 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
+from stickslip_verification.drive.fmu.description import Declared
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.instance import FLOATING
 from stickslip_verification.drive.fmu.names import UNITS, Target
-from stickslip_verification.drive.fmu.variables import Variable, as_ours, looks_like, unit_of
+from stickslip_verification.drive.fmu.variables import Variable, as_ours, looks_like
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.units import Unit
 from stickslip_verification.truth.parameters import PARAMETERS, Kind
@@ -47,13 +48,13 @@ _WORD: Final = re.compile(
 _SEAM: Final = re.compile(r"_|(?<=[a-zäöü])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[^\W\d])(?=\d)")
 
 
-def candidate(ours: str, theirs: Any, units: Mapping[str, Unit]) -> Variable | None:
+def candidate(ours: str, theirs: Declared, units: Mapping[str, Unit]) -> Variable | None:
     """Return a variable as ours if it may be: by causality, variability, type and dimension."""
-    whole = theirs.type not in FLOATING
+    whole = theirs.kind not in FLOATING
     if (
         (ours in _FIXED and theirs.causality == "input")
         or (whole and ours not in _DISCRETE and theirs.name != ours)
-        or (theirs.type == "Boolean" and ours != "sticking")
+        or (theirs.kind == "Boolean" and ours != "sticking")
         or theirs.variability == "constant"
     ):
         return None
@@ -62,13 +63,13 @@ def candidate(ours: str, theirs: Any, units: Mapping[str, Unit]) -> Variable | N
     return None
 
 
-def likeness(ours: str, theirs: Any) -> float:
+def likeness(ours: str, theirs: Declared) -> float:
     """Score a variable that fits; 0 if nothing is said."""
     needs, may = (set(part.split()) for part in f"{_TABLES['quantities'][ours]} | ".split("|")[:2])
-    name, text = words(theirs.name), words(theirs.description or "")
-    by_unit = {_TABLES["by_unit"].get(UNITS[ours], "")} if unit_of(theirs) else set()
+    name, text = words(theirs.name), words(theirs.text)
+    by_unit = {_TABLES["by_unit"].get(UNITS[ours], "")} if theirs.unit else set()
     said = by_unit if UNITS[ours] in _TELLING else set()
-    score, doubtful = float(len(by_unit)), ours in _DISCRETE and theirs.type in FLOATING
+    score, doubtful = float(len(by_unit)), ours in _DISCRETE and theirs.kind in FLOATING
     for word, worth, against in [(w, _NAME, _NAME) for w in name] + [(w, _TEXT, 0.5) for w in text]:
         meant = _CONCEPTS[word] & (needs | may)
         doubtful = doubtful or (not meant and word in name)

@@ -46,14 +46,9 @@ def stated_contract(root: Element) -> StatedContract:
         return StatedContract(
             False, f'{malformed}: expected one element <Contract name="..." version="..."/>'
         )
-    _, name, version = found[0]
-    told = f"its description names {_short(name)} {_short(version)}"
-    if (name, version) == (NAME, VERSION):
+    # What stands in an attribute, on one line and not endless.
+    named = " ".join(" ".join(str(text).split())[:_LETTERS] for text in found[0][1:])
+    told = f"its description names {named}"
+    if found[0][1:] == (NAME, VERSION):
         return StatedContract(True, told)
     return StatedContract(False, f"{told}; this suite knows {NAME} {VERSION}")
-
-
-def _short(text: str | None) -> str:
-    """Return what stands in an attribute for a message: on one line, and not endless."""
-    line = " ".join((text or "").split())
-    return line if len(line) <= _LETTERS else f"{line[: _LETTERS - 3]}..."

@@ -81,6 +81,14 @@ class Caller:
         return dict(zip(self.names, self._read(), strict=True))
 
 
+def played(fmu: FmuFile, calls: Iterable[Call], then: Iterable[Call]) -> tuple[Caller, list[Row]]:
+    """Play calls on an instance of its own; return the outputs after the steps of `then`."""
+    with fmu.instantiate() as instance:
+        caller = Caller(fmu, instance)
+        caller.play(calls)
+        return caller, caller.play(then)
+
+
 def check_playable(fmu: FmuFile, calls: Iterable[Call]) -> None:
     """Raise `NotApplicableError` if the FMU lacks a variable that is set, or cannot change it."""
     running = False
@@ -123,11 +131,7 @@ def same_motion(
     check_playable(fmu, chain(calls, then))
     check_playable(fmu, chain(like, then))
     need_instances(fmu)
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        caller.play(like)
-        other_start = caller.start
-        expected = caller.play(then)
+    other, expected = played(fmu, like, then)
     with fmu.instantiate() as instance:
         caller = Caller(fmu, instance)
         try:
@@ -137,7 +141,7 @@ def same_motion(
                 raise NotApplicableError(f"it refuses the calls: {error}") from None
             raise
         got = caller.play(then)
-    later = caller.start - other_start
+    later = caller.start - other.start
     if later and "t_event" in caller.names:
         if tolerance is None:
             ignored = [*ignored, "t_event"]
@@ -201,24 +205,14 @@ def steps_onto_restick(
     check_playable(fmu, chain(calls, then))
     need(fmu, ["t_slip"])
     need_instances(fmu)
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        caller.play(calls)
-        (row,) = caller.play([{"step": over}])
+    _, (row,) = played(fmu, calls, [{"step": over}])
     t_slip = row["t_slip"]
     first, *others = then
     left = t_slip - into
     if not 0.0 < left < over:
         return [f"{into + over!r} s after the break-away t_slip is {t_slip!r}"]
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        caller.play(calls)
-        expected = caller.play([{"step": left + first["step"]}, *others])
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        caller.play(calls)
-        (end,) = caller.play([{"step": left}])
-        got = caller.play(then)
+    _, expected = played(fmu, calls, [{"step": left + first["step"]}, *others])
+    _, (end, *got) = played(fmu, calls, [{"step": left}, *then])
     resting = {"sticking": 1.0, "mode": 0.0, "n_slips": 1.0, "x_dot": 0.0} if rests else {}
     complaints = [
         f"at the end of the slip {name} is {end[name]!r}, not {value!r}"

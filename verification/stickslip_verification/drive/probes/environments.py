@@ -19,6 +19,7 @@ from stickslip_verification.drive.probes.calls import (
     Row,
     check_playable,
     differences,
+    played,
 )
 from stickslip_verification.drive.stepping import need_ability
 
@@ -88,10 +89,7 @@ def elsewhere(
     """
     begun = time.monotonic()
     check_playable(fmu, chain(calls, then))
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        caller.play(calls)
-        expected = caller.play(then)
+    _, expected = played(fmu, calls, then)
     alone = partial(_played, fmu.path.absolute(), fmu.names, calls, then)
     moved = partial(alone, folders=True)
     together = {name: value for each in environments.values() for name, value in each.items()}

@@ -1,10 +1,11 @@
 """Probes of memory: what is done over and over must not keep any."""
 
 import gc
+import itertools
 import statistics
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, closing, contextmanager
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 
 from stickslip_verification.drive import fresh_process
@@ -18,6 +19,9 @@ from stickslip_verification.drive.stepping import (
 )
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.truth.parameters import START_VALUES
+
+Doing = Generator[None, None, None]
+"""Does something once with each `next` but the first."""
 
 _PAGES = Path("/proc/self/statm")
 """Pages of this process: all, resident, shared, ... (Linux)."""
@@ -83,36 +87,27 @@ def memory_of_instances(fmu: FmuFile, count: int, most: float, seconds: float) -
     return _growing(fmu, "instance", count, most + _MODULE_KEPT * _module(fmu), seconds)
 
 
-@contextmanager
-def _stepping(fmu: FmuFile) -> Iterator[Callable[[], object]]:
+def _steps(fmu: FmuFile) -> Doing:
     with fmu.instantiate() as instance:
         instance.start(defaults(fmu))
-        read, number = instance.reader(available(fmu, OUTPUT_NAMES)), 0
+        read = instance.reader(available(fmu, OUTPUT_NAMES))
         inputs = [name for name in ("v", "F_ext") if fmu.has(name)]
-
-        def do() -> None:
-            nonlocal number
+        for number in itertools.count():
+            yield
             if number % 4 == 2:
                 read()
             elif number % 4 == 0:
                 # Every set is to other values.
-                more = 1e-9 * number
-                instance.set({name: START_VALUES[name] + more for name in inputs})
+                instance.set({name: START_VALUES[name] + 1e-9 * number for name in inputs})
             instance.step(number * _STEP, _STEP)
             instance.messages.clear()
-            number += 1
-
-        yield do
 
 
-@contextmanager
-def _iterating(fmu: FmuFile) -> Iterator[Callable[[], object]]:
+def _states(fmu: FmuFile) -> Doing:
     with fmu.instantiate() as instance:
         instance.start(defaults(fmu))
-        number = 0
-
-        def do() -> None:
-            nonlocal number
+        for number in itertools.count():
+            yield
             state = instance.get_state()
             instance.step(number * _STEP, _STEP)
             instance.set_state(state)
@@ -122,25 +117,20 @@ def _iterating(fmu: FmuFile) -> Iterator[Callable[[], object]]:
             # Every state is of another moment.
             instance.step(number * _STEP, _STEP)
             instance.messages.clear()
-            number += 1
-
-        yield do
 
 
-@contextmanager
-def _making(fmu: FmuFile) -> Iterator[Callable[[], object]]:
-    def do() -> None:
+def _instances(fmu: FmuFile) -> Doing:
+    while True:
+        yield
         with fmu.instantiate() as instance:
             instance.start(defaults(fmu))
             instance.step(0.0, 0.3)
 
-    yield do
 
-
-_THINGS: Mapping[str, Callable[[FmuFile], AbstractContextManager[Callable[[], object]]]] = {
-    "step": _stepping,
-    "state": _iterating,
-    "instance": _making,
+_THINGS: Mapping[str, Callable[[FmuFile], Doing]] = {
+    "step": _steps,
+    "state": _states,
+    "instance": _instances,
 }
 
 
@@ -202,14 +192,15 @@ def measure(
         How much longer it may take by the wall clock.
     """
     fmu = FmuFile(path, names)
-    whole = _Clock(seconds, patience)
+    over = _clock(seconds, patience)
     parts: list[tuple[int, int]] = []
-    with closing(fmu), _THINGS[what](fmu) as do:
+    with closing(fmu), closing(_THINGS[what](fmu)) as doing:
+        next(doing)
         before = _resident()
-        while sum(times for times, _ in parts) < count and not whole.over():
-            done, part = 0, _Clock(seconds / _PARTS, patience)
-            while done < count // _PARTS and not part.over():
-                do()
+        while sum(times for times, _ in parts) < count and not over():
+            done, part_over = 0, _clock(seconds / _PARTS, patience)
+            while done < count // _PARTS and not part_over():
+                next(doing)
                 done += 1
             now = _resident()
             parts.append((done, now - before))
@@ -217,16 +208,10 @@ def measure(
     return parts
 
 
-class _Clock:
-    """Time of the processor [s], and of the wall where the processor has much else to do."""
-
-    def __init__(self, seconds: float, patience: float) -> None:
-        self._processor = time.process_time() + seconds
-        self._wall = time.monotonic() + patience * seconds
-
-    def over(self) -> bool:
-        """Whether the time is over."""
-        return time.process_time() > self._processor or time.monotonic() > self._wall
+def _clock(seconds: float, patience: float) -> Callable[[], bool]:
+    """Return whether so much time of the processor is over, or too much by the wall clock."""
+    processor, wall = time.process_time() + seconds, time.monotonic() + patience * seconds
+    return lambda: time.process_time() > processor or time.monotonic() > wall
 
 
 def _resident() -> int:

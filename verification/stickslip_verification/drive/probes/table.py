@@ -14,7 +14,20 @@ from stickslip_verification.drive.probes import (
 Probe = Callable[..., list[str]]
 """Takes the FMU and the probe's arguments. Raises `FmuError`, or `NotApplicableError`."""
 
-_IN_A_FRESH_PROCESS: tuple[Probe, ...] = (
+_PROBES: tuple[Probe, ...] = (
+    declarations.declared_variables,
+    declarations.declared_units,
+    declarations.declared_types,
+    declarations.declared_starts,
+    refusals.refuses,
+    refusals.refuses_step,
+    refusals.warns,
+    refusals.fails_until_reset,
+    calls.starts_at,
+    calls.same_motion,
+    calls.gives,
+    calls.steps_onto_restick,
+    ageing.keeps_its_cycle,
     environments.state_in_a_fresh_process,
     environments.elsewhere,
     memory.memory_of_steps,
@@ -22,28 +35,14 @@ _IN_A_FRESH_PROCESS: tuple[Probe, ...] = (
     memory.memory_of_instances,
 )
 
-PROBES: dict[str, Probe] = {
-    probe.__name__: probe
-    for probe in (
-        declarations.declared_variables,
-        declarations.declared_units,
-        declarations.declared_types,
-        declarations.declared_starts,
-        refusals.refuses,
-        refusals.refuses_step,
-        refusals.warns,
-        refusals.fails_until_reset,
-        calls.starts_at,
-        calls.same_motion,
-        calls.gives,
-        calls.steps_onto_restick,
-        ageing.keeps_its_cycle,
-        *_IN_A_FRESH_PROCESS,
-    )
-}
+PROBES = {probe.__name__: probe for probe in _PROBES}
 """What an invariant can name as ``probe``."""
 
-IN_A_FRESH_PROCESS = frozenset(probe.__name__ for probe in _IN_A_FRESH_PROCESS)
+IN_A_FRESH_PROCESS = frozenset(
+    name
+    for name, probe in PROBES.items()
+    if probe.__module__ in (environments.__name__, memory.__name__)
+)
 """The probes that start a process of their own, each half a second and more."""
 
 OF_NUMERICAL = frozenset({ageing.keeps_its_cycle.__name__})

@@ -1,0 +1,216 @@
+"""The model description of an FMU, read once into a typed record."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import xml.etree.ElementTree as ElementTree
+import zipfile
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import fmpy
+import fmpy.model_description
+
+from stickslip_verification.drive.fmu.errors import FmuError, one_line
+from stickslip_verification.drive.fmu.stated import StatedContract, stated_contract
+from stickslip_verification.drive.fmu.unpacking import DESCRIPTION, MOST_DESCRIBED, check_size
+from stickslip_verification.model.units import Unit, defined
+
+VERSIONS: Final = ("2.0", "3.0")
+"""Versions of FMI that the suite drives."""
+
+NUMBERS: Final = frozenset(
+    {"Real", "Integer", "Enumeration", "Boolean", "Float64", "Float32"}
+    | {f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)}
+)
+"""Kinds of variable whose value is a number, of FMI 2.0 and 3.0."""
+
+_MOST_PROBLEMS, _LONGEST_PROBLEM = 100, 1000
+
+_MOST_LISTED, _LONGEST_TEXT = 8, 40
+"""Variables that a message lists, `stickslip names` lists all; letters of a description in it."""
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A variable as its FMU declares it.
+
+    Attributes
+    ----------
+    name, reference, kind
+        Kind is the type: Real, Integer, Boolean, Enumeration, Float64, Int32 and so on.
+    causality, variability, initial
+        Also where the standard's default stands for them.
+    unit
+        Its own or that of its type; None without one.
+    start
+        As it is spelled; None without one.
+    text
+        Its description, on one line.
+    is_array
+        Whether it has dimensions.
+    """
+
+    name: str
+    reference: int
+    kind: str
+    causality: str
+    variability: str
+    initial: str | None
+    unit: str | None
+    start: str | None
+    text: str
+    is_array: bool
+
+    def __str__(self) -> str:
+        """Return name, unit and description, for people."""
+        text = self.text
+        if len(text) > _LONGEST_TEXT:
+            text = text[: _LONGEST_TEXT - 1].rstrip() + "\N{HORIZONTAL ELLIPSIS}"
+        unit = f" [{self.unit}]" if self.unit else ""
+        return f"{self.name}{unit}{f' ({text})' if text else ''}"
+
+
+@dataclass(eq=False)
+class Description:
+    """What the model description of an FMU says.
+
+    Attributes
+    ----------
+    fmi_version
+        2.0 or 3.0.
+    token
+        What the FMU is instantiated with: its guid or instantiation token.
+    declared
+        Its variables, by its own names.
+    units
+        Units that it defines by SI base units, and only those.
+    experiment
+        Start, stop and step of its default experiment [s] as they are spelled, where it has them.
+    problems
+        What it breaks of the FMI standard, if it can be read all the same.
+    stated
+        The contract that it names.
+    """
+
+    fmi_version: str
+    token: str
+    model_identifier: str
+    can_get_and_set_state: bool
+    can_serialize_state: bool
+    once_per_process: bool
+    declared: Mapping[str, Declared]
+    units: Mapping[str, Unit]
+    experiment: Mapping[str, str]
+    problems: tuple[str, ...]
+    stated: StatedContract
+
+    def listing(self, names: Collection[str]) -> str:
+        """Return on one line what the FMU has, what is most like the names first, and how much."""
+
+        def likeness(variable: Declared) -> float:
+            last = re.split(r"[.\]]+", variable.name.rstrip("]."))[-1]
+            return max(
+                difflib.SequenceMatcher(None, name.lower(), part.lower()).ratio()
+                for name in names
+                for part in (variable.name, last)
+            )
+
+        variables = [each for each in self.declared.values() if each.kind in NUMBERS]
+        first = sorted(variables, key=likeness, reverse=True)[:_MOST_LISTED]
+        more = len(variables) - len(first)
+        shown = ", ".join(map(str, first)) or "no number"
+        return f"it has {shown}" + (f" and {more} more" if more else "")
+
+
+def read_description(path: Path) -> Description:
+    """Read the model description of an FMU; `FmuError` for what is none for co-simulation."""
+    if not path.exists():
+        raise FmuError(f"{path}: no such file")
+    if not path.is_file():
+        raise FmuError(f"{path}: not an FMU (not a file)")
+    if not zipfile.is_zipfile(path):
+        raise FmuError(f"{path}: not an FMU (not a zip archive)")
+    problems: tuple[str, ...] = ()
+    try:
+        check_size(path)
+        with zipfile.ZipFile(path) as archive:
+            if DESCRIPTION not in archive.namelist():
+                raise FmuError(f"{path}: not an FMU (no {DESCRIPTION} in it)")
+            # FMPy would say this in words of its own, or of Python's.
+            with archive.open(DESCRIPTION) as stream:
+                # Without a number of bytes, zipfile unpacks more than the archive says.
+                root = ElementTree.fromstring(stream.read(MOST_DESCRIBED))
+        _check(path, root)
+        try:
+            read = fmpy.read_model_description(str(path))
+        except fmpy.model_description.ValidationError as error:
+            problems = tuple(
+                " ".join(str(problem).split())[:_LONGEST_PROBLEM]
+                for problem in error.problems[:_MOST_PROBLEMS]
+            )
+            read = fmpy.read_model_description(str(path), validate=False)
+    except FmuError:
+        raise
+    except Exception as error:
+        raise FmuError(f"{path}: not an FMU ({one_line(error)})") from None
+    interface, experiment = read.coSimulation, read.defaultExperiment
+    spelled = {
+        "start_time": getattr(experiment, "startTime", None),
+        "stop_time": getattr(experiment, "stopTime", None),
+        "step": getattr(experiment, "stepSize", None),
+    }
+    return Description(
+        fmi_version=read.fmiVersion[:3],
+        token=read.guid,
+        model_identifier=interface.modelIdentifier,
+        can_get_and_set_state=interface.canGetAndSetFMUstate,
+        can_serialize_state=interface.canSerializeFMUstate,
+        once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
+        declared={each.name: _declared(each) for each in read.modelVariables},
+        units={each.name: unit for each in read.unitDefinitions if (unit := _defined(each))},
+        experiment={name: text for name, text in spelled.items() if text is not None},
+        problems=problems,
+        stated=stated_contract(root),
+    )
+
+
+def _check(path: Path, root: ElementTree.Element) -> None:
+    """Refuse a description that is none, or is of another version of FMI."""
+    version = root.get("fmiVersion")
+    if root.tag != "fmiModelDescription" or version is None:
+        raise FmuError(f"{path}: not an FMU ({DESCRIPTION} is no model description)")
+    if version[:3] not in VERSIONS:
+        raise FmuError(f"{path}: is FMI {version}; this suite drives FMI 2.0 and 3.0")
+    if root.find("CoSimulation") is None:
+        kinds = {"ModelExchange": "model exchange", "ScheduledExecution": "scheduled execution"}
+        others = [text for tag, text in kinds.items() if root.find(tag) is not None]
+        has = f", only {' and '.join(others)}" if others else ""
+        raise FmuError(f"{path}: has no co-simulation interface{has}")
+
+
+def _declared(variable: Any) -> Declared:
+    declared = variable.declaredType
+    return Declared(
+        name=variable.name,
+        reference=variable.valueReference,
+        kind=variable.type,
+        causality=variable.causality,
+        variability=variable.variability,
+        initial=variable.initial,
+        unit=variable.unit or (declared.unit if declared else None),
+        start=variable.start,
+        text=" ".join((variable.description or "").split()),
+        is_array=bool(variable.dimensions),
+    )
+
+
+def _defined(entry: Any) -> Unit | None:
+    base = entry.baseUnit
+    if base is None:
+        return None
+    dimension = (base.kg, base.m, base.s, base.A, base.K, base.mol, base.cd, base.rad)
+    return defined(base.factor, base.offset, dimension)
