@@ -14,15 +14,6 @@ from stickslip_verification.suite.tolerances import Facts, facts_of
 
 
 @dataclass(frozen=True)
-class Phase:
-    """A stick or a slip: its beginning [s], the slips completed before it, whether it sticks."""
-
-    begin: float
-    slips: int
-    sticks: bool
-
-
-@dataclass(frozen=True)
 class Exact:
     """The exact motion of a case.
 
@@ -47,15 +38,6 @@ class Exact:
     def event_times(self) -> Sequence[float]:
         """Times of the transitions [s]."""
         return [event.time for event in self.events]
-
-    @property
-    def phases(self) -> Sequence[Phase]:
-        """Sticks and slips in order of time."""
-        found = [Phase(0.0, 0, bool(self.record.initial["sticking"]))]
-        for event in self.events:
-            slips = found[-1].slips + (event.kind != Transition.BREAK_AWAY)
-            found.append(Phase(event.time, slips, event.mode == 0))
-        return found
 
 
 def exact_motion(case: Case) -> Exact:
