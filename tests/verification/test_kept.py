@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.drive import kept as module
 from stickslip_verification.drive.kept import FOLDER, kept
 from stickslip_verification.suite.cases import Case
 from tests.verification.records import named
@@ -34,16 +33,14 @@ def test_the_same_question_is_answered_once(
     assert kept(work, CASE) == kept(work, CASE) == 1
     # What a case checks does not change its motion.
     assert kept(work, replace(CASE, checks=(), title="another")) == 1
-    # Another parameter, step or argument, and other source, is another question.
+    # Another parameter, step or argument is another question.
     stiffer = replace(CASE, parameters={**CASE.parameters, "k": 1000.0000000000001})
     assert kept(work, stiffer) == 2
     assert kept(work, replace(CASE, steps=CASE.steps * 2)) == 3
     assert kept(work, CASE, 2.0) == 4
-    monkeypatch.setattr(module, "_made_from", lambda: "other source")
-    assert kept(work, CASE) == 5
     # Outside a session nothing is kept.
     monkeypatch.delenv(FOLDER)
-    assert [kept(work, CASE) for _ in range(2)] == [6, 7]
+    assert [kept(work, CASE) for _ in range(2)] == [5, 6]
 
 
 def test_failures_and_what_cannot_be_read_or_written_cost_a_computation(

@@ -4,7 +4,7 @@ import gc
 import itertools
 import statistics
 import time
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.truth.parameters import START_VALUES
 
 Doing = Generator[None, None, None]
+Does = Callable[[FmuFile], Doing]
 """Does something once with each `next` but the first."""
 
 _PAGES = Path("/proc/self/statm")
@@ -65,7 +66,7 @@ def memory_of_steps(fmu: FmuFile, count: int, most: float, seconds: float) -> li
     seconds
         Time of the processor after which the measurement ends with fewer [s].
     """
-    return _growing(fmu, "step", count, most, seconds)
+    return _growing(fmu, "step", _steps, count, most, seconds)
 
 
 def memory_of_states(fmu: FmuFile, count: int, most: float, seconds: float) -> list[str]:
@@ -74,7 +75,7 @@ def memory_of_states(fmu: FmuFile, count: int, most: float, seconds: float) -> l
     Arguments as in `memory_of_steps`; every fourth state is serialized too.
     """
     need_ability(fmu.can_get_and_set_state, "get and set its state")
-    return _growing(fmu, "state", count, most, seconds)
+    return _growing(fmu, "state", _states, count, most, seconds)
 
 
 def memory_of_instances(fmu: FmuFile, count: int, most: float, seconds: float) -> list[str]:
@@ -84,7 +85,7 @@ def memory_of_instances(fmu: FmuFile, count: int, most: float, seconds: float) -
     it executes the slave's module for each instance.
     """
     need_instances(fmu)
-    return _growing(fmu, "instance", count, most + _MODULE_KEPT * _module(fmu), seconds)
+    return _growing(fmu, "instance", _instances, count, most + _MODULE_KEPT * _module(fmu), seconds)
 
 
 def _steps(fmu: FmuFile) -> Doing:
@@ -127,13 +128,6 @@ def _instances(fmu: FmuFile) -> Doing:
             instance.step(0.0, 0.3)
 
 
-_THINGS: Mapping[str, Callable[[FmuFile], Doing]] = {
-    "step": _steps,
-    "state": _states,
-    "instance": _instances,
-}
-
-
 def _module(fmu: FmuFile) -> int:
     """Return the size of the module that a wrapper executes for each instance [B], 0 if none."""
     try:
@@ -143,7 +137,9 @@ def _module(fmu: FmuFile) -> int:
         return 0
 
 
-def _growing(fmu: FmuFile, what: str, count: int, most: float, seconds: float) -> list[str]:
+def _growing(
+    fmu: FmuFile, what: str, doing: Does, count: int, most: float, seconds: float
+) -> list[str]:
     """Complain if in most parts of a measurement the memory grows by more than `most` each time.
 
     A loss grows in every part; what an allocator or a cache takes does so in few. The process is a
@@ -153,7 +149,7 @@ def _growing(fmu: FmuFile, what: str, count: int, most: float, seconds: float) -
         raise NotApplicableError("the memory of a process is read on Linux only")
     limit = fresh_process.LIMIT + _PATIENCE * seconds
     answer = fresh_process.call(
-        measure, fmu.path.absolute(), fmu.names, what, count, seconds, _PATIENCE, limit=limit
+        _measured, fmu.path.absolute(), fmu.names, doing, count, seconds, _PATIENCE, limit=limit
     )
     if answer.value is None:
         return [answer.failure or "no answer"]
@@ -175,32 +171,23 @@ def judged(parts: Sequence[tuple[int, int]], what: str, most: float, seconds: fl
     return [f"each {what} keeps {grown / of:.0f} bytes; {most:g} at most"]
 
 
-def measure(
-    path: Path, names: NameMap, what: str, count: int, seconds: float, patience: float
+def _measured(
+    path: Path, names: NameMap, doing: Does, count: int, seconds: float, patience: float
 ) -> list[tuple[int, int]]:
     """Return how often a thing was done in each part of a measurement, and the growth [B].
 
-    Parameters
-    ----------
-    path, names
-        The FMU's file and the map to its names.
-    what
-        step, state or instance.
-    count, seconds
-        As in `memory_of_steps`.
-    patience
-        How much longer it may take by the wall clock.
+    It may take `patience` times the `seconds` of the processor by the wall clock.
     """
     fmu = FmuFile(path, names)
     over = _clock(seconds, patience)
     parts: list[tuple[int, int]] = []
-    with closing(fmu), closing(_THINGS[what](fmu)) as doing:
-        next(doing)
+    with closing(fmu), closing(doing(fmu)) as once:
+        next(once)
         before = _resident()
         while sum(times for times, _ in parts) < count and not over():
             done, part_over = 0, _clock(seconds / _PARTS, patience)
             while done < count // _PARTS and not part_over():
-                next(doing)
+                next(once)
                 done += 1
             now = _resident()
             parts.append((done, now - before))
