@@ -9,7 +9,7 @@ import pytest
 
 from stickslip_verification import FmuError, NameMap
 from stickslip_verification.drive import FmuFile
-from stickslip_verification.drive.fmu.archive import missing
+from stickslip_verification.drive.fmu.archive import require
 from stickslip_verification.drive.fmu.names import Target
 from stickslip_verification.drive.fmu.unpacking import new_folder
 from tests.makers import ODD, POOR, RENAMED, SLIDER, SLIDER_3, Foreign, altered, described, edited
@@ -142,8 +142,10 @@ def test_start_values_are_read_in_si() -> None:
 
 
 def test_what_a_block_needs_and_an_fmu_lacks_is_listed() -> None:
-    assert missing(ODD.opened()) == ["m", "mu_s", "mu_k", "v", "x"]
-    assert missing(POOR.opened()) == missing(RENAMED.opened()) == []
+    with pytest.raises(FmuError, match="has no variable m, mu_s, mu_k, v, x; map them"):
+        require(ODD.opened())
+    require(POOR.opened())
+    require(RENAMED.opened())
 
 
 def test_names_that_are_ours_need_no_map_and_are_not_taken_twice() -> None:

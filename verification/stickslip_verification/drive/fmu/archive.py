@@ -102,13 +102,15 @@ class FmuFile(Description):
         same name, and is left alone; what the names file maps must be right.
         """
         for each in parameters:
+            if self.has(each.name):
+                continue
             try:
                 own = collect(self.path.name, self, self.names, {each.name: each.unit})
             except FmuError:
                 if not optional or each.name in self.names.targets:
                     raise
             else:
-                self.variables = {**own, **self.variables}
+                self.variables = {**self.variables, **own}
 
     def instantiate(self) -> FmuInstance:
         """Make a new instance; `FmuError` if the FMU refuses."""
@@ -120,14 +122,9 @@ def available(fmu: FmuFile, names: Iterable[str]) -> list[str]:
     return [name for name in names if fmu.has(name)]
 
 
-def missing(fmu: FmuFile, names: Iterable[str] = REQUIRED) -> list[str]:
-    """Of these names, those that the FMU lacks, in the same order."""
-    return [name for name in names if not fmu.has(name)]
-
-
-def require(fmu: FmuFile, names: Iterable[str] = REQUIRED) -> None:
-    """Raise `FmuError` with the names that the FMU lacks and what to do, if it lacks any."""
-    lacking = missing(fmu, names)
+def require(fmu: FmuFile) -> None:
+    """Raise `FmuError` with what the FMU lacks of `REQUIRED` and what to do, if it lacks any."""
+    lacking = [name for name in REQUIRED if not fmu.has(name)]
     if lacking:
         them = "them" if len(lacking) > 1 else "it"
         raise FmuError(

@@ -4,7 +4,7 @@ The calls are data: see `Call`.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain
 from typing import Any
 
@@ -261,16 +261,17 @@ def differences(
         Names of outputs that are not compared.
     """
     scales = {} if tolerance is None else _scales(chain(got, expected))
-    told = []
+    complaints = []
     for name in got[0]:
-        allowed = 0.0
-        if tolerance is not None and not QUANTITIES[name].discrete:
-            allowed = tolerance * scales[QUANTITIES[name].unit]
-        pairs = ((a[name], b[name]) for a, b in zip(got, expected, strict=True))
-        wrong = next(_apart(pairs, allowed), None)
-        if wrong is not None and name not in ignored:
-            told.append(f"{name} is {wrong[1]!r} and not {wrong[2]!r} after step {wrong[0] + 1}")
-    return told[:_MOST_TOLD]
+        exact = tolerance is None or QUANTITIES[name].discrete
+        allowed = 0.0 if exact else (tolerance or 0.0) * scales[QUANTITIES[name].unit]
+        for number, (row, other) in enumerate(zip(got, expected, strict=True), start=1):
+            a, b = row[name], other[name]
+            same = a == b or abs(a - b) <= allowed or (math.isnan(a) and math.isnan(b))
+            if not same and name not in ignored:
+                complaints.append(f"{name} is {a!r} and not {b!r} after step {number}")
+                break
+    return complaints[:_MOST_TOLD]
 
 
 def _dated(row: Row, like: Row, later: float) -> Row:
@@ -289,11 +290,3 @@ def _scales(rows: Iterable[Row]) -> dict[str, float]:
             magnitude = abs(value) if math.isfinite(value) and not discrete else 0.0
             scales[unit] = max(scales.get(unit, 0.0), magnitude)
     return scales
-
-
-def _apart(
-    pairs: Iterable[tuple[float, float]], allowed: float
-) -> Iterator[tuple[int, float, float]]:
-    for number, (a, b) in enumerate(pairs):
-        if not abs(a - b) <= allowed and a != b and not (math.isnan(a) and math.isnan(b)):
-            yield number, a, b
