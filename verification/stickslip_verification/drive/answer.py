@@ -1,7 +1,9 @@
 """The result of a task in another process: a value, or the reason why there is none."""
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from stickslip_verification.drive.fmu.errors import NotApplicableError
@@ -42,6 +44,13 @@ def answer_of(task: Callable[..., T], *arguments: Any) -> Answer[T]:
     except (Exception, SystemExit, KeyboardInterrupt) as error:
         # Code that a fault brings along may try to leave; Ctrl-C does not reach this process.
         return Answer(failure=reason(error))
+
+
+def discard_prints() -> None:
+    """Discard what this process prints, and an FMU in it."""
+    with Path(os.devnull).open("wb") as nowhere:
+        for stream in (1, 2):
+            os.dup2(nowhere.fileno(), stream)
 
 
 def reason(error: BaseException) -> str:

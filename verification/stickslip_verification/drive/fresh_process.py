@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from stickslip_verification.drive.answer import Answer, answer_of
+from stickslip_verification.drive.answer import Answer, answer_of, discard_prints
 
 Environment = Mapping[str, str | bool]
 """Environment variables and their values; False for one that is not set."""
@@ -73,9 +73,7 @@ def call(
 def serve() -> None:
     """Call the function that comes on standard input, and write its answer to standard output."""
     with os.fdopen(os.dup(1), "wb") as out:
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        for stream in (1, 2):
-            os.dup2(nowhere, stream)
+        discard_prints()
         limit, function, arguments = pickle.load(sys.stdin.buffer)
         # Ends this process even if its parent was ended and the FMU never returns.
         faulthandler.dump_traceback_later(limit, exit=True)

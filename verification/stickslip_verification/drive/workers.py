@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Self, TypeVar
 
 from stickslip_verification.drive import convergence, nearby
-from stickslip_verification.drive.answer import Answer, answer_of, reason
+from stickslip_verification.drive.answer import Answer, answer_of, discard_prints, reason
 from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
@@ -284,10 +284,7 @@ def _begin(folder: str, opened: Callable[[], FmuFile] | None) -> None:
     tempfile.tempdir = folder
     if opened is not None:
         _OPENED.append(cache(opened))
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        for stream in (1, 2):
-            os.dup2(nowhere, stream)
-        os.close(nowhere)
+        discard_prints()
 
 
 def _fmu() -> FmuFile:

@@ -33,7 +33,7 @@ initializes at a start time [s]. ``{ step = h }`` makes a step of h [s], with ``
 Row = Mapping[str, float]
 """Outputs at one time, by name (SI)."""
 
-_MOST_TOLD = 3
+_MOST_COMPLAINTS = 3
 """Outputs that a complaint names; more would not help to find the fault."""
 
 
@@ -271,7 +271,7 @@ def differences(
             if not same and name not in ignored:
                 complaints.append(f"{name} is {a!r} and not {b!r} after step {number}")
                 break
-    return complaints[:_MOST_TOLD]
+    return complaints[:_MOST_COMPLAINTS]
 
 
 def _dated(row: Row, like: Row, later: float) -> Row:

@@ -48,7 +48,7 @@ _STEP = 0.001
 _SLAVE_MODULE = "resources/slavemodule.txt"
 """Where pythonfmu's wrapper finds the name of the module that it executes."""
 
-_MODULE_KEPT = 16
+_PER_MODULE = 16
 """Memory per byte of that module which the wrapper keeps of each execution, 5 with a plain one."""
 
 
@@ -85,7 +85,7 @@ def memory_of_instances(fmu: FmuFile, count: int, most: float, seconds: float) -
     it executes the slave's module for each instance.
     """
     need_instances(fmu)
-    return _growing(fmu, "instance", _instances, count, most + _MODULE_KEPT * _module(fmu), seconds)
+    return _growing(fmu, "instance", _instances, count, most + _PER_MODULE * _module(fmu), seconds)
 
 
 def _steps(fmu: FmuFile) -> Doing:
