@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import partial
 from random import Random
 
 import numpy as np
@@ -296,10 +297,11 @@ def _set_back_at_marks(m: Master) -> None:
     m.set()
 
 
-def _begin_both(m: Master) -> None:
-    for _ in m.instances:
-        m.begin()
-        m.instances.reverse()
+def _begin_both(m: Master, **changes: float) -> None:
+    """Begin with another instance too, with other values."""
+    m.begin()
+    m.instances[1].start({**m.setting.parameters, **changes})
+    m.read(m.instances[1])
 
 
 def _carry_over_at_marks(m: Master) -> None:
@@ -322,15 +324,7 @@ def _begin_again(m: Master) -> None:
     m.begin()
 
 
-def _begin_beside(m: Master) -> None:
-    m.begin()
-    other = m.instances[1]
-    other.start({**m.setting.parameters, "v": 0.037})
-    m.read(other)
-
-
-def _go_on_beside(m: Master) -> None:
-    """Before each step, step another instance, pulled at another speed."""
+def _step_other_before(m: Master) -> None:
     if m.number:
         m.go(m.instances[1], m.number - 1, m.number)
     m.set()
@@ -346,7 +340,7 @@ RUNS: Mapping[str, Way] = {
         begin=_begin_both, set=_carry_over_at_marks, instances=2, states=True, written=True
     ),
     "reset": Way(begin=_begin_again),
-    "two_instances": Way(begin=_begin_beside, set=_go_on_beside, instances=2),
+    "two_instances": Way(begin=partial(_begin_both, v=0.037), set=_step_other_before, instances=2),
 }
 """What an invariant can name as ``run``."""
 
