@@ -1,8 +1,10 @@
 """One instance of an FMU of either FMI version, read and set by the suite's names in SI."""
 
+import atexit
 import contextlib
 import ctypes
 import itertools
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -10,7 +12,6 @@ from typing import Any, ClassVar, Protocol, Self
 
 import fmpy.fmi1
 
-from stickslip_verification.drive.fmu import libraries
 from stickslip_verification.drive.fmu.errors import FmuError, one_line
 from stickslip_verification.drive.fmu.variables import Variable
 
@@ -31,6 +32,21 @@ _MOST_MESSAGES = 1000
 _LONGEST_MESSAGE = 2000
 
 _COUNTER = itertools.count(1)
+
+_LOADED: set[str] = set()
+"""Paths of the libraries in this process: those of pythonfmu and pythonfmu3 stay for good."""
+
+
+@atexit.register
+def _let_go() -> None:
+    """Make the wrappers of pythonfmu and pythonfmu3 release the interpreter now.
+
+    Left to themselves they do it twice when the process ends, the second time in freed memory.
+    """
+    if hasattr(os, "RTLD_NOLOAD"):
+        for library in _LOADED:
+            with contextlib.suppress(OSError, AttributeError):
+                ctypes.CDLL(library, mode=os.RTLD_NOLOAD).finalizePythonInterpreter()
 
 
 class Messages(list[str]):
@@ -92,7 +108,7 @@ class FmuInstance(ABC):
                 )
         except Exception as error:
             raise FmuError(f"{fmu.path.name}: {one_line(error)}") from None
-        libraries.note(self._slave.dll._name)
+        _LOADED.add(self._slave.dll._name)
         self._instantiate()
 
     @abstractmethod
