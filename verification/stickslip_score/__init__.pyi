@@ -1,7 +1,7 @@
-from .csv_file import read_curve as read_curve
-from .curve import Curve as Curve
-from .curve import CurveError as CurveError
 from .judge import score as score
+from .read import Curve as Curve
+from .read import CurveError as CurveError
+from .read import read_curve as read_curve
 from .result import Cause as Cause
 from .result import Compared as Compared
 from .result import Score as Score

@@ -9,12 +9,12 @@ import math
 
 import numpy as np
 
-from stickslip_score.curve import Floats
 from stickslip_score.evidence import Evidence
 from stickslip_score.fit import Fit
 from stickslip_score.held import explained_by_drift
 from stickslip_score.law import Law, root
 from stickslip_score.phases import NO_GAP, Stick
+from stickslip_score.read import Floats
 from stickslip_score.result import Cause, Judgement, power, tolerance
 from stickslip_score.sliding import another_slide, judge_sliding, rests_on
 from stickslip_score.words import force, length, percent, signed_length, speed, time

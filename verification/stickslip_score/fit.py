@@ -8,9 +8,9 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import correlate
 
-from stickslip_score.curve import Floats
 from stickslip_score.law import EPSILON, Law
 from stickslip_score.noise import scatter_of
+from stickslip_score.read import Floats
 
 ON_THE_LAW = 1.25
 """Excess up to which a curve lies on the law: its digits once, and once more because the least

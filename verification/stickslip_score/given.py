@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stickslip_score.curve import Curve, CurveError, Floats
+from stickslip_score.read import Curve, CurveError, Floats
 from stickslip_score.words import force, length, speed
 
 _SURE = 0.25

@@ -7,7 +7,6 @@ import numpy as np
 
 from stickslip_score.cause import decide
 from stickslip_score.chatter import chatters
-from stickslip_score.curve import Curve, CurveError
 from stickslip_score.evidence import Evidence
 from stickslip_score.findings import findings
 from stickslip_score.fit import Fit
@@ -18,6 +17,7 @@ from stickslip_score.measure import QUANTITIES, Measured, from_fit, from_sticks
 from stickslip_score.motion import COARSE, Motion, motion_of
 from stickslip_score.noise import scatter_of
 from stickslip_score.phases import Phases, find_phases
+from stickslip_score.read import Curve, CurveError
 from stickslip_score.result import Compared, Score
 from stickslip_score.slide import Slide, fit_slide
 from stickslip_verification.truth import steady_cycle

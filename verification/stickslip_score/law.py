@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import brentq
 
-from stickslip_score.curve import Floats
+from stickslip_score.read import Floats
 
 EPSILON = float(np.finfo(np.float64).eps)
 

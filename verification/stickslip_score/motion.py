@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from stickslip_score.curve import Curve, Floats
 from stickslip_score.law import Law
 from stickslip_score.noise import noise_of
+from stickslip_score.read import Curve, Floats
 from stickslip_score.words import time
 
 _SOLVER_FLOOR = 1e-9

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_score.curve import Floats
+from stickslip_score.read import Floats
 
 _LENGTH = 4
 """Third differences in a window: enough for a mean square, and short against a stick."""

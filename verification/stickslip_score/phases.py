@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip_score.curve import Floats
 from stickslip_score.law import Law
 from stickslip_score.motion import Motion
+from stickslip_score.read import Floats
 
 _DEEP = 0.4
 """Of the deepest fall of the spring: a fall or rise that counts as a turn. Cycles of one motion

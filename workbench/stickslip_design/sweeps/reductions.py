@@ -157,7 +157,7 @@ def _leaving(position: Floats, band: float) -> list[int]:
 
 def _digits(position: Floats) -> float:
     """Return how far samples of one place may be apart: digits, integration, rounding."""
-    from stickslip_score.curve import half_unit
+    from stickslip_score.read import half_unit
 
     rounding = 4.0 * float(np.finfo(np.float64).eps) * float(np.max(np.abs(position)))
     return half_unit(position) + _INTEGRATED * float(np.ptp(position)) + rounding

@@ -1,0 +1,491 @@
+"""A curve, in SI units with the digits of its numbers, from arrays or a CSV file of any tool."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+
+LEAST_SAMPLES = 5  # fewer cannot show a stick on either side of a slip and a sample between
+
+_DIGITS_OF = 500  # samples whose digits are counted; the longest of them has all digits
+_RUNS, _RUN = 4, 500  # runs of neighbouring samples in which counts are sought, samples of each
+_ROUNDINGS = 1024.0 * 2.0**-53  # of the largest number: moves below it are none
+_ON_THE_GRID = 0.01  # of half a unit: times printed off their grid scatter by nearly all of it
+_SAME = 1e-9  # of a column's largest value: what rows of one time at an event may differ by
+
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
+_WITH_UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<square>[^\]]*)\]|\s\((?P<round>[^)]*)\))$")
+_ROUND_AT_ONCE = re.compile(r"^(?P<name>(?!der$)[^()]*)\((?P<round>[^)]*)\)$", re.IGNORECASE)
+
+_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
+_MINUTE = {"mm/min": 1e-3 / 60.0, "m/min": 1.0 / 60.0}
+_SECOND = {"s": 1.0, "sec": 1.0, "seconds": 1.0}
+
+
+@dataclass(frozen=True)
+class _Quantity:
+    meaning: str
+    plain: str  # names in order of preference, in their case
+    others: str  # names in any case
+    units: Mapping[str, float]  # in SI; a column without a unit is in SI
+
+
+_QUANTITIES = {
+    "t": _Quantity(
+        "time",
+        "time t Time",
+        "time t zeit",
+        {**_SECOND, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0},
+    ),
+    "x": _Quantity(
+        "position",
+        "x X position",
+        "x s pos position x_mass mass_x displacement weg",
+        _LENGTHS,
+    ),
+    "x_dot": _Quantity(
+        "velocity",
+        "x_dot der(x)",
+        "x_dot xdot dx dxdt v_mass v_m vel velocity speed der(x) der(s) mass.v",
+        {f"{length}/s": size for length, size in _LENGTHS.items()} | {"m.s-1": 1.0, **_MINUTE},
+    ),
+    "F": _Quantity(
+        "spring force",
+        "F F_spring spring_force",
+        "f force f_spring spring_force springforce f_c kraft",
+        {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6},
+    ),
+}
+
+
+class CurveError(ValueError):
+    """A curve cannot be read or judged; the message says where and why."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Samples of a motion, at least t and x or F.
+
+    Attributes
+    ----------
+    t
+        Time [s], increasing, shape (n,).
+    x, x_dot, F
+        Position [m] and velocity [m/s] of the mass, spring force [N], shape (n,), or None.
+    t_rounding, x_rounding, x_dot_rounding, F_rounding
+        Half a unit in the last digit of the numbers, at their largest, in SI.
+    """
+
+    t: Floats
+    x: Floats | None = None
+    x_dot: Floats | None = None
+    F: Floats | None = None
+    t_rounding: float = 0.0
+    x_rounding: float = 0.0
+    x_dot_rounding: float = 0.0
+    F_rounding: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.x is None and self.F is None:
+            raise CurveError("neither x nor F is given; one of them is needed")
+        if self.t.ndim != 1 or self.t.size < LEAST_SAMPLES:
+            raise CurveError(f"{self.t.size} samples; at least {LEAST_SAMPLES} are needed")
+        for name in _QUANTITIES:
+            column = getattr(self, name)
+            if column is None:
+                continue
+            if column.shape != self.t.shape:
+                raise CurveError(f"{name} has {column.size} samples and t {self.t.size}")
+            if not np.all(np.isfinite(column)):
+                where = int(np.argmin(np.isfinite(column)))
+                raise CurveError(f"{name} is {column[where]} in sample {where + 1}")
+        if not np.all(np.diff(self.t) > 0.0):
+            where = int(np.argmin(np.diff(self.t) > 0.0)) + 1
+            raise CurveError(f"time does not increase in sample {where + 1}: t = {self.t[where]} s")
+
+    @classmethod
+    def of(
+        cls,
+        t: ArrayLike,
+        x: ArrayLike | None = None,
+        x_dot: ArrayLike | None = None,
+        F: ArrayLike | None = None,
+    ) -> Curve:
+        """Make a curve of arrays in SI units; the digits of its numbers are counted.
+
+        Raises
+        ------
+        CurveError
+            Neither x nor F, fewer than 5 samples, unequal lengths, NaN or infinity, time that
+            does not increase.
+        """
+        columns = {"t": t, "x": x, "x_dot": x_dot, "F": F}
+        arrays = {n: np.array(c, dtype=np.float64) for n, c in columns.items() if c is not None}
+        return _with_rounding(arrays, dict.fromkeys(arrays, 1.0))
+
+
+def _with_rounding(columns: Mapping[str, Floats], units: Mapping[str, float]) -> Curve:
+    """Make a curve of columns as printed, with their units by quantity, and count their digits."""
+    fields: dict[str, Any] = {}
+    for name, column in columns.items():
+        half = _half_unit_of_time(column) if name == "t" else half_unit(column)
+        fields |= {name: column * units[name], f"{name}_rounding": half * units[name]}
+    return Curve(**fields)
+
+
+def half_unit(column: Floats) -> float:
+    """Return half a unit in the last digit of the numbers of a column, at their largest.
+
+    Numbers are printed to so many digits or to so many decimals. The shortest text of each tells
+    both; the coarser of the two is what was printed. Numbers that single precision holds exactly
+    carry no more than its 24 bits. Counts of an encoder or converter times its step carry no more
+    than the step, whatever was printed.
+    """
+    finite = column[np.isfinite(column) & (column != 0.0)]
+    if not finite.size:
+        return 0.0
+    largest = float(np.max(np.abs(finite)))
+    some = finite[:: -(-finite.size // _DIGITS_OF)]
+    printed = [Decimal(repr(number)).normalize().as_tuple() for number in some.tolist()]
+    digits = max(len(number.digits) for number in printed)
+    last_place = min(int(number.exponent) for number in printed)
+    unit = max(10.0**last_place, 10.0 ** (math.floor(math.log10(largest)) - digits + 1))
+    with np.errstate(over="ignore"):
+        in_single = some.size > 1 and np.all(some.astype(np.float32) == some) and digits > 9
+    if in_single:
+        unit = max(unit, largest * 2.0**-23)
+    return 0.5 * max(float(unit), _count_step(column))
+
+
+def _count_step(column: Floats) -> float:
+    """Return the step of which all moves from sample to sample are multiples, by Euclid's division.
+
+    Moves of any size have a step of the size of their rounding. Returns 0 for a column that never
+    stays where it is: that of an even motion has one step as well.
+    """
+    starts = np.linspace(0, max(column.size - _RUN, 0), _RUNS).astype(np.int64)
+    moves = np.concatenate([np.abs(np.diff(column[i : i + _RUN])) for i in starts])
+    nothing = _ROUNDINGS * float(np.max(np.abs(column)))
+    parts = np.unique(moves[moves > nothing])
+    if parts.size == 0 or np.all(moves > nothing):
+        return 0.0
+    while parts.size > 1:
+        least = parts[0]
+        counts = np.round(parts / least)
+        rest = np.abs(parts - least * counts)
+        parts = np.unique(np.append(rest[rest > nothing * counts], least))
+        if parts[0] == least:
+            break
+    return float(parts[0])
+
+
+def _half_unit_of_time(t: Floats) -> float:
+    """Return half a unit in the last digit of times; an even grid of round numbers has none.
+
+    Steps of 0.1 s are written with one digit and hit to the last bit, while steps of 1/60 s
+    written with five digits scatter about their grid by half a unit.
+    """
+    scatter = float(np.max(np.abs(t - np.linspace(t[0], t[-1], t.size))))
+    printed = half_unit(t)
+    return scatter if scatter < _ON_THE_GRID * printed else printed
+
+
+def read_curve(path: Path | str, names: Mapping[str, str] | None = None) -> Curve:
+    """Read a curve from a text file with one header line.
+
+    Cells stand between commas, semicolons or tabs. Commas in a cell are decimal where they can be
+    nothing else; thousands separators are refused. A header may carry a unit, ``x [mm]`` or
+    ``time (s)``. Lines that begin with # and blank lines are passed over. Two rows of one time
+    with the same position and force, as tools write them at an event, count as one.
+
+    Parameters
+    ----------
+    path
+        The file.
+    names
+        Column names by quantity, of t, x, x_dot and F; the others are guessed. A name may carry
+        the unit that the header lacks.
+
+    Returns
+    -------
+    Curve
+        In SI units.
+
+    Raises
+    ------
+    CurveError
+        One line that names the file, the line where there is one, and the reason.
+    """
+    try:
+        return _read(Path(path), names or {})
+    except FileNotFoundError:
+        raise CurveError(f"{path}: no such file") from None
+    except OSError as error:
+        raise CurveError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except CurveError as error:
+        raise CurveError(f"{path}: {error}") from None
+
+
+def _read(file: Path, names: Mapping[str, str]) -> Curve:
+    lines = _text(file).splitlines()
+    above = next((i for i, line in enumerate(lines) if _has_cells(line)), None)
+    if above is None:
+        raise CurveError("is empty")
+    if any("\0" in line for line in lines[: above + 1]):
+        raise CurveError("is no text file")
+    separator = next((mark for mark in ";\t" if mark in lines[above]), ",")
+    header = [cell.strip().strip("'\"").strip() for cell in _cells(lines[above], separator)]
+    columns = _columns(header, names)
+    numbers = [i for i, line in enumerate(lines[above + 1 :], above + 2) if _has_cells(line)]
+    if not numbers:
+        raise CurveError("has no samples below its header")
+    table = _plain_table(lines[above + 1 :], separator, len(header), columns)
+    if table is None:
+        table = _any_table(lines, numbers, separator, header, columns)
+    printed = {quantity: table[:, i].copy() for i, quantity in enumerate(columns)}
+    for quantity, (index, _) in columns.items():
+        _check_points(header[index], printed[quantity])
+    samples = _increasing(printed, numbers)
+    if not np.all(samples):
+        printed = {quantity: column[samples] for quantity, column in printed.items()}
+    return _with_rounding(printed, {quantity: unit for quantity, (_, unit) in columns.items()})
+
+
+def _text(file: Path) -> str:
+    """Return the text of a file; units such as µm may come in the letters of Windows."""
+    content = file.read_bytes()
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return content.decode("utf-16", errors="replace")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+def _has_cells(line: str) -> bool:
+    stripped = line.strip()
+    return bool(stripped) and stripped[0] != "#"
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    try:
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    except csv.Error as error:
+        raise CurveError(f"cannot be split into cells: {error}") from None
+
+
+Columns = Mapping[str, tuple[int, float]]
+"""Where the column of a quantity stands, and its unit in SI."""
+
+
+def _columns(header: Sequence[str], names: Mapping[str, str]) -> Columns:
+    """Find the columns of t, x, x_dot and F in a header line."""
+    if all(_is_number(cell) for cell in header if cell):
+        raise CurveError("has no header line: its first line holds numbers only")
+    columns = {}
+    for symbol, quantity in _QUANTITIES.items():
+        if symbol in names:
+            index, text = _named(names[symbol], header)
+        elif (guess := _guess(quantity, header)) is not None:
+            index, text = guess, header[guess]
+        else:
+            continue
+        columns[symbol] = index, _unit(text, quantity)
+    if "t" not in columns:
+        raise CurveError(f"no column of time; the columns are {', '.join(header)}")
+    if not columns.keys() & {"x", "F"}:
+        raise CurveError(
+            "no column of the position x nor of the spring force F; the columns are "
+            f"{', '.join(header)}"
+        )
+    return columns
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell.replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
+def _split(cell: str) -> tuple[str, str]:
+    """Return name and unit of a header cell."""
+    match = _WITH_UNIT.match(cell) or _ROUND_AT_ONCE.match(cell)
+    if not match:
+        return cell, ""
+    groups = match.groupdict()
+    return groups["name"].strip(), (groups.get("square") or groups.get("round") or "").strip()
+
+
+def _named(name: str, header: Sequence[str]) -> tuple[int, str]:
+    """Return the column that a person named, and the text that tells its unit.
+
+    It is named by its whole text, by its name, by either in any case, or by its name with the
+    unit that the header lacks.
+    """
+    bare = [_split(cell)[0] for cell in header]
+    ways = [(cells, name, fold, "") for fold in (str, str.casefold) for cells in (header, bare)]
+    if _split(name)[1]:
+        unitless = ["" if _split(cell)[1] else cell for cell in header]
+        ways += [(unitless, _split(name)[0], fold, name) for fold in (str, str.casefold)]
+    for cells, text, fold, with_unit in ways:
+        matches = [index for index, cell in enumerate(cells) if fold(cell) == fold(text)]
+        if len(matches) > 1:
+            raise CurveError(f"{len(matches)} columns are called {name}")
+        if matches:
+            return matches[0], with_unit or header[matches[0]]
+    raise CurveError(f"no column {name!r}; the columns are {', '.join(header)}")
+
+
+def _guess(quantity: _Quantity, header: Sequence[str]) -> int | None:
+    names = [_split(cell)[0] for cell in header]
+    for name in quantity.plain.split():
+        if names.count(name) == 1:
+            return names.index(name)
+    others = quantity.others.split()
+    # ``mass.s`` is the s of a mass.
+    matches = [i for i, name in enumerate(names) if name.casefold() in others] or [
+        i for i, name in enumerate(names) if name.rpartition(".")[2].casefold() in others
+    ]
+    if len(matches) > 1:
+        candidates = ", ".join(header[i] for i in matches)
+        raise CurveError(f"{quantity.meaning} may be any of {candidates}: name the column")
+    return matches[0] if matches else None
+
+
+def _unit(cell: str, quantity: _Quantity) -> float:
+    unit = _split(cell)[1].replace("μ", "µ").replace(" ", "")
+    if not unit:
+        return 1.0
+    # The case of a letter tells milli from mega, and is else of no account.
+    same = [name for name in quantity.units if name.lower() == unit.lower()]
+    sizes = {quantity.units[name] for name in (same if unit not in same else [unit])}
+    if len(sizes) != 1:
+        units = ", ".join(quantity.units)
+        raise CurveError(f"{cell}: the unit of the {quantity.meaning} is none of {units}")
+    return sizes.pop()
+
+
+def _plain_table(
+    lines: Sequence[str], separator: str, width: int, columns: Columns
+) -> Floats | None:
+    """Read a table of plain numbers, shape (samples, columns); None where it is no such table.
+
+    Every line has as many cells as the header, and no cell a quote or a comma of its own.
+    """
+    text = "\n".join(lines)
+    if '"' in text or (separator != "," and "," in text):
+        return None
+    try:
+        usecols = [index for index, _ in columns.values()]
+        table = np.loadtxt(lines, delimiter=separator, usecols=usecols, ndmin=2)
+    except (ValueError, IndexError):
+        return None
+    plain = text.count(separator) == len(table) * (width - 1)
+    return table if plain and np.all(np.isfinite(table)) else None
+
+
+def _any_table(
+    lines: Sequence[str],
+    numbers: Sequence[int],
+    separator: str,
+    header: Sequence[str],
+    columns: Columns,
+) -> Floats:
+    """Read a table cell by cell."""
+    needed = [index for index, _ in columns.values()]
+    texts = []
+    for number in numbers:
+        line = lines[number - 1]
+        if line.count('"') % 2:
+            raise CurveError(f"line {number}: a quote is not closed on its line")
+        row = _cells(line, separator)
+        if any(row[len(header) :]):
+            raise CurveError(
+                f"line {number}: {len(row)} cells under a header of {len(header)}: commas inside "
+                "numbers? Write them without"
+            )
+        if len(row) <= max(needed):
+            raise CurveError(
+                f"line {number}: {len(row)} cells, but column {max(needed) + 1} is needed"
+            )
+        texts.append([row[index].strip() for index in needed])
+    decimal = _has_decimal_commas(texts, numbers)
+    table = np.empty((len(texts), len(needed)))
+    for i, (number, row) in enumerate(zip(numbers, texts, strict=True)):
+        for j, text in enumerate(row):
+            try:
+                table[i, j] = float(text.replace(",", ".") if decimal else text)
+            except ValueError:
+                reason = f"{header[needed[j]]} is {text!r}, not a number"
+                raise CurveError(f"line {number}: {reason}") from None
+            if not np.isfinite(table[i, j]):
+                raise CurveError(f"line {number}: {header[needed[j]]} is {table[i, j]}")
+    return table
+
+
+def _has_decimal_commas(texts: Sequence[Sequence[str]], numbers: Sequence[int]) -> bool:
+    """Tell whether commas in the cells are decimal; refuse where they may separate thousands.
+
+    The first comma that cannot stand before three digits of a thousand tells for the whole file.
+    """
+    cells = [(n, text) for n, row in zip(numbers, texts, strict=True) for text in row]
+    commas = [(number, text) for number, text in cells if "," in text]
+    if not commas:
+        return False
+    doubtful = commas
+    if not all(_THOUSANDS.fullmatch(text) for _, text in commas):
+        doubtful = [(n, text) for n, text in commas if "." in text or text.count(",") > 1]
+        doubtful += [(number, text) for number, text in cells if "." in text]
+    for number, text in doubtful:
+        raise CurveError(
+            f"line {number}: {text!r} may have a separator of thousands; write numbers without"
+        )
+    return True
+
+
+def _check_points(name: str, column: Floats) -> None:
+    """Refuse a column that goes from 999 to 1.000: its points separate thousands."""
+    size = np.abs(column)
+    below, above = (size >= 900.0) & (size < 1000.0), (size >= 1.0) & (size < 1.1)
+    wraps = (below[1:] & above[:-1]) | (below[:-1] & above[1:])
+    if wraps.any() and np.all(np.abs(1e3 * column - np.round(1e3 * column)) < 1e-6):
+        raise CurveError(
+            f"{name} goes from 999 to 1.000 and back: its points may separate thousands; write "
+            "numbers without"
+        )
+
+
+def _increasing(printed: Mapping[str, Floats], numbers: Sequence[int]) -> NDArray[np.bool_]:
+    """Return where the samples are, without the first row of each event."""
+    t = printed["t"]
+    step = np.diff(t)
+    repeated = step == 0.0
+    for name in printed.keys() & {"x", "F"}:
+        column = printed[name]
+        repeated &= np.abs(np.diff(column)) <= _SAME * float(np.max(np.abs(column)))
+    good = (step > 0.0) | repeated
+    if not np.all(good):
+        where = int(np.argmin(good)) + 1
+        raise CurveError(
+            f"line {numbers[where]}: time does not increase "
+            f"({t[where]:.10g} after {t[where - 1]:.10g})"
+        )
+    samples = np.append(~repeated, True)
+    if np.count_nonzero(samples) < LEAST_SAMPLES:
+        raise CurveError(
+            f"{np.count_nonzero(samples)} samples; at least {LEAST_SAMPLES} are needed"
+        )
+    return samples
