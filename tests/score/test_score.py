@@ -200,7 +200,7 @@ T = np.arange(10.0)
         # Numbers a power of 1000 off are not guessed.
         (1.0, {"x": 1e3}, {}, "x in mm"),
         (1e3, {"x": 1.0}, {}, "t in ms"),
-        (1.0, {"F": 1e-3}, {}, "is F in kN"),
+        (1.0, {"F": 1e-3}, {}, "F in kN"),
     ],
 )
 def test_wrong_use_is_refused_with_its_reason(

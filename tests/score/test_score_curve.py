@@ -103,7 +103,7 @@ REFUSED = [
     (table("time,a,b"), {}, "no column of the position x nor of the spring force F"),
     (table("time,m1.s,m2.s"), {}, "position may be any of m1.s, m2.s"),
     (table("time,x [ft],F"), {}, "the unit of the position is none of"),
-    (PLAIN.replace("0.003", "NaN"), {}, "line 5: x is nan"),
+    (PLAIN.replace("0.003", "NaN"), {}, "line 5: x is 'NaN'"),
     (PLAIN.replace("0.3,", "0.2,"), {}, "line 5: time does not increase"),
     ("time,x\n0,0\n1,1\n", {}, "2 samples; at least 5 are needed"),
     (table("0,0,0"), {}, "no header line"),

@@ -1,122 +1,440 @@
-"""The most likely cause of a curve, and the sentence that says what was seen.
+"""The score of a curve: its figures against the exact ones, its cause, what else is seen.
 
-One rule: explanations are tried from the simplest on. Each must leave no more of the curve than its
-noise, its digits and the tolerance of a solver, and be known far better than what it explains.
-What no law explains has a cause where the signature of one is seen; else no single cause is named.
+Explanations are tried from the simplest on. Each must leave no more of the curve than its noise,
+its digits and the tolerance of a solver, and be known far better than what it explains. What no
+solution explains has a cause where the signature of one is seen; else no single cause is named.
 """
 
+from __future__ import annotations
+
 import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from enum import StrEnum
+from functools import partial
+from typing import Any
 
 import numpy as np
 
-from stickslip_score.evidence import Evidence
-from stickslip_score.fit import Fit
-from stickslip_score.held import explained_by_drift
-from stickslip_score.law import Law, root
-from stickslip_score.phases import NO_GAP, Stick
-from stickslip_score.read import Floats
-from stickslip_score.result import Cause, Judgement, power, tolerance
-from stickslip_score.sliding import another_slide, judge_sliding, rests_on
-from stickslip_score.words import force, length, percent, signed_length, speed, time
+from stickslip_score.figures import (
+    COARSE,
+    LOST,
+    QUANTITIES,
+    Figures,
+    Motion,
+    Phases,
+    Solution,
+    Stick,
+    figures_of,
+    find_phases,
+    motion_of,
+    root,
+    scatter_of,
+    si,
+)
+from stickslip_score.fit import (
+    Fit,
+    Fits,
+    Rest,
+    Slide,
+    explained_by_drift,
+    fit_slide,
+    fits_of,
+    rests_of,
+)
+from stickslip_score.read import Curve, CurveError, Floats
+from stickslip_verification.truth import steady_cycle
+from stickslip_verification.truth.parameters import complete, used_mu_k
 
-_NO_CAUSE = "no single cause explains it"
+_SIGN = 0.25  # of the way of the pulled end, and of the friction force: a way that has a sign
+_NEAR = 4.0  # factor about a power of 1000 within which a unit is the likeliest reason
+_UNITS = {
+    1e3: ("x in mm or t in ks", "F in mN"),
+    1e6: ("x in um", "F in uN"),
+    1e9: ("x in nm", "F in nN"),
+    1e-3: ("t in ms or x in km", "F in kN"),
+    1e-6: ("t in us", "F in MN"),
+}
+"""Units of x and F whose numbers are this factor too large."""
+_SAMPLES_OF_A_CYCLE = 6  # fewer do not tell the phases of a curve on no known solution
 
-_TYPED = 1e-5
-"""Relative: nobody types a parameter so finely; a solver of a usual tolerance is off by more."""
-
-_LOOSE = 1e-2
-"""Relative: the error of an event that the loosest solvers in use, at a tolerance of 1e-3, make."""
-
-_MARGIN = 20.0
-"""Of Schwarz's criterion: odds of 20,000 to one."""
-
-_CLEAR = 100.0
-"""How much larger what a law explains is than what it leaves, where solver errors are left."""
-
-_SEEN_STEPS = 0.05
-"""Of a sample step: lateness that few slips must show to be that of steps."""
-
+_NO_GAP = 0.25
+"""Of the exact gap: a curve that shows less has lost the difference of static and kinetic friction.
+A solver with fixed steps only widens it, a smoothed friction narrows it and creeps besides."""
+_TYPED = 1e-5  # relative: nobody types a parameter so finely; usual solvers are off by more
+_LOOSE = 1e-2  # relative: error of an event by the loosest solvers, at a tolerance of 1e-3
+_MARGIN = 20.0  # of Schwarz's criterion: odds of 20,000 to one
+_CLEAR = 100.0  # how much more a solution explains than it leaves, where solver errors are left
+_SEEN_STEPS = 0.05  # of a sample step: lateness that is one of a fixed step
 _EULER = 2.0
 """How much each slip of an explicit method of first order gains in it, pi/2 w h of the gap, and
 a part for the slips that begin and end between steps."""
-
 _FOLLOWS, _CLOSELY = 0.2, 0.05
 """Of the scatter of latenesses: what of it does not follow from the one before, in fixed steps. By
 a tolerance latenesses scatter anyhow, and twice as much is left. Few or small ones may follow by
 chance, and must do so closely."""
-
-_FEW, _FINE = 3, 0.01
-"""Latenesses that are few; and of a sample step, how far small ones differ at most."""
-
-_LEAST_LATE = 0.03
-"""Of a step: how little the first break-away may be off the lateness to which steps lead."""
-
-_SAME_FORCE = 1e-6
-"""Of the highest spring force: a break-away force nearer than that is the same, for any solver."""
-
+_FEW, _FINE = 3, 0.01  # latenesses that are few; of a sample step: how far small ones differ
+_LATE_STEPS = 2.0
+"""Sample steps of motion by which fixed steps can set a slide off: the break-away is late by up to
+one, and a method of first order is ahead or behind by up to another."""
+_SAME_FORCE = 1e-6  # of the highest spring force: nearer, a break-away force is the same
 _DEVIATIONS, _SURE, _OFFSETS = 3.0, 3.5, 5.0
 """Standard deviations of noise to which a number is said to be known; beyond which it is another;
 and those of the mean of the samples that their offset may be: it hangs on the break-away as well.
 """
-
-_LOST_PEAK = 0.99
-"""Of the exact fall of the spring in a slip: less shows that the static peak is lost."""
-
-_HIDES = 0.25
-"""Of the swing: a gap known no better than this may be none."""
-
-_TELLS_NOISE = 40
-"""Samples below which noise is not told from a departure, unless the mass rests to its digits."""
-
-_SEES_SLIPS = 0.5
-"""Radians of the oscillation between samples up to which each slip, of pi or more, has six."""
-
+_LOST_PEAK = 0.99  # of the exact fall of the spring in a slip: less lost the static peak
+_HIDES = 0.25  # of the swing: a gap known no better than this may be none
+_TELLS_NOISE = 40  # fewer samples do not tell noise, unless the mass rests to its digits
+_SEES_SLIPS = 0.5  # radians between samples up to which each slip, of pi or more, has six
 _EVEN = 0.02
 """How alike creep must be early and late in stick to be no friction's. The force that drives a
 smoothed friction changes by the factor mu_s/(2 mu_k - mu_s) meanwhile."""
+_HIGHS_OF_A_DRIFT = 4  # turns of the spring, and times their scatter, from which a drift is one
 
-_HIGHS_OF_A_DRIFT = 4
-"""Turns of the spring, and times their scatter, from which on a drift is one."""
+_ALTERNATING, _LEAST_ALTERNATING = 20_000, 40  # samples searched for alternating friction
+_EQUAL = 1e-6  # of a step: how far steps of a solver may differ
+_FULL, _MOST, _BACK, _REVERSALS = 0.15, 0.9, 0.02, 0.1
+"""Of the friction force: how far a value may be off static or kinetic friction; the part of the
+samples that must be so near; the part that must be driven against the pull; and how often for
+each of these the force must turn."""
+
+_NO_CAUSE = "no single cause explains it"
+_TOO_FEW = "{} samples are too few to tell noise from a cause"
+_NO_CYCLE = "no steady cycle exists at these parameters"
 
 
-def decide(e: Evidence) -> Judgement:
-    """Return the most likely cause, and the sentence that says why.
+class Cause(StrEnum):
+    """What most likely made a curve what it is."""
+
+    EXACT = "exact"
+    FIXED_STEP = "fixed_step"
+    REGULARISED = "regularised"
+    SINGLE_COEFFICIENT = "single_coefficient"
+    SOLVER_TOLERANCE = "solver_tolerance"
+    NOISY = "noisy"
+    OTHER = "other"
+
+
+Judgement = tuple[Cause, str]
+"""The cause, and the sentence that says why."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A quantity of the cycle as the curve has it and as it is, SI.
+
+    An error within the resolution is no evidence against the curve.
+    """
+
+    got: float | None  # mean over the complete cycles (or slips); None where there is none
+    exact: float | None  # of the steady cycle; None where none exists
+    error: float | None  # got - exact
+    resolution: float | None  # how far `got` may be off for want of samples and digits
+
+
+@dataclass(frozen=True)
+class Score:
+    """The verdict on a curve."""
+
+    period: Compared  # [s], from break-away to break-away
+    t_stick: Compared  # [s]
+    t_slip: Compared  # [s]
+    delta_x: Compared  # jump of the mass [m], with the sign of v
+    cause: Cause  # what most likely made the curve what it is
+    explanation: str  # the same as a sentence with figures
+    findings: tuple[str, ...]  # what else was seen, one sentence each
+    cycles: int  # complete ones, from break-away to break-away, behind the figures
+    x_noise: float | None = None  # standard deviation [m]; None where x is not in the curve
+    F_noise: float | None = None  # standard deviation [N]; None where F is not in the curve
+
+
+def as_json(score: Score) -> dict[str, Any]:
+    """Return the score as what JSON can hold; null where a figure is missing."""
+    units = {"period": "s", "t_stick": "s", "t_slip": "s", "delta_x": "m"}
+    fields = asdict(score)
+    noise = {"x": fields.pop("x_noise"), "F": fields.pop("F_noise")}
+    unit = {**units, "noise": {"x": "m", "F": "N"}}
+    return {**fields, "findings": list(score.findings), "noise": noise, "unit": unit}
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that is known of a curve when it is judged."""
+
+    p: Mapping[str, float]  # all parameters, SI
+    exact: Mapping[str, float] | None  # figures of a forward pull; None where no cycle exists
+    solution: Solution  # the exact one
+    motion: Motion
+    phases: Phases
+    figures: Figures
+    fits: Fits
+    chatters: bool  # whether each sample is a step of a solver that chatters
+    slide: Slide | None  # sliding without end, from any start; None where a cycle exists
+
+    def lies_on(self, name: str) -> bool:
+        """Tell whether all samples lie on a fit, to their digits or their noise."""
+        return name in self.fits and self.fits[name].lies
+
+    @property
+    def break_away(self) -> float:
+        """Spring extension at which the mass breaks away, by the model [m]."""
+        direction = math.copysign(1.0, self.p["v"])
+        return (self.p["mu_s"] * _normal(self.p) - direction * self.p["F_ext"]) / self.p["k"]
+
+    @property
+    def highest(self) -> float:
+        """Highest extension of the spring, by the model [m]: a little beyond break-away."""
+        gap = max(self.solution.D, 0.0)
+        return self.break_away + math.hypot(gap, self.solution.v / self.solution.w) - gap
+
+    def gap_ratio(self, D: float) -> float:
+        """Return the gap of the friction forces that belongs to a D, over the exact one."""
+        drag = 2.0 * self.solution.zeta * self.solution.v / self.solution.w
+        gap = self.solution.D + drag
+        return (D + drag) / gap if gap else math.inf
+
+    @property
+    def seen_gap(self) -> float:
+        """The gap that the swing of the spring shows [m]; 0 for a swing of v/w alone."""
+        lows = self.phases.lows
+        if not lows.size:
+            return self.solution.D
+        return self.solution.seen_gap(float(np.median(self.phases.highs[: lows.size] - lows)))
+
+
+def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
+    """Judge a curve against the exact steady cycle, docs/theory.md (7) to (10), (13).
+
+    The noise of the columns is estimated first. The figures are means over all complete cycles,
+    which begin and end with a break-away, so that the first load-up is none. Where all samples lie
+    on the solution of a block with some gap, to their digits or their noise, they are read off that
+    one; else each event is known between two samples. Resolutions follow from digits, noise and
+    sampling. A v of the wrong sign is turned, and a finding says so.
+
+    Parameters
+    ----------
+    curve
+        The samples.
+    parameters
+        m g k c mu_s mu_k v load F_ext, SI; what is missing takes its start value.
+
+    Raises
+    ------
+    ValueError
+        A parameter is unknown or out of range; the message names it.
+    CurveError
+        v is 0, so that nothing is pulled, or x or F is a power of 1000 too large or too small.
+    """
+    try:
+        with np.errstate(over="raise"):
+            return _score(curve, complete(parameters))
+    except (OverflowError, ZeroDivisionError, FloatingPointError):
+        raise CurveError(
+            "the figures of the curve or of the block leave the range of numbers"
+        ) from None
+
+
+def _score(curve: Curve, p: Mapping[str, float]) -> Score:
+    if p["v"] == 0.0:
+        raise CurveError("v = 0: nothing is pulled, so there is no cycle to compare with")
+    cycle = steady_cycle({**p, "v": abs(p["v"])}, digits=30)
+    names = ("T", *QUANTITIES[1:])
+    exact = cycle and {n: float(cycle[s]) for n, s in zip(QUANTITIES, names, strict=True)}
+    turned = _is_turned(curve, p, exact)
+    p = {**p, "v": -p["v"]} if turned else p
+    w, v = math.sqrt(p["k"] / p["m"]), abs(p["v"])
+    gap = (p["mu_s"] - used_mu_k(p["mu_s"], p["mu_k"])) * _normal(p) / p["k"]
+    solution = Solution(w, p["c"] / (2.0 * p["m"] * w), v, gap - p["c"] * v / p["k"])
+    motion = motion_of(curve, p, solution)
+    chatters = _chatters(motion, solution, p)
+    motion, phases, fits = _look(motion.with_noise(0.0) if chatters else motion, solution)
+    slide = None if exact else fit_slide(motion, solution)
+    figures = _figures(motion, phases, fits, slide, solution)
+    evidence = Evidence(p, exact, solution, motion, phases, figures, fits, chatters, slide)
+    cause, explanation = _cause(evidence)
+    against = f"the mass is pulled against the given v: judged with v = {p['v']:g} m/s"
+    compared = {}
+    for name in QUANTITIES:
+        sign = math.copysign(1.0, p["v"] if name == "delta_x" else 1.0)
+        true = sign * exact[name] if exact else None
+        value, resolution = figures.values.get(name, (None, None))
+        got = None if value is None else sign * value
+        error = None if got is None or true is None else got - true
+        compared[name] = Compared(got, true, error, resolution)
+    noise = motion.noises
+    return Score(
+        **compared,
+        cause=cause,
+        explanation=explanation,
+        findings=(*([against] if turned else []), *_findings(evidence)),
+        cycles=figures.cycles,
+        x_noise=noise.get("x"),
+        F_noise=p["k"] * noise["F"] if "F" in noise else None,
+    )
+
+
+def _normal(p: Mapping[str, float]) -> float:
+    return max(p["m"] * p["g"] + p["load"], 0.0)
+
+
+def _is_turned(curve: Curve, p: Mapping[str, float], exact: Mapping[str, float] | None) -> bool:
+    """Tell whether the pull goes against v; refuse x or F that are a power of 1000 off.
+
+    The mass advances with the pulled end, and the spring drags it forward. The way of the mass in a
+    slip is the spring's and a little more.
+    """
+    duration, v = float(curve.t[-1] - curve.t[0]), p["v"]
+    if curve.x is not None:
+        # From the first tenth of the samples to the last, over nine tenths of them.
+        tenth = max(curve.x.size // 10, 1)
+        way = float(np.mean(curve.x[-tenth:]) - np.mean(curve.x[:tenth]))
+        way, due = way / (1.0 - tenth / curve.x.size), v * duration
+        ratio, column, example = abs(way / due), 0, "x [mm]"
+        seen = f"x advances at {si(abs(way) / duration, 'm/s')} on average"
+    else:
+        assert curve.F is not None
+        span = float(np.ptp(curve.F))
+        way, due = float(np.mean(curve.F)) + p["F_ext"], math.copysign(p["mu_s"] * _normal(p), v)
+        jump = exact["delta_x"] if exact else math.inf
+        ratio, column, example = span / (p["k"] * jump), 1, "F [kN]"
+        seen = f"F varies by {si(span, 'N')}"
+    power = next((power for power in _UNITS if power / _NEAR < ratio < power * _NEAR), 0.0)
+    if exact is not None and duration >= 1.5 * exact["period"] and power:
+        raise CurveError(
+            f"{seen}, {power:g} times as much as it should: {_UNITS[power][column]}? State the "
+            f"unit in the header or with the column's name, '{example}'"
+        )
+    return way * due < 0.0 and abs(way) > _SIGN * abs(due)
+
+
+def _chatters(motion: Motion, solution: Solution, p: Mapping[str, float]) -> bool:
+    """Tell whether each sample is a step of a solver that chatters.
+
+    A solver with fixed steps and friction by the sign of the velocity never finds the mass at rest.
+    In stick it is driven by full friction now one way, now the other, so that the friction force
+    that its samples imply has two values and none between; noise has all of them.
+    """
+    t, y, z = (column[:_ALTERNATING] for column in (motion.t, motion.y, motion.z))
+    steps = np.diff(t)
+    step = float(np.mean(steps))
+    uneven = float(np.ptp(steps)) > _EQUAL * step + 2.0 * np.spacing(t[-1])
+    if t.size < _LEAST_ALTERNATING or uneven:
+        return False
+    friction = z[1:-1] - np.diff(y, 2) / (solution.w * step) ** 2
+    per_force = _normal(p) / p["k"]
+    full, kinetic = p["mu_s"] * per_force, used_mu_k(p["mu_s"], p["mu_k"]) * per_force
+    low, high = np.quantile(friction, [0.01, 0.99])
+    back = friction < 0.5 * (low + high)
+    reversals = np.count_nonzero(np.diff(back))
+    if not _BACK <= np.mean(back) < 1.0 or reversals < _REVERSALS * np.count_nonzero(back):
+        return False
+    # The spring is known up to a constant; either pair of values may be the two of one size.
+    for pair in (low + high, np.median(friction[back]) + np.median(friction[~back])):
+        size = np.abs(friction - 0.5 * pair)
+        off = np.minimum(np.abs(size - full), np.abs(size - kinetic))
+        if np.mean(off < _FULL * full) > _MOST:
+            return True
+    return False
+
+
+def _look(motion: Motion, solution: Solution) -> tuple[Motion, Phases, dict[str, Fit]]:
+    """Return the motion, with noise where it has some, its phases and fits.
+
+    Samples that do not resolve the oscillation scatter for the motion as well, so that noise is
+    told by how they lie about the exact solution.
+    """
+
+    def seen(motion: Motion) -> tuple[Motion, Phases, dict[str, Fit]]:
+        phases = find_phases(motion.smoothed(solution), solution)
+        fits = fits_of(motion, phases, solution)
+        if motion.noise:
+            # A solution on which the samples lie leaves their noise.
+            left = [fit.rms for fit in fits.values() if fit.white]
+            motion = motion.with_noise(min([motion.noise, *left]))
+        return motion, phases, fits
+
+    if motion.step * solution.w < COARSE:
+        return seen(motion)
+    computed = seen(motion.with_noise(0.0))
+    exact = computed[2].get("exact")
+    if exact is not None and exact.by_digits:
+        return computed
+    noise = motion.noise or max(motion.digits, scatter_of(motion.t, motion.y))
+    measured = seen(motion.with_noise(noise))
+    if any(fit.white for fit in measured[2].values()) and not measured[0].rests():
+        return measured
+    if motion.noise and not motion.rests():
+        return motion.with_noise(noise), *measured[1:]
+    return computed
+
+
+def _figures(
+    motion: Motion, phases: Phases, fits: Fits, slide: Slide | None, solution: Solution
+) -> Figures:
+    """Read the figures off the fit on which the curve lies, else off the sticks."""
+    if slide is not None and slide.lies:
+        return Figures({}, 0)
+    names = ("gap", "gap and drift", "damping", *(["gap and mass"] if motion.noise else []))
+    free = [fits[name] for name in names if name in fits]
+    nearest = [fit for fit in free or fits.values() if fit.lies]
+    if explained_by_drift(fits):
+        nearest.append(fits["gap and drift"])
+    # Noise that neighbouring samples share is off every solution, but not alike in all cycles.
+    if motion.noise and "gap" in fits and not fits["gap"].repeats:
+        nearest.append(fits["gap"])
+    if nearest:
+        return nearest[0].figures(float(motion.t[-1]))
+    times = phases.high_times
+    if times.size > 1:
+        between = (motion.t >= times[0]) & (motion.t <= times[-1])
+        if np.count_nonzero(between) < _SAMPLES_OF_A_CYCLE * (times.size - 1):
+            return Figures({}, 0)
+    return figures_of(phases.sticks, motion.smoothed(solution).allowed)
+
+
+def _cause(e: Evidence) -> Judgement:
+    """Return the most likely cause, and the sentence that says what was seen.
 
     No solver is named for a record with noise.
     """
     if e.motion.mismatch:
         return Cause.OTHER, e.motion.mismatch
     if e.lies_on("exact"):
-        return _on_the_exact_law(e)
-    if e.exact is None and not e.chatters and (judged := judge_sliding(e)):
+        return _on_the_exact_solution(e)
+    if e.exact is None and not e.chatters and (judged := _sliding(e)):
         return judged
     if e.lies_on("one coefficient"):
-        return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
+        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
     if e.chatters:
-        return Cause.FIXED_STEP, (
-            "the solver chatters in stick: friction acts in full now one way, now the other, "
-            "instead of holding the mass at rest, because each step passes over its sign change"
-        )
+        chatter = "the solver chatters in stick: each step passes over the sign change of friction"
+        return Cause.FIXED_STEP, chatter
     if not e.motion.measured and e.motion.t.size < _TELLS_NOISE and not e.motion.rests():
-        return Cause.NOISY, _too_few_for_noise(e)
+        return Cause.NOISY, _TOO_FEW.format(e.motion.t.size)
     if judged := _another_block(e):
         return judged
     if explained_by_drift(e.fits):
-        return Cause.OTHER, _drift(e)
-    creeping = creeping_sticks(e)
-    if (e.motion.measured or not creeping) and (drifting := _another_speed(e)):
-        return Cause.OTHER, drifting
-    return _of_no_law(e, creeping)
+        return Cause.OTHER, (
+            "the samples lie on the exact solution, to "
+            f"{si(e.p['k'] * e.fits['drift'].worst, 'N')}, but the zero of the force sensor drifts"
+        )
+    loading = [stick for stick in e.phases.sticks if stick.samples > 1]
+    creeping = [stick for stick in loading if not stick.rests and stick.creep]
+    # A mass that creeps in few of its sticks is disturbed.
+    if 2 * len(creeping) < len(loading) and creeping[:1] != loading[:1]:
+        creeping = []
+    if (e.motion.measured or not creeping) and (judged := _another_speed(e)):
+        return judged
+    return _on_no_solution(e, creeping)
 
 
-def _of_no_law(e: Evidence, creeping: list[Stick]) -> Judgement:
-    """Judge a curve that lies on no law by the signatures of causes."""
+def _on_no_solution(e: Evidence, creeping: list[Stick]) -> Judgement:
+    """Judge a curve that lies on no solution by the signatures of causes."""
     gap = e.fits.get("gap")
     lasts = float(e.motion.t[-1] - e.motion.t[0])
-    if e.motion.measured and e.phases.only_rests and lasts > e.law.relief / e.law.v:
+    if e.motion.measured and e.phases.only_rests and lasts > e.solution.relief / e.solution.v:
         return Cause.NOISY, (
-            f"the {noise_in_words(e)}, hides the motion: the mass is not seen to leave its place, "
-            f"and a jump of {length(e.law.quantities()['delta_x'])} is due"
+            f"the {_noise_in_words(e)}, hides the motion: a jump of "
+            f"{si(e.solution.figures()['delta_x'], 'm')} is due"
         )
     if e.motion.measured and not e.fits:
         return _without_a_slip(e)
@@ -124,8 +442,12 @@ def _of_no_law(e: Evidence, creeping: list[Stick]) -> Judgement:
         return _slow_noise(e, gap)
     paces = [stick.late_over_early for stick in creeping]
     pace = float(np.median([ratio for ratio in paces if not math.isnan(ratio)] or [math.nan]))
-    if creeping and e.motion.from_force and abs(pace - 1.0) < _EVEN:
-        return Cause.OTHER, _another_stiffness(e, creeping)
+    if creeping and e.motion.columns == {"F"} and abs(pace - 1.0) < _EVEN:
+        seen = e.solution.v - float(np.median([stick.creep or 0.0 for stick in creeping]))
+        return Cause.OTHER, (
+            f"in stick the spring force rises at {e.p['k'] * seen:.4g} N/s, where k v is "
+            f"{e.p['k'] * e.solution.v:.4g} N/s"
+        )
     # What a filter leaves of a slip dies out, while creep grows with the force or turns with it.
     if creeping and not 0.0 < pace < 1.0 - _EVEN:
         return _creeping(e, creeping)
@@ -133,88 +455,96 @@ def _of_no_law(e: Evidence, creeping: list[Stick]) -> Judgement:
         return _without_a_slip(e)
     if e.motion.measured:
         near = min(e.fits, key=lambda name: e.fits[name].rms)
-        left = length(e.fits[near].rms)
-        said = f"the law that comes nearest, {near}, leaves {left} rms, more than the"
-        return Cause.OTHER, f"{_NO_CAUSE}: {said} {noise_in_words(e)}"
-    if e.seen_gap < NO_GAP * e.law.D:
-        return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
+        return Cause.OTHER, (
+            f"{_NO_CAUSE}: the nearest fit, {near}, leaves {si(e.fits[near].rms, 'm')} rms, more "
+            f"than the {_noise_in_words(e)}"
+        )
+    if e.seen_gap < _NO_GAP * e.solution.D:
+        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
     if e.exact is None:
         return Cause.OTHER, "no cycle exists at these parameters, yet the curve sticks and slips"
-    if not e.measured.jumps:
-        return Cause.NOISY, _too_few_for_noise(e)
-    return _of_a_solver(e)
+    if not e.figures.jumps:
+        return Cause.NOISY, _TOO_FEW.format(e.motion.t.size)
+    return _of_a_solver(e, e.exact)
 
 
-def _on_the_exact_law(e: Evidence) -> Judgement:
+def _on_the_exact_solution(e: Evidence) -> Judgement:
     if not e.motion.measured or "gap" not in e.fits:
-        return _exact_law(e)
+        return _exact(e)
     gap = e.fits["gap"]
-    known, off = _known(e, gap), abs(gap.law.D - e.law.D)
-    if not known < _HIDES or off > _SURE / _DEVIATIONS * known * e.swing:
+    known, off = _known(e, gap), abs(gap.solution.D - e.solution.D)
+    if not known < _HIDES or off > _SURE / _DEVIATIONS * known * e.solution.swing():
         return _another_block(e) or _gap(e, gap)
-    cause, said = _exact_law(e)
+    cause, sentence = _exact(e)
     if cause is Cause.EXACT:
-        said = (
-            f"all {e.motion.t.size} samples lie on the exact solution, to the {noise_in_words(e)}; "
-            f"the gap of (mu_s - mu_k) N is known to {100.0 * known:.2g} %"
+        sentence = (
+            f"all {e.motion.t.size} samples lie on the exact solution, to the "
+            f"{_noise_in_words(e)}; the gap of (mu_s - mu_k) N is known to {100.0 * known:.2g} %"
         )
-    return cause, said
+    return cause, sentence
 
 
-def _exact_law(e: Evidence) -> Judgement:
-    """Judge a curve on the exact law by the spring force at its break-away."""
-    found = e.fits["exact"]
-    extension = e.motion.extension(found.t_break, found.offset)
-    step = float(np.max(np.diff(e.motion.t)))
+def _exact(e: Evidence) -> Judgement:
+    """Judge a curve on the exact solution by the spring force at its break-away."""
+    fitted, motion, v = e.fits["exact"], e.motion, e.solution.v
+    shift = float(np.median(motion.z - (v * (motion.t - motion.t[0]) - motion.y)))
+    extension = v * (fitted.t_break - float(motion.t[0])) - fitted.offset + shift
+    step = motion.widest_step
     # Samples that pass over the slips tell a break-away only between two of them.
-    when = found.spread["t_break"] if step * e.law.w < _SEES_SLIPS else step
-    if e.motion.noise:
+    when = fitted.spread["t_break"] if step * e.solution.w < _SEES_SLIPS else step
+    if motion.noise:
         # Noise hides whether a solver waited for a step.
-        when = max(step, when + _DEVIATIONS * found.deviation("t_break"))
-    digits = 4.0 * e.motion.digits + e.motion.z_allowed + e.law.v * when
-    digits += _OFFSETS * e.motion.noise / math.sqrt(e.motion.t.size)
-    if e.motion.absolute and abs(extension - e.break_away) > digits + _SAME_FORCE * e.highest:
+        when = max(step, when + _DEVIATIONS * fitted.deviation("t_break"))
+    digits = 4.0 * motion.digits + motion.z_allowed + v * when
+    digits += _OFFSETS * motion.noise / math.sqrt(motion.t.size)
+    absolute = "F" in motion.columns
+    if absolute and abs(extension - e.break_away) > digits + _SAME_FORCE * e.highest:
         seen, due = e.p["k"] * extension, e.p["k"] * e.break_away
         return Cause.OTHER, (
             f"the motion is the exact one, but the spring force at break-away is {seen:.6g} N "
             f"instead of {due:.6g} N: another force acts, or both coefficients are shifted"
         )
-    if e.exact is None:
-        return Cause.EXACT, (
-            "no steady cycle exists at these parameters, and after its break-away the curve slides "
-            f"as the exact solution does, to {length(found.worst)}"
-        )
-    return Cause.EXACT, (
-        f"all {e.motion.t.size} samples lie on the exact solution, to {length(found.worst)}"
-    )
+    no_cycle = f"{_NO_CYCLE}; " if e.exact is None else ""
+    lie = f"all {motion.t.size} samples lie on the exact solution, to {si(fitted.worst, 'm')}"
+    return Cause.EXACT, f"{no_cycle}{lie}"
 
 
-def _too_few_for_noise(e: Evidence) -> str:
-    said = f"{e.motion.t.size} samples are too few to tell noise from a cause"
-    if not e.fits:
-        return said
-    off = min(fit.rms for fit in e.fits.values())
-    return f"{said}; they are off the exact solution by {length(off)} rms"
-
-
-def noise_in_words(e: Evidence) -> str:
+def _noise_in_words(e: Evidence) -> str:
     """Return the noise of the column from which the motion is known."""
-    if not e.motion.noise:
-        return f"digits of {e.motion.source}, {length(e.motion.digits)}"
-    if e.motion.source == "x":
-        return f"noise of x, {length(e.motion.noise)} rms"
-    return f"noise of F, {force(e.p['k'] * e.motion.noise)} rms"
+    motion, force = e.motion, e.motion.source == "F"
+    if not motion.noise:
+        return f"digits of {motion.source}, {si(motion.digits, 'm')}"
+    noise = si(e.p["k"] * motion.noise, "N") if force else si(motion.noise, "m")
+    return f"noise of {motion.source}, {noise} rms"
 
 
 def _known(e: Evidence, gap: Fit) -> float:
     """Return how well noise and digits let the gap be known, in parts of the swing."""
-    return (_DEVIATIONS * gap.deviation("D") + 2.0 * gap.spread["D"]) / e.swing
+    return (_DEVIATIONS * gap.deviation("D") + 2.0 * gap.spread["D"]) / e.solution.swing()
+
+
+def _tolerance(off: float) -> Judgement:
+    return Cause.SOLVER_TOLERANCE, (
+        f"solver tolerance, {_power_of_ten(off)}: the curve is off the exact solution by about "
+        "this part"
+    )
+
+
+def _power_of_ten(part: float) -> str:
+    return f"1e{round(math.log10(max(part, 1e-16)))}"
+
+
+def _percent(ratio: float) -> str:
+    """Return by how much a ratio is off 1."""
+    if not math.isfinite(ratio):
+        return "where there should be none"
+    return f"{abs(100.0 * (ratio - 1.0)):.3g} % {'larger' if ratio > 1.0 else 'smaller'}"
 
 
 def _another_block(e: Evidence) -> Judgement | None:
-    """Judge a curve that lies on the law of another block; None where it lies on none.
+    """Judge a curve that lies on the solution of another block; None where it lies on none.
 
-    Schwarz's criterion chooses between laws that noise allows, if by a clear margin.
+    Schwarz's criterion chooses between solutions that noise allows, if by a clear margin.
     """
     lying = [name for name in ("gap", "damping", "gap and mass") if e.lies_on(name)]
     likely = {name: -e.fits[name].criterion(e.motion.digits) for name in lying}
@@ -223,254 +553,183 @@ def _another_block(e: Evidence) -> Judgement | None:
         return None
     name = lying[0]
     if name == "gap":
-        cause, said = _gap(e, e.fits["gap"])
+        cause, sentence = _gap(e, e.fits["gap"])
     elif _shift(e, name) < _TYPED and not e.motion.measured:
-        return tolerance(_shift(e, name))
+        return _tolerance(_shift(e, name))
     else:
-        cause, said = _named(e, name)
-    rivals = [
-        other
-        for other in lying[1:]
-        if likely[name] - likely[other] < _MARGIN and (other != "damping" or _may_be_damped(e))
-    ]
-    if cause is not Cause.OTHER or e.exact is None or not (rivals or _may_be_a_solver(e, name)):
-        return cause, said
-    also = [_named(e, other)[1] for other in rivals] or ["a solver is off by as little"]
-    return Cause.OTHER, f"{_NO_CAUSE}: {'; or '.join([said, *also]).replace(f'{_NO_CAUSE}: ', '')}"
-
-
-def _may_be_damped(e: Evidence) -> bool:
-    """Tell whether a damping is one of a block, or that which explicit steps of the samples put in.
-
-    A step h of an explicit method of first order adds -k h to it.
-    """
-    law, step = e.fits["damping"].law, float(np.max(np.diff(e.motion.t)))
-    added = 2.0 * (e.law.zeta - law.zeta) / (law.w * step)
-    return law.zeta >= 0.0 or abs(added - 1.0) < 0.5
-
-
-def _may_be_a_solver(e: Evidence, name: str) -> bool:
-    """Tell whether noise hides a solver's tolerance, or steps as long as those of the samples.
-
-    Break-aways are late by up to one, by others from slip to slip, less and less so; arcs are off
-    in w by the second power of a step at most.
-    """
-    law, step = e.fits[name].law, float(np.max(np.diff(e.motion.t)))
-    if name == "damping" or not e.motion.measured:
-        return False
-    cycles = max(e.measured.cycles, 1)
-    left = _next_late(e.law) ** (2.0 * np.arange(cycles))
-    differ = _LEAST_LATE * e.law.v * step * math.sqrt(float(np.mean(left)))
-    hidden = differ < 2.0 * _OFFSETS * e.motion.noise * math.sqrt(cycles / e.motion.t.size)
-    late = abs(law.D - e.law.D) < e.law.v * step
-    in_steps = hidden and late and abs(law.w / e.law.w - 1.0) <= (e.law.w * step) ** 2
-    return in_steps or _shift(e, name) < 0.1 * _LOOSE
+        cause, sentence = _named(e, name)
+    rivals = [other for other in lying[1:] if likely[name] - likely[other] < _MARGIN]
+    if cause is not Cause.OTHER or e.exact is None or not rivals:
+        return cause, sentence
+    causes = "; or ".join([sentence, *(_named(e, other)[1] for other in rivals)])
+    return Cause.OTHER, f"{_NO_CAUSE}: {causes.replace(f'{_NO_CAUSE}: ', '')}"
 
 
 def _shift(e: Evidence, name: str) -> float:
-    """Return how far the numbers of a law are from the given ones, in parts of them."""
-    law = e.fits[name].law
+    """Return how far the numbers of a fit are from the exact ones, in parts of them."""
+    fitted, exact = e.fits[name].solution, e.solution
     return max(
-        abs(law.D - e.law.D) / e.swing,
-        abs(law.w / e.law.w - 1.0),
-        2.0 * math.pi * abs(law.zeta - e.law.zeta),
+        abs(fitted.D - exact.D) / exact.swing(),
+        abs(fitted.w / exact.w - 1.0),
+        2.0 * math.pi * abs(fitted.zeta - exact.zeta),
     )
 
 
 def _named(e: Evidence, name: str) -> Judgement:
-    """Name the numbers of the block with which a law differs from the given ones."""
-    law = e.fits[name].law
-    if name != "damping" and law.D < NO_GAP * e.law.D:
-        return Cause.SINGLE_COEFFICIENT, one_coefficient(e)
-    if name == "gap":
-        return Cause.OTHER, (
-            "the curve is a clean stick-slip motion of another gap: the spring relief is that of "
-            f"(mu_s - mu_k) N {percent(e.gap_ratio(law.D))}"
-        )
+    """Name the numbers of the block with which a fit differs from the exact solution."""
+    fitted = e.fits[name].solution
+    number = f"(mu_s - mu_k) N {_percent(e.gap_ratio(fitted.D))}"
+    if name == "damping":
+        c = 2.0 * fitted.zeta * e.p["m"] * fitted.w
+        if c < 0.0:
+            return Cause.OTHER, (
+                f"{_NO_CAUSE}: slips gain energy, as with c = {c:.3g} N s/m or in explicit steps "
+                f"of about {si(-c / e.p['k'], 's')}"
+            )
+        number = f"c = {c:.4g} N s/m instead of {e.p['c']:.4g}"
+    elif fitted.D < _NO_GAP * e.solution.D:
+        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
     if name == "gap and mass":
-        return Cause.OTHER, (
-            "the curve is a clean stick-slip motion of another oscillator: k/m is "
-            f"{percent((law.w / e.law.w) ** 2)} and (mu_s - mu_k) N/k "
-            f"{percent(e.gap_ratio(law.D))}"
-        )
-    c = 2.0 * law.zeta * e.p["m"] * law.w
-    if c < 0.0:
-        return Cause.OTHER, (
-            f"{_NO_CAUSE}: slips gain energy, as with a damping of {c:.3g} N s/m, which no block "
-            f"has, or in explicit steps of about {time(-c / e.p['k'])}"
-        )
-    return Cause.OTHER, (
-        "the curve is a clean stick-slip motion of another damping: that of "
-        f"c = {c:.4g} N s/m instead of {e.p['c']:.4g}"
-    )
+        number = f"k/m is {_percent((fitted.w / e.solution.w) ** 2)}, for this k {number}"
+    solver = ", or of a solver off by as much" if e.motion.measured else ""
+    return Cause.OTHER, f"the curve is a clean stick-slip motion of another block{solver}: {number}"
 
 
 def _gap(e: Evidence, gap: Fit) -> Judgement:
     known = _known(e, gap)
     if e.motion.measured and not known < _HIDES:
-        return Cause.NOISY, _hidden(e, known)
+        return Cause.NOISY, (
+            f"the {_noise_in_words(e)}, hides whether static friction is larger than kinetic: "
+            f"their gap is known to {100.0 * known:.2g} % of the swing; a noise "
+            f"{known / (0.4 * _HIDES):.2g} times smaller would tell"
+        )
     if e.exact is None:
-        cause, said = another_slide(e)
+        cause, sentence = _another_slide(e)
     elif not e.motion.measured and _shift(e, "gap") < _TYPED:
-        return tolerance(_shift(e, "gap"))
+        return _tolerance(_shift(e, "gap"))
     else:
-        cause, said = _named(e, "gap")
+        cause, sentence = _named(e, "gap")
     if e.motion.measured:
-        said = f"{said}; noise and digits leave {100.0 * known:.2g} % open"
-    return cause, said
-
-
-def _hidden(e: Evidence, share: float) -> str:
-    if not math.isfinite(share):
-        return f"the {noise_in_words(e)}, hides whether the motion is the exact one"
-    less = share / (0.4 * _HIDES)
-    return (
-        f"the {noise_in_words(e)}, hides whether static friction is larger than kinetic: their "
-        f"gap is known to {100.0 * share:.2g} % of the swing; a noise {less:.2g} times smaller or "
-        f"{less**2:.2g} times as many samples would tell"
-    )
+        sentence = f"{sentence}; noise and digits leave {100.0 * known:.2g} % open"
+    return cause, sentence
 
 
 def _slow_noise(e: Evidence, gap: Fit) -> Judgement:
-    """Judge a curve that is off the law by what is not alike from cycle to cycle."""
-    known = _known(e, gap)
+    """Judge a curve that is off the solution by what is not alike from cycle to cycle."""
+    known, shift = _known(e, gap), abs(gap.solution.D - e.solution.D)
     off = (
-        f"the samples are off the law by {length(gap.rms)} rms, unlike from cycle to cycle, "
-        f"and the {noise_in_words(e)} from sample to sample"
+        f"the samples are off the exact solution by {si(gap.rms, 'm')} rms, unlike from cycle to "
+        f"cycle, and the {_noise_in_words(e)} from sample to sample"
     )
-    if abs(gap.law.D - e.law.D) > _SURE / _DEVIATIONS * known * e.swing:
-        return Cause.OTHER, (
-            f"{_NO_CAUSE}: the gap is on average that of (mu_s - mu_k) N "
-            f"{percent(e.gap_ratio(gap.law.D))}, and {off}"
-        )
-    return Cause.NOISY, (
-        f"{off}: slow noise hides a cause below that; the gap of (mu_s - mu_k) N is the exact one "
-        f"within {100.0 * known:.2g} %; a noise of {length(0.25 * gap.rms)} would tell more"
-    )
+    if shift > _SURE / _DEVIATIONS * known * e.solution.swing():
+        ratio = _percent(e.gap_ratio(gap.solution.D))
+        return Cause.OTHER, f"{_NO_CAUSE}: (mu_s - mu_k) N is {ratio} on average, and {off}"
+    exact = f"(mu_s - mu_k) N is the exact one within {100.0 * known:.2g} %"
+    return Cause.NOISY, f"{off}: slow noise hides a cause below that; {exact}"
 
 
-def _drift(e: Evidence) -> str:
-    """Say so where a slow drift of the force is all that is off the exact solution."""
-    return (
-        "apart from a slow drift of the spring force the samples lie on the exact solution, to "
-        f"{force(e.p['k'] * e.fits['drift'].worst)}: the zero of the force sensor drifts, or k or "
-        "v differ a little from the given values"
-    )
-
-
-def _another_stiffness(e: Evidence, creeping: list[Stick]) -> str:
-    rise = e.p["k"] * e.law.v
-    seen = e.p["k"] * (e.law.v - float(np.median([stick.creep or 0.0 for stick in creeping])))
-    return (
-        f"in stick the spring force rises at {seen:.4g} N/s, where k v is {rise:.4g} N/s: "
-        "k or v differs from the given value"
-    )
-
-
-def _another_speed(e: Evidence) -> str:
-    """Say so where the mass does not keep up with the pulled end over the cycles."""
-    times, highs = e.phases.high_times, e.phases.highs
+def _another_speed(e: Evidence) -> Judgement | None:
+    """Judge a mass that does not keep up with the pulled end over the cycles."""
+    times, highs, v = e.phases.high_times, e.phases.highs, e.solution.v
     if times.size < _HIGHS_OF_A_DRIFT:
-        return ""
+        return None
     drift = float(highs[-1] - highs[0]) / float(times[-1] - times[0])
-    scatter = float(np.ptp(highs - drift * times)) + e.law.v * float(np.max(np.diff(e.motion.t)))
+    scatter = float(np.ptp(highs - drift * times)) + v * e.motion.widest_step
     if abs(drift) * float(times[-1] - times[0]) < _HIGHS_OF_A_DRIFT * scatter:
-        return ""
-    return (
-        f"the mass advances at {speed(e.law.v - drift)} on average, but the given speed of the "
-        f"pulled end is {speed(e.law.v)}"
+        return None
+    return Cause.OTHER, (
+        f"the mass advances at {si(v - drift, 'm/s')} on average, the pulled end at {si(v, 'm/s')}"
     )
 
 
-def one_coefficient(e: Evidence) -> str:
-    """Say which gap is left of that between break-away and kinetic friction."""
-    gap = e.seen_gap
+def _one_coefficient(e: Evidence) -> str:
     return (
         "one friction coefficient: the spring shows a gap between break-away and kinetic friction "
-        f"of {length(gap)} instead of {length(e.law.D)}; the mass swings about the pulled end's "
-        "speed and does not come to rest for a load-up"
+        f"of {si(e.seen_gap, 'm')} instead of {si(e.solution.D, 'm')}"
     )
-
-
-def creeping_sticks(e: Evidence) -> list[Stick]:
-    """Return the sticks in which the mass creeps; none where it creeps in few of them."""
-    loading = [stick for stick in e.phases.sticks if stick.samples > 1]
-    creeping = [stick for stick in loading if not stick.rests and bool(stick.creep)]
-    first = creeping and creeping[0] is loading[0]
-    return creeping if first or 2 * len(creeping) >= len(loading) else []
 
 
 def _creeping(e: Evidence, creeping: list[Stick]) -> Judgement:
-    creep = speed(float(np.median([abs(stick.creep or 0.0) for stick in creeping])))
-    if not e.motion.measured:
-        said = f"regularised friction: the stick phase creeps at {creep}"
-        return Cause.REGULARISED, f"{said}; {_peak(e)}"
-    near = min(fit.rms for fit in e.fits.values())
-    return Cause.OTHER, (
-        f"the mass creeps at {creep} where Coulomb friction would hold it at rest; "
-        f"it is off the law by {length(near)} rms, and the {noise_in_words(e)}"
-    )
-
-
-def _peak(e: Evidence) -> str:
-    """Say what became of the static peak."""
-    if e.exact is None:
-        return "at these parameters the exact mass slides on after its break-away"
-    share = e.phases.fall / (2.0 * e.swing) if e.phases.highs.size else 0.0
-    if share < _LOST_PEAK:
-        said = f"the spring falls by {100.0 * share:.3g} % of what it should"
-        return f"the static peak is lost: {said}"
-    return "the static peak is kept"
+    creep = si(float(np.median([abs(stick.creep or 0.0) for stick in creeping])), "m/s")
+    if e.motion.measured:
+        near = si(min(fit.rms for fit in e.fits.values()), "m")
+        return Cause.OTHER, (
+            f"the mass creeps at {creep}; it is off the exact solution by {near} rms, and the "
+            f"{_noise_in_words(e)}"
+        )
+    creeps = f"regularised friction: the stick phase creeps at {creep}"
+    share = e.phases.fall / (2.0 * e.solution.swing()) if e.phases.highs.size else 0.0
+    if e.exact and share < _LOST_PEAK:
+        fall = f"the spring falls by {100.0 * share:.3g} % of what it should"
+        creeps = f"{creeps}; the static peak is lost: {fall}"
+    return Cause.REGULARISED, creeps
 
 
 def _without_a_slip(e: Evidence) -> Judgement:
     """Judge a curve in which the spring does not turn."""
     resting = [stick for stick in e.phases.sticks if stick.rests]
-    if not resting:
-        if e.exact is None:
-            return Cause.EXACT, "the mass slides steadily, and no cycle exists at these parameters"
-        return Cause.SINGLE_COEFFICIENT, "the mass slides steadily and never comes to rest"
-    return rests_on(e, e.highest if resting[-1].end is None else math.inf)
+    if resting:
+        return _resting(e, e.highest if resting[-1].end is None else math.inf)
+    if e.exact is None:
+        return Cause.EXACT, "the mass slides steadily, and no cycle exists at these parameters"
+    return Cause.SINGLE_COEFFICIENT, "the mass slides steadily and never comes to rest"
 
 
-def _of_a_solver(e: Evidence) -> Judgement:
-    """Judge a computed curve that rests in stick, and whose slips no law explains to its digits.
+def _resting(e: Evidence, highest: float) -> Judgement:
+    """Judge a mass that rests by the highest extension [m] that the spring can have meanwhile."""
+    reached = float(np.max(e.motion.z))
+    if "F" in e.motion.columns and reached > highest + 4.0 * e.motion.allowed:
+        return Cause.OTHER, (
+            f"the mass rests although the spring force reaches {si(e.p['k'] * reached, 'N')}, "
+            f"above the break-away force {si(e.p['k'] * e.break_away, 'N')}"
+        )
+    return Cause.EXACT, "the mass rests as far as the curve goes: it shows no break-away to judge"
+
+
+def _of_a_solver(e: Evidence, exact: Mapping[str, float]) -> Judgement:
+    """Judge a computed curve that rests in stick, and whose slips no solution fits to its digits.
 
     Events that wait for the next step are late by none to one; one that is late by tau widens the
     spring by v tau, takes as long from the next stick, and so makes the next one late by less. A
     solver's tolerance makes slips that are alike, and off by as little as their arcs are.
     """
-    assert e.exact is not None
-    widened = np.array([_gap_of_jump(e.law, jump) for jump in e.measured.jumps]) - e.law.D
-    late = widened / e.law.v
-    off = float(np.max(np.abs(np.array(e.measured.jumps) / e.exact["delta_x"] - 1.0)))
-    left = min(fit.rms for fit in e.fits.values()) / e.swing if e.fits else 0.0
-    said = (
-        f"the jump is {signed_length(e.measured.values['delta_x'][0] - e.exact['delta_x'])} from "
-        f"the exact one, and jumps differ by up to {length(float(np.ptp(e.measured.jumps)))}"
+    jumps, swing = e.figures.jumps, e.solution.swing()
+
+    def farther(jump: float, gap: float) -> float:
+        shown = replace(e.solution, D=gap).figures()["delta_x"]
+        return -jump if math.isnan(shown) else shown - jump
+
+    gaps = [root(partial(farther, jump), 0.0, jump) for jump in jumps]
+    late = (np.array(gaps) - e.solution.D) / e.solution.v
+    off = float(np.max(np.abs(np.array(jumps) / exact["delta_x"] - 1.0)))
+    left = min(fit.rms for fit in e.fits.values()) / swing if e.fits else 0.0
+    error = e.figures.values["delta_x"][0] - exact["delta_x"]
+    sentence = (
+        f"the jump is {'+' if error >= 0 else '−'}{si(abs(error), 'm')} from the exact one, and "
+        f"jumps differ by up to {si(float(np.ptp(jumps)), 'm')}"
     )
     if _in_steps(e, late):
         return Cause.FIXED_STEP, (
-            "fixed steps: the mass rests in stick, but events wait for the next step of the "
-            f"solver, as from steps of {time(float(np.ptp(late)))} or more; {said}"
+            "fixed steps: events wait for the next step, as from steps of "
+            f"{si(float(np.ptp(late)), 's')} or more; {sentence}"
         )
     for name in ("gap", "damping", "gap and mass"):
-        if name in e.fits and e.fits[name].rms * _CLEAR < min(_shift(e, name), _LOOSE) * e.swing:
+        if name in e.fits and e.fits[name].rms * _CLEAR < min(_shift(e, name), _LOOSE) * swing:
             cause, named = _named(e, name)
-            return cause, f"{named}, to a solver tolerance of {power(left)}"
+            return cause, f"{named}, to a solver tolerance of {_power_of_ten(left)}"
     if off < left / _CLEAR:
         if left < 0.1 * _LOOSE:
             return Cause.EXACT, (
-                "jumps and times at rest are the exact ones; the samples of slips are off the "
-                f"exact solution by {length(left * e.swing)} rms: interpolated or filtered"
+                "jumps and times at rest are the exact ones; the samples of slips are off by "
+                f"{si(left * swing, 'm')} rms: interpolated or filtered"
             )
     elif max(off, left) < _LOOSE and (
         off < 0.1 * _LOOSE or np.std(late) < 0.5 * np.ptp([0, *late])
     ):
-        return tolerance(max(off, left))
+        return _tolerance(max(off, left))
     return Cause.OTHER, (
-        f"{_NO_CAUSE}: {said}, and the samples are off the law that comes nearest "
-        f"by {length(left * e.swing)} rms"
+        f"{_NO_CAUSE}: {sentence}, and the samples are off the nearest fit by "
+        f"{si(left * swing, 'm')} rms"
     )
 
 
@@ -480,15 +739,17 @@ def _in_steps(e: Evidence, late: Floats) -> bool:
     Each follows from the one before, as a break-away that is late by tau moves the next one by
     `_next_late` tau, and as much as is lacking to a whole step. The step is not known.
     """
-    step = float(np.max(np.diff(e.motion.t)))
-    gained = _EULER * step * (1.0 + e.law.w * e.law.D / e.law.v)
+    step = e.motion.widest_step
+    gained = _EULER * step * (1.0 + e.solution.w * e.solution.D / e.solution.v)
     if abs(float(np.mean(late))) > gained + step:
         return False
     if late.size <= 2:
         return float(np.min(late)) > _SEEN_STEPS * step
     damped = e.fits.get("damping")
-    law = damped.law if damped and damped.law.zeta < e.law.zeta else e.law
-    lacking = late[1:] + _next_late(law) * late[:-1]
+    solution = e.solution
+    if damped and damped.solution.zeta < solution.zeta:
+        solution = damped.solution
+    lacking = late[1:] + _next_late(solution) * late[:-1]
     fine, few = float(np.ptp(late)) <= _FINE * step, late.size == _FEW
     if fine and few:
         return False
@@ -502,21 +763,137 @@ def _apart(times: Floats, step: float = math.inf) -> float:
     return float(np.median(np.minimum(apart, np.abs(apart - step))))
 
 
-def _next_late(law: Law) -> float:
+def _next_late(solution: Solution) -> float:
     """Return by how much earlier a break-away makes the next one due that is late by 1 [-].
 
     (lambda^2 - 1)/(lambda^2 + 1) without damping.
     """
-    longer, D = 1e-6 * (law.D + law.v / law.w), law.D
-    periods = [law.with_gap(gap).quantities()["period"] for gap in (D, D + longer)]
-    return law.v * (periods[1] - periods[0]) / longer - 1.0
+    longer, D = 1e-6 * (solution.D + solution.v / solution.w), solution.D
+    periods = [replace(solution, D=gap).figures()["period"] for gap in (D, D + longer)]
+    return solution.v * (periods[1] - periods[0]) / longer - 1.0
 
 
-def _gap_of_jump(law: Law, jump: float) -> float:
-    """Return the gap with which a slip jumps so far [m]."""
+def _sliding(e: Evidence) -> Judgement | None:
+    """Judge a curve at parameters without a cycle; None where neither rest nor slide.
 
-    def farther(gap: float) -> float:
-        shown = law.with_gap(gap).quantities()["delta_x"]
-        return -jump if math.isnan(shown) else shown - jump
+    The exact mass rests, breaks away once and slides for ever, and may do so slower than half the
+    pulled end's speed for as long as damping takes: slowness alone is no creep. Creep is motion
+    before the break-away of the solution that comes nearest.
+    """
+    if e.slide is not None and e.slide.lies:
+        return _exact_slide(e, e.slide)
+    rest, t = rests_of(e.motion)[0], e.motion.t
+    if e.lies_on("one coefficient"):
+        return _ONE_COEFFICIENT
+    if not e.fits:
+        if rest.last + 1 < t.size:
+            return None
+        # A slip that has just begun stays within the digits, while the spring is pulled on.
+        hidden = e.solution.time_to_move(4.0 * e.motion.allowed)
+        return _resting(e, e.break_away + e.solution.v * hidden)
+    nearest = min(e.fits.values(), key=lambda fit: fit.excess)
+    begin = float(t[0])
+    before = nearest.t_break - float(t[rest.first])
+    lost = before - float(t[rest.last] - t[rest.first])
+    hidden = max(nearest.solution.time_to_move(4.0 * e.motion.allowed), e.motion.widest_step)
+    if not e.motion.measured and lost > LOST * before + 2.0 * hidden:
+        # Over the middle half of the time before the break-away.
+        quarter = 0.25 * (nearest.t_break - begin)
+        middle = np.interp([begin + quarter, begin + 3.0 * quarter], t, e.motion.y)
+        creep = si(abs(float(middle[1] - middle[0]) / (2.0 * quarter)), "m/s")
+        return Cause.REGULARISED, f"regularised friction: the stick phase creeps at {creep}"
+    late = (e.fits["gap"].solution.D - e.solution.D) / e.solution.v
+    if e.lies_on("gap") and (e.motion.measured or not 0.0 < late <= e.motion.widest_step):
+        return _another_slide(e)
+    return None if e.motion.measured else _late_slide(e, rest, nearest, late)
 
-    return root(farther, 0.0, jump)
+
+_ONE_COEFFICIENT = (
+    Cause.SINGLE_COEFFICIENT,
+    "one friction coefficient: the mass leaves its rest as without a gap to kinetic friction",
+)
+
+
+def _exact_slide(e: Evidence, slide: Slide) -> Judgement:
+    """Judge a curve on the arc of sliding by the spring force to which it tends."""
+    due = e.break_away - e.solution.D
+    digits = 2.0 * slide.spread + e.motion.z_allowed
+    if "F" in e.motion.columns and abs(slide.z_steady - due) > digits:
+        return Cause.OTHER, (
+            f"the spring force tends to {e.p['k'] * slide.z_steady:.6g} N instead of "
+            f"{e.p['k'] * due:.6g} N: another force acts, or mu_k is wrong"
+        )
+    worst = si(slide.worst, "m")
+    return Cause.EXACT, f"{_NO_CYCLE}, and the curve slides as the exact solution does, to {worst}"
+
+
+def _another_slide(e: Evidence) -> Judgement:
+    """Judge a curve that breaks away and slides as with another gap."""
+    ratio = e.gap_ratio(e.fits["gap"].solution.D)
+    if ratio < _NO_GAP:
+        return _ONE_COEFFICIENT
+    return Cause.OTHER, f"the mass slides as with another gap: (mu_s - mu_k) N {_percent(ratio)}"
+
+
+def _late_slide(e: Evidence, rest: Rest, nearest: Fit, late: float) -> Judgement | None:
+    """Judge a slide whose break-away is late [s] by parts of a sample step."""
+    w, v, step = e.solution.w, e.solution.v, e.motion.widest_step
+    off = nearest.worst * w / v
+    if abs(late / step) < _SEEN_STEPS and off < _LOOSE:
+        return _tolerance(off)
+    top_speed = v * (1.0 + math.hypot(1.0, w * max(e.solution.D, 0.0) / v))
+    rests = rest.last > rest.first
+    if not e.lies_on("gap") and (not rests or nearest.worst > _LATE_STEPS * step * top_speed):
+        return None
+    return Cause.FIXED_STEP, (
+        f"fixed steps: a break-away late by {abs(late / step):.2g} sample steps explains the "
+        f"motion to {si(nearest.worst, 'm')}"
+    )
+
+
+def _findings(e: Evidence) -> list[str]:
+    """Return what else was seen, one sentence each."""
+    seen = [] if e.exact else [_NO_CYCLE]
+    if not e.figures.cycles:
+        seen.append("the curve shows no complete cycle, from one break-away to the next")
+    elif e.figures.cycles == 1:
+        seen.append("the figures come from one cycle only")
+    step = e.motion.widest_step
+    if e.exact and 2.0 * step > e.exact["t_slip"]:
+        doubt = ": is t in ms?" if step > e.exact["period"] else ""
+        seen.append(
+            f"coarse samples: up to {si(step, 's')} apart, where a slip takes "
+            f"{si(e.exact['t_slip'], 's')}{doubt}"
+        )
+    if e.motion.drift:
+        seen.append(f"F drifts by {si(e.motion.drift, 'N')} against k (v t - x)")
+    for name, unit, size in (("x", "m", 1.0), ("F", "N", e.p["k"])):
+        if noise := size * e.motion.noises.get(name, 0.0):
+            seen.append(f"{name} has a noise of {si(noise, unit)} rms")
+    if e.motion.shared and e.motion.noise:
+        seen.append("x and F share their noise: one was made from the other")
+    return seen if e.motion.x_dot is None else [*seen, *_moving_at_rest(e, e.motion.x_dot)]
+
+
+def _moving_at_rest(e: Evidence, x_dot: Floats) -> list[str]:
+    """Report a velocity column that is not 0 where the position rests beyond doubt."""
+    t = e.motion.t
+    begin, end = float(t[0]), float(t[-1])
+    if math.isinf(e.solution.t_slip):
+        window = rests_of(e.motion)[0].window(e.motion, e.solution)
+        rests = [(begin, end if window is None else window[0])]
+    else:
+        rests = [
+            (stick.begin.high if stick.begin else begin, stick.end.low if stick.end else end)
+            for stick in e.phases.sticks
+            if stick.rests
+        ]
+    inner = np.zeros(t.size, dtype=bool)
+    for begin, end in rests:
+        inner |= (t > begin) & (t < end)
+    if not inner.any():
+        return []
+    moving = float(np.median(np.abs(x_dot[inner])))
+    if moving <= 1e-6 * e.solution.v + 2.0 * e.motion.x_dot_allowed:
+        return []
+    return [f"the velocity column shows {si(moving, 'm/s')} where the position rests"]

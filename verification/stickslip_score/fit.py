@@ -1,111 +1,85 @@
-"""Whether a curve lies on the law of the block, with which gap, and how surely."""
+"""Whether a curve lies on the exact solution or on that of another block, and how surely."""
+
+from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import correlate
 
-from stickslip_score.law import EPSILON, Law
-from stickslip_score.noise import scatter_of
-from stickslip_score.read import Floats
+from stickslip_score.figures import (
+    EPSILON,
+    VISIBLE,
+    Figures,
+    Motion,
+    Phases,
+    Solution,
+    plateau,
+    root,
+    scatter_of,
+)
+from stickslip_score.read import LEAST_SAMPLES, Floats
 
-ON_THE_LAW = 1.25
-"""Excess up to which a curve lies on the law: its digits once, and once more because the least
-squares share them out."""
-
+_EXCESS = 1.25  # on a solution: the digits once, and what the least squares share out of them
 _ROUNDED, _FLIPS = 1.0, 4.0
 """Of what the digits allow: the rms distance of samples that are rounded to counts, 1/sqrt(3) and
 a little noise, and the largest one that this noise makes where it turns a count over."""
-
 _WHITE, _WHITE_OF_FEW = 1.1, 3.0
 """A residual is noise where its rms is at most 1.1 times its scatter from sample to sample, and
 3/sqrt(n) more for n samples, of which the scatter is known to 1/sqrt(n) about."""
-
-_ENOUGH_TO_START, _ENOUGH, _MOST = 1000, 3000, 10_000
-"""Samples that the search for a start looks at, that the search looks at, and from which the result
-is computed; it is checked on all of them."""
-
-_CORRELATED = 8192
-"""Neighbouring samples of a residual whose correlation is looked at."""
-
-_FEW = 150
-_FROM_EACH = 16
-"""Samples up to which the search starts anew from so many places."""
-
-_SEEDS = 41
-_MOST_SEEDS = 4000
-_WIDE = 0.6
+_ENOUGH_TO_START, _ENOUGH, _MOST = 1000, 3000, 10_000  # samples of start, search and result
+_CORRELATED = 8192  # neighbouring samples of a residual whose correlation is looked at
+_FEW, _FROM_EACH = 150, 16  # samples up to which the search starts anew from so many places
+_SEEDS, _MOST_SEEDS = 41, 4000
+_WIDE, _FINE = 0.6, 0.02
 """Radians of the oscillation between two places to search from: within it the search finds its way
-by itself, as long as some samples are in slips."""
-_FINE = 0.02
-"""The same where a single sample at the very beginning or end of a slip may be all there is."""
-
-
+by itself; and where a single sample at the edge of a slip may be all there is."""
 _PARTS, _LEAST_CYCLES, _SHAPE = 8, 3, 4.0
 """Parts of a cycle in which distances are averaged, cycles that tell whether they repeat, and how
 much larger than by chance the variance of their mean over the cycles is where they do. By chance
 it is 4 times as large in one of 10,000 records."""
-
-_WANDERS = 5.0
-"""Standard deviations of their power that means over parts of cycles may exceed that of noise."""
-
-_LEAST_ZETA, _MOST_ZETA = -0.5, 0.9
-"""Damping ratios that are tried; solvers may put energy in."""
-
-_NOTHING = 1e-100
-"""Length of a derivative that is none."""
+_WANDERS = 5.0  # deviations of their power that means over parts of cycles may exceed noise's by
+_LEAST_ZETA, _MOST_ZETA = -0.5, 0.9  # damping ratios that are tried; solvers may put energy in
+_NOTHING = 1e-100  # length of a derivative that is none
+_COARSE = 0.2  # of a period between samples: a break-away may precede the first turn they show
+_DRIFTS, _DRIFTS_IN_A_CYCLE = 8, 1.5
+"""Degree of the polynomial that a sensor's zero may follow over a record, as it warms up, and the
+most that a cycle may have of it, so that it is no motion."""
+_DEVIATIONS = 3.0  # standard deviations to which a number that noise hides is known
+_LITTLE = 0.1  # of the distance from a solution: what another explanation may leave of it
+_FLOOR = 1e-12  # of a figure: digits of the double-precision arithmetic of the fit itself
 
 
 @dataclass(frozen=True)
 class Fit:
-    """The law that comes nearest to a curve.
+    """The solution that comes nearest to a curve, with the free numbers at their best."""
 
-    Attributes
-    ----------
-    law
-        With the free numbers as found.
-    t_break
-        First break-away [s].
-    offset
-        Position of the mass before it [m].
-    excess
-        Largest distance of a sample from the law, in units of what its digits allow: up to 1 the
-        curve lies on the law.
-    worst, rms
-        Largest and root mean square distance of a sample from the law [m].
-    white
-        Whether the distances are noise, each sample's independent of the next one's.
-    repeats
-        Whether the distances have a shape that comes again in each cycle.
-    samples
-        How many there are.
-    spread
-        How far each free number may be off for the digits of the samples, by name: t_break [s],
-        D [m], w [rad/s], zeta [-].
-    covariance
-        Of the free numbers, in the order of `spread`, from the distances of the samples.
-    """
-
-    law: Law
-    t_break: float
-    offset: float
-    excess: float
-    worst: float
-    rms: float
-    white: bool
-    repeats: bool
+    solution: Solution
+    t_break: float  # first break-away [s]
+    offset: float  # position of the mass before it [m]
+    noisy: bool  # whether the samples have noise
+    excess: float  # `worst` in units of what the digits allow
+    worst: float  # largest distance of a sample from the solution [m]
+    rms: float  # root mean square of the distances [m]
+    white: bool  # whether the distances are noise, each sample's independent of the next one's
+    repeats: bool  # whether the distances have a shape that comes again in each cycle
     samples: int
-    spread: dict[str, float]
-    covariance: Floats
+    spread: dict[str, float]  # how far each free number may be off for the digits, in its unit
+    covariance: Floats  # of the free numbers, in this order, from the distances of the samples
 
     @property
     def by_digits(self) -> bool:
-        """Whether all samples lie on the law, to their digits."""
+        """Whether all samples lie on the solution, to their digits."""
         rounded = self.rms / _ROUNDED <= self.worst / self.excess if self.excess else True
-        return self.excess <= ON_THE_LAW or (rounded and self.excess <= _FLIPS)
+        return self.excess <= _EXCESS or (rounded and self.excess <= _FLIPS)
+
+    @property
+    def lies(self) -> bool:
+        """Whether all samples lie on the solution, to their digits or their noise."""
+        return self.by_digits or (self.noisy and self.white)
 
     def criterion(self, digits: float) -> float:
         """Return Schwarz's information criterion, with the digits of the samples [m] as noise."""
@@ -117,25 +91,121 @@ class Fit:
         at = list(self.spread).index(name)
         return math.sqrt(max(float(self.covariance[at, at]), 0.0))
 
+    def figures(self, end: float) -> Figures:
+        """Return the figures of the solution, of cycles and slips that are over at `end` [s].
+
+        The resolution carries the digits of the samples through the least squares, twice: the sum
+        that bounds it is linear in D, and a sample may be off by as much as the fit was allowed.
+        With noise it carries `_DEVIATIONS` standard deviations of the free numbers besides.
+        """
+        values = self.solution.figures()
+        if math.isnan(values["period"]):
+            return Figures({}, 0)
+        since = end - self.t_break
+        cycles = max(0, math.floor(since / values["period"] * (1.0 + 1e-12)))
+        shown = ["period", "t_stick"] if cycles else []
+        shown += ["t_slip", "delta_x"] if since >= values["t_slip"] else []
+        free = [name for name in self.spread if name != "t_break"]
+        by_digits = [{name: 2.0 * self.spread[name]} for name in free]
+        by_noise = self._independent(free) if self.noisy else []
+        resolved = {}
+        for name in shown:
+            resolution = sum(self._reach(move, name) for move in by_digits)
+            resolution += math.hypot(*(self._reach(move, name) for move in by_noise))
+            resolution += _FLOOR * values["period" if name != "delta_x" else "delta_x"]
+            resolved[name] = values[name], resolution
+        return Figures(resolved, cycles)
+
+    def _independent(self, free: Sequence[str]) -> list[dict[str, float]]:
+        """Return moves of the free numbers that noise makes independently of each other."""
+        at = [list(self.spread).index(name) for name in free]
+        sizes, axes = np.linalg.eigh(self.covariance[np.ix_(at, at)])
+        columns = (axes * (_DEVIATIONS * np.sqrt(np.maximum(sizes, 0.0)))).T
+        return [dict(zip(free, column.tolist(), strict=True)) for column in columns]
+
+    def _reach(self, move: Mapping[str, float], quantity: str) -> float:
+        """Return how far a figure goes when numbers of the solution move either way."""
+        middle = self.solution.figures()[quantity]
+        shown = []
+        for sign in (-1.0, 1.0):
+            numbers = {name: getattr(self.solution, name) + sign * by for name, by in move.items()}
+            numbers["D"] = max(numbers.get("D", self.solution.D), 0.0)
+            moved = replace(self.solution, **numbers)
+            shown += [moved.figures()[quantity]] if moved.w > 0.0 else []
+        return max((abs(x - middle) for x in shown if not math.isnan(x)), default=math.nan)
+
 
 @dataclass(frozen=True)
-class Samples:
-    """What a law is fitted to: times [s], positions [m], how far one may be off for its digits [m].
+class Part:
+    """Samples from about a first break-away on, or of a motion that goes on for ever."""
 
-    `drifts` is the degree of a polynomial in time that counts as no motion, 0 for a constant.
-    """
+    t: Floats  # [s]
+    y: Floats  # position [m]
+    digits: float  # how far a position may be off for its digits [m]
+    noisy: bool  # whether they have noise besides
+    solution: Solution  # where the search starts
+    window: tuple[float, float]  # times between which the first break-away is [s]
+    coarse: bool = False  # whether a mass and a gap together would explain anything
+    drifts: int = 0  # degree of a polynomial in time that counts as no motion, 0 for a constant
 
-    t: Floats
-    y: Floats
-    allowed: float
-    drifts: int = 0
+    def nearest(self, solutions: Iterable[Solution], *free: str) -> Fit:
+        """Return the nearest of fits that start from several solutions."""
+        fits = [replace(self, solution=solution).fit(*free) for solution in solutions]
+        return min(fits, key=lambda fit: fit.rms)
 
-    def thinned(self, most: int) -> "Samples":
-        """Return at most so many of the samples, evenly."""
+    def fit(self, *free: str, starts: Iterable[float] = ()) -> Fit:
+        """Fit break-away, offset and the numbers named in `free` by least squares.
+
+        `free` are of D, w, zeta; where D is not, zeta moves it: the drag of the way is part of it.
+        The search starts from the break-aways `starts` [s], by default promising ones.
+        """
+        some, more = self._thinned(_ENOUGH), self._thinned(_MOST)
+        least = math.inf
+        for begin in starts or self._starts():
+            free_numbers = {name: float(getattr(self.solution, name)) for name in free}
+            numbers = some._least_squares({"t_break": begin, **free_numbers})
+            r = some._residual(numbers)
+            if (cost := float(r @ r)) < least:
+                least, best = cost, numbers
+            if _half_range(r) <= _EXCESS * self.digits:
+                break
+        if more.t.size > some.t.size:
+            best = more._least_squares(best)
+        fit = more._account(best)
+        if more.t.size == self.t.size or not fit.by_digits:
+            return fit
+        # So many samples tell noise; that all lie on the solution, only all of them do.
+        worst = _half_range(self._residual(best))
+        return replace(fit, excess=worst / self.digits, worst=worst, samples=self.t.size)
+
+    def _thinned(self, most: int) -> Part:
         stride = -(-self.t.size // most)
         return replace(self, t=self.t[::stride], y=self.y[::stride])
 
-    def centred(self, r: Floats) -> Floats:
+    def _starts(self) -> list[float]:
+        """Return the break-aways from which to search, the most promising first.
+
+        Few samples that mostly rest tell a break-away by those in a slip alone, and the search does
+        not find its way from one of them to another.
+        """
+        some = self._thinned(_ENOUGH_TO_START)
+        few = some.t.size <= _FEW
+        radians = (self.window[1] - self.window[0]) * self.solution.w
+        places = max(_SEEDS, math.ceil(radians / (_FINE if few else _WIDE)))
+        candidates = np.linspace(*self.window, min(places, _MOST_SEEDS))
+        cost = np.array(
+            [np.sum(some._residual({"t_break": at}) ** 2) for at in candidates.tolist()]
+        )
+        walled = np.concatenate([[np.inf], cost, [np.inf]])
+        valleys = np.flatnonzero((cost < walled[:-2]) & (cost <= walled[2:]))
+        best = valleys[np.argsort(cost[valleys], kind="stable")]
+        return [float(at) for at in candidates[best[: _FROM_EACH if few else 1]]]
+
+    def _residual(self, numbers: Mapping[str, float]) -> Floats:
+        solution = _with(self.solution, numbers)
+        return self._centred(self.y - solution.position(self.t - numbers["t_break"]))
+
+    def _centred(self, r: Floats) -> Floats:
         """Return distances, shape (n,) or (n, m), without what is a constant or drift in them."""
         if not self.drifts:
             return np.asarray(r - np.mean(r, axis=0))
@@ -143,168 +213,89 @@ class Samples:
         basis, _ = np.linalg.qr(np.polynomial.legendre.legvander(at, self.drifts))
         return np.asarray(r - basis @ (basis.T @ r))
 
+    def _steps(self, numbers: Iterable[str]) -> Floats:
+        """Return steps of free numbers: a millionth of what changes the motion."""
+        w, D = self.solution.w, abs(self.solution.D) + self.solution.v / self.solution.w
+        sizes = {"t_break": 1.0 / w, "D": D, "w": 0.1 * w, "zeta": 0.1}
+        return np.array([1e-6 * sizes[name] for name in numbers])
 
-def fit(
-    samples: Samples,
-    law: Law,
-    starts: Iterable[float],
-    free: Sequence[str] = (),
-) -> Fit:
-    """Fit break-away, offset and the numbers of `law` named in `free` by least squares.
+    def _jacobian(self, numbers: Mapping[str, float]) -> Floats:
+        """Return the residual's derivatives, shape (n, number of free numbers)."""
+        columns = []
+        after = self.t - numbers["t_break"]
+        for name, step in zip(numbers, self._steps(numbers), strict=True):
+            low = _with(self.solution, {**numbers, name: numbers[name] - step})
+            high = _with(self.solution, {**numbers, name: numbers[name] + step})
+            late = step if name == "t_break" else 0.0
+            # A step beyond what is allowed stops there.
+            moved = 2.0 * late or getattr(high, name) - getattr(low, name)
+            change = low.position(after + late) - high.position(after - late)
+            columns.append(change / (moved or math.inf))
+        return self._centred(np.stack(columns, axis=1))
 
-    Parameters
-    ----------
-    samples
-        From about the first break-away on, or of a motion that goes on for ever.
-    law
-        Where the search starts.
-    starts
-        First break-aways from which to search [s], at least one.
-    free
-        Of D, w, zeta. Where D is not free, zeta moves it: the drag of the way is part of it.
-    """
-    some = samples.thinned(_ENOUGH)
-    least = math.inf
-    for begin in starts:
-        numbers = {"t_break": begin, **{name: float(getattr(law, name)) for name in free}}
-        numbers = _least_squares(some, law, numbers)
-        r = _residual(some, law, numbers)
-        if (cost := float(r @ r)) < least:
-            least, best = cost, numbers
-        if _half_range(r) <= ON_THE_LAW * samples.allowed:
-            break
-    more = samples.thinned(_MOST)
-    if more.t.size > some.t.size:
-        best = _least_squares(more, law, best)
-    found = _account(more, law, best)
-    # So many samples tell noise; that all lie on the law, only all of them do.
-    some_only = more.t.size < samples.t.size
-    return _checked(samples, law, best, found) if some_only and found.by_digits else found
+    def _least_squares(self, numbers: dict[str, float]) -> dict[str, float]:
+        """Return the numbers, moved to the least squares next to them."""
+        if self.t.size <= len(numbers):
+            return numbers
+        scales, origin = 1e6 * self._steps(numbers), np.array(list(numbers.values()))
 
+        def moved(moves: Floats) -> dict[str, float]:
+            return dict(zip(numbers, (origin + scales * moves).tolist(), strict=True))
 
-def starts_in(
-    samples: Samples, law: Law, window: tuple[float, float], most: int | None = None
-) -> list[float]:
-    """Return the break-aways within a window [s] from which to search, the most promising first.
-
-    Few samples that mostly rest tell a break-away by those in a slip alone, and the search does
-    not find its way from one of them to another.
-    """
-    some = samples.thinned(_ENOUGH_TO_START)
-    fine = most is None and some.t.size <= _FEW
-    count = max(_SEEDS, math.ceil((window[1] - window[0]) * law.w / (_FINE if fine else _WIDE)))
-    candidates = np.linspace(*window, min(count, _MOST_SEEDS))
-    cost = np.array(
-        [np.sum(_residual(some, law, {"t_break": float(begin)}) ** 2) for begin in candidates]
-    )
-    beside = np.concatenate([[np.inf], cost, [np.inf]])
-    valleys = np.flatnonzero((cost < beside[:-2]) & (cost <= beside[2:]))
-    best = valleys[np.argsort(cost[valleys], kind="stable")]
-    kept = most or (_FROM_EACH if some.t.size <= _FEW else 1)
-    return [float(begin) for begin in candidates[best[:kept]]]
-
-
-def applied(law: Law, numbers: Mapping[str, float]) -> Law:
-    """Return the law with other numbers: D, w, zeta, as far as they are given and allowed."""
-    w = min(max(numbers.get("w", law.w), 0.2 * law.w), 5.0 * law.w)
-    zeta = min(max(numbers.get("zeta", law.zeta), _LEAST_ZETA), max(law.zeta, _MOST_ZETA))
-    D = numbers.get("D", law.D + 2.0 * (law.zeta - zeta) * law.v / law.w)
-    # Static friction is not the smaller one; a slip from mu_s = mu_k begins at minus the drag.
-    least = -2.0 * zeta * law.v / law.w * (1.0 + 1e-12)
-    return replace(law, D=max(D, least), w=w, zeta=zeta)
-
-
-def _residual(samples: Samples, law: Law, numbers: Mapping[str, float]) -> Floats:
-    after = samples.t - numbers["t_break"]
-    return samples.centred(samples.y - applied(law, numbers).position(after))
-
-
-def _jacobian(samples: Samples, law: Law, numbers: Mapping[str, float]) -> Floats:
-    """Return the residual's derivatives, shape (n, number of free numbers)."""
-    columns = []
-    for name, step in _steps(numbers, law).items():
-        laws = [applied(law, {**numbers, name: numbers[name] + d}) for d in (-step, step)]
-        late = step if name == "t_break" else 0.0
-        down, up = (
-            each.position(samples.t - numbers["t_break"] - d)
-            for each, d in zip(laws, (-late, late), strict=True)
+        size = float(np.ptp(self.y)) or 1.0
+        result = least_squares(
+            lambda moves: self._residual(moved(moves)) / size,
+            np.zeros(len(numbers)),
+            lambda moves: self._jacobian(moved(moves)) * scales / size,
+            method="lm",
+            x_scale=1.0,
+            ftol=1e-10,
+            xtol=1e-14,
+            gtol=4.0 * EPSILON,
+            max_nfev=60,
         )
-        # A step beyond what the law allows stops there.
-        moved = 2.0 * late or getattr(laws[1], name) - getattr(laws[0], name)
-        columns.append((down - up) / (moved or math.inf))
-    return samples.centred(np.stack(columns, axis=1))
+        best = moved(result.x)
+        allowed = _with(self.solution, best)
+        return {n: best[n] if n == "t_break" else getattr(allowed, n) for n in best}
+
+    def _account(self, numbers: dict[str, float]) -> Fit:
+        r, J = self._residual(numbers), self._jacobian(numbers)
+        best, after = _with(self.solution, numbers), self.t - numbers["t_break"]
+        # Least squares is linear in the samples: each moves the result by its row of the inverse.
+        scale = np.maximum(np.sqrt(np.sum(J * J, axis=0)), _NOTHING)
+        normal = np.linalg.pinv((J / scale).T @ (J / scale), hermitian=True)
+        reach = np.sum(np.abs((J / scale) @ normal), axis=0) * self.digits / scale
+        # Samples that all rest say of a break-away only between which two it is.
+        step = float(np.max(np.diff(self.t)))
+        if float(np.max(np.abs(J[:, 0]))) * step < self.digits:
+            reach[0] = step
+        rms = math.sqrt(float(r @ r) / max(r.size - len(numbers) - 1 - self.drifts, 1))
+        repeats, wanders = _by_cycle(self.t, r, after, best.figures()["period"])
+        return Fit(
+            solution=best,
+            t_break=numbers["t_break"],
+            offset=float(np.mean(self.y - best.position(after))),
+            noisy=self.noisy,
+            excess=_half_range(r) / self.digits,
+            worst=_half_range(r),
+            rms=rms,
+            white=_is_white(self.t, r) and not wanders,
+            repeats=repeats,
+            samples=self.t.size,
+            spread=dict(zip(numbers, reach.tolist(), strict=True)),
+            covariance=rms**2 * _correlation(r) * normal / np.outer(scale, scale),
+        )
 
 
-def _steps(numbers: Mapping[str, float], law: Law) -> dict[str, float]:
-    """Return steps for derivatives: small against the numbers, large against rounding."""
-    sizes = {"t_break": 1.0 / law.w, "D": abs(law.D) + law.v / law.w, "w": 0.1 * law.w, "zeta": 0.1}
-    return {name: 1e-6 * sizes[name] for name in numbers}
-
-
-def _least_squares(samples: Samples, law: Law, numbers: dict[str, float]) -> dict[str, float]:
-    """Return the numbers, moved to the least squares next to them."""
-    if samples.t.size <= len(numbers):
-        return numbers
-    scales = np.array(list(_steps(numbers, law).values())) * 1e6
-    origin = np.array(list(numbers.values()))
-
-    def named(moves: Floats) -> dict[str, float]:
-        return dict(zip(numbers, (origin + scales * moves).tolist(), strict=True))
-
-    size = float(np.ptp(samples.y)) or 1.0
-    done = least_squares(
-        lambda moves: _residual(samples, law, named(moves)) / size,
-        np.zeros(len(numbers)),
-        lambda moves: _jacobian(samples, law, named(moves)) * scales / size,
-        method="lm",
-        x_scale=1.0,
-        ftol=1e-10,
-        xtol=1e-14,
-        gtol=4.0 * EPSILON,
-        max_nfev=60,
-    )
-    found = named(done.x)
-    kept = applied(law, found)
-    return {
-        name: value if name == "t_break" else getattr(kept, name) for name, value in found.items()
-    }
-
-
-def _account(samples: Samples, law: Law, numbers: dict[str, float]) -> Fit:
-    r, J = _residual(samples, law, numbers), _jacobian(samples, law, numbers)
-    found = applied(law, numbers)
-    position = found.position(samples.t - numbers["t_break"])
-    # Least squares is linear in the samples: each moves the result by its row of the inverse.
-    scale = np.maximum(np.sqrt(np.sum(J * J, axis=0)), _NOTHING)
-    normal = np.linalg.pinv((J / scale).T @ (J / scale), hermitian=True)
-    reach = np.sum(np.abs((J / scale) @ normal), axis=0) * samples.allowed / scale
-    # Samples that all rest say of a break-away only between which two it is.
-    step = float(np.max(np.diff(samples.t)))
-    if float(np.max(np.abs(J[:, 0]))) * step < samples.allowed:
-        reach[0] = step
-    rms = math.sqrt(float(r @ r) / max(r.size - len(numbers) - 1 - samples.drifts, 1))
-    variance = rms**2 * _correlation(r)
-    in_cycles = _by_cycle(samples.t - numbers["t_break"], r, found.quantities()["period"])
-    wanders = _wanders(*in_cycles, scatter_of(samples.t, r))
-    return Fit(
-        law=found,
-        t_break=numbers["t_break"],
-        offset=float(np.mean(samples.y - position)),
-        excess=_half_range(r) / samples.allowed,
-        worst=_half_range(r),
-        rms=rms,
-        white=is_white(samples.t, r) and not wanders,
-        repeats=_repeats(*in_cycles),
-        samples=samples.t.size,
-        spread={name: float(d) for name, d in zip(numbers, reach, strict=True)},
-        covariance=variance * normal / np.outer(scale, scale),
-    )
-
-
-def _checked(samples: Samples, law: Law, numbers: dict[str, float], by_some: Fit) -> Fit:
-    """Return a fit to some of the samples with its largest distance from all of them."""
-    worst = _half_range(_residual(samples, law, numbers))
-    return replace(by_some, excess=worst / samples.allowed, worst=worst, samples=samples.t.size)
+def _with(solution: Solution, numbers: Mapping[str, float]) -> Solution:
+    """Return the solution with other numbers: D, w, zeta, as far as they are allowed."""
+    w = min(max(numbers.get("w", solution.w), 0.2 * solution.w), 5.0 * solution.w)
+    zeta = numbers.get("zeta", solution.zeta)
+    zeta = min(max(zeta, _LEAST_ZETA), max(solution.zeta, _MOST_ZETA))
+    D = solution.D + 2.0 * (solution.zeta - zeta) * solution.v / solution.w
+    # Static friction is not the smaller one; a slip from mu_s = mu_k begins at minus the drag.
+    least = -2.0 * zeta * solution.v / solution.w * (1.0 + 1e-12)
+    return replace(solution, D=max(numbers.get("D", D), least), w=w, zeta=zeta)
 
 
 def _half_range(r: Floats) -> float:
@@ -312,47 +303,38 @@ def _half_range(r: Floats) -> float:
     return 0.5 * float(np.ptp(r))
 
 
-def is_white(t: Floats, r: Floats) -> bool:
-    """Tell whether distances from a law are noise, each sample's independent of the next one's."""
+def _is_white(t: Floats, r: Floats) -> bool:
+    """Tell whether distances are noise, each sample's independent of the next one's."""
     rms = math.sqrt(float(np.mean(r * r)))
     return rms <= _WHITE * (1.0 + _WHITE_OF_FEW / math.sqrt(r.size)) * scatter_of(t, r)
 
 
-def _by_cycle(after: Floats, r: Floats, period: float) -> tuple[Floats, Floats]:
-    """Return means and counts of distances in parts of each cycle, shape (cycles, `_PARTS`).
+def _by_cycle(t: Floats, r: Floats, after: Floats, period: float) -> tuple[bool, bool]:
+    """Tell whether distances repeat from cycle to cycle, and wander by more than their scatter.
 
-    Empty where there are too few cycles.
+    `after` are times since the first break-away [s]. Means over parts of each cycle scatter about
+    their mean over all cycles; that mean scatters less by the number of cycles, unless it is a
+    shape. Too few cycles count as repeating and not wandering.
     """
-    cycle = np.floor(after / period)
-    kept = cycle >= 0.0
-    if not kept.any() or not cycle[-1] >= _LEAST_CYCLES:
-        return np.empty((0, _PARTS)), np.empty((0, _PARTS))
-    part = np.floor((after - cycle * period)[kept] / period * _PARTS).astype(np.int64) % _PARTS
-    index = cycle[kept].astype(np.int64) * _PARTS + part
-    shape = (int(cycle[-1]) + 1) * _PARTS
+    number = np.floor(after / period)
+    seen = number >= 0.0
+    if not seen.any() or not number[-1] >= _LEAST_CYCLES:
+        return True, False
+    part = np.floor((after - number * period)[seen] / period * _PARTS).astype(np.int64) % _PARTS
+    index = number[seen].astype(np.int64) * _PARTS + part
+    shape = (int(number[-1]) + 1) * _PARTS
     counts = np.bincount(index, minlength=shape).reshape(-1, _PARTS).astype(np.float64)
-    sums = np.bincount(index, r[kept], minlength=shape).reshape(-1, _PARTS)
-    return sums / np.maximum(counts, 1), counts
-
-
-def _repeats(means: Floats, counts: Floats) -> bool:
-    """Tell whether distances vary with the time since the last break-away, over cycles alike.
-
-    Means over parts of each cycle scatter about their mean over all cycles; that mean scatters
-    less by the number of cycles, unless it is a shape.
-    """
-    seen = np.maximum(np.sum(counts > 0, axis=0), 1)
-    common = np.sum(means, axis=0) / seen
-    scatter = np.sum(np.where(counts > 0, means - common, 0.0) ** 2)
-    freedom = max(float(np.sum(counts > 0)) - _PARTS, 1.0)
-    return not means.size or bool(np.mean(seen * common**2) > _SHAPE * scatter / freedom)
-
-
-def _wanders(means: Floats, counts: Floats, scatter: float) -> bool:
-    """Tell whether means over parts of cycles vary by more than the scatter of samples makes."""
-    freedom = max(float(np.sum(counts > 0)), 1.0)
-    power = float(np.sum(counts * means**2))
-    return power > (freedom + _WANDERS * math.sqrt(2.0 * freedom)) * scatter**2
+    sums = np.bincount(index, r[seen], minlength=shape).reshape(-1, _PARTS)
+    means = sums / np.maximum(counts, 1)
+    filled = float(np.sum(counts > 0))
+    times = np.maximum(np.sum(counts > 0, axis=0), 1)
+    common = np.sum(means, axis=0) / times
+    scatter = np.sum(np.where(counts > 0, means - common, 0.0) ** 2) / max(filled - _PARTS, 1.0)
+    power, most = float(np.sum(counts * means**2)), filled + _WANDERS * math.sqrt(2.0 * filled)
+    return (
+        bool(np.mean(times * common**2) > _SHAPE * scatter),
+        power > most * scatter_of(t, r) ** 2,
+    )
 
 
 def _correlation(r: Floats) -> float:
@@ -365,3 +347,230 @@ def _correlation(r: Floats) -> float:
     # Beyond two deviations of the correlation of independent samples it is no more than chance.
     small = lags < 2.0 / math.sqrt(some.size)
     return 1.0 + 2.0 * float(np.sum(lags[: int(np.argmax(small)) if small.any() else None]))
+
+
+@dataclass(frozen=True)
+class Slide:
+    """The arc of sliding without end that comes nearest to a curve."""
+
+    z_steady: float  # spring extension to which it tends [m], up to a constant as the motion's
+    spread: float  # how far that may be off for digits and noise [m]
+    lies: bool  # whether all samples lie on the arc, to their digits or their noise
+    worst: float  # largest distance of a sample from it [m]
+
+
+def fit_slide(motion: Motion, solution: Solution) -> Slide | None:
+    """Fit an arc of sliding to all samples; None where that arc is none of the block's.
+
+    The arc is linear in its steady extension and in the extension and its rate at the first sample,
+    docs/theory.md (3). The block's slides go forward. One that begins at rest begins with a spring
+    that is stretched to break-away or farther.
+    """
+    after = motion.t - motion.t[0]
+    by_extension, by_rate = solution.response(after)
+    z = motion.z - motion.z[0]
+    basis = np.stack([np.ones_like(after), by_extension - 1.0, by_rate], axis=1)
+    scale = np.max(np.abs(basis), axis=0)
+    inverse = np.linalg.pinv(basis / scale) / scale[:, None]
+    level, extension, rate = (float(number) for number in inverse @ z)
+    noise = _DEVIATIONS * motion.noise * np.sqrt(np.sum(inverse**2, axis=1))
+    reach = np.sum(np.abs(inverse), axis=1) * motion.digits + noise
+    backward = rate > solution.v + float(reach[2])
+    from_rest = abs(rate - solution.v) <= float(reach[2])
+    if backward or (from_rest and extension < solution.D - float(reach[1])):
+        return None
+    r = z - basis @ np.array([level, extension, rate])
+    worst = _half_range(r)
+    return Slide(
+        z_steady=float(motion.z[0]) + level - extension,
+        spread=float(reach[0]) + float(reach[1]),
+        lies=worst <= _EXCESS * motion.digits or (motion.noise > 0.0 and _is_white(motion.t, r)),
+        worst=worst,
+    )
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Samples `first` to `last` (indices), in which a mass is not seen to move."""
+
+    first: int
+    last: int
+
+    def window(self, motion: Motion, solution: Solution) -> tuple[float, float] | None:
+        """Return between which times the mass breaks away [s]; None where it rests on.
+
+        A sample out of the rest comes after the break-away; one still in it comes at most so long
+        after as the slip needs for what the digits show. The band of a rest is `VISIBLE` wide, and
+        so may be the distance of its level from the true one.
+        """
+        if self.last + 1 >= motion.t.size:
+            return None
+        hidden = solution.time_to_move(2.0 * VISIBLE * motion.allowed)
+        return float(motion.t[self.last]) - hidden, float(motion.t[self.last + 1])
+
+
+def rests_of(motion: Motion) -> tuple[Rest, ...]:
+    """Return the rest with which the curve begins, if only of one sample, and its longest."""
+    band = VISIBLE * motion.allowed
+    out = np.flatnonzero(np.abs(motion.y - motion.y[0]) > band)
+    begin = Rest(0, int(out[0]) - 1 if out.size else motion.t.size - 1)
+    longest = Rest(*plateau(motion.t, motion.y, band)[:2])
+    return (begin, longest) if longest.first > begin.last else (begin,)
+
+
+Fits = Mapping[str, Fit]
+"""Fits by what is free or other: exact, one coefficient, gap, gap and mass, damping, drift, gap and
+drift."""
+
+
+def explained_by_drift(fits: Fits) -> bool:
+    """Tell whether a slow drift takes away nearly all distance from the exact solution."""
+    return "drift" in fits and fits["drift"].rms < _LITTLE * fits["exact"].rms
+
+
+def fits_of(motion: Motion, phases: Phases, solution: Solution) -> dict[str, Fit]:
+    """Fit the exact solution, one coefficient, a free gap, gap and mass, damping.
+
+    A curve on the exact solution is fitted by the free gap besides; one that lies on a solution
+    with another gap by no other mass. A curve may start in a slip that no break-away began, or its
+    samples may pass over its first cycle, so that the second turn of the spring may serve as well
+    as the first, and cycles may have gone before. A curve that shows no turn, or hides its turns in
+    noise, is searched whole. Where no cycle exists, the spring need not turn, and the rests of the
+    mass tell the break-away.
+    """
+    if math.isinf(solution.t_slip):
+        return _fits_without_cycle(motion, solution)
+    if phases.only_rests:
+        return {}
+    tried = []
+    for parts in _alternatives(motion, phases, solution):
+        pairs = [(part.fit(), part) for part in parts]
+        tried += pairs
+        # Noise hides a slip too many at either end, so that the nearer one is right.
+        exact, part = min(pairs, key=lambda pair: pair[0].rms)
+        if exact.lies:
+            gap = part.fit("D", starts=[exact.t_break])
+            fits = {"exact": exact, "gap": gap}
+            if motion.noise and abs(gap.solution.D - solution.D) > _DEVIATIONS * gap.deviation("D"):
+                fits["damping"] = part.fit("zeta", starts=[exact.t_break])
+            return fits
+    if motion.noise:
+        exact, part = min(tried, key=lambda pair: pair[0].rms)
+        solution = part.solution
+    else:
+        cut = _parts(motion, phases, solution)
+        if not cut:
+            return {}
+        starts_at_rest = bool(phases.sticks) and phases.sticks[0].begin is None
+        part = cut[0 if starts_at_rest else -1]
+        exact = part.fit()
+    fits = {"exact": exact, "one coefficient": part.nearest([solution.without_gap()])}
+    times = phases.high_times
+    period = float(times[-1] - times[0]) / (times.size - 1) if times.size > 1 else math.nan
+    v, w = solution.v, solution.w
+    seeds = [solution, *_seed(solution, period, "D", 1e-3 * v / w, 0.5 * v * period)]
+    fits["gap"] = part.nearest(seeds, "D")
+    other = not (fits["gap"].lies or part.coarse)
+    if motion.noise or other:
+        damped = [solution, *_seed(solution, period, "zeta", -0.3, 0.9)]
+        fits["damping"] = part.nearest(damped, "zeta")
+    if other:
+        seeds += _seed(solution, period, "w", 0.5 * w, 2.0 * w)
+        fits["gap and mass"] = part.nearest(seeds, "D", "w")
+    if motion.columns == {"F"} and not any(fit.lies for fit in fits.values()):
+        # The zero of the sensor may drift.
+        cycles = float(part.t[-1] - part.t[0]) / solution.figures()["period"]
+        drifts = max(1, min(_DRIFTS, math.floor(_DRIFTS_IN_A_CYCLE * cycles)))
+        part = replace(part, drifts=drifts)
+        drift = part.nearest([replace(solution, continued=way) for way in (False, True)])
+        part = replace(part, solution=drift.solution)
+        fits |= {"drift": drift, "gap and drift": part.fit("D", starts=[drift.t_break])}
+    return fits
+
+
+def _alternatives(motion: Motion, phases: Phases, solution: Solution) -> Iterator[list[Part]]:
+    """Give parts of the curve with the solution as it may have begun there, the likeliest first.
+
+    Noise may show turns where the spring has none, so that the whole comes first there.
+    """
+    before = replace(solution, continued=True)
+    period = solution.figures()["period"]
+    begin, end = float(motion.t[0]), float(motion.t[-1])
+    first_turn = float(phases.high_times[0]) if phases.high_times.size else end
+    whole = [
+        _part(motion, before, 0, (begin - period, begin)),
+        _part(motion, solution, 0, (begin, min(first_turn + period, end))),
+    ]
+    cut = [[part] for way in (solution, before) for part in _parts(motion, phases, way)]
+    yield from [whole, *cut] if motion.noise else [*cut, whole]
+
+
+def _part(
+    motion: Motion,
+    solution: Solution,
+    first: int,
+    window: tuple[float, float],
+    coarse: bool = False,
+) -> Part:
+    t, y, noisy = motion.t[first:], motion.y[first:], motion.noise > 0.0
+    return Part(t, y, motion.digits, noisy, solution, window, coarse)
+
+
+def _fits_without_cycle(motion: Motion, solution: Solution) -> dict[str, Fit]:
+    fits: dict[str, Fit] = {}
+    for rest in rests_of(motion):
+        parts = [
+            _part(motion, way, rest.first, window)
+            for way in (solution, solution.without_gap())
+            if (window := rest.window(motion, way))
+        ]
+        if not parts or motion.t.size - rest.first < LEAST_SAMPLES:
+            continue
+        exact = parts[0].fit()
+        if exact.lies:
+            # Noise may hide another gap.
+            fits = {"exact": exact}
+            return fits | (
+                {"gap": parts[0].fit("D", starts=[exact.t_break])} if motion.noise else {}
+            )
+        gap = min((part.fit("D") for part in parts), key=lambda fit: fit.rms)
+        new = {"exact": exact, "one coefficient": parts[1].fit(), "gap": gap}
+        fits |= {n: fit for n, fit in new.items() if n not in fits or fit.rms < fits[n].rms}
+    return fits
+
+
+def _parts(motion: Motion, phases: Phases, solution: Solution) -> list[Part]:
+    """Return the samples from the break-away before each of the first two turns on."""
+    parts = []
+    period = solution.figures()["period"]
+    coarse = float(np.median(np.diff(motion.t))) > _COARSE * period
+    for index in range(min(phases.highs.size, 2)):
+        if phases.high_samples[index] == 0:
+            continue
+        high = max(int(np.searchsorted(motion.t, phases.high_times[index])), 1)
+        arc = 1.5 * math.atan2(solution.v, solution.w * solution.D) / solution.w
+        begin = float(motion.t[high - 1]) - arc - 2.0 * motion.blur - period * coarse
+        # From when on the mass rests before this turn.
+        rested = [
+            stick.begin.high
+            for stick in phases.sticks
+            if stick.z_high == phases.highs[index] and stick.rests and stick.begin
+        ]
+        first = int(np.searchsorted(motion.t, max([begin, *rested[:1]])))
+        if motion.t.size - first < LEAST_SAMPLES:
+            continue
+        window = (begin, float(motion.t[min(high + 1, motion.t.size - 1)]) + motion.blur)
+        parts.append(_part(motion, solution, first, window, coarse))
+    return parts
+
+
+def _seed(solution: Solution, period: float, name: str, low: float, high: float) -> list[Solution]:
+    """Return the solution whose number `name`, between two, gives the period; none without one."""
+    if math.isnan(period) or solution.zeta >= 1.0:
+        return []
+
+    def longer(number: float) -> float:
+        shown = _with(solution, {name: number}).figures()["period"]
+        return -period if math.isnan(shown) else shown - period
+
+    return [_with(solution, {name: root(longer, low, high)})]

@@ -5,11 +5,12 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,47 +25,44 @@ _ROUNDINGS = 1024.0 * 2.0**-53  # of the largest number: moves below it are none
 _ON_THE_GRID = 0.01  # of half a unit: times printed off their grid scatter by nearly all of it
 _SAME = 1e-9  # of a column's largest value: what rows of one time at an event may differ by
 
+_WITH_CELLS = re.compile(r"^[^\S\n]*[^#\s].*$", re.MULTILINE)
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _WITH_UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<square>[^\]]*)\]|\s\((?P<round>[^)]*)\))$")
 _ROUND_AT_ONCE = re.compile(r"^(?P<name>(?!der$)[^()]*)\((?P<round>[^)]*)\)$", re.IGNORECASE)
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
-_MINUTE = {"mm/min": 1e-3 / 60.0, "m/min": 1.0 / 60.0}
-_SECOND = {"s": 1.0, "sec": 1.0, "seconds": 1.0}
+_TIMES = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}
+_SPEEDS = {f"{length}/s": size for length, size in _LENGTHS.items()}
+_SPEEDS |= {"m.s-1": 1.0, "mm/min": 1e-3 / 60.0, "m/min": 1.0 / 60.0}
+_FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6}
 
 
-@dataclass(frozen=True)
-class _Quantity:
+class _Quantity(NamedTuple):
     meaning: str
+    units: Mapping[str, float]  # in SI; a column without a unit is in SI
     plain: str  # names in order of preference, in their case
     others: str  # names in any case
-    units: Mapping[str, float]  # in SI; a column without a unit is in SI
 
 
 _QUANTITIES = {
-    "t": _Quantity(
-        "time",
-        "time t Time",
-        "time t zeit",
-        {**_SECOND, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0},
-    ),
+    "t": _Quantity("time", _TIMES, "time t Time", "time t zeit"),
     "x": _Quantity(
         "position",
+        _LENGTHS,
         "x X position",
         "x s pos position x_mass mass_x displacement weg",
-        _LENGTHS,
     ),
     "x_dot": _Quantity(
         "velocity",
+        _SPEEDS,
         "x_dot der(x)",
         "x_dot xdot dx dxdt v_mass v_m vel velocity speed der(x) der(s) mass.v",
-        {f"{length}/s": size for length, size in _LENGTHS.items()} | {"m.s-1": 1.0, **_MINUTE},
     ),
     "F": _Quantity(
         "spring force",
+        _FORCES,
         "F F_spring spring_force",
         "f force f_spring spring_force springforce f_c kraft",
-        {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6},
     ),
 }
 
@@ -75,23 +73,13 @@ class CurveError(ValueError):
 
 @dataclass(frozen=True)
 class Curve:
-    """Samples of a motion, at least t and x or F.
+    """Samples of a motion, at least t and x or F, shape (n,)."""
 
-    Attributes
-    ----------
-    t
-        Time [s], increasing, shape (n,).
-    x, x_dot, F
-        Position [m] and velocity [m/s] of the mass, spring force [N], shape (n,), or None.
-    t_rounding, x_rounding, x_dot_rounding, F_rounding
-        Half a unit in the last digit of the numbers, at their largest, in SI.
-    """
-
-    t: Floats
-    x: Floats | None = None
-    x_dot: Floats | None = None
-    F: Floats | None = None
-    t_rounding: float = 0.0
+    t: Floats  # time [s], increasing
+    x: Floats | None = None  # position of the mass [m]
+    x_dot: Floats | None = None  # its velocity [m/s]
+    F: Floats | None = None  # spring force [N]
+    t_rounding: float = 0.0  # half a unit in the last digit of the numbers, at their largest, in SI
     x_rounding: float = 0.0
     x_dot_rounding: float = 0.0
     F_rounding: float = 0.0
@@ -238,44 +226,58 @@ def read_curve(path: Path | str, names: Mapping[str, str] | None = None) -> Curv
 
 
 def _read(file: Path, names: Mapping[str, str]) -> Curve:
-    lines = _text(file).splitlines()
-    above = next((i for i, line in enumerate(lines) if _has_cells(line)), None)
-    if above is None:
+    text, encoding = _text(file)
+    header_line = _WITH_CELLS.search(text)
+    if header_line is None:
         raise CurveError("is empty")
-    if any("\0" in line for line in lines[: above + 1]):
+    if "\0" in text[: header_line.end()]:
         raise CurveError("is no text file")
-    separator = next((mark for mark in ";\t" if mark in lines[above]), ",")
-    header = [cell.strip().strip("'\"").strip() for cell in _cells(lines[above], separator)]
-    columns = _columns(header, names)
-    numbers = [i for i, line in enumerate(lines[above + 1 :], above + 2) if _has_cells(line)]
-    if not numbers:
+    if not _WITH_CELLS.search(text, header_line.end()):
         raise CurveError("has no samples below its header")
-    table = _plain_table(lines[above + 1 :], separator, len(header), columns)
+    separator = next((mark for mark in ";\t" if mark in header_line[0]), ",")
+    header = [cell.strip().strip("'\"").strip() for cell in _cells(header_line[0], separator)]
+    columns = _columns(header, names)
+    above = text.count("\n", 0, header_line.end()) + 1
+    needed = [index for index, _ in columns.values()]
+    table = None
+    # Every line has as many cells as the header, and no cell a quote or a comma of its own.
+    if '"' not in text and (separator == "," or "," not in text):
+        with suppress(ValueError, IndexError):
+            table = np.loadtxt(
+                file,
+                delimiter=separator,
+                usecols=needed,
+                skiprows=above,
+                encoding=encoding,
+                ndmin=2,
+            )
+            cells = text.count(separator, header_line.end()) + len(table)
+            if cells != len(table) * len(header) or not np.isfinite(table).all():
+                table = None
     if table is None:
-        table = _any_table(lines, numbers, separator, header, columns)
+        table = _table(_rows(text, above), separator, header, needed)
     printed = {quantity: table[:, i].copy() for i, quantity in enumerate(columns)}
-    for quantity, (index, _) in columns.items():
-        _check_points(header[index], printed[quantity])
-    samples = _increasing(printed, numbers)
-    if not np.all(samples):
-        printed = {quantity: column[samples] for quantity, column in printed.items()}
+    for index, column in zip(needed, printed.values(), strict=True):
+        _check_points(header[index], column)
+    samples = _increasing(printed, lambda: _rows(text, above))
+    printed = {quantity: column[samples] for quantity, column in printed.items()}
     return _with_rounding(printed, {quantity: unit for quantity, (_, unit) in columns.items()})
 
 
-def _text(file: Path) -> str:
-    """Return the text of a file; units such as µm may come in the letters of Windows."""
-    content = file.read_bytes()
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return content.decode("utf-16", errors="replace")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("latin-1")
+def _text(file: Path) -> tuple[str, str]:
+    """Return text and encoding of a file; units such as µm may come in the letters of Windows."""
+    with file.open("rb") as content:
+        is_utf_16 = content.read(2) in (b"\xff\xfe", b"\xfe\xff")
+    for encoding in ("utf-16",) if is_utf_16 else ("utf-8-sig", "latin-1"):
+        with suppress(UnicodeError):
+            return file.read_text(encoding), encoding
+    raise CurveError("is no text file")
 
 
-def _has_cells(line: str) -> bool:
-    stripped = line.strip()
-    return bool(stripped) and stripped[0] != "#"
+def _rows(text: str, above: int) -> Rows:
+    """Return the lines with cells below line `above`, with their numbers."""
+    lines = enumerate(text.split("\n"), 1)
+    return [(n, line) for n, line in lines if n > above and line.lstrip()[:1] not in ("", "#")]
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -287,11 +289,13 @@ def _cells(line: str, separator: str) -> list[str]:
 
 Columns = Mapping[str, tuple[int, float]]
 """Where the column of a quantity stands, and its unit in SI."""
+Rows = Sequence[tuple[int, str]]
+"""Lines with their numbers in the file."""
 
 
 def _columns(header: Sequence[str], names: Mapping[str, str]) -> Columns:
     """Find the columns of t, x, x_dot and F in a header line."""
-    if all(_is_number(cell) for cell in header if cell):
+    if not any(math.isnan(_number(cell.replace(",", "."))) for cell in header if cell):
         raise CurveError("has no header line: its first line holds numbers only")
     columns = {}
     for symbol, quantity in _QUANTITIES.items():
@@ -302,22 +306,20 @@ def _columns(header: Sequence[str], names: Mapping[str, str]) -> Columns:
         else:
             continue
         columns[symbol] = index, _unit(text, quantity)
-    if "t" not in columns:
-        raise CurveError(f"no column of time; the columns are {', '.join(header)}")
-    if not columns.keys() & {"x", "F"}:
-        raise CurveError(
-            "no column of the position x nor of the spring force F; the columns are "
-            f"{', '.join(header)}"
-        )
+    absent = "" if "t" in columns else "time"
+    if not absent and not columns.keys() & {"x", "F"}:
+        absent = "the position x nor of the spring force F"
+    if absent:
+        raise CurveError(f"no column of {absent}; the columns are {', '.join(header)}")
     return columns
 
 
-def _is_number(cell: str) -> bool:
+def _number(text: str) -> float:
+    """Return the number that a text is; NaN where it is none."""
     try:
-        float(cell.replace(",", "."))
+        return float(text)
     except ValueError:
-        return False
-    return True
+        return math.nan
 
 
 def _split(cell: str) -> tuple[str, str]:
@@ -378,61 +380,25 @@ def _unit(cell: str, quantity: _Quantity) -> float:
     return sizes.pop()
 
 
-def _plain_table(
-    lines: Sequence[str], separator: str, width: int, columns: Columns
-) -> Floats | None:
-    """Read a table of plain numbers, shape (samples, columns); None where it is no such table.
-
-    Every line has as many cells as the header, and no cell a quote or a comma of its own.
-    """
-    text = "\n".join(lines)
-    if '"' in text or (separator != "," and "," in text):
-        return None
-    try:
-        usecols = [index for index, _ in columns.values()]
-        table = np.loadtxt(lines, delimiter=separator, usecols=usecols, ndmin=2)
-    except (ValueError, IndexError):
-        return None
-    plain = text.count(separator) == len(table) * (width - 1)
-    return table if plain and np.all(np.isfinite(table)) else None
-
-
-def _any_table(
-    lines: Sequence[str],
-    numbers: Sequence[int],
-    separator: str,
-    header: Sequence[str],
-    columns: Columns,
-) -> Floats:
-    """Read a table cell by cell."""
-    needed = [index for index, _ in columns.values()]
+def _table(rows: Rows, separator: str, header: Sequence[str], needed: Sequence[int]) -> Floats:
+    """Read rows cell by cell, shape (samples, columns)."""
     texts = []
-    for number in numbers:
-        line = lines[number - 1]
+    for number, line in rows:
+        row = _cells(line, separator)
         if line.count('"') % 2:
             raise CurveError(f"line {number}: a quote is not closed on its line")
-        row = _cells(line, separator)
-        if any(row[len(header) :]):
+        if any(row[len(header) :]) or len(row) <= max(needed):
             raise CurveError(
                 f"line {number}: {len(row)} cells under a header of {len(header)}: commas inside "
                 "numbers? Write them without"
             )
-        if len(row) <= max(needed):
-            raise CurveError(
-                f"line {number}: {len(row)} cells, but column {max(needed) + 1} is needed"
-            )
         texts.append([row[index].strip() for index in needed])
-    decimal = _has_decimal_commas(texts, numbers)
-    table = np.empty((len(texts), len(needed)))
-    for i, (number, row) in enumerate(zip(numbers, texts, strict=True)):
-        for j, text in enumerate(row):
-            try:
-                table[i, j] = float(text.replace(",", ".") if decimal else text)
-            except ValueError:
-                reason = f"{header[needed[j]]} is {text!r}, not a number"
-                raise CurveError(f"line {number}: {reason}") from None
-            if not np.isfinite(table[i, j]):
-                raise CurveError(f"line {number}: {header[needed[j]]} is {table[i, j]}")
+    numbers = [number for number, _ in rows]
+    comma = "," if _has_decimal_commas(texts, numbers) else "."
+    table = np.array([[_number(text.replace(comma, ".")) for text in row] for row in texts])
+    for i, j in np.argwhere(~np.isfinite(table)):
+        name, text = header[needed[j]], texts[i][j]
+        raise CurveError(f"line {numbers[i]}: {name} is {text!r}, not a finite number")
     return table
 
 
@@ -468,24 +434,18 @@ def _check_points(name: str, column: Floats) -> None:
         )
 
 
-def _increasing(printed: Mapping[str, Floats], numbers: Sequence[int]) -> NDArray[np.bool_]:
+def _increasing(printed: Mapping[str, Floats], rows: Callable[[], Rows]) -> NDArray[np.bool_]:
     """Return where the samples are, without the first row of each event."""
     t = printed["t"]
     step = np.diff(t)
     repeated = step == 0.0
-    for name in printed.keys() & {"x", "F"}:
-        column = printed[name]
+    for column in (printed[name] for name in ("x", "F") if name in printed):
         repeated &= np.abs(np.diff(column)) <= _SAME * float(np.max(np.abs(column)))
     good = (step > 0.0) | repeated
     if not np.all(good):
         where = int(np.argmin(good)) + 1
         raise CurveError(
-            f"line {numbers[where]}: time does not increase "
+            f"line {rows()[where][0]}: time does not increase "
             f"({t[where]:.10g} after {t[where - 1]:.10g})"
         )
-    samples = np.append(~repeated, True)
-    if np.count_nonzero(samples) < LEAST_SAMPLES:
-        raise CurveError(
-            f"{np.count_nonzero(samples)} samples; at least {LEAST_SAMPLES} are needed"
-        )
-    return samples
+    return np.append(~repeated, True)

@@ -1,7 +1,7 @@
 """What a sweep keeps of a run: one number of the samples of a variable.
 
 Jump and period are read off the sticks of a position, whose events lie between two samples, and
-taken to means as the score takes those of a curve, `stickslip_score.measure.from_sticks`.
+taken to means as the score takes those of a curve, `stickslip_score.figures.figures_of`.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from stickslip_score.measure import Measured
-    from stickslip_score.phases import Stick
+    from stickslip_score.figures import Figures, Stick
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -79,11 +78,11 @@ def _period(times: Floats, position: Floats) -> float:
     return _measured(times, position).values.get("period", (math.nan, math.nan))[0]
 
 
-def _measured(times: Floats, position: Floats) -> Measured:
+def _measured(times: Floats, position: Floats) -> Figures:
     # It brings SciPy, which takes a second; a process that reads last values goes without.
-    from stickslip_score.measure import from_sticks
+    from stickslip_score.figures import figures_of
 
-    return from_sticks(sticks(times, position), _digits(position))
+    return figures_of(sticks(times, position), _digits(position))
 
 
 REDUCTIONS: Final[Mapping[str, Reduction]] = {
@@ -116,7 +115,7 @@ def sticks(times: Floats, position: Floats) -> list[Stick]:
     position
         Position of the mass, shape (n,).
     """
-    from stickslip_score.phases import VISIBLE, Event, Stick
+    from stickslip_score.figures import VISIBLE, Event, Stick
 
     band = VISIBLE * _digits(position)
     edges = [0, *_leaving(position, band), position.size]
@@ -127,19 +126,8 @@ def sticks(times: Floats, position: Floats) -> list[Stick]:
         last = stop - 1
         begin = Event(float(times[first - 1]), float(times[first])) if first > 0 else None
         end = Event(float(times[last]), float(times[stop])) if stop < position.size else None
-        found.append(
-            Stick(
-                begin=begin,
-                end=end,
-                level=float(np.median(position[first:stop])),
-                rests=True,
-                creep=0.0,
-                late_over_early=math.nan,
-                z_low=math.nan,
-                z_high=math.nan,
-                samples=stop - first,
-            )
-        )
+        level = float(np.median(position[first:stop]))
+        found.append(Stick(begin, end, level, stop - first))
     return found
 
 
