@@ -6,7 +6,7 @@ method that adapts its steps and locates them. They are right and only so accura
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -70,7 +70,8 @@ def _runge_kutta(a: Any, z: float, u: float, v: float, h: float) -> tuple[float,
 class Solver:
     """A slider: a method with steps of `step` [s], or `parts` of each communication step.
 
-    It finds out at the end of a step what has happened in it, or has the events `located`. Without
+    It finds out at the end of a step what has happened in it, or has the events `located`. One that
+    is `late` breaks away by the forces at the end of a step, and not at its beginning. Without
     a method it locates them and adapts the steps of `adapts` to the tolerance `rtol`, absolute
     `atol` (in SI units), by default small against the motion.
     """
@@ -79,6 +80,7 @@ class Solver:
     step: float = 0.0
     parts: int = 0
     located: bool = False
+    late: bool = False
     rtol: float = 0.0
     atol: float = 0.0
     adapts: str = "RK45"
@@ -86,6 +88,12 @@ class Solver:
     def run(self, case: Case) -> Run:
         """Run a case; the outputs are `SHARES`."""
         return Slider(self, case).run()
+
+    @property
+    def alike(self) -> tuple["Solver", ...]:
+        """It, and the one that breaks away a step later if steps are all that it sees."""
+        seen = self.method is None or self.located
+        return (self,) if seen else (self, replace(self, late=True))
 
 
 _METHODS: Final[Mapping[str, Method]] = {
@@ -239,9 +247,11 @@ class Slider:
                 self._locate(h)
                 continue
             if self.mode == 0:
-                if not self._breaks_away():
+                if self.solver.late or not self._breaks_away():
                     self.z += v * h
                     self.age += h
+                    if self.solver.late and self._breaks_away():
+                        acceleration = self._acceleration()
                     continue
                 acceleration = self._acceleration()
             way, after = method(acceleration, self.z, self.u, v, h)

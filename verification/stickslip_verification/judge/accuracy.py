@@ -26,6 +26,9 @@ MOTION: Final = ("x", "x_dot")
 
 _SMOOTH: Final = (*MOTION, "F")
 
+_TIMES: Final = ("t_event", "t_stick", "t_slip", "T")
+"""Outputs that are off by a step where events are found at its end."""
+
 _CONTINUOUS: Final = ("F", "F_friction", "x_pull", "z")
 """Outputs beside the motion that are off in few points where they lag by a step."""
 
@@ -86,8 +89,10 @@ class Ruler:
     exact: Exact
     spreads: Mapping[str, Series]
 
-    def deviation(self, run: Run, names: Collection[str] = ()) -> Deviation:
+    def deviation(self, run: Run, names: Collection[str] = (), step: float = 0.0) -> Deviation:
         """Return the largest delta of a run in some of its outputs, by default those of the motion.
+
+        Times may be off by a `step` [s].
 
         ``run`` may hold some of the points of the exact motion only. Beyond the delta at which a
         point is saturated it counts with that delta: it is at least as large.
@@ -103,6 +108,8 @@ class Ruler:
             if not where.size:
                 continue
             error = np.abs(got - expected)
+            if name in _TIMES:
+                error = np.maximum(error - step, 0.0)
             if name not in _SMOOTH:
                 # What jumps at an event may jump at the next point.
                 low, high = (each[read] - self._at(name)[read] for each in self._about(name))
@@ -123,13 +130,19 @@ class Ruler:
                 worst = Deviation(float(deltas[place]), name, float(run.times[where[place]]))
         return worst
 
-    def throughout(self, run: Run) -> Deviation | None:
-        """Return an output beside the motion that is off in half of the points, if there is one."""
+    def throughout(self, run: Run, delta: float) -> Deviation | None:
+        """Return an output beside the motion that is off in half of the points, if there is one.
+
+        Points count at which data that are off by `delta` move it little.
+        """
+        row = min(int(np.searchsorted(OFF, delta)), len(OFF) - 1)
         times = self.exact.record.times
         read = np.minimum(np.searchsorted(times, run.times), times.size - 1)
         for name in set(_CONTINUOUS) & set(run.outputs) - set(motion_of(run)):
             expected, got = self.band.pair(name, run, read)
-            error = np.abs(got - expected)[self.band.judged(name)[read] & np.isfinite(expected)]
+            still = SPREAD * self.spreads[name][row] <= SATURATED * self.band.largest(name)
+            counted = self.band.judged(name)[read] & np.isfinite(expected) & still[read]
+            error = np.abs(got - expected)[counted]
             if error.size and np.median(error) > SATURATED * (self.band.largest(name) or np.inf):
                 return Deviation(DIVERGED, name, float(run.times[int(np.argmax(error))]))
         return None

@@ -39,8 +39,8 @@ from stickslip_verification.suite.invariants import Invariants
 from stickslip_verification.suite.sequences import PLAIN
 from stickslip_verification.truth.named import BUILT_IN
 
-OTHER_STEPS: Final = frozenset({"splitting", "time", "in_pieces", "unread", "busy"})
-"""Runs and manners that take other steps, and so make other errors."""
+OTHER_STEPS: Final = frozenset({"splitting", "time", "forces", "in_pieces", "unread", "busy"})
+"""Runs and manners that take other steps, or meet absolute tolerances, and so err otherwise."""
 
 OF_EXACT: Final = frozenset(
     {"step-ends-at-break-away", "step-ends-at-restick", "slips-after-break-away"}
@@ -56,6 +56,8 @@ and slip one step late where others do not: there it may err as in the worst cas
 
 OF_OUTPUT: Final = 100.0
 """How many times the delta of the motion another output may be off: it may lag by a step."""
+
+TOO_STIFF: Final = "the block is too stiff here for steps so long"
 
 CERTAIN: Final = 3
 """Cases that stand out from which on the model is wrong, whatever else is tried."""
@@ -144,7 +146,7 @@ def judge_numerical(
         expected = found.like.expected[case]
         if empty is not None:
             yield _of_motion(
-                empty, found.rulers[case], found.runs[case], found.like.solver, expected
+                empty, found.rulers[case], found.runs[case], found.like, each.case, expected
             )
         allowed = _of_other_steps(found.motion[case].delta, expected)
         for run in invariants.runs:
@@ -190,14 +192,18 @@ def _of_sequences(
         case, manner = trial.baseline.case.id, trial.manner
         empty = blank(manner, case, contract)
         if case not in plain or answer.value is None:
+            if answer.failure is not None and _stiff(trial.baseline.case, found.like):
+                answer = Answer(not_applicable=TOO_STIFF)
             yield _no_run(empty, answer)
             continue
         drawn = plain[case]
         expected = max(drawn.expected, least) if case in excused else drawn.expected
         if drawn.beyond:
-            yield replace(empty, not_applicable="the block is too stiff here for steps so long")
+            yield replace(empty, not_applicable=TOO_STIFF)
         elif manner.manner == PLAIN:
-            yield _of_motion(empty, drawn.ruler, drawn.run, found.like.solver, expected)
+            yield _of_motion(
+                empty, drawn.ruler, drawn.run, found.like, trial.baseline.case, expected
+            )
         else:
             allowed = _of_other_steps(drawn.delta, expected)
             may = allowed if restless or manner.manner in OTHER_STEPS else 0.0
@@ -233,20 +239,27 @@ def _honest(like: Matched) -> Iterator[tuple[Solver, float]]:
     One that is rougher than one of the family takes longer steps, which may diverge.
     """
     for name, factor in like.alike.items():
-        solver = SOLVERS[name]
-        yield solver, factor
-        if solver.step and factor > 1.0:
-            yield replace(solver, step=solver.step * factor), 1.0
+        for solver in SOLVERS[name].alike:
+            yield solver, factor
+            if solver.step and factor > 1.0:
+                yield replace(solver, step=solver.step * factor), 1.0
+
+
+def _steps(case: Case, like: Matched) -> Sequence[float]:
+    """Return how long the steps are that an FMU seems to take in each of a case [s]."""
+    name, factor = as_large(like)
+    solver = SOLVERS[name]
+    return [
+        step.h / solver.parts if solver.parts else min(solver.step * factor, step.h)
+        for step in case.steps
+    ]
 
 
 def _stiff(case: Case, like: Matched) -> bool:
     """Whether steps as long as an FMU seems to take are longer than a time constant of a case."""
-    name, factor = as_large(like)
-    solver = SOLVERS[name]
     now, rate = dict(case.start), 0.0
-    for step in case.steps:
+    for step, h in zip(case.steps, _steps(case, like), strict=True):
         now.update(step.changes)
-        h = step.h / solver.parts if solver.parts else min(solver.step * factor, step.h)
         rate = max(rate, h * now["c"] / now["m"], h * math.sqrt(now["k"] / now["m"]))
     return rate > 1.0
 
@@ -263,16 +276,18 @@ def _of_other_steps(delta: float, expected: float) -> float:
 
 
 def _of_motion(
-    empty: CheckResult, ruler: Ruler, run: Run, solver: str, expected: float
+    empty: CheckResult, ruler: Ruler, run: Run, like: Matched, case: Case, expected: float
 ) -> CheckResult:
     """Judge a plain run: its motion against honest solvers, the rest against its motion."""
     tolerance = STANDS_OUT * expected
     worst = ruler.deviation(run)
     if worst.delta <= tolerance:
-        rest = ruler.deviation(run, [name for name in OUTPUT_NAMES if name not in motion_of(run)])
+        others = [name for name in OUTPUT_NAMES if name not in motion_of(run)]
+        # An event is told a step late at most, and a time between two of them.
+        rest = ruler.deviation(run, others, 2.0 * max(_steps(case, like)))
         allowed = OF_OUTPUT * max(worst.delta, expected, LEAST)
         # Where more is allowed, the motion itself may be off throughout.
-        if allowed <= SATURATED and (off := ruler.throughout(run)):
+        if allowed <= SATURATED and (off := ruler.throughout(run, allowed)):
             rest = off
         if rest.delta > allowed:
             worst, tolerance = rest, allowed
@@ -284,7 +299,7 @@ def _of_motion(
         got=worst.delta if finite else None,
         error=worst.delta if finite else None,
         tolerance=tolerance,
-        because=f"{STANDS_OUT:g} times what {solver} has there; {OF_OUTPUT:g} of other outputs",
+        because=f"{STANDS_OUT:g} times that of {like.solver} there; {OF_OUTPUT:g} of other outputs",
         passed=worst.delta <= tolerance,
         failure=None if finite else f"{worst.output} is no finite number at t = {worst.time:.6g} s",
     )

@@ -507,8 +507,8 @@ KEYS: Final = (
     ),
     Key(
         section="demand", name="acceleration", field="demand.acceleration",
-        meaning="Acceleration with which a feed is reached from rest; on a rigid drive the feed acts "
-        "at once.",
+        meaning="Acceleration with which a feed is reached from rest; on a rigid drive the feed "
+        "acts at once.",
         example='"0.1 m/s2"', units=("m/s2",), within=ABOVE, otherwise="not stated",
         reason="starts from rest are not judged", in_example=True,
     ),
