@@ -59,6 +59,9 @@ _NEAR: Final = 6
 _MOVES: Final = 1e-3
 """Least change, over the largest value, of a parameter that matters in a case, for each part."""
 
+_CREEP: Final = 1e-6
+"""A slip that is slower, over the largest speed, may be called a stick."""
+
 _ALIKE: Final = 4
 """How many solvers are matched, the nearest ones: more of them excuse a fault, fewer accuse."""
 _FARTHEST: Final = 2.0
@@ -116,6 +119,10 @@ class Ruler:
                 between = np.fmax(np.fmax(expected + low - got, got - expected - high), 0.0)
                 late = 0.0 if QUANTITIES[name].discrete else between
                 error = np.where(self._near_event[read], late, error)
+                creeps = self._creeps
+                if QUANTITIES[name].discrete:
+                    creeps = np.logical_or.accumulate(creeps)
+                error = np.where(creeps[read], 0.0, error)
             error = error[where]
             largest = self.band.largest(name) or (1.0 if QUANTITIES[name].discrete else 0.0)
             columns = np.maximum(
@@ -161,6 +168,13 @@ class Ruler:
             changes[:-1] |= np.diff(samples, prepend=self.exact.record.initial[name]) != 0.0
         changes[:-1] |= np.isin(self.exact.record.times, self.exact.event_times)
         return np.asarray(changes[:-1] | changes[1:])
+
+    @cached_property
+    def _creeps(self) -> Mask:
+        """Points of a slip that fades without an end: a solver ends it at some small speed."""
+        speed = np.abs(self._at("x_dot"))
+        slips = self._at("mode") != 0.0
+        return np.asarray(slips & (speed < _CREEP * self.band.largest("x_dot")))
 
     def _at(self, name: str) -> Series:
         return self.exact.record.outputs[name]

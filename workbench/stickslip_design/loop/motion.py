@@ -348,4 +348,7 @@ def _crossing(begin: Vector, end: Vector, length: float) -> float:
         last = -a1 / (a2 + math.sqrt(max(a2 * a2 - 3.0 * a1 * a3, 0.0)))
         if not 0.0 < last < 1.0 or value(last) > 0.0:
             return math.inf
+    elif value(1.0) >= 0.0:
+        # By rounding: it falls to 0 at the end.
+        return length
     return length * float(brentq(value, 0.0, last, xtol=1e-15))
