@@ -17,6 +17,7 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from .cycle import steady_cycle
 from .dwell import LEAST_STICK, dwell_attractors, last_break_away
@@ -304,11 +305,31 @@ def _course(p: Parameters, law: FrictionLaw, x_dot: float, z: float) -> _Course:
     if amplitude > (1.0 + _STEADY) * before:
         # It grows so slowly that its end is not seen: that of a start from rest is known.
         return _Course("sticks", None, math.inf)
-    if _decays(p, law, amplitude):
+    ends = None if _decays(p, law, amplitude) else _fades_to(p, law, amplitude, times)
+    if ends is None:
         rate = -math.log(amplitude / before) / window
         left = math.log(amplitude / SETTLED) / rate if rate > 0.0 else math.inf
         return _Course("even", None, passed + max(left, 0.0))
-    return _Course("swings", Swinging(amplitude, _frequency(times, relative)), math.inf)
+    return _Course("swings", Swinging(ends, _frequency(times, relative)), math.inf)
+
+
+def _fades_to(p: Parameters, law: FrictionLaw, amplitude: float, times: Floats) -> float | None:
+    """Return the amplitude at which a swing that fades slowly no longer does; None: it dies."""
+
+    def growth(logarithm: float) -> float:
+        x_dot = float(p.v) * (1.0 + math.exp(logarithm))
+        relative = _followed(p, law, x_dot, _even(p, law), times).x_dot / float(p.v) - 1.0
+        return math.log(_amplitude(relative) / _amplitude(relative[: 2 * _SAMPLES]))
+
+    high = math.log(min(amplitude, 1.0 - _DEVIATION))
+    low = high
+    while growth(low) <= 0.0:
+        high, low = low, low - math.log(2.0)
+        if low < math.log(_STILL):
+            return None
+    if low == high:
+        return amplitude
+    return math.exp(float(brentq(growth, low, high, xtol=_STEADY)))
 
 
 def _decays(p: Parameters, law: FrictionLaw, amplitude: float) -> bool:

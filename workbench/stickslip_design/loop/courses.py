@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cached_property
 from itertools import pairwise
 from typing import Final, Literal, NamedTuple
 
@@ -222,7 +223,8 @@ class Courses:
             return None
         last = run[-_SWINGS:]
         off = max(abs(event.speed / self._feed - 1.0) for event in last)
-        if off < _STILL or (off < SETTLED and self._in_stable_line(last)):
+        still = off < _STILL and self._even_is_stable
+        if still or (off < SETTLED and self._in_stable_line(last)):
             return Course("even", settling=self._settling(events))
         if len(run) < 3 * _LAST:
             return None
@@ -239,9 +241,13 @@ class Courses:
             begin -= 1
         return events[begin:]
 
+    @cached_property
+    def _even_is_stable(self) -> bool:
+        return swing(self._axis, line=line_at(self._axis, self._feed)).damping >= 0.0
+
     def _in_stable_line(self, run: list[Extreme]) -> bool:
-        """Return whether a swing stays on one line of the friction on which it decays."""
-        speeds = [event.speed for event in run]
+        """Return whether a swing stays on the feed's line of the friction, and decays there."""
+        speeds = [self._feed, *(event.speed for event in run)]
         low, high = min(speeds), max(speeds)
         for number, line in enumerate(self._system.lines):
             if line.low <= low and high <= line.high:
@@ -274,10 +280,12 @@ class Courses:
             # It creeps up to the feed without an extreme, or was never pulled away.
             return Course("even", settling=0.0)
         if len(run) < 3 * _LAST:
+            # Slow against the swings of the table on its spring.
+            if not self._even_is_stable and len(run) > _SWINGS:
+                return Course("swings", swing=self._swing(run))
             return Course("even", settling=self._settling(events))
         _, before, now = _heights(run)
-        stable = swing(self._axis, line=line_at(self._axis, self._feed)).damping >= 0.0
-        if stable and now < (1.0 - _ALIKE) * before:
+        if self._even_is_stable and now < (1.0 - _ALIKE) * before:
             return Course("even", settling=self._settling(events))
         return self._slow(self._swing(run), 1.0 if now > before else -1.0)
 
