@@ -94,7 +94,6 @@ REFUSED = [
     ("verify --fmu text.fmu", "not an FMU"),
     ("verify --fmu {slider} --pack", "is not the exact block"),
     ("verify --fmu {slider} --names {names} --pack", "--pack does not go with --names"),
-    ("verify --fmu {slider} --names {names} --accept", "only the exact block is accepted"),
     ("verify --names {names}", "--names goes with --fmu"),
     ("verify --cases broken.toml", "broken.toml: line 1: "),
     ("verify --cases one-step --pack", "--pack does not go with --cases"),

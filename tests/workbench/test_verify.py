@@ -84,9 +84,6 @@ def test_a_failed_check_is_told_with_what_it_means(
     assert "(10). Likeliest bug: The relief of the spring" in said
     assert json.loads(Path("bad.json").read_text("utf-8"))["summary"]["failed"] > 0
     assert sorted(file.name for file in tmp_path.iterdir()) == ["bad.fmu", "bad.json"]
-    refused = command.verify("--fmu", bad, "--cases", "one-step", "--accept", "-o", "r.json")
-    assert refused.code == 2
-    assert "checks fail against their truth" in refused.err
 
 
 def test_cases_are_listed_and_own_ones_run(

@@ -5,8 +5,6 @@ from .drive.fmu.names import NamesError as NamesError
 from .drive.fmu.names import load_names as load_names
 from .drive.starter import starter as starter
 from .drive.workers import Limits as Limits
-from .judge.second_values import AcceptError as AcceptError
-from .judge.second_values import accept as accept
 from .model.events import Event as Event
 from .model.events import Transition as Transition
 from .model.events import events_between as events_between

@@ -109,7 +109,6 @@ def render(
         summary=verdict.summary,
         kinds=view.table_view(_kinds(verdict)),
         kind_names=KINDS,
-        seconds=view.second_values(verdict),
         failures=failures,
         noted=noted,
         nearest=[place for place, _ in nearest],

@@ -30,7 +30,7 @@ KEYS = {
     "failure": "failure",
     "not_applicable": "not_applicable",
 }
-"""The keys of a check and the names in `CheckResult` that they stand for; ``second`` follows."""
+"""The keys of a check and the names in `CheckResult` that they stand for."""
 
 
 def as_json(verdict: Verdict) -> dict[str, Any]:
@@ -66,7 +66,6 @@ def _row(result: CheckResult) -> dict[str, Any]:
     row = {key: _plain(getattr(result, name)) for key, name in KEYS.items()}
     if result.failure is not None:
         row["because"] = f"{result.failure} (the tolerance: {result.because})"
-    row["second"] = None if result.second is None else _plain(asdict(result.second))
     return row
 
 

@@ -199,7 +199,7 @@ def rows_of(results: Sequence[CheckResult]) -> list[KindOfRows]:
 def failed_checks(
     verdict: Verdict,
     meanings: Mapping[str, Meaning],
-    words: Sequence[str] = (Outcome.FAIL, Outcome.DRIFT),
+    words: Sequence[str] = (Outcome.FAIL,),
 ) -> list[FailedCheck]:
     """Return each check with a verdict among `words`, that of the likeliest cause first.
 
@@ -253,13 +253,6 @@ def nearest(verdict: Verdict) -> list[tuple[Place, int]]:
         for n, r in worst
         if (margin_of(r) or 0.0) > 0.0
     ]
-
-
-def second_values(verdict: Verdict) -> dict[str, int]:
-    """Count the second values: held and drifted."""
-    seconds = [result.second for result in verdict.checks if result.second is not None]
-    drifted = sum(second.drifted for second in seconds)
-    return {"held": len(seconds) - drifted, "drifted": drifted}
 
 
 def table_view(table: Table, anchor: str = "") -> TableView:

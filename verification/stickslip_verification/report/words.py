@@ -3,7 +3,7 @@
 from typing import Final
 
 from stickslip_verification.model.margins import error_text
-from stickslip_verification.model.verdict import CheckResult, Kind, Measure, Outcome
+from stickslip_verification.model.verdict import CheckResult, Kind, Measure
 
 KINDS: Final[dict[str, str]] = {
     Kind.CLOSED_FORM: "closed form",
@@ -41,12 +41,6 @@ def what_happened(result: CheckResult) -> str:
         return result.not_applicable
     if result.failure is not None:
         return result.failure
-    if result.verdict == Outcome.DRIFT and result.second is not None:
-        return (
-            f"within its tolerance, but drifted by {error_text(result.second.drift)} of scale from "
-            f"{result.second.accepted!r} {result.unit} accepted earlier; allowed "
-            f"{error_text(result.second.tolerance)}"
-        )
     measure = MEASURES.get(result.measure, "") or (result.unit if result.unit != "1" else "")
     allowed = f"{error_text(result.tolerance)} {measure}".strip()
     return f"error {error_text(result.error)} is above {allowed}"

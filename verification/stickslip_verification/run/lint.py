@@ -10,10 +10,8 @@ from pathlib import Path
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.other_runs import RUNS
-from stickslip_verification.drive.probes import OF_NUMERICAL, PROBES
-from stickslip_verification.judge.invariant_checks import agreeing, applies
+from stickslip_verification.drive.probes import PROBES
 from stickslip_verification.judge.metrics import METRICS
-from stickslip_verification.judge.second_values import Accepted, Key, load_accepted
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.verdict import Measure
@@ -48,7 +46,7 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
     Parameters
     ----------
     folder
-        Where the cases are. Invariants, planted faults and accepted values are those of the suite.
+        Where the cases are. Invariants and planted faults are those of the suite.
     """
     findings: list[str] = []
     cases = []
@@ -68,8 +66,6 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
     findings += _sources(cases, invariants)
     findings += _unused(cases, invariants)
     findings += _mutants(cases, invariants, mutants)
-    if folder == CASES_FOLDER:
-        findings += _accepted(cases, invariants, load_accepted(), motions)
     return findings
 
 
@@ -197,49 +193,6 @@ def _mutants(
         if name not in checks:
             yield f"kills_nothing check {name}: there is no such check"
         yield from _reason(f"kills_nothing check {name}", reason)
-
-
-def _accepted(
-    cases: Sequence[Case], invariants: Invariants, accepted: Accepted, motions: Mapping[Path, Exact]
-) -> Iterator[str]:
-    """Hold the accepted values against what a verdict on these cases yields."""
-    held, wanted = set(accepted.values), set(_yielded(cases, invariants, motions))
-    then = "run stickslip verify --accept"
-    for case, check, side in sorted(wanted - held):
-        yield f"{case} / {check} ({side}): no accepted value; {then}"
-    for case, check, side in sorted(held - wanted):
-        yield f"{case} / {check} ({side}): an accepted value of no check; {then}"
-
-
-def _yielded(
-    cases: Sequence[Case], invariants: Invariants, motions: Mapping[Path, Exact]
-) -> Iterator[Key]:
-    sides = ("fmu", "reference")
-    for case in cases:
-        exact = motions[case.file]
-        on_both = [check.id for check in case.checks]
-        on_both += [
-            invariant.id
-            for invariant in invariants.residuals
-            if invariant.holds_for(case.law) and applies(invariant, case, exact)
-        ]
-        yield from ((case.id, check, side) for check in on_both for side in sides)
-        yield from (
-            (case.id, each.id, "fmu") for each in invariants.runs if each.holds_for(case.law)
-        )
-        yield from (
-            (case.id, invariant.id, "both")
-            for invariant in invariants.agreements
-            if invariant.holds_for(case.law) and agreeing(invariant, case)
-        )
-        for invariant in invariants.orders:
-            if case.id in invariant.cases:
-                yield from (
-                    (case.id, invariant.id + end, "reference") for end in ("", "-asymptotic")
-                )
-    yield from (
-        ("", each.id, "fmu") for each in invariants.probes if each.probe not in OF_NUMERICAL
-    )
 
 
 def _checks(cases: Iterable[Case]) -> Iterator[tuple[Case, Check]]:

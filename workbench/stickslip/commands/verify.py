@@ -128,9 +128,6 @@ def verify(
         Path | None,
         typer.Option(metavar="OLD.json", help="Show how margins changed since this report."),
     ] = None,
-    accept: Annotated[
-        bool, typer.Option("--accept", help="Store the results as second values of the suite.")
-    ] = False,
     pack: Annotated[
         bool, typer.Option("--pack", help="Put the report into the FMU as evidence (extra/).")
     ] = False,
@@ -156,10 +153,9 @@ def verify(
         console().print(tables.case_table(chosen))
         return
     _check(fmu, law, names)
-    _check_contract(contract, strict, accept, pack)
+    _check_contract(contract, strict, pack)
     share = _share(within)
     limits = _limits(time_limit, budget, memory)
-    _check_accept(accept, names, cases, chosen)
     _check_pack(pack, fmu, names, cases)
     name_map = _names(names, chosen)
     earlier = _baseline(baseline)
@@ -201,9 +197,7 @@ def verify(
     if pack:
         pack_evidence(fmu, verdict, "--fmu")
         tell_of(fmu)
-    if accept:
-        _accept(verdict)
-    elif not verdict.passed:
+    if not verdict.passed:
         raise typer.Exit(1)
 
 
@@ -237,9 +231,9 @@ def _meanings(cases: "Sequence[Case]") -> "Mapping[str, Meaning]":
     return meanings(cases, load_invariants())
 
 
-def _check_contract(contract: ContractName | None, strict: bool, accept: bool, pack: bool) -> None:
+def _check_contract(contract: ContractName | None, strict: bool, pack: bool) -> None:
     """Refuse a chosen contract beside what leaves no choice."""
-    for option, given in (("--strict", strict), ("--accept", accept), ("--pack", pack)):
+    for option, given in (("--strict", strict), ("--pack", pack)):
         if contract is not None and given:
             raise CommandError(f"{option} does not go with --contract")
 
@@ -256,18 +250,6 @@ def _share(within: str | None) -> float | None:
             f"--within {within}: must be above 0 % and below 100 %, as 1% or as 0.01"
         )
     return share
-
-
-def _check_accept(
-    accept: bool, names: Path | None, wanted: str | None, cases: "Sequence[Case]"
-) -> None:
-    """Refuse to accept results of another FMU or of cases outside the suite."""
-    from stickslip_verification.suite.cases import CASES_FOLDER
-
-    if accept and names is not None:
-        raise CommandError("--accept does not go with --names: only the exact block is accepted")
-    if accept and any(case.file.parent != CASES_FOLDER for case in cases):
-        raise CommandError(f"--accept does not go with --cases {wanted}: not cases of the suite")
 
 
 def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | None) -> None:
@@ -403,13 +385,3 @@ def _write(
 
     with Meter("Writing the report"):
         return verdict_report.write(verdict, cases, earlier, output, full=full)
-
-
-def _accept(verdict: "Verdict") -> None:
-    from stickslip_verification import AcceptError, accept
-
-    try:
-        count = accept(verdict)
-    except AcceptError as error:
-        raise CommandError(f"--accept: {error}") from error
-    print(f"{count} values accepted")

@@ -112,8 +112,8 @@ def _holding(results: Sequence[CheckResult]) -> str:
 
 def _word(results: Sequence[CheckResult]) -> Text:
     words = {result.verdict for result in results}
-    if words & {"fail", "drift"}:
-        return Text("FAIL" if "fail" in words else "DRIFT", style="bold red")
+    if "fail" in words:
+        return Text("FAIL", style="bold red")
     if words == {"not applicable"}:
         return Text("not applicable", style="dim")
     return Text("noted", style="yellow") if "noted" in words else Text("pass", style="green")
@@ -167,12 +167,6 @@ def _name(result: CheckResult) -> str:
 def _what(result: CheckResult) -> str:
     if result.failure is not None:
         return result.failure
-    if result.verdict == "drift" and result.second is not None:
-        second = result.second
-        return (
-            f"drifted by {second.drift:.1e} of scale from {second.accepted!r} {result.unit}, "
-            f"allowed {second.tolerance:.0e}"
-        )
     return (
         f"got {result.got!r}, expected {result.expected!r} {result.unit}; "
         f"error {result.error:.2e}, tolerance {result.tolerance:g}"
