@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint prove bench docs docs-check check-generated check-study check-suite clean
+.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint bench docs docs-check check-generated check-study check-suite clean
 
 # Both FMUs: StickSlip.fmu under Coulomb's friction law, StickSlipStribeck.fmu under friction that
 # depends on the speed.
@@ -79,12 +79,6 @@ lint: $(VENV)/ready-to-test
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo --no-cache
-
-# The random sets of the specification in full; SEED and FRACTION may be set.
-SEED ?= 1
-FRACTION ?= 1
-prove: $(VENV)/ready
-	$(BIN)/stickslip prove --seed $(SEED) --fraction $(FRACTION)
 
 bench: $(VENV)/ready-to-test
 	$(BIN)/python -m benchmarks.bench

@@ -189,7 +189,7 @@ def test_studies_without_their_packages_say_what_installs_them(
     assert "'xarray>=" in said
 
 
-@pytest.mark.parametrize("subcommand", ["simulate", "verify", "prove"])
+@pytest.mark.parametrize("subcommand", ["simulate", "verify"])
 @pytest.mark.parametrize("damage", ["no description", "no XML", "bytes"])
 def test_a_damaged_fmu_is_refused(
     command: Command, fmu_path: Path, subcommand: str, damage: str

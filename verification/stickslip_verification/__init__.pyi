@@ -18,8 +18,6 @@ from .model.verdict import CheckResult as CheckResult
 from .model.verdict import KillMatrix as KillMatrix
 from .model.verdict import Verdict as Verdict
 from .model.whole_file import replacing as replacing
-from .random_sets.run_all import prove as prove
-from .random_sets.tally import RandomTestResult as RandomTestResult
 from .report.earlier import EarlierReport as EarlierReport
 from .report.earlier import EarlierReportError as EarlierReportError
 from .report.earlier import compare as compare

@@ -364,7 +364,7 @@ def _verdict(fmu: Path, cases: "Sequence[Case]", **options: Any) -> "Verdict":
 
     command = shlex.join(["stickslip", *sys.argv[1:]])
     # The friction law of a case may stand in a module here.
-    with here_on_path(), long_work("Verifying", here=False) as progress:
+    with here_on_path(), long_work("Verifying") as progress:
         try:
             return verify(fmu, cases, progress, command=command, **options)
         except (FmuError, MutantError) as error:
