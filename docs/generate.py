@@ -229,7 +229,7 @@ were made here.
 - [checks.md](checks.md) says what the failure of each check means.
 - `stickslip verify` writes `report/index.html`: every comparison with its truth, error,
   tolerance and reason.
-- `stickslip verify --mutants` tests the suite itself: it runs
+- `python -m stickslip_verification faults` tests the suite itself: it runs
   {len(load_mutants())} planted faults, and each must fail a check that was named in advance.
 
 The table counts, for each case, the checks that passed on the FMU and on the reference.

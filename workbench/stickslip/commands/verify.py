@@ -29,7 +29,6 @@ if TYPE_CHECKING:
         EarlierReport,
         Limits,
         Meaning,
-        Mutant,
         NameMap,
         Verdict,
     )
@@ -105,17 +104,6 @@ def verify(
         float,
         typer.Option(metavar="GB", help="Limit for a process of the FMU; none on Windows."),
     ] = 4.0,
-    mutants: Annotated[
-        bool,
-        typer.Option("--mutants", help="Run every planted fault on every check; some minutes."),
-    ] = False,
-    fault: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PATTERN|FILE.toml",
-            help="Plant the faults of this pattern, or your own; run the checks that each names.",
-        ),
-    ] = None,
     within: Annotated[
         str | None,
         typer.Option(
@@ -160,7 +148,6 @@ def verify(
     name_map = _names(names, chosen)
     earlier = _baseline(baseline)
     _check_targets(output)
-    faults = _mutants(mutants, fault)
     fmu = fmu or current_fmu(law)
     verdict = _verdict(
         fmu,
@@ -176,8 +163,6 @@ def verify(
         fresh_processes=cases is None or Path(cases).is_dir(),
         within=share,
         full=full or sequences is not None,
-        mutants=faults,
-        whole_matrix=mutants,
     )
     written = _write(verdict, chosen, earlier, output, full=paper)
     screen = console()
@@ -324,27 +309,6 @@ def _baseline(file: Path | None) -> "EarlierReport | None":
         raise CommandError(f"--baseline {error}") from error
 
 
-def _mutants(every: bool, wanted: str | None) -> "Sequence[Mutant]":
-    """Load the faults that a pattern or a file names, or every fault of the suite.
-
-    Those of another friction law than the FMU's are left out later.
-    """
-    from stickslip_verification import MutantError, load_mutant, load_mutants
-
-    if every and wanted is not None:
-        raise CommandError(
-            "--fault does not go with --mutants, which runs every fault of the suite"
-        )
-    if not every and wanted is None:
-        return ()
-    try:
-        if wanted is not None and wanted.endswith(".toml"):
-            return [load_mutant(Path(wanted))]
-        return load_mutants(wanted)
-    except MutantError as error:
-        raise CommandError(f"--fault {error}" if wanted is not None else str(error)) from error
-
-
 def _check_targets(output: Path) -> None:
     """Refuse what cannot be written before the run, not after it."""
     from stickslip.files import check_writable, make_folder
@@ -360,14 +324,14 @@ def _check_targets(output: Path) -> None:
 
 def _verdict(fmu: Path, cases: "Sequence[Case]", **options: Any) -> "Verdict":
     """Judge the FMU; the options are those of `stickslip_verification.verify`."""
-    from stickslip_verification import FmuError, MutantError, verify
+    from stickslip_verification import FmuError, verify
 
     command = shlex.join(["stickslip", *sys.argv[1:]])
     # The friction law of a case may stand in a module here.
     with here_on_path(), long_work("Verifying") as progress:
         try:
             return verify(fmu, cases, progress, command=command, **options)
-        except (FmuError, MutantError) as error:
+        except FmuError as error:
             raise CommandError(str(error)) from error
 
 
