@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification.__main__ import main
-from stickslip_verification.suite.cases import CASES_FOLDER
+from stickslip_verification.suite.case_file import CASES_FOLDER
 from stickslip_verification.suite.faults import FAULTS_FOLDER
 
 
@@ -25,8 +25,8 @@ def test_own_faults_can_be_tried(
     code: int,
     words: str,
 ) -> None:
-    text = (FAULTS_FOLDER / "constant-g.toml").read_text(encoding="utf-8")
-    text = text.replace('"constant-g"', '"mine"', 1)
+    text = (FAULTS_FOLDER / "constants.toml").read_text(encoding="utf-8")
+    text = "[mine]" + text.partition("[constant-g]")[2].partition("\n[")[0]
     text = re.sub(r"detected_by = \[.*?\]", f'detected_by = ["{foretold}"]', text, flags=re.S)
     mine = tmp_path / "mine.toml"
     mine.write_text(text, encoding="utf-8")

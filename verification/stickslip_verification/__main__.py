@@ -11,9 +11,9 @@ from stickslip_verification.model.verdict import KillMatrix, Verdict
 from stickslip_verification.report.html import write_report
 from stickslip_verification.run.lint import lint
 from stickslip_verification.run.verify import verify
-from stickslip_verification.suite.cases import CASES_FOLDER, load_cases
+from stickslip_verification.suite.case_file import CASES_FOLDER, load_cases
 from stickslip_verification.suite.catalogue import meanings
-from stickslip_verification.suite.faults import load_mutant, load_mutants
+from stickslip_verification.suite.faults import load_mutants
 from stickslip_verification.suite.invariants import load_invariants
 from stickslip_verification.suite.sequences import COUNT
 
@@ -46,15 +46,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _planted(chosen: argparse.Namespace) -> Verdict:
-    own = chosen.fault.endswith(".toml")
     cases = load_cases(chosen.cases)
+    own = chosen.fault.endswith(".toml")
+    faults = load_mutants(files=Path(chosen.fault)) if own else load_mutants(chosen.fault)
     verdict = verify(
         chosen.fmu,
         cases,
         jobs=chosen.jobs,
         sequences=0 if chosen.cases else COUNT,
         fresh_processes=not chosen.cases,
-        mutants=[load_mutant(Path(chosen.fault))] if own else load_mutants(chosen.fault),
+        mutants=faults,
         whole_matrix=chosen.whole,
     )
     if chosen.output is not None:

@@ -104,16 +104,15 @@ def _package(fmu: Path, entries: Mapping[str, bytes]) -> str:
 
 def _apply(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
     """Make the additions and substitutions in `entries`; `folder` holds the packed source."""
-    for n, addition in enumerate(mutant.additions):
+    for addition in mutant.additions:
         name = folder + addition.file
         if name in entries:
-            raise MutantError(
-                mutant.file, f"additions[{n}].file", f"{addition.file} is packed already"
-            )
+            where = f"{mutant.id}.additions"
+            raise MutantError(mutant.file, where, f"{addition.file} is packed already")
         entries[name] = addition.text.encode()
     changed = {folder + addition.file for addition in mutant.additions}
     for n, change in enumerate(mutant.substitutions):
-        here = f"substitutions[{n}]"
+        here = f"{mutant.id}.substitutions[{n}]"
         name = change.file
         if name != DESCRIPTION:
             name = _file_of(mutant, f"{here}.file", entries, folder, name, name)
@@ -152,16 +151,16 @@ def _replace(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
     for n, override in enumerate(mutant.overrides):
         if override.module == MASTER:
             continue
-        here = f"overrides[{n}]"
+        here = f"{mutant.id}.overrides"
         end = override.module.replace(".", "/") + ".py"
-        file = _file_of(mutant, f"{here}.target", entries, folder, end, override.target)
+        file = _file_of(mutant, here, entries, folder, end, override.target)
         found = source.find(file, override.path.split("."))
         if found is None:
-            raise MutantError(mutant.file, f"{here}.target", f"no {override.target} in the FMU")
+            raise MutantError(mutant.file, here, f"no {override.target} in the FMU")
         copied = _lines(override.function("planted")) & found
         if copied.total() > MOST_COPIED:
             reason = f"copies {copied.total()} lines of {override.target}; {MOST_COPIED} at most"
-            raise MutantError(mutant.file, f"{here}.code", reason)
+            raise MutantError(mutant.file, here, reason)
         name = f"_planted_{n}"
         text = f"\n\n{override.function(name)}\n\n{override.path} = {name}({override.path})\n"
         planted[file] = planted.get(file, "") + text

@@ -15,8 +15,8 @@ from stickslip_verification.judge.metrics import METRICS
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.verdict import Measure
-from stickslip_verification.suite.cases import CASES_FOLDER, Case, Check, load_case
-from stickslip_verification.suite.experiment import CaseError
+from stickslip_verification.suite.case_file import CASES_FOLDER, CaseError, load_case
+from stickslip_verification.suite.cases import Case, Check
 from stickslip_verification.suite.faults import (
     FAULTS_FOLDER,
     Mutant,

@@ -1,8 +1,8 @@
-"""Descriptions of planted faults: data files, read, checked and turned into frozen objects.
+"""Planted faults, read from data files.
 
-A fault is one TOML file under `schemas.FAULT`: what it replaces, in the packed source of the
-FMU or in the calls that the suite makes to it, and which checks must detect it. Adding a fault is
-adding a file.
+A file is a group of faults: tables whose names are the ids. A fault says what it replaces, in the
+packed source of the FMU or in the calls that the suite makes to it, and which checks must detect
+it.
 """
 
 import ast
@@ -10,19 +10,24 @@ import fnmatch
 import textwrap
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import field
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Field, RootModel
+from pydantic.dataclasses import dataclass
 
 from stickslip_verification.model.data_file import (
+    WRITTEN,
+    ById,
     DataError,
-    objection,
+    DataFile,
+    Prose,
+    Text,
+    Written,
     read_text,
-    read_toml,
-    where_is,
 )
-from stickslip_verification.suite import schemas
 from stickslip_verification.truth import COULOMB_NAME
 
 HERE = Path(__file__).parent
@@ -70,8 +75,8 @@ class Override:
     code
         Python that defines the last name of the target anew, or "".
     value
-        A Python expression for its new value, or "". One of the two is given; in both ``original``
-        is what they replace.
+        A Python expression for its new value, or "". One of the two is there; in both
+        ``original`` is what they replace.
     """
 
     target: str
@@ -96,15 +101,19 @@ class Override:
         return f"def {name}(original):\n{textwrap.indent(made, '    ')}\n"
 
 
-@dataclass(frozen=True)
-class Substitution:
+_PART = "[a-z_][a-z0-9_]*"
+_MODULE = rf"{_PART}(/{_PART})*\.py"
+
+
+@dataclass(frozen=True, config=WRITTEN)
+class Substitution(Written):
     """One change of text: ``find`` stands exactly once in ``file`` and gives way to ``replace``.
 
     ``file`` is the end of a path in the packed source, or ``modelDescription.xml``.
     """
 
-    file: str
-    find: str
+    file: Annotated[str, Field(pattern=rf"^({_MODULE}|modelDescription\.xml)$")]
+    find: Text
     replace: str
 
 
@@ -114,6 +123,40 @@ class Addition:
 
     file: str
     text: str
+
+
+_TARGET = rf"^{_PART}(\.{_PART})*(\._?[A-Z][A-Za-z0-9_]*)?(\.[A-Za-z_][A-Za-z0-9_]*)$"
+_CODE = "Python 3.8 that defines the last name of the target; `original` is what it replaces."
+Target = Annotated[str, Field(pattern=_TARGET)]
+
+
+@dataclass(frozen=True, kw_only=True, config=WRITTEN)
+class FaultEntry(Written):
+    """A fault to plant in the stick-slip FMU; what it replaces is named by `Override.target`."""
+
+    SOME: ClassVar = ("overrides", "values", "substitutions")
+
+    id: Annotated[str, Field(pattern="^[a-z0-9]+(-[a-z0-9]+)*$")] = ""
+    about: Annotated[Prose, Field(description="In the world's words, and where people make it.")]
+    law: Text = COULOMB_NAME
+    detected_by: Annotated[tuple[Text, ...], Field(min_length=1)]
+    additions: Annotated[
+        Mapping[Annotated[str, Field(pattern=f"^{_MODULE}$")], Text],
+        Field(description="Modules that it brings along, each from a file beside this one."),
+    ] = field(default_factory=dict)
+    values: Annotated[
+        Mapping[Target, Text], Field(description="Expressions with `original` in place of values.")
+    ] = field(default_factory=dict)
+    overrides: Annotated[Mapping[Target, Text], Field(description=_CODE)] = field(
+        default_factory=dict
+    )
+    substitutions: Annotated[
+        tuple[Substitution, ...], Field(description="For what no override can say.")
+    ] = ()
+
+
+class FaultFile(RootModel[ById[FaultEntry]]):
+    """Faults to plant in the stick-slip FMU, by their ids."""
 
 
 @dataclass(frozen=True)
@@ -145,98 +188,93 @@ class Mutant:
         return bool(self.substitutions or self.additions) or len(self.hooks) < len(self.overrides)
 
 
-def load_mutants(pattern: str | None = None, folder: Path | None = None) -> list[Mutant]:
-    """Read the descriptions of a folder, in the order of their names.
+def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> list[Mutant]:
+    """Read planted faults, in the order of their ids.
 
     Parameters
     ----------
     pattern
         Shell pattern on the ids (``state-*``); None takes all.
-    folder
-        Where the TOML files are; None takes the suite's own.
+    files
+        A TOML file, or a folder of them.
 
     Raises
     ------
     MutantError
-        A description is broken (also one that the pattern leaves out), or none matches.
+        A description is broken (also one that the pattern leaves out), two have one id, or none
+        matches.
     """
-    folder = FAULTS_FOLDER if folder is None else folder
-    if not folder.is_dir():
-        raise MutantError(folder, "", "no such folder of planted faults")
-    mutants = [load_mutant(file) for file in sorted(folder.glob("*.toml"))]
-    chosen = [m for m in mutants if pattern is None or fnmatch.fnmatchcase(m.id, pattern)]
+    mutants: dict[str, Mutant] = {}
+    for path in sorted(files.glob("*.toml")) if files.is_dir() else [files]:
+        file = DataFile(path, MutantError)
+        for name, entry in file.read(FaultFile).root.items():
+            if name in mutants:
+                raise file.refusal(f"{mutants[name].file.name} has a fault of this id", name)
+            mutants[name] = _mutant(file, entry)
+    chosen = [m for m in mutants.values() if pattern is None or fnmatch.fnmatchcase(m.id, pattern)]
     if not chosen:
-        raise MutantError(folder, "", f"no planted fault matches {pattern or '*.toml'!r}")
-    return chosen
-
-
-def load_mutant(file: Path) -> Mutant:
-    """Read one description; `MutantError` names what is wrong with it and where."""
-    data = read_toml(file, MutantError)
-    found = objection(data, schemas.FAULT)
-    if found is not None:
-        raise MutantError(file, where_is(file, found[0]), found[1])
-    if data["id"] != file.stem:
-        raise MutantError(file, "id", f"{data['id']!r} is not the name of the file")
-    if not {"overrides", "substitutions"} & data.keys():
-        raise MutantError(file, "", "plants nothing: there are neither overrides nor substitutions")
-    return Mutant(
-        id=data["id"],
-        about=" ".join(data["about"].split()),
-        detected_by=tuple(data["detected_by"]),
-        substitutions=tuple(
-            _substitution(file, f"substitutions[{n}]", entry)
-            for n, entry in enumerate(data.get("substitutions", []))
-        ),
-        additions=tuple(
-            _addition(file, f"additions[{n}]", entry)
-            for n, entry in enumerate(data.get("additions", []))
-        ),
-        file=file,
-        overrides=tuple(
-            _override(file, f"overrides[{n}]", entry)
-            for n, entry in enumerate(data.get("overrides", []))
-        ),
-        law=data.get("law", COULOMB_NAME),
-    )
+        raise MutantError(files, "", f"no planted fault matches {pattern or '*'!r}")
+    return sorted(chosen, key=lambda mutant: mutant.id)
 
 
 @cache
 def reasons_to_stay(file: Path = KILLS_NOTHING) -> Mapping[str, str]:
     """Read why checks that detect no fault stay, by check."""
-    reasons: dict[str, str] = read_toml(file, MutantError)["kills_nothing"]
+    reasons: dict[str, str] = DataFile(file, MutantError).data["kills_nothing"]
     return reasons
 
 
-def _override(file: Path, here: str, entry: Mapping[str, str]) -> Override:
-    override = Override(**entry)
-    if len(entry) != 2:
-        which = "both code and value" if len(entry) > 2 else "neither code nor value"
-        raise MutantError(file, here, f"has {which}")
-    field = f"{here}.code" if override.code else f"{here}.value"
-    if override.module == MASTER:
-        if override.path not in HOOKS:
-            reason = f"no such call of the master: {override.target}; there are {', '.join(HOOKS)}"
-            raise MutantError(file, f"{here}.target", reason)
-        if not override.code:
-            raise MutantError(file, field, "a call of the master is replaced by code")
+def _mutant(file: DataFile, entry: FaultEntry) -> Mutant:
+    additions = []
+    for name, source in entry.additions.items():
+        try:
+            additions.append(Addition(name, read_text(file.path.parent / source, MutantError)))
+        except MutantError as error:
+            place = (entry.id, "additions", name)
+            raise file.refusal(f"{source}: {error.reason}", *place) from None
+    for number, change in enumerate(entry.substitutions):
+        if change.find == change.replace:
+            place_of = (entry.id, "substitutions", number, "replace")
+            raise file.refusal("is what it replaces", *place_of)
+    overrides = [Override(target, value=value) for target, value in entry.values.items()]
+    overrides += [Override(target, code) for target, code in entry.overrides.items()]
+    for override in overrides:
+        try:
+            _check_python(override)
+        except ValueError as error:
+            table = "overrides" if override.code else "values"
+            raise file.refusal(str(error), entry.id, table, override.target) from None
+    return Mutant(
+        id=entry.id,
+        about=entry.about,
+        detected_by=entry.detected_by,
+        substitutions=entry.substitutions,
+        additions=tuple(additions),
+        file=file.path,
+        overrides=tuple(overrides),
+        law=entry.law,
+    )
+
+
+def _check_python(override: Override) -> None:
+    """Raise a ValueError unless an override is Python 3.8 that defines what it replaces."""
+    if override.module == MASTER and override.path not in HOOKS:
+        raise ValueError(f"no such call of the master; there are {', '.join(HOOKS)}")
+    if override.module == MASTER and not override.code:
+        raise ValueError("a call of the master is replaced by code")
     text, mode = (override.code, "exec") if override.code else (f"({override.value}\n)", "eval")
     try:
         tree = parsed(text, mode=mode, feature_version=PYTHON)
         # What a syntax tree may hold, and a module or a function may not.
         for whole, how in ((text, mode), (override.function("made"), "exec")):
-            compile(whole, here, how)
+            compile(whole, override.target, how)
     except SyntaxError as error:
         # A value ends in a line of its own, which the file does not have.
         line = min(error.lineno or 1, max(1, len((override.code or override.value).splitlines())))
-        reason = f"line {line} is not Python 3.8: {error.msg}"
-        raise MutantError(file, field, reason) from None
-    except ValueError as error:
-        raise MutantError(file, field, str(error)) from None
+        raise ValueError(f"line {line} is not Python 3.8: {error.msg}") from None
     last = override.path.rpartition(".")[2]
     if isinstance(tree, ast.Module) and last not in bindings(tree.body):
-        raise MutantError(file, field, f"does not define {last}")
-    return override
+        raise ValueError(f"does not define {last}")
 
 
 def bindings(body: Sequence[ast.stmt]) -> dict[str, ast.stmt]:
@@ -260,20 +298,3 @@ def bindings(body: Sequence[ast.stmt]) -> dict[str, ast.stmt]:
         for name in names:
             found.setdefault(name, statement)
     return found
-
-
-def _substitution(file: Path, here: str, entry: Mapping[str, str]) -> Substitution:
-    substitution = Substitution(**entry)
-    if substitution.find == substitution.replace:
-        raise MutantError(file, f"{here}.replace", "is what it replaces")
-    return substitution
-
-
-def _addition(file: Path, here: str, entry: Mapping[str, str]) -> Addition:
-    if "text" in entry:
-        return Addition(entry["file"], entry["text"])
-    try:
-        text = read_text(file.parent / entry["source"], MutantError)
-    except MutantError as error:
-        raise MutantError(file, f"{here}.source", f"{entry['source']}: {error.reason}") from None
-    return Addition(entry["file"], text)
