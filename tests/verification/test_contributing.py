@@ -38,7 +38,7 @@ def test_a_case_is_added_as_it_says(suite: Path, tmp_path: Path, fmu_path: Path)
         other.unlink()
     # The linter prints the line that is to be added below `about`.
     (line,) = re.findall(r"motion is missing.*write (motion = .*)", run(f"{lint} || true"))
-    text = re.sub(r'(about = """.*?"""\n)', rf"\1{line}\n", text, flags=re.DOTALL)
+    text = re.sub(r'(about = ".*"\n)', rf"\1{line}\n", text)
     file.write_text(text, encoding="utf-8")
     found = run(f"{lint} || true").splitlines()
     assert [each for each in found if name in each] == []

@@ -138,7 +138,7 @@ class CaseFile(Written):
 
     id: Id
     title: Text
-    about: Text
+    about: Prose
     experiment: Experiment
     law: Annotated[Text, Field(description="the friction law, module:NAME")] = COULOMB_NAME
     klass: Annotated[
@@ -210,7 +210,7 @@ def load_case(path: Path) -> Case:
     return Case(
         id=written.id,
         title=written.title,
-        about=written.about.strip(),
+        about=written.about,
         parameters=written.parameters,
         steps=steps,
         checks=_checks(file, written, courses, _with_own(file, rules, written.tolerances)),
