@@ -7,7 +7,7 @@ import pytest
 
 from stickslip_verification import Mutant, MutantError, load_mutants
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.suite.faults import Addition, Override, Substitution
+from stickslip_verification.suite.faults import Override, Substitution
 from tests.driver import Fmu
 
 GOOD = '''\
@@ -19,7 +19,7 @@ overrides."coefficients.friction_forces" = """
 def friction_forces(mu_s, mu_k_used, normal):
     return original(1.001 * mu_s, mu_k_used, normal)
 """
-values."coefficients._CLAMP_GAP" = "0.1 * original"
+overrides."coefficients._CLAMP_GAP".value = "0.1 * original"
 '''
 FUTURE = "from __future__ import annotations\ndef friction_"
 MATCH = "    match 1:\n        case _: pass\n    return orig"
@@ -36,13 +36,17 @@ REFUSED = [
     ("[good]", "[good", "line 1"),
     ("[good]", "['no good']", "line 1, no good.id: 'no good' should match pattern"),
     ('["F_s-course"]', "[]", r"line 3, good.detected_by: should have at least 1 item"),
-    (GOOD[GOOD.index("overrides") :], "", "line 1, good: needs overrides or values or substitu"),
-    ('"0.1 * original"', '"0.1 *"', r"line 9, good.values.\S+: line 1 is not Python 3.8"),
-    ("def friction_", FUTURE, r"line 5, good.overrides.\S+: line 2 is not Python 3.8: from __fut"),
-    ("    return orig", MATCH, r"overrides.\S+: line 4 is not Python 3.8: Pattern"),
-    ("def friction_", "def other_", r"overrides.\S+: does not define friction_forces"),
-    ('"coefficients.fr', '"master.fr', r"overrides.\S+: .*get, set, step, reset"),
-    ('"coefficients._CLAMP_GAP"', '"master.get"', r"values.\S+: .*replaced by code"),
+    (GOOD[GOOD.index("overrides") :], "", "line 1, good: needs overrides or substitutions"),
+    ('"0.1 * original"', '"0.1 *"', r"good.overrides.1.: coeff\S+: line 1 is not Python 3.8"),
+    (
+        "def friction_",
+        FUTURE,
+        r"line 5, good.overrides.0.: \S+: line 2 is not Python 3.8: from",
+    ),
+    ("    return orig", MATCH, r"overrides.*: line 4 is not Python 3.8: Pattern"),
+    ("def friction_", "def other_", r"overrides.*: does not define friction_forces"),
+    ('"coefficients.fr', '"master.fr', r"overrides.*: .*get, set, step, reset"),
+    ('"coefficients._CLAMP_GAP"', '"master.get"', r"overrides.*: .*replaced by code"),
     ("more.py.txt", "a.py.txt", r"line 4, good.additions.more.py: a.py.txt: no such"),
 ]
 
@@ -72,7 +76,7 @@ def target(name: str) -> dict[str, object]:
         (find("normal"), "matches 4 times in coefficients.py, not once"),
         (find("normal", file="clutch.py"), "no clutch.py in the FMU"),
         (find("return mu_s * normal", "return mu_s * *"), "is not Python any more"),
-        ({"additions": (Addition("stickslip_fmu/block.py", "pass"),)}, "is packed already"),
+        ({"additions": {"stickslip_fmu/block.py": "more.py.txt"}}, "is packed already"),
         (target("law.friction_forces"), "may be in stickslip_fmu/laws/coulomb/law.py, "),
         (target("clutch.engage"), "overrides: no clutch.engage in the FMU$"),
         (target("block.Block.engage"), "overrides: no block.Block.engage in the FMU$"),
@@ -82,7 +86,7 @@ def target(name: str) -> dict[str, object]:
 def test_a_fault_that_does_not_fit_the_fmu_is_refused_and_nothing_is_written(
     fmu_path: Path, tmp_path: Path, fault: dict[str, object], words: str
 ) -> None:
-    parts = {"overrides": (), "substitutions": (), "additions": (), **fault}
+    parts = {"overrides": (), "substitutions": (), "additions": {}, **fault}
     mutant = replace(read(tmp_path, GOOD), **parts)  # type: ignore[arg-type]
     with pytest.raises(MutantError, match=words) as refused:
         plant(fmu_path, mutant, tmp_path / "out")
@@ -112,7 +116,7 @@ def test_a_mutant_runs_beside_the_original_in_one_process_and_changes_what_it_na
         Override("coefficients._CLAMP_GAP", value="0.25"),
         Override("coefficients._CLAMP_GAP", value="original + 0.125"),
     )
-    mutant = replace(read(tmp_path, GOOD), overrides=overrides, additions=())
+    mutant = replace(read(tmp_path, GOOD), overrides=overrides, additions={})
     original = Fmu(fmu_path).started()
     instance = Fmu(plant(fmu_path, mutant, tmp_path / "mutant.fmu")).started(mu_k=0.6)
     for each in (original, instance):

@@ -104,13 +104,13 @@ def _package(fmu: Path, entries: Mapping[str, bytes]) -> str:
 
 def _apply(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
     """Make the additions and substitutions in `entries`; `folder` holds the packed source."""
-    for addition in mutant.additions:
-        name = folder + addition.file
+    for file, source in mutant.additions.items():
+        name = folder + file
         if name in entries:
             where = f"{mutant.id}.additions"
-            raise MutantError(mutant.file, where, f"{addition.file} is packed already")
-        entries[name] = addition.text.encode()
-    changed = {folder + addition.file for addition in mutant.additions}
+            raise MutantError(mutant.file, where, f"{file} is packed already")
+        entries[name] = (mutant.file.parent / source).read_bytes()
+    changed = {folder + file for file in mutant.additions}
     for n, change in enumerate(mutant.substitutions):
         here = f"{mutant.id}.substitutions[{n}]"
         name = change.file

@@ -97,14 +97,6 @@ class OwnTolerance(Written):
 
 
 @dataclass(frozen=True, config=WRITTEN)
-class Because(Written):
-    """The reason of each side's own tolerance."""
-
-    fmu: Prose | None = None
-    reference: Prose | None = None
-
-
-@dataclass(frozen=True, config=WRITTEN)
 class CheckEntry(Written):
     """A check that a case spells out; fields that it leaves out come from the rules."""
 
@@ -123,7 +115,10 @@ class CheckEntry(Written):
         Field(description="a named closed form; absent: the exact motion at 50 digits"),
     ] = ""
     tolerance: OwnTolerance = field(default_factory=OwnTolerance)
-    because: Because = field(default_factory=Because)
+    because: Annotated[
+        Mapping[Annotated[str, known("side", SIDES)], Prose],
+        Field(description="the reason of each side's own tolerance"),
+    ] = field(default_factory=dict)
 
 
 Courses = Annotated[
@@ -365,10 +360,9 @@ def _tolerance(file: DataFile, n: int, entry: CheckEntry, rules: Rules) -> Toler
         reason = f"{quantity.name} is discrete: measure absolute, tolerance 0 on both sides"
         raise file.refusal(reason, "checks", n, "tolerance")
     allowed, because = {}, {}
-    for side in SIDES:
-        value, reason = getattr(own, side), getattr(entry.because, side)
+    for side, value in (("fmu", own.fmu), ("reference", own.reference)):
         if value is not None:
-            allowed[side], because[side] = value, reason
+            allowed[side], because[side] = value, entry.because[side]
         elif rule is not None and rule.measure == measure:
             allowed[side], because[side] = rule.allowed[side], rule.because[side]
         else:

@@ -10,12 +10,12 @@ import fnmatch
 import textwrap
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
-from pydantic import Field, RootModel
+from pydantic import BeforeValidator, Field, RootModel
 from pydantic.dataclasses import dataclass
 
 from stickslip_verification.model.data_file import (
@@ -26,7 +26,6 @@ from stickslip_verification.model.data_file import (
     Prose,
     Text,
     Written,
-    read_text,
 )
 from stickslip_verification.truth import COULOMB_NAME
 
@@ -63,8 +62,13 @@ class MutantError(DataError):
     """A fault cannot be planted; one line with the file, the line or field, and the reason."""
 
 
-@dataclass(frozen=True)
-class Override:
+_PART = "[a-z_][a-z0-9_]*"
+_MODULE = rf"{_PART}(/{_PART})*\.py"
+_TARGET = rf"^{_PART}(\.{_PART})*(\._?[A-Z][A-Za-z0-9_]*)?(\.[A-Za-z_][A-Za-z0-9_]*)$"
+
+
+@dataclass(frozen=True, config=WRITTEN)
+class Override(Written):
     """One replacement of what a name stands for.
 
     Attributes
@@ -79,9 +83,19 @@ class Override:
         ``original`` is what they replace.
     """
 
-    target: str
+    SOME: ClassVar = ("code", "value")
+    EXCLUDES: ClassVar = {"code": ("value",)}
+
+    target: Annotated[str, Field(pattern=_TARGET)]
     code: str = ""
     value: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse what is no Python 3.8, or does not define what it replaces."""
+        try:
+            _check_python(self)
+        except ValueError as error:
+            raise ValueError(f"{self.target}: {error}") from None
 
     @property
     def module(self) -> str:
@@ -101,8 +115,14 @@ class Override:
         return f"def {name}(original):\n{textwrap.indent(made, '    ')}\n"
 
 
-_PART = "[a-z_][a-z0-9_]*"
-_MODULE = rf"{_PART}(/{_PART})*\.py"
+def _overrides(table: Any) -> Any:
+    """Return overrides as a list: each is its code by its target, or a table with the value."""
+    if not isinstance(table, dict):
+        return table
+    return [
+        {"target": target, **(entry if isinstance(entry, dict) else {"code": entry})}
+        for target, entry in table.items()
+    ]
 
 
 @dataclass(frozen=True, config=WRITTEN)
@@ -116,66 +136,43 @@ class Substitution(Written):
     find: Text
     replace: str
 
-
-@dataclass(frozen=True)
-class Addition:
-    """A module with the path ``file`` and this ``text`` that joins the packed source."""
-
-    file: str
-    text: str
-
-
-_TARGET = rf"^{_PART}(\.{_PART})*(\._?[A-Z][A-Za-z0-9_]*)?(\.[A-Za-z_][A-Za-z0-9_]*)$"
-_CODE = "Python 3.8 that defines the last name of the target; `original` is what it replaces."
-Target = Annotated[str, Field(pattern=_TARGET)]
+    def __post_init__(self) -> None:
+        """Refuse one that changes nothing."""
+        if self.find == self.replace:
+            raise ValueError("replace is what it replaces")
 
 
 @dataclass(frozen=True, kw_only=True, config=WRITTEN)
-class FaultEntry(Written):
-    """A fault to plant in the stick-slip FMU; what it replaces is named by `Override.target`."""
+class Mutant(Written):
+    """A fault to plant in the stick-slip FMU.
 
-    SOME: ClassVar = ("overrides", "values", "substitutions")
-
-    id: Annotated[str, Field(pattern="^[a-z0-9]+(-[a-z0-9]+)*$")] = ""
-    about: Annotated[Prose, Field(description="In the world's words, and where people make it.")]
-    law: Text = COULOMB_NAME
-    detected_by: Annotated[tuple[Text, ...], Field(min_length=1)]
-    additions: Annotated[
-        Mapping[Annotated[str, Field(pattern=f"^{_MODULE}$")], Text],
-        Field(description="Modules that it brings along, each from a file beside this one."),
-    ] = field(default_factory=dict)
-    values: Annotated[
-        Mapping[Target, Text], Field(description="Expressions with `original` in place of values.")
-    ] = field(default_factory=dict)
-    overrides: Annotated[Mapping[Target, Text], Field(description=_CODE)] = field(
-        default_factory=dict
-    )
-    substitutions: Annotated[
-        tuple[Substitution, ...], Field(description="For what no override can say.")
-    ] = ()
-
-
-class FaultFile(RootModel[ById[FaultEntry]]):
-    """Faults to plant in the stick-slip FMU, by their ids."""
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """One fault to plant.
-
-    ``detected_by`` names the checks that fit the fault; at least one of them must fail. The
-    ``additions`` are made first, then the ``substitutions``, then the ``overrides``, each in their
-    order. ``file`` is the description, ``law`` the name of the friction law whose FMU it is for.
+    Attributes
+    ----------
+    id, about
+        Its name, and what is wrong in the world's words, and where people make it.
+    law
+        The name of the friction law whose FMU it is for.
+    detected_by
+        The checks that fit the fault; at least one of them must fail.
+    additions
+        Modules that join the packed source, each from a file beside the description. They are made
+        first, then the ``substitutions``, then the ``overrides``, each in their order.
+    file
+        The description.
     """
 
-    id: str
-    about: str
-    detected_by: tuple[str, ...]
-    substitutions: tuple[Substitution, ...]
-    additions: tuple[Addition, ...]
-    file: Path
-    overrides: tuple[Override, ...] = ()
-    law: str = COULOMB_NAME
+    SOME: ClassVar = ("overrides", "substitutions")
+
+    id: Annotated[str, Field(pattern="^[a-z0-9]+(-[a-z0-9]+)*$")] = ""
+    about: Prose
+    law: Text = COULOMB_NAME
+    detected_by: Annotated[tuple[Text, ...], Field(min_length=1)]
+    additions: Mapping[Annotated[str, Field(pattern=f"^{_MODULE}$")], Text] = field(
+        default_factory=dict
+    )
+    substitutions: tuple[Substitution, ...] = ()
+    overrides: Annotated[tuple[Override, ...], BeforeValidator(_overrides)] = ()
+    file: Path = FAULTS_FOLDER
 
     @property
     def hooks(self) -> tuple[Hook, ...]:
@@ -186,6 +183,10 @@ class Mutant:
     def changes_the_fmu(self) -> bool:
         """Whether the fault lies in the FMU, so that it needs the source which ours carries."""
         return bool(self.substitutions or self.additions) or len(self.hooks) < len(self.overrides)
+
+
+class FaultFile(RootModel[ById[Mutant]]):
+    """Faults to plant in the stick-slip FMU, by their ids."""
 
 
 def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> list[Mutant]:
@@ -207,10 +208,13 @@ def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> lis
     mutants: dict[str, Mutant] = {}
     for path in sorted(files.glob("*.toml")) if files.is_dir() else [files]:
         file = DataFile(path, MutantError)
-        for name, entry in file.read(FaultFile).root.items():
+        for name, mutant in file.read(FaultFile).root.items():
             if name in mutants:
                 raise file.refusal(f"{mutants[name].file.name} has a fault of this id", name)
-            mutants[name] = _mutant(file, entry)
+            for module, source in mutant.additions.items():
+                if not (path.parent / source).is_file():
+                    raise file.refusal(f"{source}: no such file", name, "additions", module)
+            mutants[name] = replace(mutant, file=path)
     chosen = [m for m in mutants.values() if pattern is None or fnmatch.fnmatchcase(m.id, pattern)]
     if not chosen:
         raise MutantError(files, "", f"no planted fault matches {pattern or '*'!r}")
@@ -222,38 +226,6 @@ def reasons_to_stay(file: Path = KILLS_NOTHING) -> Mapping[str, str]:
     """Read why checks that detect no fault stay, by check."""
     reasons: dict[str, str] = DataFile(file, MutantError).data["kills_nothing"]
     return reasons
-
-
-def _mutant(file: DataFile, entry: FaultEntry) -> Mutant:
-    additions = []
-    for name, source in entry.additions.items():
-        try:
-            additions.append(Addition(name, read_text(file.path.parent / source, MutantError)))
-        except MutantError as error:
-            place = (entry.id, "additions", name)
-            raise file.refusal(f"{source}: {error.reason}", *place) from None
-    for number, change in enumerate(entry.substitutions):
-        if change.find == change.replace:
-            place_of = (entry.id, "substitutions", number, "replace")
-            raise file.refusal("is what it replaces", *place_of)
-    overrides = [Override(target, value=value) for target, value in entry.values.items()]
-    overrides += [Override(target, code) for target, code in entry.overrides.items()]
-    for override in overrides:
-        try:
-            _check_python(override)
-        except ValueError as error:
-            table = "overrides" if override.code else "values"
-            raise file.refusal(str(error), entry.id, table, override.target) from None
-    return Mutant(
-        id=entry.id,
-        about=entry.about,
-        detected_by=entry.detected_by,
-        substitutions=entry.substitutions,
-        additions=tuple(additions),
-        file=file.path,
-        overrides=tuple(overrides),
-        law=entry.law,
-    )
 
 
 def _check_python(override: Override) -> None:
