@@ -36,14 +36,14 @@ from stickslip_verification.model.verdict import Kind
 from stickslip_verification.report.svg import differences
 from stickslip_verification.suite.case_file import CaseFile
 from stickslip_verification.suite.faults import FaultFile
-from stickslip_verification.suite.invariants import InvariantFile
+from stickslip_verification.suite.invariants import Invariants
 from stickslip_verification.suite.sequences import COUNT, SEED
 
 HERE = Path(__file__).parent
 
 SCHEMAS = {
     f"{name}.schema.json": TypeAdapter(shape).json_schema()
-    for name, shape in (("case", CaseFile), ("fault", FaultFile), ("invariants", InvariantFile))
+    for name, shape in (("case", CaseFile), ("fault", FaultFile), ("invariants", Invariants))
 }
 """Of the data files, for editors."""
 

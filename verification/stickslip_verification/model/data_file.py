@@ -43,17 +43,24 @@ Count = Annotated[int, Field(strict=True, ge=0)]
 Ordinal = Annotated[int, Field(strict=True, ge=1)]
 
 
-def with_ids(tables: Any) -> Any:
-    """Return tables by name, each with its name as its ``id``."""
-    if not isinstance(tables, dict):
-        return tables
-    return {
-        name: {**table, "id": name} if isinstance(table, dict) else table
-        for name, table in tables.items()
-    }
+def listed(name: str, short: str = "") -> BeforeValidator:
+    """Return the rule that makes a list of tables, each with its own name as the field `name`.
+
+    An entry that is no table is the field `short`.
+    """
+
+    def tables(data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        return [
+            {**(entry if isinstance(entry, dict) else {short: entry}), name: key}
+            for key, entry in data.items()
+        ]
+
+    return BeforeValidator(tables)
 
 
-ById = Annotated[Mapping[str, Shape], BeforeValidator(with_ids)]
+ById = Annotated[Sequence[Shape], listed("id")]
 """Tables whose names are the ids of what they describe."""
 
 
@@ -207,11 +214,18 @@ class DataFile:
 
     def _where(self, place: Place) -> str:
         """Say where a field is: its line, as far as it is written out, and its name."""
-        place = tuple(part for part in place if part != "[key]")
+        named: tuple[str | int, ...] = ()
+        data: Any = self.data
+        for part in place:
+            if isinstance(data, dict) and isinstance(part, int):
+                # The tables that `listed` made a list of.
+                part = list(data)[part]
+            named = (*named, part)
+            data = data.get(part) if isinstance(data, dict) else None
         lines = _lines(self._text)
-        known = (lines[tuple(place[:n])] for n in range(len(place), 0, -1) if place[:n] in lines)
+        known = (lines[named[:n]] for n in range(len(named), 0, -1) if named[:n] in lines)
         line = next(known, 0)
-        return ", ".join(filter(None, (f"line {line}" if line else "", field_name(place))))
+        return ", ".join(filter(None, (f"line {line}" if line else "", field_name(named))))
 
 
 @cache

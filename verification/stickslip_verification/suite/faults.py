@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BeforeValidator, Field, RootModel
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from stickslip_verification.model.data_file import (
@@ -23,9 +23,11 @@ from stickslip_verification.model.data_file import (
     ById,
     DataError,
     DataFile,
+    Id,
     Prose,
     Text,
     Written,
+    listed,
 )
 from stickslip_verification.truth import COULOMB_NAME
 
@@ -92,10 +94,23 @@ class Override(Written):
 
     def __post_init__(self) -> None:
         """Refuse what is no Python 3.8, or does not define what it replaces."""
+        if self.module == MASTER and self.path not in HOOKS:
+            raise ValueError(f"no such call of the master; there are {', '.join(HOOKS)}")
+        if self.module == MASTER and not self.code:
+            raise ValueError("a call of the master is replaced by code")
+        text, mode = (self.code, "exec") if self.code else (f"({self.value}\n)", "eval")
         try:
-            _check_python(self)
-        except ValueError as error:
-            raise ValueError(f"{self.target}: {error}") from None
+            tree = parsed(text, mode=mode, feature_version=PYTHON)
+            # What a syntax tree may hold, and a module or a function may not.
+            for whole, how in ((text, mode), (self.function("made"), "exec")):
+                compile(whole, self.target, how)
+        except SyntaxError as error:
+            # A value ends in a line of its own, which the file does not have.
+            line = min(error.lineno or 1, max(1, len((self.code or self.value).splitlines())))
+            raise ValueError(f"line {line} is not Python 3.8: {error.msg}") from None
+        last = self.path.rpartition(".")[2]
+        if isinstance(tree, ast.Module) and last not in bindings(tree.body):
+            raise ValueError(f"does not define {last}")
 
     @property
     def module(self) -> str:
@@ -113,16 +128,6 @@ class Override(Written):
         last = self.path.rpartition(".")[2]
         made = f"{self.code.strip()}\nreturn {last}" if self.code else f"return (\n{self.value}\n)"
         return f"def {name}(original):\n{textwrap.indent(made, '    ')}\n"
-
-
-def _overrides(table: Any) -> Any:
-    """Return overrides as a list: each is its code by its target, or a table with the value."""
-    if not isinstance(table, dict):
-        return table
-    return [
-        {"target": target, **(entry if isinstance(entry, dict) else {"code": entry})}
-        for target, entry in table.items()
-    ]
 
 
 @dataclass(frozen=True, config=WRITTEN)
@@ -163,7 +168,7 @@ class Mutant(Written):
 
     SOME: ClassVar = ("overrides", "substitutions")
 
-    id: Annotated[str, Field(pattern="^[a-z0-9]+(-[a-z0-9]+)*$")] = ""
+    id: Id = ""
     about: Prose
     law: Text = COULOMB_NAME
     detected_by: Annotated[tuple[Text, ...], Field(min_length=1)]
@@ -171,7 +176,7 @@ class Mutant(Written):
         default_factory=dict
     )
     substitutions: tuple[Substitution, ...] = ()
-    overrides: Annotated[tuple[Override, ...], BeforeValidator(_overrides)] = ()
+    overrides: Annotated[tuple[Override, ...], listed("target", short="code")] = ()
     file: Path = FAULTS_FOLDER
 
     @property
@@ -185,8 +190,8 @@ class Mutant(Written):
         return bool(self.substitutions or self.additions) or len(self.hooks) < len(self.overrides)
 
 
-class FaultFile(RootModel[ById[Mutant]]):
-    """Faults to plant in the stick-slip FMU, by their ids."""
+FaultFile = ById[Mutant]
+"""Faults to plant in the stick-slip FMU, by their ids."""
 
 
 def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> list[Mutant]:
@@ -208,13 +213,14 @@ def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> lis
     mutants: dict[str, Mutant] = {}
     for path in sorted(files.glob("*.toml")) if files.is_dir() else [files]:
         file = DataFile(path, MutantError)
-        for name, mutant in file.read(FaultFile).root.items():
-            if name in mutants:
-                raise file.refusal(f"{mutants[name].file.name} has a fault of this id", name)
+        for mutant in file.read(FaultFile):
+            if mutant.id in mutants:
+                reason = f"{mutants[mutant.id].file.name} has a fault of this id"
+                raise file.refusal(reason, mutant.id)
             for module, source in mutant.additions.items():
                 if not (path.parent / source).is_file():
-                    raise file.refusal(f"{source}: no such file", name, "additions", module)
-            mutants[name] = replace(mutant, file=path)
+                    raise file.refusal(f"{source}: no such file", mutant.id, "additions", module)
+            mutants[mutant.id] = replace(mutant, file=path)
     chosen = [m for m in mutants.values() if pattern is None or fnmatch.fnmatchcase(m.id, pattern)]
     if not chosen:
         raise MutantError(files, "", f"no planted fault matches {pattern or '*'!r}")
@@ -226,27 +232,6 @@ def reasons_to_stay(file: Path = KILLS_NOTHING) -> Mapping[str, str]:
     """Read why checks that detect no fault stay, by check."""
     reasons: dict[str, str] = DataFile(file, MutantError).data["kills_nothing"]
     return reasons
-
-
-def _check_python(override: Override) -> None:
-    """Raise a ValueError unless an override is Python 3.8 that defines what it replaces."""
-    if override.module == MASTER and override.path not in HOOKS:
-        raise ValueError(f"no such call of the master; there are {', '.join(HOOKS)}")
-    if override.module == MASTER and not override.code:
-        raise ValueError("a call of the master is replaced by code")
-    text, mode = (override.code, "exec") if override.code else (f"({override.value}\n)", "eval")
-    try:
-        tree = parsed(text, mode=mode, feature_version=PYTHON)
-        # What a syntax tree may hold, and a module or a function may not.
-        for whole, how in ((text, mode), (override.function("made"), "exec")):
-            compile(whole, override.target, how)
-    except SyntaxError as error:
-        # A value ends in a line of its own, which the file does not have.
-        line = min(error.lineno or 1, max(1, len((override.code or override.value).splitlines())))
-        raise ValueError(f"line {line} is not Python 3.8: {error.msg}") from None
-    last = override.path.rpartition(".")[2]
-    if isinstance(tree, ast.Module) and last not in bindings(tree.body):
-        raise ValueError(f"does not define {last}")
 
 
 def bindings(body: Sequence[ast.stmt]) -> dict[str, ast.stmt]:

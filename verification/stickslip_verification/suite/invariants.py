@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import fields, replace
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
@@ -145,43 +144,28 @@ class Order(Invariant):
 
 
 @dataclass(frozen=True, config=WRITTEN)
-class InvariantFile(Written):
+class Invariants(Written):
     """Invariants that every run of the stick-slip block is held to, by the way they are tried."""
 
     SOME: ClassVar = ("residuals", "runs", "sequences", "probes", "agreements", "orders")
 
-    residuals: ById[ResidualInvariant] = Field(default_factory=dict)
-    runs: ById[RunInvariant] = Field(default_factory=dict)
-    sequences: ById[Manner] = Field(default_factory=dict)
-    probes: ById[Probe] = Field(default_factory=dict)
-    agreements: ById[Agreement] = Field(default_factory=dict)
-    orders: ById[Order] = Field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Invariants:
-    """All invariants, by the way they are tried."""
-
-    residuals: Sequence[ResidualInvariant] = ()
-    runs: Sequence[RunInvariant] = ()
-    sequences: Sequence[Manner] = ()
-    probes: Sequence[Probe] = ()
-    agreements: Sequence[Agreement] = ()
-    orders: Sequence[Order] = ()
+    residuals: ById[ResidualInvariant] = ()
+    runs: ById[RunInvariant] = ()
+    sequences: ById[Manner] = ()
+    probes: ById[Probe] = ()
+    agreements: ById[Agreement] = ()
+    orders: ById[Order] = ()
 
     def __iter__(self) -> Iterator[Invariant]:
         """Yield every invariant."""
-        for family in fields(self):
-            yield from getattr(self, family.name)
+        for family in self.SOME:
+            yield from getattr(self, family)
 
     def only(self, names: Collection[str]) -> Invariants:
         """Return those of these ids."""
-        return replace(
-            self,
-            **{
-                family.name: [each for each in getattr(self, family.name) if each.id in names]
-                for family in fields(self)
-            },
+        families = {family: getattr(self, family) for family in self.SOME}
+        return Invariants(
+            **{name: [each for each in of if each.id in names] for name, of in families.items()}
         )
 
     def of_laws(self, laws: Collection[str]) -> Invariants:
@@ -197,18 +181,19 @@ def load_invariants(folder: Path = FOLDER) -> Invariants:
     InvariantError
         A file is broken, or two invariants share an id.
     """
-    families: dict[str, list[Any]] = {family.name: [] for family in fields(Invariants)}
+    families: dict[str, list[Any]] = {family: [] for family in Invariants.SOME}
     seen: dict[str, str] = {}
     for path in sorted(folder.glob("*.toml")):
         file = DataFile(path, InvariantError)
-        written = file.read(InvariantFile)
+        written = file.read(Invariants)
         for family, invariants in families.items():
-            for name, invariant in getattr(written, family).items():
-                if name in seen:
-                    raise file.refusal(f"{seen[name]} has an invariant of this id", family, name)
-                seen[name] = path.name
+            for invariant in getattr(written, family):
+                if invariant.id in seen:
+                    reason = f"{seen[invariant.id]} has an invariant of this id"
+                    raise file.refusal(reason, family, invariant.id)
+                seen[invariant.id] = path.name
                 invariants.append(invariant)
-    return Invariants(**{family: tuple(of) for family, of in families.items()})
+    return Invariants(**families)
 
 
 @cache
