@@ -82,7 +82,7 @@ FLAWS: list[tuple[str, Any, str]] = [
     ("load_invariants", one("runs", because="somehow it was so"), "'somehow' is no reason"),
     ("load_invariants", BROKEN, "a.toml: pull: no good"),
     ("load_mutants", [*FAULTS, NOWHERE], f"fault {FAULT.id}: there is no check no-check"),
-    ("reasons_to_stay", {"no-check": ""}, "kills_nothing check no-check: there is no such check"),
+    ("load_invariants", one("runs", stays="Because."), ": stays: 'Because.' says too little"),
 ]
 
 

@@ -91,7 +91,7 @@ class Written:
     """What stands in a file: base of the models, which are dataclasses of pydantic."""
 
     NEEDS: ClassVar[Mapping[str, Sequence[str]]] = {}
-    """Where a field is written, these are too; ``a.b`` is the field b of the table a."""
+    """Where a field is written, these are too."""
 
     EXCLUDES: ClassVar[Mapping[str, Sequence[str]]] = {}
     """Where a field is written, these are not."""
@@ -116,22 +116,13 @@ class Written:
 
 
 def _conflicts(model: type[Written], data: Mapping[str, Any]) -> Iterator[tuple[Place, str]]:
-    for name, others in model.NEEDS.items():
-        lacking = [other for other in others if _is_in(data, name) and not _is_in(data, other)]
-        yield from ((name.split("."), f"needs {other}") for other in lacking)
-    for name, others in model.EXCLUDES.items():
-        present = [other for other in others if _is_in(data, name) and _is_in(data, other)]
-        yield from ((name.split("."), f"does not go with {other}") for other in present)
+    for name in data:
+        lacking = [other for other in model.NEEDS.get(name, ()) if other not in data]
+        yield from (((name,), f"needs {other}") for other in lacking)
+        present = [other for other in model.EXCLUDES.get(name, ()) if other in data]
+        yield from (((name,), f"does not go with {other}") for other in present)
     if model.SOME and not set(model.SOME) & data.keys():
         yield (), f"needs {' or '.join(model.SOME)}"
-
-
-def _is_in(data: Any, name: str) -> bool:
-    for part in name.split("."):
-        if not isinstance(data, dict) or part not in data:
-            return False
-        data = data[part]
-    return True
 
 
 def _detail(place: Place, reason: str) -> InitErrorDetails:

@@ -20,6 +20,7 @@ from stickslip_verification.model.data_file import (
     Prose,
     Text,
     Written,
+    keyed,
     known,
 )
 from stickslip_verification.model.formulas import CYCLE, FORMULAS
@@ -89,22 +90,16 @@ class OwnTolerances(Written):
 class OwnTolerance(Written):
     """What the rules do not give a check, or give otherwise."""
 
-    SOME: ClassVar = ("measure", *SIDES)
-
+    fmu: Amount
+    reference: Amount
     measure: Measure | None = None
-    fmu: Amount | None = None
-    reference: Amount | None = None
 
 
 @dataclass(frozen=True, config=WRITTEN)
 class CheckEntry(Written):
-    """A check that a case spells out; fields that it leaves out come from the rules."""
+    """A check that a case spells out; its tolerance comes from the rules where it has no own."""
 
-    NEEDS: ClassVar = {
-        f"{one}.{side}": (f"{other}.{side}",)
-        for side in SIDES
-        for one, other in (("tolerance", "because"), ("because", "tolerance"))
-    }
+    NEEDS: ClassVar = {"tolerance": ("because",), "because": ("tolerance",)}
 
     id: Id
     quantity: Annotated[str, known("quantity", QUANTITIES)]
@@ -114,10 +109,9 @@ class CheckEntry(Written):
         known("formula", FORMULAS),
         Field(description="a named closed form; absent: the exact motion at 50 digits"),
     ] = ""
-    tolerance: OwnTolerance = field(default_factory=OwnTolerance)
+    tolerance: OwnTolerance | None = None
     because: Annotated[
-        Mapping[Annotated[str, known("side", SIDES)], Prose],
-        Field(description="the reason of each side's own tolerance"),
+        Mapping[str, Prose], keyed(*SIDES), Field(description="reasons of its own tolerance")
     ] = field(default_factory=dict)
 
 
@@ -234,7 +228,7 @@ def _values(
     table = {each.name: each for each in (*PARAMETERS, *own)}
     moving = CHANGEABLE | changeable(own)
     settings: list[tuple[Mapping[str, float], tuple[str | int, ...], Collection[str]]] = [
-        (written.parameters, ("parameters",), table.keys()),
+        (written.parameters, ("parameters",), table.keys())
     ]
     settings += [
         (change.set, ("experiment", "changes", n, "set"), moving)
@@ -352,21 +346,17 @@ def _tolerance(file: DataFile, n: int, entry: CheckEntry, rules: Rules) -> Toler
     rule = rules.formula(entry.formula) if entry.formula else None
     if not entry.formula and quantity.name in OUTPUT_NAMES:
         rule = rules.course(quantity.name)
-    measure = own.measure or (Measure.RELATIVE if rule is None else rule.measure)
-    if measure == Measure.RELATIVE and entry.at.kind == "every_point":
+    if own is not None:
+        measure = own.measure or (Measure.RELATIVE if rule is None else rule.measure)
+        rule = Tolerance(measure, {"fmu": own.fmu, "reference": own.reference}, entry.because)
+    if rule is None:
+        of = f"no rule gives {entry.formula or quantity.name} a tolerance"
+        reason = f"{of}: state it here, and the reasons in because"
+        raise file.refusal(reason, "checks", n)
+    if rule.measure == Measure.RELATIVE and entry.at.kind == "every_point":
         reason = "relative makes no sense over all points, where a value may cross zero: of_scale"
         raise file.refusal(reason, "checks", n, "tolerance", "measure")
-    if quantity.discrete and (measure != Measure.ABSOLUTE or own.fmu or own.reference):
+    if quantity.discrete and (rule.measure != Measure.ABSOLUTE or any(rule.allowed.values())):
         reason = f"{quantity.name} is discrete: measure absolute, tolerance 0 on both sides"
         raise file.refusal(reason, "checks", n, "tolerance")
-    allowed, because = {}, {}
-    for side, value in (("fmu", own.fmu), ("reference", own.reference)):
-        if value is not None:
-            allowed[side], because[side] = value, entry.because[side]
-        elif rule is not None and rule.measure == measure:
-            allowed[side], because[side] = rule.allowed[side], rule.because[side]
-        else:
-            of = f"no rule gives {entry.formula or quantity.name} a tolerance ({measure})"
-            reason = f"{of}: state {side} here and its reason in because"
-            raise file.refusal(reason, "checks", n, "tolerance")
-    return Tolerance(measure, allowed, because)
+    return rule

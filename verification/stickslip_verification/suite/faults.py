@@ -11,7 +11,6 @@ import textwrap
 import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
@@ -31,9 +30,7 @@ from stickslip_verification.model.data_file import (
 )
 from stickslip_verification.truth import COULOMB_NAME
 
-HERE = Path(__file__).parent
-FAULTS_FOLDER = HERE / "faults"
-KILLS_NOTHING = HERE / "kills_nothing.toml"
+FAULTS_FOLDER = Path(__file__).parent / "faults"
 
 Hook = tuple[str, str]
 """One of `HOOKS`, and Python that defines a function of this name, given ``original``."""
@@ -177,7 +174,7 @@ class Mutant(Written):
     )
     substitutions: tuple[Substitution, ...] = ()
     overrides: Annotated[tuple[Override, ...], listed("target", short="code")] = ()
-    file: Path = FAULTS_FOLDER
+    file: Path = Path()
 
     @property
     def hooks(self) -> tuple[Hook, ...]:
@@ -225,13 +222,6 @@ def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> lis
     if not chosen:
         raise MutantError(files, "", f"no planted fault matches {pattern or '*'!r}")
     return sorted(chosen, key=lambda mutant: mutant.id)
-
-
-@cache
-def reasons_to_stay(file: Path = KILLS_NOTHING) -> Mapping[str, str]:
-    """Read why checks that detect no fault stay, by check."""
-    reasons: dict[str, str] = DataFile(file, MutantError).data["kills_nothing"]
-    return reasons
 
 
 def bindings(body: Sequence[ast.stmt]) -> dict[str, ast.stmt]:

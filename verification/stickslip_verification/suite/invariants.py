@@ -52,6 +52,8 @@ class Invariant(Written):
         What it means when it fails, and where to look then.
     laws
         Names of the friction laws that it holds for; empty: all.
+    stays
+        Why it stays although it detects no planted fault, or "".
     """
 
     id: Id = ""
@@ -62,6 +64,7 @@ class Invariant(Written):
     means: Text
     look: Text
     laws: tuple[Text, ...] = ()
+    stays: str = ""
 
     def holds_for(self, law: str) -> bool:
         """Whether it holds for the friction law of this name."""
