@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 
-.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint prove bench docs docs-check check-generated check-study check-suite clean
+.PHONY: verify native native-platforms dist faults test test-bare soak coverage lint bench docs docs-check check-generated check-study check-suite clean
 
 # Both FMUs: StickSlip.fmu under Coulomb's friction law, StickSlipStribeck.fmu under friction that
 # depends on the speed.
@@ -39,9 +39,9 @@ dist: $(VENV)/ready-with-compiler
 # The suite on trial as well: every planted fault must fail a check named in advance.
 faults: $(VENV)/ready
 	$(BIN)/stickslip build --bare
-	$(BIN)/stickslip verify --fmu build/StickSlip.fmu --fault '*'
+	$(BIN)/python -m stickslip_verification faults build/StickSlip.fmu
 	$(BIN)/stickslip build --bare --law stribeck
-	$(BIN)/stickslip verify --fmu build/StickSlipStribeck.fmu --fault '*' -o report/stribeck
+	$(BIN)/python -m stickslip_verification faults build/StickSlipStribeck.fmu
 
 # On all cores, each worker in its own part of the tests till another one has nothing left to do.
 # TESTS may name a part of the tests, and options: --gate adds what the gate adds. It ends with the
@@ -80,12 +80,6 @@ lint: $(VENV)/ready-to-test
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo --no-cache
 
-# The random sets of the specification in full; SEED and FRACTION may be set.
-SEED ?= 1
-FRACTION ?= 1
-prove: $(VENV)/ready
-	$(BIN)/stickslip prove --seed $(SEED) --fraction $(FRACTION)
-
 bench: $(VENV)/ready-to-test
 	$(BIN)/python -m benchmarks.bench
 
@@ -106,7 +100,7 @@ check-study: $(VENV)/ready
 	$(BIN)/python -m examples.feed_axis study --check
 
 check-suite: $(VENV)/ready
-	$(BIN)/stickslip lint
+	$(BIN)/python -m stickslip_verification lint
 
 clean:
 	rm -rf build dist report $(VENV)

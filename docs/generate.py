@@ -13,6 +13,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from fmi.model import Spec
 from fmi.table import Variable
 from stickslip_design.axis.keys import ANY, BY_SECTION, SECTIONS
@@ -32,10 +34,18 @@ from stickslip_verification import (
 )
 from stickslip_verification.model.verdict import Kind
 from stickslip_verification.report.svg import differences
-from stickslip_verification.suite.schemas import FILES
+from stickslip_verification.suite.case_file import CaseFile
+from stickslip_verification.suite.faults import FaultFile
+from stickslip_verification.suite.invariants import Invariants
 from stickslip_verification.suite.sequences import COUNT, SEED
 
 HERE = Path(__file__).parent
+
+SCHEMAS = {
+    f"{name}.schema.json": TypeAdapter(shape).json_schema()
+    for name, shape in (("case", CaseFile), ("fault", FaultFile), ("invariants", Invariants))
+}
+"""Of the data files, for editors."""
 
 KINDS = {
     Kind.CLOSED_FORM: "the exact motion in high precision, and closed forms of the cycle",
@@ -54,7 +64,7 @@ def main() -> None:
             "verdict.md": document(verdict(Path(folder))),
             "checks.md": document(checks()),
             "axis-file.md": document(axis_file()),
-            **{f"schemas/{name}": text_of(schema) for name, schema in FILES.items()},
+            **{f"schemas/{name}": text_of(schema) for name, schema in SCHEMAS.items()},
             **pages(),
         }
     if sys.argv[1:] == ["--check"]:
@@ -229,7 +239,7 @@ were made here.
 - [checks.md](checks.md) says what the failure of each check means.
 - `stickslip verify` writes `report/index.html`: every comparison with its truth, error,
   tolerance and reason.
-- `stickslip verify --mutants` tests the suite itself: it runs
+- `python -m stickslip_verification faults` tests the suite itself: it runs
   {len(load_mutants())} planted faults, and each must fail a check that was named in advance.
 
 The table counts, for each case, the checks that passed on the FMU and on the reference.

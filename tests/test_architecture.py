@@ -24,8 +24,8 @@ OUTSIDE = {
     "stickslip_fmu": "",
     "stickslip_native": "",
     "stickslip_ref": "numpy scipy",
-    "stickslip_verification": "numpy scipy mpmath fmpy jsonschema lazy_loader jinja2 markupsafe "
-    "matplotlib",
+    "stickslip_verification": "numpy scipy mpmath fmpy pydantic pydantic_core lazy_loader jinja2 "
+    "markupsafe matplotlib",
     "stickslip_verification.truth": "mpmath",
     "stickslip_score": "numpy scipy mpmath lazy_loader",
     "stickslip_design": "numpy scipy mpmath matplotlib xarray fmpy lazy_loader markupsafe PIL "

@@ -6,8 +6,9 @@ import math
 from random import Random
 
 from stickslip_ref import COULOMB, Cycle, Parameters, critical_velocity, steady_cycle
-from stickslip_verification.random_sets.draws import log_uniform, oscillator, w_of
 from tests.conftest import Sized
+from tests.facts.test_cycles import oscillator, w_of
+from tests.fmu.blocks import log_uniform
 from tests.judge.block_draws import Setting
 from tests.judge.blocks import seen
 from tests.needs import needs

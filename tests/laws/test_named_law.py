@@ -50,7 +50,7 @@ def test_a_law_with_the_model_name_of_another_is_not_built(tmp_path: Path) -> No
     ("old", "new", "words"),
     [
         ("u_2 = 3.0", "u_20 = 3.0", "u_20"),
-        ("mu_2 = 0.0", "mu_2 = -1.0", "-1.0 is less than the minimum of 0"),
+        ("mu_2 = 0.0", "mu_2 = -1.0", "mu_2 = -1.0 is outside mu_2 >= 0"),
         ("set = { v = 0.03 }", "set = { u_20 = 0.5 }", "u_20"),
         ("set = { v = 0.03 }", "set = { u_2 = 2.0 }", "u_2"),
         (f'law = "{NAME}"\n', "", "shape"),
@@ -59,7 +59,7 @@ def test_a_law_with_the_model_name_of_another_is_not_built(tmp_path: Path) -> No
         ("motion =", "cycle = { at = { cycle = 1 } }\nmotion =", "line 5, cycle: .* Coulomb's law"),
         (
             "[parameters]",
-            '[[checks]]\nid = "T"\nquantity = "T"\nat = "end"\nformula = "T"\n\n[parameters]',
+            '[[checks]]\nid = "T"\nquantity = "T"\nat = "end"\nformula = "t_slip"\n\n[parameters]',
             "the formulas are those of Coulomb's law",
         ),
     ],

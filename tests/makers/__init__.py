@@ -85,7 +85,9 @@ class Foreign:
     @property
     def names(self) -> NameMap:
         rows = self.rows.items()
-        return NameMap({key: Target(name, sign=sign) for key, (name, _, sign, *_) in rows})
+        return NameMap(
+            {key: Target(name, None, 1 if sign > 0 else -1) for key, (name, _, sign, *_) in rows}
+        )
 
     @property
     def names_file(self) -> Path:

@@ -15,7 +15,7 @@ from stickslip_verification.judge.checks import EXACT_CONTRACT
 from stickslip_verification.judge.invariant_checks import applies
 from stickslip_verification.run.baseline import Baseline, Trial, trials
 from stickslip_verification.run.judged import ask, judge
-from stickslip_verification.suite.cases import CASES_FOLDER, load_case
+from stickslip_verification.suite.case_file import CASES_FOLDER, load_case
 from stickslip_verification.suite.invariants import load_invariants
 from stickslip_verification.suite.sequences import SEED, draw_sequences
 from tests.conftest import built

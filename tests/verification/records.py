@@ -12,7 +12,8 @@ from stickslip_verification.drive.kept import kept
 from stickslip_verification.judge.checks import EXACT_CONTRACT, Contract, judge
 from stickslip_verification.judge.invariant_checks import applies, judge_residual
 from stickslip_verification.model.run import Run, Series
-from stickslip_verification.suite.cases import CASES_FOLDER, Case
+from stickslip_verification.suite.case_file import CASES_FOLDER
+from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.invariants import ResidualInvariant
 
 INVARIANTS = load_invariants().residuals

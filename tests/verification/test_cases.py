@@ -63,11 +63,11 @@ def read(folder: Path, text: str) -> Case:
 # What stands in GOOD, what stands there instead, and the words of the refusal.
 REFUSED = [
     ("k = 500.0", "k = = 5", "line 10"),
-    ("k = 500.0", "k = -1.0", "parameters.k: -1.0 is less than or equal to the minimum of 0"),
+    ("k = 500.0", "k = -1.0", "line 10, parameters.k: k = -1.0 is outside k > 0"),
     ("k = 500.0", "mu_k = 0.5", "line 5, cycle: without a gap and a pull there is no cycle"),
     ("k = 500.0", "load = -10.0", "parameters: load = -10.0 is outside load >= -m g"),
     ("k = 500.0", "tau_s = 0.1", "Coulomb's law with constant coefficients"),
-    ('id = "good"', 'id = "no good"', "id: 'no good' does not match"),
+    ('id = "good"', 'id = "no good"', "line 1, id: 'no good' should match pattern"),
     ("stop_time = 1.0", "stop_time = 1.05", "the steps end at 1.0, not at stop_time 1.05"),
     ("{ fixed = 0.1 }", "{ seed = 1, shortest = 0.2, longest = 0.1 }", "0.2 is above longest 0.1"),
     ("time = 0.3", "time = 0.35", "0.35 is not at a communication point"),
@@ -80,16 +80,20 @@ REFUSED = [
         "tolerance: n_slips is discrete",
     ),
     ('"end"', '"every_point"', "relative makes no sense over all points"),
-    ("1e-12, reference = 1e-9", "1e-12", "because.reference: a reason without a tolerance"),
-    (', reference = "integration"', "", "tolerance.reference: it needs a reason: because"),
+    ("1e-12, reference = 1e-9", "1e-12", "line 25, .*tolerance.reference: is missing"),
+    (
+        ', reference = "integration"',
+        "",
+        "line 26, .*because: has the keys fmu, and not",
+    ),
     ('["x"]', '["x", "y"]', r"line 4, courses.1.: 'y' is not a known output or group"),
     ('only = ["T"]', 'only = ["x"]', r"cycle.only.0.: 'x' has no formula"),
     ("{ cycle = 1 }", '"every_point"', "cycle.at: a cycle has no value at every point"),
-    ("slips = 1", 'slips = 1, zero = ["z"]', r"motion.zero.0.: 'z' is none of the courses: x"),
+    ("slips = 1", 'slips = 1, zero = ["z"]', r"motion.zero: 'z' is none of the courses"),
     ("1e-11 }", "1e-9 }", "line 7, tolerances.fmu: 1e-09 is looser than the rules' 1e-10"),
     ("fmu = 1e-11 }", "conditioning = 2.6 }", "2.6 is above that of the narrowest"),
     ('id = "slip"', 'id = "x-course"', r"checks\[0\].id: 'x-course' is taken"),
-    (STATED, 'tolerance = { measure = "absolute" }', "no rule gives t_slip a tolerance"),
+    (GOOD[GOOD.index("because") :], "", r"checks\[0\].tolerance: needs because"),
     (GOOD[GOOD.index("courses") :], NOTHING, "it checks nothing"),
     (STATED, BEYOND, "no rule gives slip_beyond_half_period a tolerance"),
 ]
@@ -104,6 +108,23 @@ def test_a_broken_case_is_refused_by_file_field_and_reason_in_one_line(
         read(tmp_path, GOOD.replace(old, new))
     assert str(refused.value).startswith(str(tmp_path / "good.toml"))
     assert "\n" not in str(refused.value)
+
+
+def test_all_that_is_wrong_is_said_at_once(tmp_path: Path) -> None:
+    wrong = GOOD.replace("= 1.0", "= true").replace("fixed = 0.1", "fixed = -1, seed = 1")
+    wrong = wrong.replace('title = "A case"', "").replace("slips = 1", "slip = 1")
+    with pytest.raises(CaseError) as refused:
+        read(tmp_path, wrong)
+    assert [line.partition("good.toml: ")[2] for line in str(refused.value).splitlines()] == [
+        "title: is missing",
+        "line 13, experiment.stop_time: True should be a valid number",
+        "line 14, experiment.steps.fixed: -1 should be greater than 0",
+        "line 14, experiment.steps.fixed: does not go with seed",
+        "line 14, experiment.steps.seed: needs shortest",
+        "line 14, experiment.steps.seed: needs longest",
+        "line 6, motion.slips: is missing",
+        "line 6, motion.slip: is no field; there are slips, reversals, zero",
+    ]
 
 
 def test_cases_are_chosen_by_pattern_from_a_folder_of_unique_ids(tmp_path: Path) -> None:

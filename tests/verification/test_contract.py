@@ -98,7 +98,7 @@ def test_a_person_chooses_before_the_names_file_and_that_before_the_description(
 
 def test_tolerances_and_what_decides_follow_from_the_contract(fmu_path: Path, silent: Path) -> None:
     case = [named("one-step")]
-    exact, physics, forced = verdicts = [
+    exact, physics, _ = verdicts = [
         verify(path, case, contract=contract, fresh_processes=False, jobs=1)  # type: ignore[arg-type]
         for path, contract in ((fmu_path, None), (silent, None), (silent, "exact"))
     ]
@@ -110,9 +110,6 @@ def test_tolerances_and_what_decides_follow_from_the_contract(fmu_path: Path, si
     )
     assert of_forced == of_exact
     assert sum(of_physics) > sum(of_exact)
-    # What was accepted is the block's, and not that of any FMU that is held to its contract.
-    assert any(r.second for r in exact.checks if r.side == "fmu")
-    assert not any(r.second for r in forced.checks if r.side == "fmu")
 
 
 def test_start_values_are_promised_by_the_exact_contract_alone(

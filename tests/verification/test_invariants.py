@@ -9,8 +9,7 @@ from stickslip_verification import InvariantError, load_invariants
 INVARIANTS = load_invariants()
 
 RESIDUAL = """\
-[[residuals]]
-id = "pull"
+[residuals.pull]
 title = "The pulled end moves at v"
 kind = "invariant"
 class = "physics"
@@ -28,10 +27,15 @@ look = "The sampling of v."
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('id = "pull"', 'id = "no good"', "no good.id: 'no good' does not match"),
-        ('look = "The sampling of v."\n', "", "pull: 'look' is a required property"),
-        ("source = 1", "source = 1\ncolour = 1", "pull: .*'colour' was unexpected"),
-        (RESIDUAL, 2 * RESIDUAL, "pull: an invariant of invariants.toml has this id"),
+        ("pull", "'no good'", "line 1, residuals.no good.id: 'no good' should match pattern"),
+        ('look = "The sampling of v."\n', "", "line 1, residuals.pull.look: is missing"),
+        ("source = 1", "source = 1\ncolour = 1", "line 6, .*colour: is no field; there are id"),
+        ("fmu = 1e-14, ", "", "tolerance: has the keys reference, and not fmu and reference"),
+        (
+            RESIDUAL,
+            RESIDUAL + "[agreements.pull]\ntitle = 'F'\nquantity = 'F'",
+            "agreements.pull: ",
+        ),
         ("The pulled", "The p\udcffulled", "is not UTF-8"),
     ],
 )

@@ -22,7 +22,8 @@ from stickslip_verification.judge.invariant_checks import agreeing, judge_agreem
 from stickslip_verification.judge.metrics import METRICS, Course
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
-from stickslip_verification.suite.cases import CASES_FOLDER, Case
+from stickslip_verification.suite.case_file import CASES_FOLDER
+from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.experiment import CommunicationStep
 from stickslip_verification.suite.invariants import load_invariants
 

@@ -9,9 +9,8 @@ from typing import Any
 import pytest
 
 from stickslip_verification import InvariantError, lint, load_invariants, load_mutants
-from stickslip_verification.judge.second_values import Accepted
 from stickslip_verification.run import lint as linter
-from stickslip_verification.suite.cases import CASES_FOLDER
+from stickslip_verification.suite.case_file import CASES_FOLDER
 
 CASE = CASES_FOLDER / "default.toml"
 
@@ -83,7 +82,7 @@ FLAWS: list[tuple[str, Any, str]] = [
     ("load_invariants", one("runs", because="somehow it was so"), "'somehow' is no reason"),
     ("load_invariants", BROKEN, "a.toml: pull: no good"),
     ("load_mutants", [*FAULTS, NOWHERE], f"fault {FAULT.id}: there is no check no-check"),
-    ("reasons_to_stay", {"no-check": ""}, "kills_nothing check no-check: there is no such check"),
+    ("load_invariants", one("runs", stays="Because."), ": stays: 'Because.' says too little"),
 ]
 
 
@@ -109,18 +108,3 @@ def test_two_of_a_name_and_a_broken_file_do_not_hide_each_other(tmp_path: Path) 
     found = findings(tmp_path, name="b.toml")
     assert "default: 2 cases have this id" in found
     assert any(each.startswith(f"{tmp_path / 'broken.toml'}: line 1") for each in found)
-
-
-def test_accepted_values_and_checks_belong_together(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    values = [("default", "x-course"), ("default", "gone"), ("other", "x")]
-    accepted = Accepted({(case, check, "fmu"): 1.0 for case, check in values})
-    monkeypatch.setattr(linter, "load_accepted", lambda: accepted)
-    monkeypatch.setattr(linter, "CASES_FOLDER", tmp_path)
-    said = [each.partition(": ") for each in findings(tmp_path) if "stickslip verify --acc" in each]
-    stale = {where for where, _, what in said if what.startswith("an accepted value of no check")}
-    lost = {where for where, _, what in said if what.startswith("no accepted value")}
-    assert stale == {"default / gone (fmu)", "other / x (fmu)"}
-    assert "default / x-course (fmu)" not in lost
-    assert lost >= {"default / x-course (reference)", "default / energy-balance (fmu)"}

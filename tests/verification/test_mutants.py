@@ -7,28 +7,19 @@ import pytest
 
 from stickslip_verification import Mutant, MutantError, load_mutants
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.suite.faults import Addition, Override, Substitution
+from stickslip_verification.suite.faults import Override, Substitution
 from tests.driver import Fmu
 
 GOOD = '''\
-id = "good"
+[good]
 about = "It is enough to be read."
 detected_by = ["F_s-course"]
-
-[[additions]]
-file = "more.py"
-text = "MORE = 1.0"
-
-[[overrides]]
-target = "coefficients.friction_forces"
-code = """
+additions."more.py" = "more.py.txt"
+overrides."coefficients.friction_forces" = """
 def friction_forces(mu_s, mu_k_used, normal):
     return original(1.001 * mu_s, mu_k_used, normal)
 """
-
-[[overrides]]
-target = "coefficients._CLAMP_GAP"
-value = "0.1 * original"
+overrides."coefficients._CLAMP_GAP".value = "0.1 * original"
 '''
 FUTURE = "from __future__ import annotations\ndef friction_"
 MATCH = "    match 1:\n        case _: pass\n    return orig"
@@ -36,25 +27,27 @@ MATCH = "    match 1:\n        case _: pass\n    return orig"
 
 def read(folder: Path, text: str) -> Mutant:
     (folder / "good.toml").write_text(text, encoding="utf-8")
-    return load_mutants(folder=folder)[0]
+    (folder / "more.py.txt").write_text("MORE = 1.0", encoding="utf-8")
+    return load_mutants(files=folder)[0]
 
 
 # What stands in GOOD, what stands there instead, and the words of the refusal.
 REFUSED = [
-    ('"good"\n', "= 5\n", "line 1"),
-    ('id = "good"', 'id = "no good"', "id: 'no good' does not match"),
-    ('id = "good"', 'id = "better"', "id: 'better' is not the name of the file"),
-    ('["F_s-course"]', "[]", r"detected_by: \[\] should be non-empty"),
-    (GOOD[GOOD.index("[[ov") :], "", "plants nothing"),
-    ('value = "0.1 * original"', "", r"overrides\[1\]: has neither code nor value"),
-    ('"0.1 * original"', '"0.1 *"', r"overrides\[1\].value: line 1 is not Python 3.8"),
-    ("def friction_", FUTURE, r"overrides\[0\].code: line 2 is not Python 3.8: from __future__"),
-    ("    return orig", MATCH, r"overrides\[0\].code: line 4 is not Python 3.8: Pattern"),
-    ("def friction_", "def other_", r"overrides\[0\].code: does not define friction_forces"),
-    ('"coefficients.fr', '"master.fr', r"overrides\[0\].target: .*get, set, step, reset"),
-    ('"coefficients._CLAMP_GAP"', '"master.get"', r"overrides\[1\].value: .*replaced by code"),
-    ('text = "MORE = 1.0"\n', "", r"additions\[0\]"),
-    ('text = "MORE = 1.0"', 'source = "a.py.txt"', r"additions\[0\].source: a.py.txt: no such"),
+    ("[good]", "[good", "line 1"),
+    ("[good]", "['no good']", "line 1, no good.id: 'no good' should match pattern"),
+    ('["F_s-course"]', "[]", r"line 3, good.detected_by: should have at least 1 item"),
+    (GOOD[GOOD.index("overrides") :], "", "line 1, good: needs overrides or substitutions"),
+    ('"0.1 * original"', '"0.1 *"', r"line 9, good.overrides.coeff.*: line 1 is not Python 3.8"),
+    (
+        "def friction_",
+        FUTURE,
+        r"line 5, good.overrides.coeff.*: line 2 is not Python 3.8: from",
+    ),
+    ("    return orig", MATCH, r"overrides.*: line 4 is not Python 3.8: Pattern"),
+    ("def friction_", "def other_", r"overrides.*: does not define friction_forces"),
+    ('"coefficients.fr', '"master.fr', r"overrides.*: .*get, set, step, reset"),
+    ('"coefficients._CLAMP_GAP"', '"master.get"', r"overrides.*: .*replaced by code"),
+    ("more.py.txt", "a.py.txt", r"line 4, good.additions.more.py: a.py.txt: no such"),
 ]
 
 
@@ -83,15 +76,15 @@ def target(name: str) -> dict[str, object]:
         (find("normal"), "matches 4 times in coefficients.py, not once"),
         (find("normal", file="clutch.py"), "no clutch.py in the FMU"),
         (find("return mu_s * normal", "return mu_s * *"), "is not Python any more"),
-        ({"additions": (Addition("stickslip_fmu/block.py", "pass"),)}, "is packed already"),
+        ({"additions": {"stickslip_fmu/block.py": "more.py.txt"}}, "is packed already"),
         (target("law.friction_forces"), "may be in stickslip_fmu/laws/coulomb/law.py, "),
-        (target("clutch.engage"), "target: no clutch.engage in the FMU$"),
+        (target("clutch.engage"), "overrides: no clutch.engage in the FMU$"),
     ],
 )
 def test_a_fault_that_does_not_fit_the_fmu_is_refused_and_nothing_is_written(
     fmu_path: Path, tmp_path: Path, fault: dict[str, object], words: str
 ) -> None:
-    parts = {"overrides": (), "substitutions": (), "additions": (), **fault}
+    parts = {"overrides": (), "substitutions": (), "additions": {}, **fault}
     mutant = replace(read(tmp_path, GOOD), **parts)  # type: ignore[arg-type]
     with pytest.raises(MutantError, match=words) as refused:
         plant(fmu_path, mutant, tmp_path / "out")
@@ -115,13 +108,13 @@ def test_a_mutant_runs_beside_the_original_in_one_process_and_changes_what_it_na
         Override("meter.CycleMeter.f", doubled),
         Override("meter.CycleMeter.pass_stick", longer),
         Override("instance.Instance._fmu_state_to_bytes", static),
-        Override("face.Slave._log_is_printf", value="'anew'"),
-        Override("face.Slave._warn", inherited),
+        Override("fmi2.Slave._log_is_printf", value="'anew'"),
+        Override("fmi2.Slave._warn", inherited),
         # Overrides of one name lie over one another.
         Override("coefficients._CLAMP_GAP", value="0.25"),
         Override("coefficients._CLAMP_GAP", value="original + 0.125"),
     )
-    mutant = replace(read(tmp_path, GOOD), overrides=overrides, additions=())
+    mutant = replace(read(tmp_path, GOOD), overrides=overrides, additions={})
     original = Fmu(fmu_path).started()
     instance = Fmu(plant(fmu_path, mutant, tmp_path / "mutant.fmu")).started(mu_k=0.6)
     for each in (original, instance):

@@ -149,7 +149,9 @@ def test_a_refusal_must_name_the_variable(fmu_path: Path, tmp_path: Path) -> Non
     nameless = Substitution(
         "instance.py", "raise ModelError(objection)", 'raise ModelError("bad input")'
     )
-    fault = Mutant("fault", "", ("declared-variables",), (nameless,), (), Path("fault.toml"))
+    fault = Mutant(
+        id="fault", about="-", detected_by=("declared-variables",), substitutions=(nameless,)
+    )
     file = FmuFile(plant(fmu_path, fault, tmp_path))
     for each, invariant in INVARIANTS.items():
         if invariant.probe == "refuses" and "lifts" not in each:

@@ -9,14 +9,13 @@ from rich.console import Console, RenderableType
 
 from stickslip.show.critical_table import critical_table
 from stickslip.show.cycle_table import cycle_table
-from stickslip.show.random_test_table import random_test_table
 from stickslip.show.score_table import score_table
 from stickslip.show.verdict_table import verdict_table
 from stickslip.simulate.engines import experiment, reference_parameters, simulate_reference
 from stickslip_fmu.spec import TABLE
 from stickslip_ref import CriticalVelocity, Interval, Regime, StickSlip, Swinging
 from stickslip_score import Cause, Compared, Score
-from stickslip_verification import CheckResult, RandomTestResult, Verdict
+from stickslip_verification import CheckResult, Verdict
 from stickslip_verification.model.verdict import Kind
 
 CHECK = CheckResult(
@@ -26,11 +25,6 @@ CHECK = CheckResult(
 )  # fmt: skip
 OTHER = replace(CHECK, check="n_slips-course", error=1.0, tolerance=0.0, passed=False)
 CHECKS = (CHECK, replace(CHECK, side="reference", error=3.25e-10, tolerance=1e-7), OTHER)
-PROOF = RandomTestResult(
-    name="k, g, load, F_ext times 4, v, c, x_dot_start times 2, time halved", side="reference",
-    bound="existence for |d| > 1e-9; 1e-12 times 1 for T and delta_x, 1 + 1/sqrt(d) for t_slip",
-    seed=1, drawn=20000, judged=19990, left_out=10, refuted=0, worst=2.1e-05, where="", passed=True,
-)  # fmt: skip
 SCORE = Score(
     period=Compared(0.315973, 0.315243, 0.00073, 2.4e-5),
     t_stick=Compared(0.1965, 0.1962, 0.0003, 0.0005),
@@ -82,13 +76,6 @@ def test_a_cycle(width: int) -> None:
     assert jump.count("6.30536") == 2
     assert "3.924" in jump
     assert ("-37.77 %" in jump) == ("jump of the mass" in jump) == (width > 80)
-
-
-@widths
-def test_a_random_test(width: int) -> None:
-    words = " ".join(lines(random_test_table([PROOF]), width)).replace(",", " ").split()
-    expected = f"{PROOF.name} {PROOF.bound} 20000 10 2.1e-05 holds".replace(",", " ")
-    assert not {*expected.split()} - {*words}
 
 
 @widths

@@ -1,7 +1,6 @@
 """`stickslip verify` and `names`: one verdict, told on the terminal and in three files."""
 
 import json
-import re
 import shutil
 import xml.etree.ElementTree as ET
 import zipfile
@@ -16,8 +15,7 @@ from stickslip_verification import load_cases, load_mutants
 from stickslip_verification import verify as judge
 from stickslip_verification.drive.fmu.digest import content_digest
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.suite.cases import CASES_FOLDER
-from stickslip_verification.suite.faults import FAULTS_FOLDER
+from stickslip_verification.suite.case_file import CASES_FOLDER
 from tests.makers import SLIDER, altered, edited
 from tests.python import python
 from tests.workbench.running import Command
@@ -81,9 +79,6 @@ def test_a_failed_check_is_told_with_what_it_means(
     assert "(10). Likeliest bug: The relief of the spring" in said
     assert json.loads(Path("bad.json").read_text("utf-8"))["summary"]["failed"] > 0
     assert sorted(file.name for file in tmp_path.iterdir()) == ["bad.fmu", "bad.json"]
-    refused = command.verify("--fmu", bad, "--cases", "one-step", "--accept", "-o", "r.json")
-    assert refused.code == 2
-    assert "checks fail against their truth" in refused.err
 
 
 def test_cases_are_listed_and_own_ones_run(
@@ -128,37 +123,6 @@ def test_what_is_asked_for_decides_of_a_numerical_solution(
     assert answer.code == code, answer.out
     assert f"{word} % asked for" in " ".join(answer.out.split())
     assert report_in(tmp_path / "report")["tables"][0]["title"] == "Accuracy"
-
-
-@pytest.mark.parametrize(
-    ("foretold", "code", "told"),
-    [
-        ("F_s-course", 0, "1 of 1 planted faults detected by a check named in advance"),
-        ("stick-holds-x", 1, "SURVIVED mine (named: stick-holds-x): failing checks: "),
-    ],
-)
-def test_own_faults_can_be_tried(
-    command: Command, fmu_path: Path, tmp_path: Path, foretold: str, code: int, told: str
-) -> None:
-    text = (FAULTS_FOLDER / "constant-g.toml").read_text(encoding="utf-8")
-    text = text.replace('"constant-g"', '"mine"', 1)
-    text = re.sub(r"detected_by = \[.*?\]", f'detected_by = ["{foretold}"]', text, flags=re.S)
-    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
-    answer = command.verify(
-        "--fmu", fmu_path, "--cases", "default", "--fault", "mine.toml", "-o", "mine.json"
-    )
-    assert answer.code == code, answer.out
-    assert told in answer.out
-
-
-def test_the_linter_names_what_is_wrong(command: Command, tmp_path: Path) -> None:
-    text = (CASES_FOLDER / "no-pull.toml").read_text(encoding="utf-8")
-    reason = text[text.index('because = "') :].split("\n")[0]
-    (tmp_path / "other.toml").write_text(text.replace(reason, 'because = "seems fine"'), "utf-8")
-    answer = command("lint", "--cases", tmp_path)
-    assert answer.code == 1
-    assert "other.toml: its id is 'no-pull'" in answer.out
-    assert "'seems' is no reason" in answer.out
 
 
 @pytest.mark.gate

@@ -1,8 +1,8 @@
 """Verification of the stick-slip block: exact truth, cases as data, two sides, one verdict.
 
 `load_cases` reads the cases, `verify` judges an FMU and the reference on them, `write_report`
-writes the report, `accept` keeps results as second values, `lint` checks the suite itself, `prove`
-runs the random sets. The public names stand in `__init__.pyi`; each is imported at its first use.
+writes the report, `lint` checks the suite itself. The public names stand in `__init__.pyi`; each
+is imported at its first use.
 """
 
 import lazy_loader

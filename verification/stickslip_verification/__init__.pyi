@@ -5,8 +5,6 @@ from .drive.fmu.names import NamesError as NamesError
 from .drive.fmu.names import load_names as load_names
 from .drive.starter import starter as starter
 from .drive.workers import Limits as Limits
-from .judge.second_values import AcceptError as AcceptError
-from .judge.second_values import accept as accept
 from .model.events import Event as Event
 from .model.events import Transition as Transition
 from .model.events import events_between as events_between
@@ -20,8 +18,6 @@ from .model.verdict import CheckResult as CheckResult
 from .model.verdict import KillMatrix as KillMatrix
 from .model.verdict import Verdict as Verdict
 from .model.whole_file import replacing as replacing
-from .random_sets.run_all import prove as prove
-from .random_sets.tally import RandomTestResult as RandomTestResult
 from .report.html import render as render
 from .report.html import write_report as write_report
 from .report.json_file import as_json as as_json
@@ -29,15 +25,14 @@ from .report.json_file import write_json as write_json
 from .report.packed import packed_report as packed_report
 from .run.lint import lint as lint
 from .run.verify import verify as verify
+from .suite.case_file import CaseError as CaseError
+from .suite.case_file import load_case as load_case
+from .suite.case_file import load_cases as load_cases
 from .suite.cases import Case as Case
-from .suite.cases import load_case as load_case
-from .suite.cases import load_cases as load_cases
 from .suite.catalogue import Meaning as Meaning
 from .suite.catalogue import meanings as meanings
-from .suite.experiment import CaseError as CaseError
 from .suite.faults import Mutant as Mutant
 from .suite.faults import MutantError as MutantError
-from .suite.faults import load_mutant as load_mutant
 from .suite.faults import load_mutants as load_mutants
 from .suite.invariants import InvariantError as InvariantError
 from .suite.invariants import load_invariants as load_invariants

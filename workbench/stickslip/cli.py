@@ -17,11 +17,9 @@ from stickslip.commands.build import build
 from stickslip.commands.critical import critical
 from stickslip.commands.design import design
 from stickslip.commands.host import host
-from stickslip.commands.lint import lint
 from stickslip.commands.map import map as map_
 from stickslip.commands.names import names
 from stickslip.commands.page import explore, page
-from stickslip.commands.prove import prove
 from stickslip.commands.scatter import scatter
 from stickslip.commands.score import score
 from stickslip.commands.shared import say
@@ -49,7 +47,7 @@ app = typer.Typer(
 
 COMMANDS = (
     *(build, simulate, critical, design, map_, scatter, sweep, explore, page),
-    *(verify, names, score, prove, lint, host),
+    *(verify, names, score, host),
 )
 for command in COMMANDS:
     # Told whole: what is made of the text by itself is cut after 45 letters.

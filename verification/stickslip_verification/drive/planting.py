@@ -107,16 +107,15 @@ def _package(fmu: Path, entries: Mapping[str, bytes]) -> str:
 
 def _apply(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
     """Make the additions and substitutions in `entries`; `folder` holds the packed source."""
-    for n, addition in enumerate(mutant.additions):
-        name = folder + addition.file
+    for file, source in mutant.additions.items():
+        name = folder + file
         if name in entries:
-            raise MutantError(
-                mutant.file, f"additions[{n}].file", f"{addition.file} is packed already"
-            )
-        entries[name] = addition.text.encode()
-    changed = {folder + addition.file for addition in mutant.additions}
+            where = f"{mutant.id}.additions"
+            raise MutantError(mutant.file, where, f"{file} is packed already")
+        entries[name] = (mutant.file.parent / source).read_bytes()
+    changed = {folder + file for file in mutant.additions}
     for n, change in enumerate(mutant.substitutions):
-        here = f"substitutions[{n}]"
+        here = f"{mutant.id}.substitutions[{n}]"
         name = change.file
         if name != DESCRIPTION:
             name = _file_of(mutant, f"{here}.file", entries, folder, name, name)
@@ -154,9 +153,9 @@ def _replace(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
     for n, override in enumerate(mutant.overrides):
         if override.module == MASTER:
             continue
+        here = f"{mutant.id}.overrides"
         end = override.module.replace(".", "/") + ".py"
-        field = f"overrides[{n}].target"
-        file = _file_of(mutant, field, entries, folder, end, override.target)
+        file = _file_of(mutant, here, entries, folder, end, override.target)
         name = f"_planted_{n}"
         text = f"\n\n{override.function(name)}\n\n{override.path} = {name}({override.path})\n"
         planted[file] = planted.get(file, "") + text

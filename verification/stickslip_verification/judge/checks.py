@@ -14,25 +14,8 @@ from stickslip_verification.judge.band import Band
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.run import Run, Series
-from stickslip_verification.model.verdict import CheckResult, Klass, Measure, Measured
+from stickslip_verification.model.verdict import CheckResult, Klass, Measure
 from stickslip_verification.suite.cases import At, Case, Check
-from stickslip_verification.suite.tolerances import INTEGRATION, ROUNDING
-from stickslip_verification.truth import COULOMB_NAME
-
-RESOLUTION = {"fmu": 1e-14, "reference": 1e-12}
-"""What rounding between processors and mathematical libraries moves, as a part of the scale. Two
-libraries differ by a unit in the last place or two of a function (2e-16), of which the closed forms
-of a run add up some dozens; the reference also chooses its steps by them."""
-
-KEPT = {"fmu": ROUNDING, "reference": INTEGRATION}
-"""The tolerances of the suite before conditioning; what a check allows beyond is its conditioning,
-and the resolution grows with it."""
-
-RESTARTED = 0.5
-"""Resolution of the reference where friction depends on the speed and inputs change, as a part of
-the tolerance. It integrates such a motion by steps, anew after each change, and rounding decides
-which steps: between two processors a mean of `curve-inputs` moved by 0.08 of the tolerance, and the
-errors reach 0.4 of it."""
 
 
 @dataclass(frozen=True)
@@ -190,29 +173,13 @@ def judge(
         reason = f"{check.quantity} is {got[first]} at t = {time:.6g} s"
         return replace(empty, failure=reason, expected=float(expected[first]))
     worst = last_worst(found)
-    size = scale if check.measure == Measure.OF_SCALE else float(np.max(np.abs(expected))) or 1.0
-    conditioning = max(empty.tolerance / KEPT[contract.column], 1.0)
     return replace(
         empty,
         expected=float(expected[worst]),
         got=float(got[worst]),
         error=float(found[worst]),
         passed=bool(found[worst] <= empty.tolerance),
-        measured=Measured(
-            float(np.mean(got)),
-            size,
-            resolution_of(case, contract.column, empty.tolerance, conditioning),
-        ),
     )
-
-
-def resolution_of(case: Case, column: str, tolerance: float, conditioning: float = 1.0) -> float:
-    """Return the smallest change that a second value of a case can see, as a part of the scale."""
-    resolution = RESOLUTION[column] * conditioning
-    restarts = case.law != COULOMB_NAME and any(step.changes for step in case.steps)
-    if column == "reference" and restarts:
-        resolution = max(resolution, RESTARTED * tolerance)
-    return min(resolution, tolerance)
 
 
 def judge_in_band(

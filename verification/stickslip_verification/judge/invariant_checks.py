@@ -10,19 +10,17 @@ from stickslip_verification.drive import convergence
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.judge.checks import (
-    RESOLUTION,
     CheckError,
     Contract,
     LackingError,
     errors,
     extract,
     last_worst,
-    resolution_of,
     without_value,
 )
 from stickslip_verification.judge.metrics import METRICS, Course, MissingOutputError, Residual
 from stickslip_verification.model.run import Run
-from stickslip_verification.model.verdict import CheckResult, Measure, Measured, ObservedOrder
+from stickslip_verification.model.verdict import CheckResult, Measure, ObservedOrder
 from stickslip_verification.suite.cases import Case, Check
 from stickslip_verification.suite.invariants import (
     Agreement,
@@ -31,15 +29,6 @@ from stickslip_verification.suite.invariants import (
     Probe,
     ResidualInvariant,
 )
-
-RESIDUAL_RESOLUTION = 0.1
-"""The same of a mean residual of the exact block, as a part of its tolerance: it is rounding
-itself, a hundredth of the tolerance, and another mathematical library moved it by far less."""
-
-ORDER_GRAIN = 0.25
-"""What rounding between machines moves of an observed order, as a part of its tolerance: other
-kernels of the linear algebra moved slopes by 0.007 and differences of slopes by 0.045, of 0.2 and
-0.7, where the finest errors are near rounding."""
 
 
 def applies(invariant: ResidualInvariant, case: Case, exact: Exact) -> bool:
@@ -80,13 +69,11 @@ def judge_residual(
         nothing = ", where the exact motion has nothing" if math.isfinite(left) else ""
         return replace(empty, failure=f"it is {left!r} at t = {time:.6g} s{nothing}")
     worst = last_worst(found)
-    resolution = min(RESOLUTION[contract.column], RESIDUAL_RESOLUTION * empty.tolerance)
     return replace(
         empty,
         got=float(residual.values[where[worst]]),
         error=float(found[worst]),
         passed=bool(found[worst] <= empty.tolerance),
-        measured=Measured(float(np.mean(found)), 1.0, resolution),
     )
 
 
@@ -144,9 +131,6 @@ def judge_agreement(
         got=float(got[worst]),
         error=float(found[worst]),
         passed=bool(found[worst] <= empty.tolerance),
-        measured=Measured(
-            float(np.mean(found)), 1.0, resolution_of(case, "reference", empty.tolerance)
-        ),
     )
 
 
@@ -188,7 +172,6 @@ def judge_order(
             got=got,
             error=error,
             passed=error <= tolerance,
-            measured=Measured(got, 1.0, ORDER_GRAIN * tolerance),
         )
 
 
@@ -211,7 +194,6 @@ def judge_probe(invariant: Probe, contract: Contract, answer: Answer[list[str]])
         error=count,
         passed=count == 0.0,
         failure="; ".join(answer.value) or None,
-        measured=Measured(count, 1.0, 0.0),
     )
 
 

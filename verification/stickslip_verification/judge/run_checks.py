@@ -14,16 +14,12 @@ from stickslip_verification.judge.metrics import Course
 from stickslip_verification.judge.metrics.course import Mask
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.model.run import Run, Series
-from stickslip_verification.model.verdict import CheckResult, Measure, Measured
+from stickslip_verification.model.verdict import CheckResult, Measure
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.invariants import RunInvariant
 
 ROUNDED = 1e-11
 """Rounding of a run, as a part of the largest value, where forces or times are scaled."""
-
-SPLIT_GRAIN = 0.5
-"""What rounding between machines moves of the distance of two runs, as a part of its tolerance: it
-is itself rounding, gathered over a whole run."""
 
 
 def judge_run(
@@ -94,7 +90,6 @@ def _same_bits(
         got=total,
         error=total,
         passed=total == 0.0,
-        measured=Measured(total, 1.0, 0.0),
     )
 
 
@@ -123,11 +118,7 @@ def _same_motion(
                 got=float(got[place]),
                 error=float(found[place]),
             )
-    return replace(
-        worst,
-        passed=largest <= empty.tolerance,
-        measured=Measured(worst.error or 0.0, 1.0, SPLIT_GRAIN * empty.tolerance),
-    )
+    return replace(worst, passed=largest <= empty.tolerance)
 
 
 def _equal(a: Series, b: Series) -> Mask:

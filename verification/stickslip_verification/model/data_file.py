@@ -1,22 +1,277 @@
-"""Data files that people write: TOML, under a JSON schema, refused with file, place and reason."""
+"""Files that people write: TOML, read into frozen typed models, refused with place and reason.
+
+Unit, bounds and help of a field stand once, in its type; they make the reader, the error and the
+document. What fields ask of one another is a table of the model: `Written`.
+"""
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar, Self, TypeVar
 
-import jsonschema
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ModelWrapValidatorHandler,
+    TypeAdapter,
+    ValidationError,
+    model_validator,
+)
+from pydantic_core import InitErrorDetails, PydanticCustomError
+
+Place = Sequence[str | int]
+"""Path of a field: names, and numbers in lists."""
+
+Shape = TypeVar("Shape")
+
+WRITTEN = ConfigDict(extra="forbid", validate_by_name=True, allow_inf_nan=False)
+"""The configuration of models of files: nothing that they do not name, and only finite numbers."""
+
+Text = Annotated[str, Field(pattern=r"\S")]
+Prose = Annotated[Text, AfterValidator(lambda text: " ".join(text.split()))]
+Id = Annotated[str, Field(pattern=r"^[A-Za-z0-9]+([_.-][A-Za-z0-9]+)*$")]
+Number = Annotated[float, Field(strict=True)]
+Amount = Annotated[Number, Field(ge=0.0)]
+Positive = Annotated[Number, Field(gt=0.0)]
+Count = Annotated[int, Field(strict=True, ge=0)]
+Ordinal = Annotated[int, Field(strict=True, ge=1)]
+
+
+def listed(name: str, short: str = "") -> BeforeValidator:
+    """Return the rule that makes a list of tables, each with its own name as the field `name`.
+
+    An entry that is no table is the field `short`.
+    """
+
+    def tables(data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        return [
+            {**(entry if isinstance(entry, dict) else {short: entry}), name: key}
+            for key, entry in data.items()
+        ]
+
+    return BeforeValidator(tables)
+
+
+ById = Annotated[Sequence[Shape], listed("id")]
+"""Tables whose names are the ids of what they describe."""
+
+
+def keyed(*names: str) -> AfterValidator:
+    """Return the rule that a table has these keys and no other."""
+
+    def check(table: Mapping[str, Any]) -> Mapping[str, Any]:
+        if set(table) != set(names):
+            raise ValueError(f"has the keys {', '.join(table)}, and not {' and '.join(names)}")
+        return table
+
+    return AfterValidator(check)
+
+
+def known(what: str, names: Mapping[str, Any] | Sequence[str]) -> AfterValidator:
+    """Return the rule that a text is one of these names."""
+
+    def check(name: str) -> str:
+        if name not in names:
+            raise ValueError(f"{name!r} is not a known {what}: {', '.join(names)}")
+        return name
+
+    return AfterValidator(check)
+
+
+@dataclass(frozen=True)
+class Written:
+    """What stands in a file: base of the models, which are dataclasses of pydantic."""
+
+    NEEDS: ClassVar[Mapping[str, Sequence[str]]] = {}
+    """Where a field is written, these are too."""
+
+    EXCLUDES: ClassVar[Mapping[str, Sequence[str]]] = {}
+    """Where a field is written, these are not."""
+
+    SOME: ClassVar[Sequence[str]] = ()
+    """At least one of these fields is written."""
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _together(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Find what fields ask of one another as well, whether or not they are right alone."""
+        made, errors = None, []
+        try:
+            made = handler(data)
+        except ValidationError as error:
+            errors = [_detail(each["loc"], _reason(cls, dict(each))) for each in error.errors()]
+        if isinstance(data, dict):
+            errors += [_detail(place, reason) for place, reason in _conflicts(cls, data)]
+        if made is None or errors:
+            raise ValidationError.from_exception_data(cls.__name__, errors)
+        return made
+
+
+def _conflicts(model: type[Written], data: Mapping[str, Any]) -> Iterator[tuple[Place, str]]:
+    for name in data:
+        lacking = [other for other in model.NEEDS.get(name, ()) if other not in data]
+        yield from (((name,), f"needs {other}") for other in lacking)
+        present = [other for other in model.EXCLUDES.get(name, ()) if other in data]
+        yield from (((name,), f"does not go with {other}") for other in present)
+    if model.SOME and not set(model.SOME) & data.keys():
+        yield (), f"needs {' or '.join(model.SOME)}"
+
+
+def _detail(place: Place, reason: str) -> InitErrorDetails:
+    kind = PydanticCustomError("written", "{reason}", {"reason": reason})
+    return InitErrorDetails(type=kind, loc=tuple(place), input=None)
+
+
+def _reason(model: type, error: Mapping[str, Any]) -> str:
+    if error["type"] == "written":
+        return str(error["msg"])
+    if error["type"] == "missing":
+        return "is missing"
+    if error["type"] == "unexpected_keyword_argument":
+        there = f"; there are {', '.join(each.name for each in fields(model))}"
+        return f"is no field{there if is_dataclass(model) else ''}"
+    reason = str(error["msg"]).removeprefix("Value error, ")
+    if error["type"] == "value_error":
+        return reason
+    value = "" if isinstance(error["input"], dict | list) else f"{error['input']!r} "
+    return value + re.sub(r"^\w+ should", "should", reason)
 
 
 class DataError(ValueError):
-    """A data file cannot be used; one line with the file, the line or field, and the reason."""
+    """A data file cannot be used; a line for each reason, with the file and the line or field."""
 
-    def __init__(self, file: Path, where: str, reason: str) -> None:
+    def __init__(self, file: Path, where: str, reason: str, *more: tuple[str, str]) -> None:
         self.file = file
         self.where = where
         self.reason = reason
-        super().__init__(": ".join(part for part in (str(file), where, reason) if part))
+        lines = [": ".join(filter(None, (str(file), *each))) for each in ((where, reason), *more)]
+        super().__init__("\n".join(lines))
+
+
+class DataFile:
+    """A TOML file: its text, its data, and refusals of what stands in it.
+
+    Parameters
+    ----------
+    path
+        The file.
+    error
+        The kind of error that refuses it.
+
+    Raises
+    ------
+    DataError
+        The file cannot be read, is no UTF-8 or no TOML; it is of the kind `error`.
+    """
+
+    def __init__(self, path: Path, error: type[DataError]) -> None:
+        self.path = path
+        self._error = error
+        self._text = read_text(path, error)
+        try:
+            self.data: dict[str, Any] = tomllib.loads(self._text)
+        except tomllib.TOMLDecodeError as fault:
+            message = str(fault)
+            place = re.search(r" \(at (?:(line \d+)[^)]*|end of document)\)$", message)
+            end = f"line {self._text.rstrip().count(chr(10)) + 1}"
+            where, reason = (place[1] or end, message[: place.start()]) if place else ("", message)
+            raise error(path, where, reason) from None
+
+    def read(self, shape: Any, *place: str) -> Any:
+        """Return the data, or the table at a place, as a model; refuse all that is wrong in it."""
+        data: Any = self.data
+        for part in place:
+            data = data[part]
+        try:
+            return _adapter(shape).validate_python(data)
+        except ValidationError as fault:
+            first, *others = [
+                (self._where((*place, *each["loc"])), _reason(shape, dict(each)))
+                for each in fault.errors()
+            ]
+            raise self._error(self.path, *first, *others) from None
+
+    def refusal(self, reason: str, *place: str | int) -> DataError:
+        """Return the error that refuses a field for a reason."""
+        return self._error(self.path, self._where(place), reason)
+
+    def _where(self, place: Place) -> str:
+        """Say where a field is: its line, as far as it is written out, and its name."""
+        named: tuple[str | int, ...] = ()
+        data: Any = self.data
+        for part in place:
+            if isinstance(data, dict) and isinstance(part, int):
+                # The tables that `listed` made a list of.
+                part = list(data)[part]
+            named = (*named, part)
+            data = data.get(part) if isinstance(data, dict) else None
+        lines = _lines(self._text)
+        known = (lines[named[:n]] for n in range(len(named), 0, -1) if named[:n] in lines)
+        line = next(known, 0)
+        return ", ".join(filter(None, (f"line {line}" if line else "", field_name(named))))
+
+
+@cache
+def _adapter(shape: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(shape)
+
+
+_KEY = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
+_KEYS = rf"\s*({_KEY}(?:\s*\.\s*{_KEY})*)\s*"
+_HEADER = re.compile(rf"\s*(\[\[?){_KEYS}\]\]?\s*(?:#.*)?$")
+_ENTRY = re.compile(rf"{_KEYS}=\s*(.*)")
+
+
+def _lines(text: str) -> Mapping[Place, int]:
+    """Return the line of each field that has one of its own: tables, keys, tables in a list."""
+    lines: dict[Place, int] = {}
+    counts: Counter[Place] = Counter()
+    table: tuple[str | int, ...] = ()
+    array: tuple[str | int, ...] = ()
+    quote = ""
+    for number, line in enumerate(text.splitlines(), 1):
+        if quote:
+            quote = "" if quote in line else quote
+        elif array:
+            if line.lstrip().startswith("{"):
+                lines[(*array, counts[array])] = number
+                counts[array] += 1
+            array = () if line.lstrip().startswith("]") else array
+        elif header := _HEADER.match(line):
+            *outer, last = (key.strip("\"'") for key in re.findall(_KEY, header[2]))
+            table = ()
+            for key in outer:
+                table = (*table, key)
+                table = (*table, counts[table] - 1) if counts[table] else table
+            table = (*table, last)
+            if header[1] == "[[":
+                counts[table] += 1
+                table = (*table, counts[table] - 1)
+            lines[table] = number
+        elif entry := _ENTRY.match(line):
+            place = table
+            for key in re.findall(_KEY, entry[1]):
+                place = (*place, key.strip("\"'"))
+                lines.setdefault(place, number)
+            array = place if entry[2].startswith("[") and "]" not in entry[2] else ()
+            quote = next((each for each in ('"""', "'''") if entry[2].count(each) == 1), "")
+    return lines
+
+
+def field_name(place: Place) -> str:
+    """Write the path of a field as a person does: ``checks[3].at``."""
+    text = ""
+    for part in place:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
+    return text
 
 
 def read_text(file: Path, error: type[DataError]) -> str:
@@ -27,55 +282,3 @@ def read_text(file: Path, error: type[DataError]) -> str:
         raise error(file, "", (fault.strerror or str(fault)).lower()) from None
     except UnicodeDecodeError as fault:
         raise error(file, "", f"is not UTF-8: {fault.reason}") from None
-
-
-def read_toml(file: Path, error: type[DataError]) -> dict[str, Any]:
-    """Read a TOML file; raises `error` with the line where it is none."""
-    try:
-        return tomllib.loads(read_text(file, error))
-    except tomllib.TOMLDecodeError as fault:
-        message = str(fault)
-        place = re.search(r" \(at (line \d+)[^)]*\)$", message)
-        where, reason = (place[1], message[: place.start()]) if place else ("", message)
-        raise error(file, where, reason) from None
-
-
-def objection(data: Any, schema: Mapping[str, Any]) -> tuple[Sequence[str | int], str] | None:
-    """Return the path and the reason of what in `data` offends a schema most, or None."""
-    fault = jsonschema.exceptions.best_match(
-        jsonschema.Draft202012Validator(schema).iter_errors(data)
-    )
-    return None if fault is None else (list(fault.absolute_path), fault.message)
-
-
-def where_is(file: Path, path: Sequence[str | int]) -> str:
-    """Say where a field of a TOML file is: its line, as far as it is written out, and its name."""
-    line = _line(file.read_text(encoding="utf-8").splitlines(), path)
-    return ", ".join(filter(None, (f"line {line}" if line else "", field(path))))
-
-
-def _line(lines: Sequence[str], path: Sequence[str | int]) -> int:
-    """Find the line of a field from the outside in; 0 where nothing of it stands in the file."""
-    found, begin, table = 0, 0, ""
-    for part in path:
-        if isinstance(part, int):
-            header = re.compile(rf"\s*\[\[{re.escape(table)}\]\]")
-            heads = [n for n, line in enumerate(lines) if header.match(line)]
-            if part < len(heads):
-                begin = found = heads[part] + 1
-            continue
-        table = f"{table}.{part}" if table else part
-        names = rf"\s*(\[{re.escape(table)}\]|{re.escape(table)}\s*=|{re.escape(part)}\s*=)"
-        header = re.compile(names)
-        here = next((n for n in range(begin, len(lines)) if header.match(lines[n])), None)
-        if here is not None:
-            begin = found = here + 1
-    return found
-
-
-def field(path: Sequence[str | int]) -> str:
-    """Write the path of a field as a person does: ``checks[3].at``."""
-    text = ""
-    for part in path:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
-    return text

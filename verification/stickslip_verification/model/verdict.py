@@ -40,42 +40,8 @@ class Outcome(StrEnum):
 
     PASS = "pass"
     FAIL = "fail"
-    DRIFT = "drift"
     NOTED = "noted"
     NOT_APPLICABLE = "not applicable"
-
-
-@dataclass(frozen=True)
-class Second:
-    """A check's second value: what the tool accepted earlier, and how far it is now from that.
-
-    ``accepted`` and ``got`` are means over the places a check looks at, in its unit; ``drift`` and
-    ``tolerance`` are parts of the scale of the quantity.
-    """
-
-    accepted: float
-    got: float
-    drift: float
-    tolerance: float
-
-    @property
-    def drifted(self) -> bool:
-        """Whether the value moved by more than rounding between machines."""
-        return not self.drift <= self.tolerance
-
-
-@dataclass(frozen=True)
-class Measured:
-    """What a second value is made of.
-
-    ``mean`` is that of the places a check looks at, in its unit; ``scale`` what a drift of it is
-    measured against; ``resolution`` the part of the scale by which rounding may move it between
-    machines.
-    """
-
-    mean: float
-    scale: float
-    resolution: float
 
 
 @dataclass(frozen=True)
@@ -108,8 +74,6 @@ class CheckResult:
         Whether a failure fails the verdict.
     not_applicable
         Why the check cannot be made on this side, or None: it is neither passed nor failed.
-    measured, second
-        What a second value is made of, and the second value itself where one was accepted.
     """
 
     case: str
@@ -129,24 +93,20 @@ class CheckResult:
     measure: Measure = Measure.ABSOLUTE
     decides: bool = True
     not_applicable: str | None = None
-    measured: Measured | None = None
-    second: Second | None = None
 
     @property
     def verdict(self) -> Outcome:
-        """One word: pass, fail, drift, noted (failed, and does not decide) or not applicable."""
+        """One word: pass, fail, noted (failed, and does not decide) or not applicable."""
         if self.not_applicable is not None:
             return Outcome.NOT_APPLICABLE
         if not self.passed:
             return Outcome.FAIL if self.decides else Outcome.NOTED
-        if self.second is not None and self.second.drifted:
-            return Outcome.DRIFT
         return Outcome.PASS
 
     @property
     def failed(self) -> bool:
         """Whether this result alone fails the verdict."""
-        return self.verdict in (Outcome.FAIL, Outcome.DRIFT)
+        return self.verdict == Outcome.FAIL
 
 
 class CaseGroup(StrEnum):
@@ -321,7 +281,7 @@ class Verdict:
 
     @property
     def summary(self) -> dict[str, int]:
-        """Counts: passed, failed (drift included), noted, not_applicable."""
+        """Counts: passed, failed, noted, not_applicable."""
         return count(self.checks)
 
     @property
@@ -375,11 +335,11 @@ class Verdict:
 
 
 def count(results: Sequence[CheckResult]) -> dict[str, int]:
-    """Count results by verdict: passed, failed (drift included), noted, not_applicable."""
+    """Count results by verdict: passed, failed, noted, not_applicable."""
     verdicts = [result.verdict for result in results]
     return {
         "passed": verdicts.count(Outcome.PASS),
-        "failed": verdicts.count(Outcome.FAIL) + verdicts.count(Outcome.DRIFT),
+        "failed": verdicts.count(Outcome.FAIL),
         "noted": verdicts.count(Outcome.NOTED),
         "not_applicable": verdicts.count(Outcome.NOT_APPLICABLE),
     }

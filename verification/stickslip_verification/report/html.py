@@ -89,7 +89,7 @@ def render(
     full
         Whether every comparison is printed; else a case that passed is printed as one line.
     """
-    failures = failed_checks(verdict, (Outcome.FAIL, Outcome.DRIFT))
+    failures = failed_checks(verdict, (Outcome.FAIL,))
     pictures = plots.draw_cases(verdict)
     return environment().get_template("index.html.j2").render(
         verdict=verdict,

@@ -18,9 +18,8 @@ _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]
 def as_junit(verdict: Verdict) -> str:
     """Return one test suite per case and one test case per check and side.
 
-    A failure or a drift is a failure, what does not apply is skipped, and a noted failure, which
-    does not decide, passes with its story as output. There are no times, so that the same verdict
-    gives the same file.
+    What does not apply is skipped, and a noted failure, which does not decide, passes with its
+    story as output. There are no times, so that the same verdict gives the same file.
     """
     root = ET.Element("testsuites", name="stickslip verify")
     cases: dict[str, ET.Element] = {}

@@ -53,12 +53,6 @@ def story(result: CheckResult) -> str:
         return result.not_applicable
     if result.failure is not None:
         return result.failure
-    if result.verdict == Outcome.DRIFT and result.second is not None:
-        return (
-            f"within its tolerance, but drifted by {error_text(result.second.drift)} of scale from "
-            f"{result.second.accepted!r} {result.unit} accepted earlier; allowed "
-            f"{error_text(result.second.tolerance)}"
-        )
     allowed = f"{error_text(result.tolerance)} {measure(result)}".strip()
     return f"error {error_text(result.error)} is above {allowed}"
 

@@ -11,7 +11,8 @@ from stickslip_verification.drive.solvers import SOLVERS
 from stickslip_verification.judge.accuracy import DIVERGED, Ruler
 from stickslip_verification.model.verdict import Klass
 from stickslip_verification.run.verify import LONGEST_OF_ANY
-from stickslip_verification.suite.cases import Case, load_cases
+from stickslip_verification.suite.case_file import load_cases
+from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.family import FILE, long_cases
 
 

@@ -15,7 +15,7 @@ from stickslip_verification.model.verdict import CheckResult, Detection, KillMat
 from stickslip_verification.run.baseline import Baseline, Progress, Trial
 from stickslip_verification.run.judged import Answers, ask, judge
 from stickslip_verification.run.numerical import judge_numerical, judged
-from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantError, reasons_to_stay
+from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantError
 from stickslip_verification.suite.invariants import Invariants
 
 LONGEST = 100.0
@@ -117,7 +117,7 @@ def detect(
     in_order = [rows[mutant.id] for mutant in mutants]
     columns = list(_columns(short, invariants))
     killing = {check for row in in_order for check in row.failing}
-    reasons = reasons_to_stay()
+    reasons = {invariant.id: invariant.stays for invariant in invariants}
     kills_nothing = {check: reasons.get(check, "") for check in columns if check not in killing}
     return KillMatrix(
         checks=columns,

@@ -10,21 +10,17 @@ from pathlib import Path
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.masters import RUNS
-from stickslip_verification.drive.probes.table import OF_NUMERICAL, PROBES
-from stickslip_verification.judge.invariant_checks import agreeing, applies
+from stickslip_verification.drive.probes.table import PROBES
 from stickslip_verification.judge.metrics import METRICS
-from stickslip_verification.judge.second_values import Accepted, Key, load_accepted
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.verdict import Measure
-from stickslip_verification.suite.cases import CASES_FOLDER, Case, Check, load_case
-from stickslip_verification.suite.experiment import CaseError
+from stickslip_verification.suite.case_file import CASES_FOLDER, CaseError, load_case
+from stickslip_verification.suite.cases import Case, Check
 from stickslip_verification.suite.faults import (
-    FAULTS_FOLDER,
     Mutant,
     MutantError,
     load_mutants,
-    reasons_to_stay,
 )
 from stickslip_verification.suite.invariants import InvariantError, Invariants, load_invariants
 from stickslip_verification.suite.tolerances import ZERO, Facts
@@ -38,9 +34,6 @@ VAGUE = ("somehow", "good enough", "seems", "for now", "should work", "empirical
 SHORTEST = 20
 """Characters below which a reason says nothing."""
 
-MOST_SUBSTITUTED = 30
-"""Planted faults that may substitute text, which the next change of that text leaves behind."""
-
 
 def lint(folder: Path = CASES_FOLDER) -> list[str]:
     """Return the findings, one line each; none if the suite is sound.
@@ -48,7 +41,7 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
     Parameters
     ----------
     folder
-        Where the cases are. Invariants, planted faults and accepted values are those of the suite.
+        Where the cases are. Invariants and planted faults are those of the suite.
     """
     findings: list[str] = []
     cases = []
@@ -68,8 +61,6 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
     findings += _sources(cases, invariants)
     findings += _unused(cases, invariants)
     findings += _mutants(cases, invariants, mutants)
-    if folder == CASES_FOLDER:
-        findings += _accepted(cases, invariants, load_accepted(), motions)
     return findings
 
 
@@ -126,6 +117,8 @@ def _reasons(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
     for invariant in invariants:
         yield from _reason(f"{invariant.id}: means", invariant.means)
         yield from _reason(f"{invariant.id}: look", invariant.look)
+        if invariant.stays:
+            yield from _reason(f"{invariant.id}: stays", invariant.stays)
         because = getattr(invariant, "because", {})
         texts = {"": because} if isinstance(because, str) else because
         for side, text in texts.items():
@@ -187,59 +180,6 @@ def _mutants(
         for name in mutant.detected_by:
             if name not in checks:
                 yield f"planted fault {mutant.id}: there is no check {name}"
-    substituted = sum(bool(mutant.substitutions) for mutant in mutants)
-    if substituted > MOST_SUBSTITUTED:
-        yield (
-            f"{FAULTS_FOLDER.name}: substitutions: {substituted} faults substitute text, "
-            f"{MOST_SUBSTITUTED} at most; let them override names"
-        )
-    for name, reason in reasons_to_stay().items():
-        if name not in checks:
-            yield f"kills_nothing check {name}: there is no such check"
-        yield from _reason(f"kills_nothing check {name}", reason)
-
-
-def _accepted(
-    cases: Sequence[Case], invariants: Invariants, accepted: Accepted, motions: Mapping[Path, Exact]
-) -> Iterator[str]:
-    """Hold the accepted values against what a verdict on these cases yields."""
-    held, wanted = set(accepted.values), set(_yielded(cases, invariants, motions))
-    then = "run stickslip verify --accept"
-    for case, check, side in sorted(wanted - held):
-        yield f"{case} / {check} ({side}): no accepted value; {then}"
-    for case, check, side in sorted(held - wanted):
-        yield f"{case} / {check} ({side}): an accepted value of no check; {then}"
-
-
-def _yielded(
-    cases: Sequence[Case], invariants: Invariants, motions: Mapping[Path, Exact]
-) -> Iterator[Key]:
-    sides = ("fmu", "reference")
-    for case in cases:
-        exact = motions[case.file]
-        on_both = [check.id for check in case.checks]
-        on_both += [
-            invariant.id
-            for invariant in invariants.residuals
-            if invariant.holds_for(case.law) and applies(invariant, case, exact)
-        ]
-        yield from ((case.id, check, side) for check in on_both for side in sides)
-        yield from (
-            (case.id, each.id, "fmu") for each in invariants.runs if each.holds_for(case.law)
-        )
-        yield from (
-            (case.id, invariant.id, "both")
-            for invariant in invariants.agreements
-            if invariant.holds_for(case.law) and agreeing(invariant, case)
-        )
-        for invariant in invariants.orders:
-            if case.id in invariant.cases:
-                yield from (
-                    (case.id, invariant.id + end, "reference") for end in ("", "-asymptotic")
-                )
-    yield from (
-        ("", each.id, "fmu") for each in invariants.probes if each.probe not in OF_NUMERICAL
-    )
 
 
 def _checks(cases: Iterable[Case]) -> Iterator[tuple[Case, Check]]:

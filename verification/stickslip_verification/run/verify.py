@@ -13,7 +13,6 @@ from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import carries_source
 from stickslip_verification.drive.probes.table import IN_A_FRESH_PROCESS, OF_NUMERICAL
 from stickslip_verification.drive.stepping import can_run, may_change, require_law
-from stickslip_verification.judge.second_values import load_accepted
 from stickslip_verification.model.verdict import Klass, Question, Table, Verdict
 from stickslip_verification.report import provenance
 from stickslip_verification.run.baseline import Progress, compute, trials
@@ -210,11 +209,9 @@ def verify(
     else:
         results = list(judge(baseline, asked, answers, held_to, tried))
     results += gaps(drawn, scope, held_to, invariants.sequences)
-    # Drifts are those of the block that was accepted, and not of any that is exact.
-    accepted = held_to.interface and file.stated.exact
     tables += [coverage_table(drawn, seed, scope)] if drawn else []
     return Verdict(
-        checks=load_accepted().attach(results, fmu=accepted),
+        checks=results,
         provenance=origin,
         motions=list(motions(baseline, answers)),
         orders=[

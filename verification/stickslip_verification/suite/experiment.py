@@ -5,10 +5,19 @@ import math
 import random
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import Annotated, ClassVar
 
-from stickslip_verification.model.data_file import DataError
+from pydantic import Field
+from pydantic.dataclasses import dataclass as model
+
+from stickslip_verification.model.data_file import (
+    WRITTEN,
+    Count,
+    DataFile,
+    Number,
+    Positive,
+    Written,
+)
 
 SAME_POINT = 1e-9
 """A change is at a communication point if it is within this fraction of the mean step: the sum of
@@ -20,10 +29,6 @@ SHORTEST_PART = 1e-15
 
 MOST_STEPS = 1_000_000
 """More steps than any case needs; beyond it the memory would go before the patience."""
-
-
-class CaseError(DataError):
-    """A case file cannot be used; one line with the file, the line or field, and the reason."""
 
 
 @dataclass(frozen=True)
@@ -46,70 +51,104 @@ def points(lengths: Iterable[float]) -> tuple[float, ...]:
     return tuple(ends)
 
 
-def communication_steps(file: Path, experiment: Mapping[str, Any]) -> tuple[CommunicationStep, ...]:
+Seconds = Annotated[Positive, Field(description="[s]")]
+
+
+@model(frozen=True, config=WRITTEN)
+class Steps(Written):
+    """Steps of one length, of lengths drawn evenly in their logarithm, or one by one."""
+
+    SOME: ClassVar = ("fixed", "seed", "list")
+    NEEDS: ClassVar = {"seed": ("shortest", "longest"), "shortest": ("seed",), "longest": ("seed",)}
+    EXCLUDES: ClassVar = {"fixed": ("seed", "list"), "seed": ("list",)}
+
+    fixed: Seconds | None = None
+    seed: Count | None = None
+    shortest: Seconds | None = None
+    longest: Seconds | None = None
+    list: tuple[Seconds, ...] = ()
+
+
+@model(frozen=True, config=WRITTEN)
+class Change(Written):
+    """Values (SI) that are set at a communication point."""
+
+    time: Seconds
+    set: Annotated[Mapping[str, Number], Field(min_length=1)]
+
+
+@model(frozen=True, config=WRITTEN)
+class Experiment(Written):
+    """What a case runs."""
+
+    stop_time: Seconds
+    steps: Steps
+    changes: tuple[Change, ...] = ()
+
+
+def communication_steps(file: DataFile, experiment: Experiment) -> tuple[CommunicationStep, ...]:
     """Lay out the steps of an experiment, with the changes at their communication points.
 
     Raises
     ------
-    CaseError
+    DataError
         The steps do not end at the stop time, a change lies between two of them, or they are too
         many.
     """
-    stop_time = float(experiment["stop_time"])
-    changes = experiment.get("changes", [])
+    stop_time, changes = experiment.stop_time, experiment.changes
     for n, change in enumerate(changes):
-        where = f"experiment.changes[{n}].time"
-        if change["time"] >= stop_time:
-            raise CaseError(file, where, f"{change['time']} is not before stop_time {stop_time}")
-        if n and change["time"] <= changes[n - 1]["time"]:
-            raise CaseError(file, where, "the changes are not in the order of time")
-    marks = [float(change["time"]) for change in changes]
-    lengths = _lengths(file, experiment["steps"], stop_time, marks)
+        place = ("experiment", "changes", n, "time")
+        if change.time >= stop_time:
+            raise file.refusal(f"{change.time} is not before stop_time {stop_time}", *place)
+        if n and change.time <= changes[n - 1].time:
+            raise file.refusal("the changes are not in the order of time", *place)
+    lengths = _lengths(file, experiment)
     ends = points(lengths)
     near = SAME_POINT * stop_time / len(lengths)
     if abs(ends[-1] - stop_time) > near:
         reason = f"the steps end at {ends[-1]}, not at stop_time {stop_time}"
-        raise CaseError(file, "experiment.steps", reason)
-    settings: dict[int, dict[str, float]] = {}
-    for n, mark in enumerate(marks):
-        index = min(range(len(ends)), key=lambda i: abs(ends[i] - mark))
-        if abs(ends[index] - mark) > near:
-            reason = f"{mark} is not at a communication point; the nearest is {ends[index]}"
-            raise CaseError(file, f"experiment.changes[{n}].time", reason)
-        settings[index + 1] = {name: float(value) for name, value in changes[n]["set"].items()}
+        raise file.refusal(reason, "experiment", "steps")
+    settings: dict[int, Mapping[str, float]] = {}
+    for n, change in enumerate(changes):
+        index = min(range(len(ends)), key=lambda i: abs(ends[i] - change.time))
+        if abs(ends[index] - change.time) > near:
+            reason = f"{change.time} is not at a communication point; the nearest is {ends[index]}"
+            raise file.refusal(reason, "experiment", "changes", n, "time")
+        settings[index + 1] = change.set
     return tuple(CommunicationStep(h, settings.get(n, {})) for n, h in enumerate(lengths))
 
 
-def _lengths(
-    file: Path, steps: Mapping[str, Any], stop_time: float, marks: Sequence[float]
-) -> list[float]:
-    if "list" in steps:
-        return [float(h) for h in steps["list"]]
-    if "fixed" in steps:
-        h = float(steps["fixed"])
-        if stop_time / h > MOST_STEPS:
-            raise _too_many(file, stop_time / h)
-        return [h] * max(1, round(stop_time / h))
-    shortest, longest = float(steps["shortest"]), float(steps["longest"])
-    if shortest > longest:
-        raise CaseError(file, "experiment.steps.shortest", f"{shortest} is above longest {longest}")
-    if not (shortest > SHORTEST_PART * stop_time and longest / shortest < math.inf):
-        reason = f"{shortest} is lost beside stop_time {stop_time} or longest {longest}"
-        raise CaseError(file, "experiment.steps.shortest", reason)
-    spread = math.log(longest / shortest)
-    mean = (longest - shortest) / spread if spread > 0.0 else longest
-    if stop_time / mean > MOST_STEPS:
-        raise _too_many(file, stop_time / mean)
-    draw = random.Random(steps["seed"])
-    lengths = []
+def _lengths(file: DataFile, experiment: Experiment) -> Sequence[float]:
+    steps, stop_time = experiment.steps, experiment.stop_time
+    if steps.list:
+        return steps.list
+    if steps.fixed is not None:
+        _check_count(file, stop_time / steps.fixed)
+        return [steps.fixed] * max(1, round(stop_time / steps.fixed))
+    assert steps.shortest is not None
+    assert steps.longest is not None
+    shortest, ratio = steps.shortest, steps.longest / steps.shortest
+    if ratio < 1.0:
+        reason = f"{shortest} is above longest {steps.longest}"
+        raise file.refusal(reason, "experiment", "steps", "shortest")
+    if not (shortest > SHORTEST_PART * stop_time and ratio < math.inf):
+        reason = f"{shortest} is lost beside stop_time {stop_time} or longest {steps.longest}"
+        raise file.refusal(reason, "experiment", "steps", "shortest")
+    spread = math.log(ratio)
+    _check_count(file, stop_time / ((steps.longest - shortest) / spread if spread else shortest))
+    draw = random.Random(steps.seed)
+    marks = [change.time for change in experiment.changes]
+    lengths: list[float] = []
     for begin, end in zip((0.0, *marks), (*marks, stop_time), strict=True):
         marked = [begin]
         while (left := end - marked[-1]) > 0.0:
-            h = shortest * (longest / shortest) ** draw.random()
+            h = shortest * ratio ** draw.random()
             marked.append(end if h >= left else marked[-1] + h)
         lengths += [b - a for a, b in itertools.pairwise(marked)]
     return lengths
 
 
-def _too_many(file: Path, count: float) -> CaseError:
-    return CaseError(file, "experiment.steps", f"{count:.3g} steps; {MOST_STEPS} are too many")
+def _check_count(file: DataFile, count: float) -> None:
+    if count > MOST_STEPS:
+        reason = f"{count:.3g} steps; {MOST_STEPS} are too many"
+        raise file.refusal(reason, "experiment", "steps")

@@ -1,8 +1,8 @@
-"""Descriptions of planted faults: data files, read, checked and turned into frozen objects.
+"""Planted faults, read from data files.
 
-A fault is one TOML file under `schemas.FAULT`: what it replaces, in the packed source of the
-FMU or in the calls that the suite makes to it, and which checks must detect it. Adding a fault is
-adding a file.
+A file is a group of faults: tables whose names are the ids. A fault says what it replaces, in the
+packed source of the FMU or in the calls that the suite makes to it, and which checks must detect
+it.
 """
 
 import ast
@@ -10,24 +10,27 @@ import fnmatch
 import textwrap
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import field, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
 
 from stickslip_verification.model.data_file import (
+    WRITTEN,
+    ById,
     DataError,
-    objection,
-    read_text,
-    read_toml,
-    where_is,
+    DataFile,
+    Id,
+    Prose,
+    Text,
+    Written,
+    listed,
 )
-from stickslip_verification.suite import schemas
 from stickslip_verification.truth import COULOMB_NAME
 
-HERE = Path(__file__).parent
-FAULTS_FOLDER = HERE / "faults"
-KILLS_NOTHING = HERE / "kills_nothing.toml"
+FAULTS_FOLDER = Path(__file__).parent / "faults"
 
 Hook = tuple[str, str]
 """One of `HOOKS`, and Python that defines a function of this name, given ``original``."""
@@ -58,8 +61,13 @@ class MutantError(DataError):
     """A fault cannot be planted; one line with the file, the line or field, and the reason."""
 
 
-@dataclass(frozen=True)
-class Override:
+_PART = "[a-z_][a-z0-9_]*"
+_MODULE = rf"{_PART}(/{_PART})*\.py"
+_TARGET = rf"^{_PART}(\.{_PART})*(\._?[A-Z][A-Za-z0-9_]*)?(\.[A-Za-z_][A-Za-z0-9_]*)$"
+
+
+@dataclass(frozen=True, config=WRITTEN)
+class Override(Written):
     """One replacement of what a name stands for.
 
     Attributes
@@ -70,13 +78,36 @@ class Override:
     code
         Python that defines the last name of the target anew, or "".
     value
-        A Python expression for its new value, or "". One of the two is given; in both ``original``
-        is what they replace.
+        A Python expression for its new value, or "". One of the two is there; in both
+        ``original`` is what they replace.
     """
 
-    target: str
+    SOME: ClassVar = ("code", "value")
+    EXCLUDES: ClassVar = {"code": ("value",)}
+
+    target: Annotated[str, Field(pattern=_TARGET)]
     code: str = ""
     value: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse what is no Python 3.8, or does not define what it replaces."""
+        if self.module == MASTER and self.path not in HOOKS:
+            raise ValueError(f"no such call of the master; there are {', '.join(HOOKS)}")
+        if self.module == MASTER and not self.code:
+            raise ValueError("a call of the master is replaced by code")
+        text, mode = (self.code, "exec") if self.code else (f"({self.value}\n)", "eval")
+        try:
+            tree = parsed(text, mode=mode, feature_version=PYTHON)
+            # What a syntax tree may hold, and a module or a function may not.
+            for whole, how in ((text, mode), (self.function("made"), "exec")):
+                compile(whole, self.target, how)
+        except SyntaxError as error:
+            # A value ends in a line of its own, which the file does not have.
+            line = min(error.lineno or 1, max(1, len((self.code or self.value).splitlines())))
+            raise ValueError(f"line {line} is not Python 3.8: {error.msg}") from None
+        last = self.path.rpartition(".")[2]
+        if isinstance(tree, ast.Module) and last not in bindings(tree.body):
+            raise ValueError(f"does not define {last}")
 
     @property
     def module(self) -> str:
@@ -96,43 +127,54 @@ class Override:
         return f"def {name}(original):\n{textwrap.indent(made, '    ')}\n"
 
 
-@dataclass(frozen=True)
-class Substitution:
+@dataclass(frozen=True, config=WRITTEN)
+class Substitution(Written):
     """One change of text: ``find`` stands exactly once in ``file`` and gives way to ``replace``.
 
     ``file`` is the end of a path in the packed source, or ``modelDescription.xml``.
     """
 
-    file: str
-    find: str
+    file: Annotated[str, Field(pattern=rf"^({_MODULE}|modelDescription\.xml)$")]
+    find: Text
     replace: str
 
-
-@dataclass(frozen=True)
-class Addition:
-    """A module with the path ``file`` and this ``text`` that joins the packed source."""
-
-    file: str
-    text: str
+    def __post_init__(self) -> None:
+        """Refuse one that changes nothing."""
+        if self.find == self.replace:
+            raise ValueError("replace is what it replaces")
 
 
-@dataclass(frozen=True)
-class Mutant:
-    """One fault to plant.
+@dataclass(frozen=True, kw_only=True, config=WRITTEN)
+class Mutant(Written):
+    """A fault to plant in the stick-slip FMU.
 
-    ``detected_by`` names the checks that fit the fault; at least one of them must fail. The
-    ``additions`` are made first, then the ``substitutions``, then the ``overrides``, each in their
-    order. ``file`` is the description, ``law`` the name of the friction law whose FMU it is for.
+    Attributes
+    ----------
+    id, about
+        Its name, and what is wrong in the world's words, and where people make it.
+    law
+        The name of the friction law whose FMU it is for.
+    detected_by
+        The checks that fit the fault; at least one of them must fail.
+    additions
+        Modules that join the packed source, each from a file beside the description. They are made
+        first, then the ``substitutions``, then the ``overrides``, each in their order.
+    file
+        The description.
     """
 
-    id: str
-    about: str
-    detected_by: tuple[str, ...]
-    substitutions: tuple[Substitution, ...]
-    additions: tuple[Addition, ...]
-    file: Path
-    overrides: tuple[Override, ...] = ()
-    law: str = COULOMB_NAME
+    SOME: ClassVar = ("overrides", "substitutions")
+
+    id: Id = ""
+    about: Prose
+    law: Text = COULOMB_NAME
+    detected_by: Annotated[tuple[Text, ...], Field(min_length=1)]
+    additions: Mapping[Annotated[str, Field(pattern=f"^{_MODULE}$")], Text] = field(
+        default_factory=dict
+    )
+    substitutions: tuple[Substitution, ...] = ()
+    overrides: Annotated[tuple[Override, ...], listed("target", short="code")] = ()
+    file: Path = Path()
 
     @property
     def hooks(self) -> tuple[Hook, ...]:
@@ -145,98 +187,41 @@ class Mutant:
         return bool(self.substitutions or self.additions) or len(self.hooks) < len(self.overrides)
 
 
-def load_mutants(pattern: str | None = None, folder: Path | None = None) -> list[Mutant]:
-    """Read the descriptions of a folder, in the order of their names.
+FaultFile = ById[Mutant]
+"""Faults to plant in the stick-slip FMU, by their ids."""
+
+
+def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> list[Mutant]:
+    """Read planted faults, in the order of their ids.
 
     Parameters
     ----------
     pattern
         Shell pattern on the ids (``state-*``); None takes all.
-    folder
-        Where the TOML files are; None takes the suite's own.
+    files
+        A TOML file, or a folder of them.
 
     Raises
     ------
     MutantError
-        A description is broken (also one that the pattern leaves out), or none matches.
+        A description is broken (also one that the pattern leaves out), two have one id, or none
+        matches.
     """
-    folder = FAULTS_FOLDER if folder is None else folder
-    if not folder.is_dir():
-        raise MutantError(folder, "", "no such folder of planted faults")
-    mutants = [load_mutant(file) for file in sorted(folder.glob("*.toml"))]
-    chosen = [m for m in mutants if pattern is None or fnmatch.fnmatchcase(m.id, pattern)]
+    mutants: dict[str, Mutant] = {}
+    for path in sorted(files.glob("*.toml")) if files.is_dir() else [files]:
+        file = DataFile(path, MutantError)
+        for mutant in file.read(FaultFile):
+            if mutant.id in mutants:
+                reason = f"{mutants[mutant.id].file.name} has a fault of this id"
+                raise file.refusal(reason, mutant.id)
+            for module, source in mutant.additions.items():
+                if not (path.parent / source).is_file():
+                    raise file.refusal(f"{source}: no such file", mutant.id, "additions", module)
+            mutants[mutant.id] = replace(mutant, file=path)
+    chosen = [m for m in mutants.values() if pattern is None or fnmatch.fnmatchcase(m.id, pattern)]
     if not chosen:
-        raise MutantError(folder, "", f"no planted fault matches {pattern or '*.toml'!r}")
-    return chosen
-
-
-def load_mutant(file: Path) -> Mutant:
-    """Read one description; `MutantError` names what is wrong with it and where."""
-    data = read_toml(file, MutantError)
-    found = objection(data, schemas.FAULT)
-    if found is not None:
-        raise MutantError(file, where_is(file, found[0]), found[1])
-    if data["id"] != file.stem:
-        raise MutantError(file, "id", f"{data['id']!r} is not the name of the file")
-    if not {"overrides", "substitutions"} & data.keys():
-        raise MutantError(file, "", "plants nothing: there are neither overrides nor substitutions")
-    return Mutant(
-        id=data["id"],
-        about=" ".join(data["about"].split()),
-        detected_by=tuple(data["detected_by"]),
-        substitutions=tuple(
-            _substitution(file, f"substitutions[{n}]", entry)
-            for n, entry in enumerate(data.get("substitutions", []))
-        ),
-        additions=tuple(
-            _addition(file, f"additions[{n}]", entry)
-            for n, entry in enumerate(data.get("additions", []))
-        ),
-        file=file,
-        overrides=tuple(
-            _override(file, f"overrides[{n}]", entry)
-            for n, entry in enumerate(data.get("overrides", []))
-        ),
-        law=data.get("law", COULOMB_NAME),
-    )
-
-
-@cache
-def reasons_to_stay(file: Path = KILLS_NOTHING) -> Mapping[str, str]:
-    """Read why checks that detect no fault stay, by check."""
-    reasons: dict[str, str] = read_toml(file, MutantError)["kills_nothing"]
-    return reasons
-
-
-def _override(file: Path, here: str, entry: Mapping[str, str]) -> Override:
-    override = Override(**entry)
-    if len(entry) != 2:
-        which = "both code and value" if len(entry) > 2 else "neither code nor value"
-        raise MutantError(file, here, f"has {which}")
-    field = f"{here}.code" if override.code else f"{here}.value"
-    if override.module == MASTER:
-        if override.path not in HOOKS:
-            reason = f"no such call of the master: {override.target}; there are {', '.join(HOOKS)}"
-            raise MutantError(file, f"{here}.target", reason)
-        if not override.code:
-            raise MutantError(file, field, "a call of the master is replaced by code")
-    text, mode = (override.code, "exec") if override.code else (f"({override.value}\n)", "eval")
-    try:
-        tree = parsed(text, mode=mode, feature_version=PYTHON)
-        # What a syntax tree may hold, and a module or a function may not.
-        for whole, how in ((text, mode), (override.function("made"), "exec")):
-            compile(whole, here, how)
-    except SyntaxError as error:
-        # A value ends in a line of its own, which the file does not have.
-        line = min(error.lineno or 1, max(1, len((override.code or override.value).splitlines())))
-        reason = f"line {line} is not Python 3.8: {error.msg}"
-        raise MutantError(file, field, reason) from None
-    except ValueError as error:
-        raise MutantError(file, field, str(error)) from None
-    last = override.path.rpartition(".")[2]
-    if isinstance(tree, ast.Module) and last not in bindings(tree.body):
-        raise MutantError(file, field, f"does not define {last}")
-    return override
+        raise MutantError(files, "", f"no planted fault matches {pattern or '*'!r}")
+    return sorted(chosen, key=lambda mutant: mutant.id)
 
 
 def bindings(body: Sequence[ast.stmt]) -> dict[str, ast.stmt]:
@@ -260,20 +245,3 @@ def bindings(body: Sequence[ast.stmt]) -> dict[str, ast.stmt]:
         for name in names:
             found.setdefault(name, statement)
     return found
-
-
-def _substitution(file: Path, here: str, entry: Mapping[str, str]) -> Substitution:
-    substitution = Substitution(**entry)
-    if substitution.find == substitution.replace:
-        raise MutantError(file, f"{here}.replace", "is what it replaces")
-    return substitution
-
-
-def _addition(file: Path, here: str, entry: Mapping[str, str]) -> Addition:
-    if "text" in entry:
-        return Addition(entry["file"], entry["text"])
-    try:
-        text = read_text(file.parent / entry["source"], MutantError)
-    except MutantError as error:
-        raise MutantError(file, f"{here}.source", f"{entry['source']}: {error.reason}") from None
-    return Addition(entry["file"], text)

@@ -1,28 +1,43 @@
-"""Invariants: data files, read, checked and turned into frozen objects."""
+"""Invariants: what every run must satisfy, read from data files."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
-from stickslip_verification.model.data_file import DataError, objection, read_toml
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from stickslip_verification.model.data_file import (
+    WRITTEN,
+    Amount,
+    ById,
+    DataError,
+    DataFile,
+    Id,
+    Ordinal,
+    Positive,
+    Text,
+    Written,
+    keyed,
+)
 from stickslip_verification.model.verdict import Kind, Klass
-from stickslip_verification.suite import schemas
 
-HERE = Path(__file__).parent
-FOLDER = HERE / "invariants"
+FOLDER = Path(__file__).parent / "invariants"
+
+Name = Annotated[str, Field(pattern="^[a-z_]+$")]
+Equation = Annotated[Ordinal, Field(description="number in docs/theory.md")]
+OnSides = keyed("fmu", "reference")
 
 
 class InvariantError(DataError):
-    """A file of invariants cannot be used; one line with the file, the invariant and the reason."""
+    """A file of invariants cannot be used."""
 
 
-@dataclass(frozen=True)
-class Invariant:
+@dataclass(frozen=True, kw_only=True, config=WRITTEN)
+class Invariant(Written):
     """One statement that is tried on every case, or once.
 
     Attributes
@@ -37,36 +52,39 @@ class Invariant:
         What it means when it fails, and where to look then.
     laws
         Names of the friction laws that it holds for; empty: all.
+    stays
+        Why it stays although it detects no planted fault, or "".
     """
 
-    id: str
-    title: str
-    kind: Kind
-    klass: Klass
-    source: int
-    means: str
-    look: str
-    laws: Sequence[str] = field(default=(), kw_only=True)
+    id: Id = ""
+    title: Text
+    kind: Kind = Kind.INVARIANT
+    klass: Annotated[Klass, Field(validation_alias="class")] = Klass.PHYSICS
+    source: Equation
+    means: Text
+    look: Text
+    laws: tuple[Text, ...] = ()
+    stays: str = ""
 
     def holds_for(self, law: str) -> bool:
         """Whether it holds for the friction law of this name."""
         return not self.laws or law in self.laws
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True, config=WRITTEN)
 class ResidualInvariant(Invariant):
     """An invariant on the samples: `metric` (a key of `METRICS`) leaves nothing over.
 
     ``tolerance`` and ``because`` are by side, as parts of the metric's scale.
     """
 
-    metric: str
-    quantity: str
-    tolerance: Mapping[str, float]
-    because: Mapping[str, str]
+    metric: Annotated[str, Field(pattern=r"^[a-z]+\.[a-z_]+$")]
+    quantity: Text
+    tolerance: Annotated[Mapping[str, Amount], OnSides]
+    because: Annotated[Mapping[str, Text], OnSides]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True, config=WRITTEN)
 class RunInvariant(Invariant):
     """Another run of the FMU (a key of `RUNS`) gives the same motion.
 
@@ -74,34 +92,40 @@ class RunInvariant(Invariant):
     for bit.
     """
 
-    run: str
-    tolerance: float | None
-    because: str
+    run: Name
+    tolerance: Amount | None = None
+    because: Text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True, config=WRITTEN)
 class Manner(Invariant):
     """The exact motion of random sequences, in a manner of calling the FMU (a key of `MANNERS`)."""
 
-    manner: str
+    manner: Name
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True, config=WRITTEN)
 class Probe(Invariant):
     """A question to the FMU as a whole: a key of `PROBES` and its arguments."""
 
-    probe: str
-    arguments: Mapping[str, Any]
+    klass: Annotated[Klass, Field(validation_alias="class")] = Klass.CONTRACT
+    source: Equation = 1
+    probe: Name
+    arguments: Mapping[str, Any] = Field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True, config=WRITTEN)
 class Agreement(Invariant):
     """FMU and reference agree on `quantity`, within what the case allows both together."""
 
-    quantity: str
+    kind: Kind = Kind.CROSS_CODE
+    source: Equation = 3
+    means: Text = "FMU and reference give different values: one of them is wrong, or both are."
+    look: Text = "The bug is on the side that fails the case's checks against the exact motion."
+    quantity: Text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True, config=WRITTEN)
 class Order(Invariant):
     """The reference's error in `quantity` falls with its tolerance in the order `order`.
 
@@ -110,70 +134,46 @@ class Order(Invariant):
     the slopes of the coarser and the finer half, which is 0 in the asymptotic range.
     """
 
-    quantity: str
-    cases: Sequence[str]
-    order: float
-    coarsest: float
-    finest: float
-    levels: int
-    tolerance: float
-    halves: float
-    because: Mapping[str, str]
+    kind: Kind = Kind.CONVERGENCE
+    quantity: Text
+    cases: Annotated[tuple[Id, ...], Field(min_length=1)]
+    order: Positive
+    coarsest: Positive
+    finest: Positive
+    levels: Annotated[int, Field(ge=5)]
+    tolerance: Amount
+    halves: Amount
+    because: Annotated[Mapping[str, Text], keyed("order", "halves")]
 
 
-@dataclass(frozen=True)
-class Invariants:
-    """All invariants, by the way they are tried."""
+@dataclass(frozen=True, config=WRITTEN)
+class Invariants(Written):
+    """Invariants that every run of the stick-slip block is held to, by the way they are tried."""
 
-    residuals: Sequence[ResidualInvariant] = ()
-    runs: Sequence[RunInvariant] = ()
-    sequences: Sequence[Manner] = ()
-    probes: Sequence[Probe] = ()
-    agreements: Sequence[Agreement] = ()
-    orders: Sequence[Order] = ()
+    SOME: ClassVar = ("residuals", "runs", "sequences", "probes", "agreements", "orders")
+
+    residuals: ById[ResidualInvariant] = ()
+    runs: ById[RunInvariant] = ()
+    sequences: ById[Manner] = ()
+    probes: ById[Probe] = ()
+    agreements: ById[Agreement] = ()
+    orders: ById[Order] = ()
 
     def __iter__(self) -> Iterator[Invariant]:
         """Yield every invariant."""
-        for each in fields(self):
-            yield from getattr(self, each.name)
+        for family in self.SOME:
+            yield from getattr(self, family)
 
     def only(self, names: Collection[str]) -> Invariants:
         """Return those of these ids."""
-        families = {each.name: getattr(self, each.name) for each in fields(self)}
+        families = {family: getattr(self, family) for family in self.SOME}
         return Invariants(
-            **{
-                family: [invariant for invariant in of if invariant.id in names]
-                for family, of in families.items()
-            }
+            **{name: [each for each in of if each.id in names] for name, of in families.items()}
         )
 
     def of_laws(self, laws: Collection[str]) -> Invariants:
         """Return those that hold for one of these friction laws."""
         return self.only({each.id for each in self if any(each.holds_for(law) for law in laws)})
-
-
-_SHARED: Mapping[str, Mapping[str, Any]] = {
-    "probes": {"kind": Kind.INVARIANT, "class": Klass.CONTRACT, "source": 1, "arguments": {}},
-    "agreements": {
-        "kind": Kind.CROSS_CODE,
-        "class": Klass.PHYSICS,
-        "source": 3,
-        "means": "FMU and reference give different values: one of them is wrong, or both are.",
-        "look": "The bug is on the side that fails the case's checks against the exact motion.",
-    },
-    "orders": {"kind": Kind.CONVERGENCE, "class": Klass.PHYSICS},
-    "runs": {"tolerance": None},
-}
-"""What all entries of a family have in common, and so is not written in the files."""
-
-_FAMILIES: Mapping[str, type[Invariant]] = {
-    "residuals": ResidualInvariant,
-    "runs": RunInvariant,
-    "sequences": Manner,
-    "probes": Probe,
-    "agreements": Agreement,
-    "orders": Order,
-}
 
 
 def load_invariants(folder: Path = FOLDER) -> Invariants:
@@ -184,17 +184,19 @@ def load_invariants(folder: Path = FOLDER) -> Invariants:
     InvariantError
         A file is broken, or two invariants share an id.
     """
-    families: dict[str, list[Any]] = {family: [] for family in _FAMILIES}
-    seen: dict[str, Path] = {}
-    for file in sorted(folder.glob("*.toml")):
-        for family, invariant in _read(file):
-            if invariant.id in seen:
-                raise InvariantError(
-                    file, invariant.id, f"an invariant of {seen[invariant.id].name} has this id"
-                )
-            seen[invariant.id] = file
-            families[family].append(invariant)
-    return Invariants(**{family: tuple(invariants) for family, invariants in families.items()})
+    families: dict[str, list[Any]] = {family: [] for family in Invariants.SOME}
+    seen: dict[str, str] = {}
+    for path in sorted(folder.glob("*.toml")):
+        file = DataFile(path, InvariantError)
+        written = file.read(Invariants)
+        for family, invariants in families.items():
+            for invariant in getattr(written, family):
+                if invariant.id in seen:
+                    reason = f"{seen[invariant.id]} has an invariant of this id"
+                    raise file.refusal(reason, family, invariant.id)
+                seen[invariant.id] = path.name
+                invariants.append(invariant)
+    return Invariants(**families)
 
 
 @cache
@@ -204,40 +206,3 @@ def invariant_ids() -> frozenset[str]:
     return frozenset(
         {each.id for each in invariants} | {f"{each.id}-asymptotic" for each in invariants.orders}
     )
-
-
-def _read(file: Path) -> Iterator[tuple[str, Invariant]]:
-    data = read_toml(file, InvariantError)
-    found = objection(data, schemas.INVARIANTS)
-    if found is not None:
-        raise InvariantError(file, _place(found[0], data), found[1])
-    for family, entries in data.items():
-        for entry in entries:
-            _check_finite(file, entry)
-            yield family, _invariant(family, entry)
-
-
-def _check_finite(file: Path, entry: Mapping[str, Any]) -> None:
-    """Refuse tolerances and levels that are no numbers; arguments of probes may be anything."""
-    for name, value in entry.items():
-        values = value.items() if name == "tolerance" and isinstance(value, dict) else [("", value)]
-        for part, number in values:
-            if isinstance(number, float) and not math.isfinite(number):
-                where = ".".join(filter(None, (str(entry["id"]), name, part)))
-                raise InvariantError(file, where, f"{number} is not a finite number")
-
-
-def _invariant(family: str, entry: Mapping[str, Any]) -> Invariant:
-    values = {**_SHARED.get(family, {}), **entry}
-    values["kind"], values["klass"] = Kind(values["kind"]), Klass(values.pop("class"))
-    return _FAMILIES[family](**values)
-
-
-def _place(path: Iterable[str | int], data: Mapping[str, Any]) -> str:
-    """Name the invariant that a path of the schema leads to, and the field in it."""
-    parts = list(path)
-    if len(parts) < 2:
-        return ".".join(map(str, parts))
-    family, number, *rest = parts
-    name = data[str(family)][number].get("id", f"entry {number}")
-    return ".".join(map(str, (name, *rest)))

@@ -178,12 +178,7 @@ def coverage(sequences: Iterable[RandomSequence]) -> Counter[Cell]:
     return Counter(cell for sequence in sequences for cell in sequence.cells)
 
 
-def _draw(
-    seed: int,
-    number: int,
-    counts: Mapping[Cell, int],
-    scope: Scope,
-) -> RandomSequence:
+def _draw(seed: int, number: int, counts: Mapping[Cell, int], scope: Scope) -> RandomSequence:
     for attempt in itertools.count():
         draw = Random(f"sequence {number} of {seed}, attempt {attempt}")
         plan = _Plan(draw, counts, scope)
@@ -207,12 +202,7 @@ def _draw(
 class _Plan:
     """A sequence that grows, change by change."""
 
-    def __init__(
-        self,
-        draw: Random,
-        counts: Mapping[Cell, int],
-        scope: Scope,
-    ) -> None:
+    def __init__(self, draw: Random, counts: Mapping[Cell, int], scope: Scope) -> None:
         self._draw = draw
         self._counts = Counter(counts)
         self._scope = scope

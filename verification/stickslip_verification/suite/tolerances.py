@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, Decimal
 from functools import cached_property
 
+from pydantic.dataclasses import dataclass as model
+
+from stickslip_verification.model.data_file import WRITTEN, Count, Written
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.verdict import Measure
@@ -39,8 +42,8 @@ NOTHING = 1e-30
 """A magnitude [SI] below it is zero in the exact motion, which carries 50 digits."""
 
 
-@dataclass(frozen=True)
-class Facts:
+@model(frozen=True, config=WRITTEN)
+class Facts(Written):
     """What the tolerances of a case take from its exact motion.
 
     Attributes
@@ -53,8 +56,8 @@ class Facts:
         Outputs that are zero at every communication point.
     """
 
-    slips: int
-    reversals: int = 0
+    slips: Count
+    reversals: Count = 0
     zero: frozenset[str] = frozenset()
 
 

@@ -95,5 +95,5 @@ def build(
 def _verdict(fmu: Path) -> "Verdict":
     from stickslip_verification import load_cases, verify
 
-    with long_work("Verifying the default experiment", here=False) as progress:
+    with long_work("Verifying the default experiment") as progress:
         return verify(fmu, load_cases(_CASE), progress)

@@ -158,20 +158,13 @@ def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
 
 
 @contextlib.contextmanager
-def long_work(what: str, *, here: bool) -> Iterator[Progress]:
-    """Show the progress of long work.
+def long_work(what: str) -> Iterator[Progress]:
+    """Show the progress of long work that is done in other processes."""
+    from stickslip.progress import Meter
 
-    Work that is done `here` may be that of an FMU whose code is Python, which would take a Ctrl-C
-    for a failure of its own: it ends between two steps. Work in other processes ends at once.
-    """
-    from stickslip.progress import Meter, deferred_interrupt
-
-    waiting = deferred_interrupt() if here else contextlib.nullcontext(lambda: False)
-    with Meter(what) as meter, waiting as interrupted:
+    with Meter(what) as meter:
 
         def show(now: str, done: int, total: int) -> None:
-            if interrupted():
-                raise KeyboardInterrupt
             meter.advance(done, total or None, now)
 
         # What an FMU warns of belongs to its cases; on the terminal it would cut the progress.

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
         Case,
         Limits,
         Meaning,
-        Mutant,
         NameMap,
         Verdict,
     )
@@ -104,17 +103,6 @@ def verify(
         float,
         typer.Option(metavar="GB", help="Limit for a process of the FMU; none on Windows."),
     ] = 4.0,
-    mutants: Annotated[
-        bool,
-        typer.Option("--mutants", help="Run every planted fault on every check; some minutes."),
-    ] = False,
-    fault: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PATTERN|FILE.toml",
-            help="Plant the faults of this pattern, or your own; run the checks that each names.",
-        ),
-    ] = None,
     within: Annotated[
         str | None,
         typer.Option(
@@ -123,9 +111,6 @@ def verify(
             "slip, period and force; default: 1e-6.",
         ),
     ] = None,
-    accept: Annotated[
-        bool, typer.Option("--accept", help="Store the results as second values of the suite.")
-    ] = False,
     pack: Annotated[
         bool, typer.Option("--pack", help="Put the report into the FMU as evidence (extra/).")
     ] = False,
@@ -151,14 +136,12 @@ def verify(
         console().print(tables.case_table(chosen))
         return
     _check(fmu, law, names)
-    _check_contract(contract, strict, accept, pack)
+    _check_contract(contract, strict, pack)
     share = _share(within)
     limits = _limits(time_limit, budget, memory)
-    _check_accept(accept, names, cases, chosen)
     _check_pack(pack, fmu, names, cases)
     name_map = _names(names, chosen)
     _check_targets(output)
-    faults = _mutants(mutants, fault)
     fmu = fmu or current_fmu(law)
     verdict = _verdict(
         fmu,
@@ -174,8 +157,6 @@ def verify(
         fresh_processes=cases is None or Path(cases).is_dir(),
         within=share,
         full=full or sequences is not None,
-        mutants=faults,
-        whole_matrix=mutants,
     )
     written = _write(verdict, chosen, output, full=paper)
     screen = console()
@@ -190,9 +171,7 @@ def verify(
     if pack:
         pack_evidence(fmu, verdict, "--fmu")
         tell_of(fmu)
-    if accept:
-        _accept(verdict)
-    elif not verdict.passed:
+    if not verdict.passed:
         raise typer.Exit(1)
 
 
@@ -226,9 +205,9 @@ def _meanings(cases: "Sequence[Case]") -> "Mapping[str, Meaning]":
     return meanings(cases, load_invariants())
 
 
-def _check_contract(contract: ContractName | None, strict: bool, accept: bool, pack: bool) -> None:
+def _check_contract(contract: ContractName | None, strict: bool, pack: bool) -> None:
     """Refuse a chosen contract beside what leaves no choice."""
-    for option, given in (("--strict", strict), ("--accept", accept), ("--pack", pack)):
+    for option, given in (("--strict", strict), ("--pack", pack)):
         if contract is not None and given:
             raise CommandError(f"{option} does not go with --contract")
 
@@ -245,18 +224,6 @@ def _share(within: str | None) -> float | None:
             f"--within {within}: must be above 0 % and below 100 %, as 1% or as 0.01"
         )
     return share
-
-
-def _check_accept(
-    accept: bool, names: Path | None, wanted: str | None, cases: "Sequence[Case]"
-) -> None:
-    """Refuse to accept results of another FMU or of cases outside the suite."""
-    from stickslip_verification.suite.cases import CASES_FOLDER
-
-    if accept and names is not None:
-        raise CommandError("--accept does not go with --names: only the exact block is accepted")
-    if accept and any(case.file.parent != CASES_FOLDER for case in cases):
-        raise CommandError(f"--accept does not go with --cases {wanted}: not cases of the suite")
 
 
 def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | None) -> None:
@@ -320,27 +287,6 @@ def _names(file: Path | None, cases: "Sequence[Case]") -> "NameMap | None":
         raise CommandError(f"--names {error}") from error
 
 
-def _mutants(every: bool, wanted: str | None) -> "Sequence[Mutant]":
-    """Load the faults that a pattern or a file names, or every fault of the suite.
-
-    Those of another friction law than the FMU's are left out later.
-    """
-    from stickslip_verification import MutantError, load_mutant, load_mutants
-
-    if every and wanted is not None:
-        raise CommandError(
-            "--fault does not go with --mutants, which runs every fault of the suite"
-        )
-    if not every and wanted is None:
-        return ()
-    try:
-        if wanted is not None and wanted.endswith(".toml"):
-            return [load_mutant(Path(wanted))]
-        return load_mutants(wanted)
-    except MutantError as error:
-        raise CommandError(f"--fault {error}" if wanted is not None else str(error)) from error
-
-
 def _check_targets(output: Path) -> None:
     """Refuse what cannot be written before the run, not after it."""
     from stickslip.files import check_writable, make_folder
@@ -356,14 +302,14 @@ def _check_targets(output: Path) -> None:
 
 def _verdict(fmu: Path, cases: "Sequence[Case]", **options: Any) -> "Verdict":
     """Judge the FMU; the options are those of `stickslip_verification.verify`."""
-    from stickslip_verification import FmuError, MutantError, verify
+    from stickslip_verification import FmuError, verify
 
     command = shlex.join(["stickslip", *sys.argv[1:]])
     # The friction law of a case may stand in a module here.
-    with here_on_path(), long_work("Verifying", here=False) as progress:
+    with here_on_path(), long_work("Verifying") as progress:
         try:
             return verify(fmu, cases, progress, command=command, **options)
-        except (FmuError, MutantError) as error:
+        except FmuError as error:
             raise CommandError(str(error)) from error
 
 
@@ -378,13 +324,3 @@ def _write(verdict: "Verdict", cases: "Sequence[Case]", output: Path, *, full: b
             return [output]
         write_report(verdict, output, meanings=_meanings(cases), full=full)
         return [output / "index.html", output / "report.json"]
-
-
-def _accept(verdict: "Verdict") -> None:
-    from stickslip_verification import AcceptError, accept
-
-    try:
-        count = accept(verdict)
-    except AcceptError as error:
-        raise CommandError(f"--accept: {error}") from error
-    print(f"{count} values accepted")

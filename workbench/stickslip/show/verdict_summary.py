@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from stickslip.show.fitted import Fitted
-from stickslip_verification import CheckResult, KillMatrix, Meaning, Verdict, margin
+from stickslip_verification import CheckResult, Meaning, Verdict, margin
 from stickslip_verification.model.verdict import SEQUENCE, Kind
 
 _KINDS: Final[dict[str, str]] = {
@@ -36,7 +36,6 @@ def verdict_summary(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Render
     return Fitted(
         [_cases(verdict, worst=True), _cases(verdict, worst=False)],
         _kinds(verdict),
-        *_detections(verdict.kills),
         *_failures(verdict, meanings),
         contract(verdict),
         *(Text(each.answer, "green" if each.good else "bold red") for each in verdict.questions),
@@ -63,8 +62,6 @@ def counts(verdict: Verdict) -> Text:
 
 
 def _why(verdict: Verdict) -> str:
-    if verdict.kills is not None and not verdict.kills.passed:
-        return "a planted fault survived, or a check detects none and has no reason to stay"
     if verdict.proven:
         return "it is not what was asked for"
     return "no check of the FMU against the exact solution or an invariant passed"
@@ -112,8 +109,8 @@ def _holding(results: Sequence[CheckResult]) -> str:
 
 def _word(results: Sequence[CheckResult]) -> Text:
     words = {result.verdict for result in results}
-    if words & {"fail", "drift"}:
-        return Text("FAIL" if "fail" in words else "DRIFT", style="bold red")
+    if "fail" in words:
+        return Text("FAIL", style="bold red")
     if words == {"not applicable"}:
         return Text("not applicable", style="dim")
     return Text("noted", style="yellow") if "noted" in words else Text("pass", style="green")
@@ -128,23 +125,6 @@ def _kinds(verdict: Verdict) -> Table:
     for kind, of_kind in verdict.by_kind.items():
         table.add_row(kind, _KINDS[kind], str(of_kind["passed"]), str(of_kind["failed"]))
     return table
-
-
-def _detections(kills: KillMatrix | None) -> Iterator[Text]:
-    if kills is None:
-        return
-    caught = sum(row.caught for row in kills.rows)
-    count = f"{caught} of {len(kills.rows)} planted faults detected by a check named in advance"
-    yield Text(count, style="green" if kills.passed else "bold red")
-    for row in kills.rows:
-        if not row.caught:
-            why = row.broken or f"failing checks: {', '.join(row.failing) or 'none'}"
-            yield Text(f"SURVIVED {row.mutant} (named: {', '.join(row.wanted)}): {why}", "red")
-    for check, reason in kills.kills_nothing.items():
-        if not reason:
-            yield Text(
-                f"UNUSED {check}: it detects no planted fault and has no reason to stay", "red"
-            )
 
 
 def _failures(verdict: Verdict, meanings: Mapping[str, Meaning]) -> Iterator[Text]:
@@ -167,12 +147,6 @@ def _name(result: CheckResult) -> str:
 def _what(result: CheckResult) -> str:
     if result.failure is not None:
         return result.failure
-    if result.verdict == "drift" and result.second is not None:
-        second = result.second
-        return (
-            f"drifted by {second.drift:.1e} of scale from {second.accepted!r} {result.unit}, "
-            f"allowed {second.tolerance:.0e}"
-        )
     return (
         f"got {result.got!r}, expected {result.expected!r} {result.unit}; "
         f"error {result.error:.2e}, tolerance {result.tolerance:g}"

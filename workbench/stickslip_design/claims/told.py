@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip_design.claims.finding import Finding, Panel
-from stickslip_verification.model.data_file import DataError, read_toml
+from stickslip_verification.model.data_file import DataError, DataFile
 from stickslip_verification.truth.parameters import complete
 
 HERE = Path(__file__).parent
@@ -82,7 +82,7 @@ def load_claim(file: Path, wanted: Collection[str]) -> Claim:
     ClaimError
         Naming the file, the field and what is wrong with it.
     """
-    table = read_toml(file, ClaimError)
+    table = DataFile(file, ClaimError).data
     unknown = sorted(set(table) - {*_TEXTS, "parameters", "grid"})
     if unknown:
         raise ClaimError(file, unknown[0], "no such field")

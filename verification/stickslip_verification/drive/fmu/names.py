@@ -1,14 +1,15 @@
 """The map from our names to those of a foreign FMU, and the file it is read from."""
 
 import difflib
-import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
-from stickslip_verification.model.data_file import DataError, read_text
+from pydantic import BeforeValidator
+from pydantic.dataclasses import dataclass as model
+
+from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile, Written
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.truth.parameters import PARAMETERS, Parameter
 
@@ -23,11 +24,11 @@ NOT_THERE = ""
 
 
 class NamesError(DataError):
-    """A names file cannot be used; one line with the file, the place and the reason."""
+    """A names file cannot be used."""
 
 
-@dataclass(frozen=True)
-class Target:
+@model(frozen=True, config=WRITTEN)
+class Target(Written):
     """What one of our variables is in the FMU.
 
     Attributes
@@ -42,7 +43,7 @@ class Target:
 
     name: str
     unit: str | None = None
-    sign: int = 1
+    sign: Literal[1, -1] = 1
 
 
 @dataclass(frozen=True)
@@ -74,51 +75,38 @@ def load_names(file: Path, own: Iterable[Parameter] = ()) -> NameMap:
     NamesError
         The file cannot be read, is not TOML, or holds something that is no entry.
     """
-    text = read_text(file, NamesError)
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise NamesError(file, *_place_and_reason(text, str(error))) from None
-    entries = data
-    if isinstance(data.get("names"), dict):
-        entries = data["names"]
-        for key in (key for key in data if key != "names"):
-            raise NamesError(file, _line(text, key), f"{key!r} stands beside the table [names]")
+    source = DataFile(file, NamesError)
+    place = ["names"] if isinstance(source.data.get("names"), dict) else []
+    for key in source.data if place else ():
+        if key != "names":
+            raise source.refusal(f"{key!r} stands beside the table [names]", key)
     known = {*UNITS, *(each.name for each in own)}
     targets: dict[str, Target] = {}
-    for key, value in entries.items():
-        where = _line(text, key)
+    for key, target in source.read(_Targets, *place).items():
         if key not in known:
-            raise NamesError(file, where, f"{key!r} is no variable of the suite; {_nearest(key)}")
-        target = _target(file, where, key, value)
+            reason = f"{key!r} is no variable of the suite; {_nearest(key)}"
+            raise source.refusal(reason, *place, key)
         taken = [ours for ours, other in targets.items() if other.name == target.name != NOT_THERE]
         if taken:
             reason = f"{key} and {taken[0]} are both {target.name!r}"
-            raise NamesError(file, where, reason)
+            raise source.refusal(reason, *place, key)
         targets[key] = target
     if not targets:
-        raise NamesError(file, "", "names no variable")
+        raise source.refusal("names no variable")
     return NameMap(targets, file)
 
 
-def _target(file: Path, where: str, key: str, value: Any) -> Target:
-    if isinstance(value, str):
-        return Target(value)
-    if not isinstance(value, dict):
-        reason = f"{key} is {value!r}; it takes a name or {{ name, unit, sign }}"
-        raise NamesError(file, where, reason)
-    for inner in value:
-        if inner not in {"name", "unit", "sign"}:
-            reason = f"{key} has an unknown key {inner!r}; there are name, unit, sign"
-            raise NamesError(file, where, reason)
-    name, unit, sign = value.get("name", key), value.get("unit"), value.get("sign", 1)
-    if not isinstance(name, str):
-        raise NamesError(file, where, f"{key}.name is {name!r}, not a text")
-    if unit is not None and not isinstance(unit, str):
-        raise NamesError(file, where, f"{key}.unit is {unit!r}, not a text")
-    if isinstance(sign, bool) or sign not in (1, -1):
-        raise NamesError(file, where, f"{key}.sign is {sign!r}, not 1 or -1")
-    return Target(name, unit, int(sign))
+def _named(entries: Any) -> Any:
+    """Return entries as tables: a text is a name, and a table without one keeps ours."""
+    if not isinstance(entries, dict):
+        return entries
+    return {
+        ours: {"name": ours, **entry} if isinstance(entry, dict) else {"name": entry}
+        for ours, entry in entries.items()
+    }
+
+
+_Targets = Annotated[Mapping[str, Target], BeforeValidator(_named)]
 
 
 def _nearest(key: str) -> str:
@@ -126,16 +114,3 @@ def _nearest(key: str) -> str:
     # Names of one or two letters resemble nothing; the other case of a letter is the usual slip.
     near += [name for name in UNITS if name.lower() == key.lower() and name not in near]
     return f"near it: {', '.join(near)}" if near else f"there are {', '.join(UNITS)}"
-
-
-def _line(text: str, key: str) -> str:
-    quoted = rf"[\"']?{re.escape(key)}[\"']?"
-    place = re.search(rf"(?m)^[ \t]*(?:{quoted}[ \t]*[=.]|\[(?:names\.)?{quoted}[\].])", text)
-    return f"line {text.count(chr(10), 0, place.start()) + 1}" if place else ""
-
-
-def _place_and_reason(text: str, message: str) -> tuple[str, str]:
-    place = re.search(r" \(at (?:(line \d+)[^)]*|end of document)\)$", message)
-    if place is None:
-        return "", message
-    return place[1] or f"line {text.rstrip().count(chr(10)) + 1}", message[: place.start()]

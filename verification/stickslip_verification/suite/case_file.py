@@ -1,0 +1,362 @@
+"""Files of cases: read into `CaseFile`, and made into a `Case` with the tolerances of the rules."""
+
+import fnmatch
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import field, replace
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic.dataclasses import dataclass
+
+from stickslip_verification import truth
+from stickslip_verification.model.data_file import (
+    WRITTEN,
+    Amount,
+    DataError,
+    DataFile,
+    Id,
+    Number,
+    Prose,
+    Text,
+    Written,
+    keyed,
+    known,
+)
+from stickslip_verification.model.formulas import CYCLE, FORMULAS
+from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES, QUANTITIES
+from stickslip_verification.model.verdict import Kind, Klass, Measure
+from stickslip_verification.suite.cases import At, Case, Check, Truth, follow
+from stickslip_verification.suite.experiment import Experiment, communication_steps
+from stickslip_verification.suite.invariants import invariant_ids
+from stickslip_verification.suite.tolerances import Facts, Rules, Tolerance, facts_of
+from stickslip_verification.truth.named import COULOMB_NAME
+from stickslip_verification.truth.parameters import (
+    CHANGEABLE,
+    PARAMETERS,
+    Parameter,
+    changeable,
+    complete,
+)
+
+CASES_FOLDER = Path(__file__).parent / "cases"
+SIDES = ("fmu", "reference")
+
+
+class CaseError(DataError):
+    """A case file cannot be used."""
+
+
+def _at(entry: Any) -> Any:
+    """Read ``"end"``, ``"every_point"``, ``{ cycle = n }`` or ``{ event = n }``."""
+    if entry in ("end", "every_point"):
+        return At(entry)
+    if isinstance(entry, dict) and len(entry) == 1:
+        ((kind, number),) = entry.items()
+        if kind in ("cycle", "event") and type(number) is int and number > 0:
+            return At(kind, number)
+    raise ValueError('it is "end", "every_point", { cycle = n } or { event = n }, n from 1')
+
+
+Where = Annotated[At, BeforeValidator(_at), WithJsonSchema({"type": ["string", "object"]})]
+
+
+@dataclass(frozen=True, config=WRITTEN)
+class CycleEntry(Written):
+    """The outputs of the steady cycle, held against their closed forms; ``only`` names some."""
+
+    at: Where
+    only: tuple[Text, ...] | None = None
+
+
+@dataclass(frozen=True, config=WRITTEN)
+class OwnTolerances(Written):
+    """What a case is held to instead of the rules."""
+
+    NEEDS: ClassVar = {"because": ("fmu",)}
+
+    conditioning: Annotated[
+        Number | None, Field(ge=1.0, description="below that of the narrowest gap")
+    ] = None
+    fmu: Annotated[Amount | None, Field(description="of the exact block's courses, of scale")] = (
+        None
+    )
+    because: Annotated[
+        Prose | None, Field(description="the reason, where it is looser than the rules")
+    ] = None
+
+
+@dataclass(frozen=True, config=WRITTEN)
+class OwnTolerance(Written):
+    """What the rules do not give a check, or give otherwise."""
+
+    fmu: Amount
+    reference: Amount
+    measure: Measure | None = None
+
+
+@dataclass(frozen=True, config=WRITTEN)
+class CheckEntry(Written):
+    """A check that a case spells out; its tolerance comes from the rules where it has no own."""
+
+    NEEDS: ClassVar = {"tolerance": ("because",), "because": ("tolerance",)}
+
+    id: Id
+    quantity: Annotated[str, known("quantity", QUANTITIES)]
+    at: Where
+    formula: Annotated[
+        str,
+        known("formula", FORMULAS),
+        Field(description="a named closed form; absent: the exact motion at 50 digits"),
+    ] = ""
+    tolerance: OwnTolerance | None = None
+    because: Annotated[
+        Mapping[str, Prose], keyed(*SIDES), Field(description="reasons of its own tolerance")
+    ] = field(default_factory=dict)
+
+
+Courses = Annotated[
+    tuple[Annotated[str, known("output or group", [*GROUPS, *OUTPUT_NAMES])], ...],
+    Field(description="compared with the exact motion at every communication point; groups too"),
+]
+
+
+@dataclass(frozen=True, config=WRITTEN)
+class CaseFile(Written):
+    """A verification case of the stick-slip block."""
+
+    id: Id
+    title: Text
+    about: Prose
+    experiment: Experiment
+    law: Annotated[Text, Field(description="the friction law, module:NAME")] = COULOMB_NAME
+    klass: Annotated[
+        Klass,
+        Field(validation_alias="class", description="contract where the result is a convention"),
+    ] = Klass.PHYSICS
+    parameters: Annotated[
+        Mapping[str, Number], Field(description="set before the start; absent: the default")
+    ] = field(default_factory=dict)
+    courses: Courses = tuple(GROUPS)
+    courses_at: Annotated[Where, Field(description="end, or absent: every_point")] = At(
+        "every_point"
+    )
+    cycle: CycleEntry | None = None
+    motion: Annotated[
+        Facts | None, Field(description="of the exact motion; absent: it is followed at loading")
+    ] = None
+    tolerances: OwnTolerances = field(default_factory=OwnTolerances)
+    checks: tuple[CheckEntry, ...] = ()
+
+
+def load_cases(pattern: str | None = None, folder: Path | None = None) -> list[Case]:
+    """Read the cases of a folder, in the order of their names.
+
+    Parameters
+    ----------
+    pattern
+        Shell pattern on the ids (``damped-*``); None takes all.
+    folder
+        Where the TOML files are; None takes the suite's own.
+
+    Raises
+    ------
+    CaseError
+        A file is broken (also one that the pattern leaves out), two share an id, or none matches.
+    """
+    folder = CASES_FOLDER if folder is None else folder
+    if not folder.is_dir():
+        raise CaseError(folder, "", "no such folder of cases")
+    cases: dict[str, Case] = {}
+    for file in sorted(folder.glob("*.toml")):
+        case = load_case(file)
+        if case.id in cases:
+            reason = f"{case.id!r} is taken by {cases[case.id].file.name}"
+            raise CaseError(file, "id", reason)
+        cases[case.id] = case
+    chosen = [c for c in cases.values() if pattern is None or fnmatch.fnmatchcase(c.id, pattern)]
+    if not chosen:
+        raise CaseError(folder, "", f"no case matches {pattern or '*.toml'!r}")
+    return chosen
+
+
+def load_case(path: Path) -> Case:
+    """Read one case file; `CaseError` names what is wrong with it and where.
+
+    A file that states nothing of the exact motion (``motion``) costs the time to follow it.
+    """
+    file = DataFile(path, CaseError)
+    written: CaseFile = file.read(CaseFile)
+    own = _own_parameters(file, written)
+    steps = communication_steps(file, written.experiment)
+    values = _values(file, written, own)
+    courses = _courses(file, written)
+    unknown = sorted(written.motion.zero - set(courses)) if written.motion else ()
+    if unknown:
+        raise file.refusal(f"{unknown[0]!r} is none of the courses", "motion", "zero")
+    facts = written.motion or facts_of(follow(written.parameters, steps, written.law))
+    rules = Rules(values, facts, law=truth.friction_law(written.law))
+    return Case(
+        id=written.id,
+        title=written.title,
+        about=written.about,
+        parameters=written.parameters,
+        steps=steps,
+        checks=_checks(file, written, courses, _with_own(file, rules, written.tolerances)),
+        file=path,
+        klass=written.klass,
+        facts=written.motion,
+        law=written.law,
+        own=own,
+    )
+
+
+def _own_parameters(file: DataFile, written: CaseFile) -> tuple[Parameter, ...]:
+    """Return the own parameters of a case's friction law; of Coulomb's where the case names one."""
+    try:
+        own = tuple(truth.friction_law(written.law).parameters)
+    except ValueError as error:
+        raise file.refusal(str(error), "law") from None
+    named = {*written.parameters, *(name for c in written.experiment.changes for name in c.set)}
+    return () if written.law == COULOMB_NAME and not named & {each.name for each in own} else own
+
+
+def _values(
+    file: DataFile, written: CaseFile, own: Sequence[Parameter]
+) -> tuple[Mapping[str, float], ...]:
+    """Return all values in force at the start and after each change."""
+    table = {each.name: each for each in (*PARAMETERS, *own)}
+    moving = CHANGEABLE | changeable(own)
+    settings: list[tuple[Mapping[str, float], tuple[str | int, ...], Collection[str]]] = [
+        (written.parameters, ("parameters",), table.keys())
+    ]
+    settings += [
+        (change.set, ("experiment", "changes", n, "set"), moving)
+        for n, change in enumerate(written.experiment.changes)
+    ]
+    values: list[Mapping[str, float]] = []
+    for setting, place, allowed in settings:
+        for name, value in setting.items():
+            if name not in allowed:
+                raise file.refusal(f"cannot be set; there are {', '.join(allowed)}", *place, name)
+            try:
+                table[name].check(value)
+            except ValueError as error:
+                raise file.refusal(str(error), *place, name) from None
+        try:
+            values.append(complete({**(values[-1] if values else {}), **setting}, own))
+        except ValueError as error:
+            raise file.refusal(str(error), *place) from None
+    return tuple(values)
+
+
+def _with_own(file: DataFile, rules: Rules, own: OwnTolerances) -> Rules:
+    """Put what the file states in place of the rules."""
+    if own.conditioning is not None and own.conditioning > rules.narrowest * (1.0 + 1e-9):
+        reason = f"{own.conditioning} is above that of the narrowest gap, {rules.narrowest:.3g}"
+        raise file.refusal(reason, "tolerances", "conditioning")
+    rules = replace(rules, own_conditioning=own.conditioning)
+    if own.fmu is None:
+        return rules
+    rule, _ = rules.fmu_course()
+    if own.because is None and own.fmu > rule:
+        reason = f"{own.fmu} is looser than the rules' {rule} and needs a reason: because"
+        raise file.refusal(reason, "tolerances", "fmu")
+    return replace(rules, own_fmu=(own.fmu, own.because or rules.tighter(own.fmu)))
+
+
+def _courses(file: DataFile, written: CaseFile) -> list[str]:
+    """Return the outputs that are held against the exact motion at every point, groups resolved."""
+    outputs: list[str] = []
+    for n, name in enumerate(written.courses):
+        for output in GROUPS.get(name, (name,)):
+            if output in outputs:
+                raise file.refusal(f"{output!r} is named twice", "courses", n)
+            outputs.append(output)
+    return outputs
+
+
+def _checks(
+    file: DataFile, written: CaseFile, courses: Sequence[str], rules: Rules
+) -> tuple[Check, ...]:
+    """Return the checks of a case: formulas of the cycle, courses, and those written out."""
+    if written.law != COULOMB_NAME or rules.grows:
+        with_formula = [n for n, entry in enumerate(written.checks) if entry.formula]
+        if written.cycle or with_formula:
+            place = ("cycle",) if written.cycle else ("checks", with_formula[0], "formula")
+            reason = "the formulas are those of Coulomb's law with constant coefficients; without "
+            raise file.refusal(f"{reason}one the exact motion counts", *place)
+    checks = list(_cycle(file, written.cycle, rules)) if written.cycle else []
+    checks += [
+        _check(f"{name}-course", name, "", written.courses_at, rules.course(name))
+        for name in courses
+    ]
+    for n, entry in enumerate(written.checks):
+        taken = "another check" if any(entry.id == check.id for check in checks) else None
+        taken = "an invariant" if entry.id in invariant_ids() else taken
+        if taken is not None:
+            raise file.refusal(f"{entry.id!r} is taken by {taken}", "checks", n, "id")
+        tolerance = _tolerance(file, n, entry, rules)
+        checks.append(_check(entry.id, entry.quantity, entry.formula, entry.at, tolerance))
+    if not checks:
+        raise file.refusal("it checks nothing: no courses, no cycle, no checks")
+    return tuple(checks)
+
+
+def _check(name: str, quantity: str, formula: str, at: At, tolerance: Tolerance | None) -> Check:
+    assert tolerance is not None, formula
+    equation = (FORMULAS[formula] if formula else QUANTITIES[quantity]).equation
+    return Check(
+        id=name,
+        quantity=quantity,
+        unit=QUANTITIES[quantity].unit,
+        truth=Truth(Kind.CLOSED_FORM, equation, formula or None),
+        at=at,
+        measure=tolerance.measure,
+        tolerance=tolerance.allowed,
+        because=tolerance.because,
+    )
+
+
+def _cycle(file: DataFile, cycle: CycleEntry, rules: Rules) -> Iterator[Check]:
+    """Yield the checks of the steady cycle against its formulas."""
+    if cycle.at.kind == "every_point":
+        reason = "a cycle has no value at every point: end, { cycle = n } or { event = n }"
+        raise file.refusal(reason, "cycle", "at")
+    if not rules.lambda_:
+        raise file.refusal("without a gap and a pull there is no cycle", "cycle")
+    damped = rules.values[0]["c"] > 0.0
+    formulas = {name: pair[damped] for name, pair in CYCLE.items() if pair[damped]}
+    for n, name in enumerate(formulas if cycle.only is None else cycle.only):
+        if name not in formulas:
+            reason = f"{name!r} has no formula in the {'damped' if damped else 'undamped'} cycle; "
+            there = f"these have: {', '.join(formulas)}"
+            raise file.refusal(reason + there, "cycle", "only", n)
+        formula = formulas[name] or ""
+        yield _check(f"{name}-exact", name, formula, cycle.at, rules.formula(formula))
+
+
+def _tolerance(file: DataFile, n: int, entry: CheckEntry, rules: Rules) -> Tolerance:
+    """Return the tolerance of a check that a case spells out."""
+    quantity, own = QUANTITIES[entry.quantity], entry.tolerance
+    if entry.formula and FORMULAS[entry.formula].unit != quantity.unit:
+        unit = FORMULAS[entry.formula].unit
+        reason = f"{entry.formula} is in {unit!r}, {quantity.name} in {quantity.unit!r}"
+        raise file.refusal(reason, "checks", n, "formula")
+    rule = rules.formula(entry.formula) if entry.formula else None
+    if not entry.formula and quantity.name in OUTPUT_NAMES:
+        rule = rules.course(quantity.name)
+    if own is not None:
+        measure = own.measure or (Measure.RELATIVE if rule is None else rule.measure)
+        rule = Tolerance(measure, {"fmu": own.fmu, "reference": own.reference}, entry.because)
+    if rule is None:
+        of = f"no rule gives {entry.formula or quantity.name} a tolerance"
+        reason = f"{of}: state it here, and the reasons in because"
+        raise file.refusal(reason, "checks", n)
+    if rule.measure == Measure.RELATIVE and entry.at.kind == "every_point":
+        reason = "relative makes no sense over all points, where a value may cross zero: of_scale"
+        raise file.refusal(reason, "checks", n, "tolerance", "measure")
+    if quantity.discrete and (rule.measure != Measure.ABSOLUTE or any(rule.allowed.values())):
+        reason = f"{quantity.name} is discrete: measure absolute, tolerance 0 on both sides"
+        raise file.refusal(reason, "checks", n, "tolerance")
+    return rule
