@@ -77,8 +77,9 @@ def test_no_case_of_an_honest_solver_stands_out(name: str) -> None:
 @pytest.mark.gate
 def test_the_data_of_the_family_are_what_its_solvers_have() -> None:
     for solver in ("semi-implicit Euler, 1 ms", "Runge-Kutta, 10 in a step", "RK45, 0.001"):
-        for name, run in runs_of(SOLVERS[solver]).items():
-            delta = ruler(name).deviation(run).delta
+        runs = [runs_of(each) for each in SOLVERS[solver].alike]
+        for name in USED:
+            delta = max(ruler(name).deviation(run[name]).delta for run in runs)
             assert delta == pytest.approx(load_family()[solver][name], rel=0.3), (solver, name)
 
 
@@ -242,7 +243,7 @@ def test_an_output_that_is_no_number_is_no_accuracy() -> None:
     [
         ("", True, "The model is right: in 14 cases it errs no more than honest solvers do."),
         ("load light", False, "The model is wrong in "),
-        ("damped ahead", False, "(mirror)"),
+        ("damped ahead", False, "The model is wrong in 5 of 14 cases and "),
     ],
 )
 def test_a_slider_as_people_write_it_is_told_what_it_is(fault: str, right: bool, told: str) -> None:
