@@ -1,7 +1,7 @@
 """Says whether two sets of answers are the same in all but their wording.
 
-``python tools/same.py freeze FOLDER`` stores answers of this tree: the ``report.json`` of verdicts
-on its own FMUs and on foreign and faulty ones, the scores of curves, and the FMUs themselves.
+``python tools/same.py freeze FOLDER OTHERS`` stores answers of this tree: the ``report.json`` of
+verdicts on its own FMUs and on those in OTHERS, the scores of its curves, and the FMUs themselves.
 ``python tools/same.py compare OLD NEW`` compares two such folders file by file: of JSON every field
 that is no wording, numbers within 1e-12 (1e-9 of what a fit gave), of an FMU the files in it.
 Exit code 0: the same; 1: different, with the first differences of each file; 2: wrong use.
@@ -20,7 +20,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-WORDING = {"because", "failure", "not_applicable", "second", "provenance", "text", "summary"}
+WORDING = {"because", "failure", "not_applicable", "provenance", "text", "summary"}
 """Keys whose values may change their words, and what tells the day and the place."""
 CLOSED, FITTED = 1e-12, 1e-9
 """Largest part by which a number may be another one."""

@@ -6,7 +6,7 @@ method that adapts its steps and locates them. They are right and only so accura
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -18,6 +18,9 @@ Method = Callable[
     [Callable[[float, float], float], float, float, float, float], tuple[float, float]
 ]
 """From acceleration(z, x_dot), z, x_dot, v, h: the displacement and the velocity after a step."""
+
+LATE: Final = ", late"
+"""End of the name of a solver that breaks away late."""
 
 SHARES: Final = ("x", "x_dot", "F")
 """The outputs that they have."""
@@ -89,12 +92,6 @@ class Solver:
         """Run a case; the outputs are `SHARES`."""
         return Slider(self, case).run()
 
-    @property
-    def alike(self) -> tuple["Solver", ...]:
-        """It, and the one that breaks away a step later if steps are all that it sees."""
-        seen = self.method is None or self.located
-        return (self,) if seen else (self, replace(self, late=True))
-
 
 _METHODS: Final[Mapping[str, Method]] = {
     "semi-implicit Euler": _semi_implicit,
@@ -106,12 +103,14 @@ _METHODS: Final[Mapping[str, Method]] = {
 
 SOLVERS: Final[Mapping[str, Solver]] = {
     **{
-        f"{name}, {1e3 * step:g} ms": Solver(method, step=step)
+        f"{name}, {1e3 * step:g} ms{LATE if late else ''}": Solver(method, step=step, late=late)
+        for late in (False, True)
         for name, method in _METHODS.items()
         for step in (1e-3, 3e-4, 1e-4)
     },
     **{
-        f"{name}, {parts} in a step": Solver(method, parts=parts)
+        f"{name}, {parts} in a step{LATE if late else ''}": Solver(method, parts=parts, late=late)
+        for late in (False, True)
         for name, method in _METHODS.items()
         for parts in (1, 3, 10, 30)
     },

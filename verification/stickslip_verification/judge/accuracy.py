@@ -17,6 +17,7 @@ import numpy as np
 
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.drive.nearby import OFF
+from stickslip_verification.drive.solvers import LATE
 from stickslip_verification.judge.band import Band, Mask
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.run import Run, Series
@@ -28,6 +29,12 @@ _SMOOTH: Final = (*MOTION, "F")
 
 _TIMES: Final = ("t_event", "t_stick", "t_slip", "T")
 """Outputs that are off by a step where events are found at its end."""
+
+_OF_SLIPS: Final = (
+    *("mode", "sticking", "n_slips", "delta_x", "spring_drop", "x_dot_peak", "f"),
+    *_TIMES,
+)
+"""Outputs that hang on which slips have ended."""
 
 _CONTINUOUS: Final = ("F", "F_friction", "x_pull", "z")
 """Outputs beside the motion that are off in few points where they lag by a step."""
@@ -119,10 +126,8 @@ class Ruler:
                 between = np.fmax(np.fmax(expected + low - got, got - expected - high), 0.0)
                 late = 0.0 if QUANTITIES[name].discrete else between
                 error = np.where(self._near_event[read], late, error)
-                creeps = self._creeps
-                if QUANTITIES[name].discrete:
-                    creeps = np.logical_or.accumulate(creeps)
-                error = np.where(creeps[read], 0.0, error)
+            if name in _OF_SLIPS:
+                error = np.where(self._crept[read], 0.0, error)
             error = error[where]
             largest = self.band.largest(name) or (1.0 if QUANTITIES[name].discrete else 0.0)
             columns = np.maximum(
@@ -170,11 +175,10 @@ class Ruler:
         return np.asarray(changes[:-1] | changes[1:])
 
     @cached_property
-    def _creeps(self) -> Mask:
-        """Points of a slip that fades without an end: a solver ends it at some small speed."""
-        speed = np.abs(self._at("x_dot"))
-        slips = self._at("mode") != 0.0
-        return np.asarray(slips & (speed < _CREEP * self.band.largest("x_dot")))
+    def _crept(self) -> Mask:
+        """Points from which on a slip has faded that has no end: a solver ends it at some speed."""
+        slow = np.abs(self._at("x_dot")) < _CREEP * self.band.largest("x_dot")
+        return np.logical_or.accumulate((self._at("mode") != 0.0) & slow)
 
     def _at(self, name: str) -> Series:
         return self.exact.record.outputs[name]
@@ -271,13 +275,16 @@ def matched(deltas: Mapping[str, float], family: Mapping[str, Mapping[str, float
     if not cases:
         return Matched(next(iter(family)), 1.0, {}, {})
     got = _logarithms(deltas, cases)
-    found = []
+    found: dict[str, tuple[float, str, float, Series]] = {}
     for solver, of in family.items():
         own = _logarithms(of, cases)
         factor = float(np.median(got - own))
         misfit = float(np.mean(np.minimum(np.abs(got - own - factor), _FARTHEST)))
-        found.append((misfit, solver, factor, own + factor))
-    near = sorted(found, key=lambda each: each[0])[:_ALIKE]
+        # Of a solver and the one that breaks away later, the nearer one counts.
+        pair = solver.removesuffix(LATE)
+        if pair not in found or misfit < found[pair][0]:
+            found[pair] = misfit, solver, factor, own + factor
+    near = sorted(found.values(), key=lambda each: each[0])[:_ALIKE]
     expected = np.exp(np.max([own for *_, own in near], axis=0))
     _, solver, factor, _ = near[0]
     return Matched(

@@ -34,10 +34,8 @@ def main() -> None:
 
 def _deltas(case: Case) -> list[float]:
     ruler = Ruler(workers.exact(case), workers.spreads(case))
-    return [
-        max(min(ruler.deviation(each.run(case)).delta, DIVERGED) for each in solver.alike)
-        for solver in SOLVERS.values()
-    ]
+    runs = [solver.run(case) for solver in SOLVERS.values()]
+    return [min(ruler.deviation(run).delta, DIVERGED) for run in runs]
 
 
 if __name__ == "__main__":

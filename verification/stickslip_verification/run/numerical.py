@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.solvers import SOLVERS, Solver
 from stickslip_verification.judge.accuracy import (
     DIVERGED,
@@ -192,7 +193,8 @@ def _of_sequences(
         case, manner = trial.baseline.case.id, trial.manner
         empty = blank(manner, case, contract)
         if case not in plain or answer.value is None:
-            if answer.failure is not None and _stiff(trial.baseline.case, found.like):
+            raised = (answer.failure or "").startswith(FmuError.__name__)
+            if raised and _stiff(trial.baseline.case, found.like):
                 answer = Answer(not_applicable=TOO_STIFF)
             yield _no_run(empty, answer)
             continue
@@ -239,10 +241,10 @@ def _honest(like: Matched) -> Iterator[tuple[Solver, float]]:
     One that is rougher than one of the family takes longer steps, which may diverge.
     """
     for name, factor in like.alike.items():
-        for solver in SOLVERS[name].alike:
-            yield solver, factor
-            if solver.step and factor > 1.0:
-                yield replace(solver, step=solver.step * factor), 1.0
+        solver = SOLVERS[name]
+        yield solver, factor
+        if solver.step and factor > 1.0:
+            yield replace(solver, step=solver.step * factor), 1.0
 
 
 def _steps(case: Case, like: Matched) -> Sequence[float]:

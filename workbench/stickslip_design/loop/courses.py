@@ -40,6 +40,8 @@ _ALIKE: Final = 0.02
 """How far the slips of both halves may differ, relative."""
 _CLOSE: Final = 0.05
 """The amplitude of a swing that is too slow to be followed is found to this, relative."""
+_WIDEST: Final = 0.98
+"""Deviation from which on nothing wider is begun: the table would stop."""
 _TRIED: Final = 12
 """Windows of extremes after which a swing that was begun shows whether it grows: the loop settles
 first."""
@@ -298,9 +300,8 @@ class Courses:
         goes_on, turns = seen.amplitude, math.nan
         while not abs(turns / goes_on - 1.0) < _CLOSE:
             tried = goes_on * 2.0**way if math.isnan(turns) else math.sqrt(goes_on * turns)
-            if tried >= 1.0:
-                return self.course("jumps")
-            if tried < _STILL:
+            tried = min(tried, _WIDEST)
+            if tried in (goes_on, turns) or tried < _STILL:
                 break
             grows = self._grows(tried)
             if isinstance(grows, Course):
@@ -314,6 +315,7 @@ class Courses:
     def _grows(self, deviation: float) -> float | Course:
         """Return whether a swing begun at a deviation grows (above 0), or where it leads."""
         extremes: list[Extreme] = []
+        run: list[Extreme] = []
         for event in self._events(*self._beside(deviation)):
             extremes.append(event)
             found = self._sticks(extremes) if event.name == "stop" else self._swings(extremes)
