@@ -82,6 +82,7 @@ CURVE = {"n_points": 3.0, "mu_1": 0.2, "u_2": 2e-3, "mu_2": 0.15, "u_3": 0.05, "
     [
         (rubbing(), 0.005),
         (rubbing(tau_s=0.1), 0.005),
+        (rubbing(B=0.01, t_0=1e-3), 0.005),
         # Lines in place of a smooth fall miss its limit by less than 1 %.
         (rubbing("stribeck", shape=1.0, v_s=1e-3, delta=2.0), 0.01),
         (rubbing("stribeck", shape=2.0, v_s=1e-3), 0.01),

@@ -40,10 +40,8 @@ def disagreements(number: int, folder: Path) -> list[str]:
             ):
                 wrong.append(f"{feed}: swings by {end.amplitude:.3g}, said {said.swings}")
         jump = 0.0 if said.stick_slip is None else said.stick_slip.jump
-        # In the loop static friction grows with tau_s alone.
-        grows = bool(stated.friction.own.get("B")) and stated.drive is not None
         rest = ends["rest"]
-        compared = jump > 0.0 and rest.kind == "sticks" and rest.repeats and not grows
+        compared = jump > 0.0 and rest.kind == "sticks" and rest.repeats
         if compared and not abs(jump / rest.jump - 1.0) < JUMP:
             wrong.append(f"{feed}: jumps {rest.jump:.3g} m, said {jump:.3g} m")
     return wrong
@@ -54,7 +52,7 @@ def _said(end: Seen, kinds: tuple[str, ...]) -> bool:
 
 
 @pytest.mark.gate
-@pytest.mark.parametrize("number", [3, 7, 45, 179])
+@pytest.mark.parametrize("number", [45, 117, 179, 199])
 def test_a_sample_of_random_axes_does_what_is_said(number: int, tmp_path: Path) -> None:
     assert disagreements(number, tmp_path) == []
 

@@ -36,7 +36,6 @@ _UNANSWERED: Final = (
     "Other modes: screw, table and frame are one mass and one spring.",
 )
 _OF_LOOP: Final = "Counts of the encoders and the limit of the motor's force are left out."
-_OF_GROWTH: Final = "In the loop static friction grows with tau_s alone, and not with B."
 
 _PERIODS: Final = 8.0
 _BEYOND: Final = 1.02
@@ -210,5 +209,3 @@ def _left_out(axis: Axis) -> Iterator[str]:
     yield from _UNANSWERED
     if axis.drive is not None:
         yield _OF_LOOP
-        if axis.friction.own.get("B"):
-            yield _OF_GROWTH

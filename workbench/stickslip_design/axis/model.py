@@ -106,6 +106,11 @@ class Friction:
         return self.own.get("tau_s", 0.0) if self.law == "coulomb" else 0.0
 
     @property
+    def B(self) -> float:  # noqa: N802 - the symbol of rate and state
+        """Growth of the static coefficient with the logarithm of the time at rest [-]."""
+        return self.own.get("B", 0.0) if self.law == "coulomb" else 0.0
+
+    @property
     def constant(self) -> bool:
         """Whether the coefficients are constant: Coulomb's law without growth in the stick."""
         return self.law == "coulomb" and not self.own

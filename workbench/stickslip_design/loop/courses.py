@@ -35,9 +35,12 @@ _LAST: Final = 16
 _STILL: Final = 1e-3
 """A swing of a smaller amplitude, over the feed, is even motion."""
 _STICKS: Final = 12
-"""Sticks after which a motion sticks and slips, where the last half of them is as the first."""
+"""Sticks after which a motion sticks and slips, where half of the last ones is as the other."""
 _ALIKE: Final = 0.02
 """How far the slips of both halves may differ, relative."""
+_ON_AVERAGE: Final = 0.005
+"""How far the table's mean speed over the sticks that are looked at may be from the feed, relative:
+behind it the drive still catches up."""
 _CLOSE: Final = 0.05
 """The amplitude of a swing that is too slow to be followed is found to this, relative."""
 _WIDEST: Final = 0.98
@@ -200,14 +203,15 @@ class Courses:
         sticks = [number for number, event in enumerate(events) if event.mode.table == 0]
         if len(sticks) <= _STICKS:
             return None
-        ways = [events[end].place - events[begin].place for begin, end in pairwise(sticks)][
-            -_STICKS:
-        ]
-        half = _STICKS // 2
-        first, last = (sum(abs(way) for way in part) for part in (ways[:half], ways[half:]))
-        if abs(last - first) > _ALIKE * first and len(sticks) < 8 * _STICKS:
+        last = sticks[-max(_STICKS, len(sticks) // 2) - 1 :]
+        cycle = self._cycle(events, last)
+        ways = [abs(events[end].place - events[begin].place) for begin, end in pairwise(last)]
+        first, second = sum(ways[: len(ways) // 2]), sum(ways[-(len(ways) // 2) :])
+        alike = abs(second - first) < _ALIKE * first
+        settled = abs(cycle.jump / (cycle.period * self._feed) - 1.0) < _ON_AVERAGE
+        if not (alike and settled) and len(sticks) < 8 * _STICKS:
             return None
-        return Course("sticks", stick_slip=self._cycle(events, sticks[-half - 1 :]))
+        return Course("sticks", stick_slip=cycle)
 
     def _cycle(self, events: list[Extreme], sticks: list[int]) -> StickSlip:
         reverses = any(event.mode.table < 0 for event in events[sticks[0] : sticks[-1]])

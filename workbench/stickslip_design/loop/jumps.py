@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+import numpy as np
+
 from ..axis import Axis
 from ..one_thread import one_thread
 from .lines import lines_of
@@ -144,7 +146,7 @@ class Jumping:
 
         Beyond a fold the jumps shrink slowly before they end.
         """
-        if self._system.axis.friction.tau_s == 0.0:
+        if not len(self._system.growth[0]):
             return True
         before, last = (
             sum(each.way for each in jumps[begin:end])
@@ -189,8 +191,11 @@ def loaded(system: System, feed: float) -> Point:
     The break-away comes half a sample later.
     """
     axis = system.axis
-    state = system.holding(axis.F_s - axis.along, feed)
-    stretch = (axis.F_s - axis.along) / axis.k - 0.5 * system.drive.T_s * feed
+    age = axis.F_s / (axis.k * feed)
+    pull = system.held(age) - axis.along
+    state = system.holding(pull, feed)
+    state[system.layout.ungrown] *= np.exp(-system.growth[0] * age)
+    stretch = pull / axis.k - 0.5 * system.drive.T_s * feed
     state[[MOTOR, LAST]] += stretch
     if not system.drive.on_table:
         state[system.layout.command] += stretch

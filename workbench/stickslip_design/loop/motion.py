@@ -267,7 +267,7 @@ def margins_of(system: System, mode: Mode) -> tuple[Margin, ...]:
             margins.append(Margin("faster", line.high * unit[layout.one] - speed))
     else:
         pushed = pull + axis.along * unit[layout.one]
-        held = axis.F_s * unit[layout.one] - (axis.F_s - axis.F_k) * unit[layout.ungrown]
+        held = system.fully * unit[layout.one] - system.growth[1] @ unit[layout.ungrown]
         margins += [Margin("forward", held - pushed), Margin("backward", held + pushed)]
     if drive.dry > 0.0:
         if mode.motor:
@@ -295,9 +295,8 @@ def after(system: System, mode: Mode, reached: Event) -> tuple[Mode, Point]:
     if reached.event == "stop":
         state[SPEED] = 0.0
         pushed = pull + axis.along
-        grows = axis.friction.tau_s > 0.0
-        state[system.layout.ungrown] = 1.0 if grows else 0.0
-        holds = axis.F_k if grows else axis.F_s
+        state[system.layout.ungrown] = 1.0
+        holds = system.held(0.0)
         direction = 0 if abs(pushed) <= holds else int(math.copysign(1.0, pushed))
         mode = mode._replace(table=direction)
     elif reached.event in ("slower", "faster"):

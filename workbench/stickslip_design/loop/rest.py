@@ -40,7 +40,8 @@ class Start:
     def jumps(self, feed: float) -> bool:
         """Return whether the table rests again in the last of the periods at a feed [m/s]."""
         axis, system = self._axis, self._motion.system
-        relief = 2.0 * (axis.F_s - axis.F_k) / axis.k
+        held = system.held(axis.F_s / (axis.k * feed))
+        relief = 2.0 * (held - axis.F_k) / axis.k
         period = relief / feed + 2.0 * math.pi * math.sqrt(axis.m / axis.k)
         state = system.at_rest()
         state[system.layout.acceleration] = self._acceleration
@@ -52,7 +53,7 @@ class Start:
         state = reached.point.state.copy()
         state[[system.layout.feed, system.layout.acceleration]] = feed, 0.0
         # The first break-away comes when the motor has loaded the spring.
-        first = axis.F_s / (axis.k * feed)
+        first = held / (axis.k * feed)
         end = first + PERIODS * period
         rested = -math.inf
         turn = reached

@@ -23,14 +23,17 @@ Matrix = NDArray[np.float64]
 MOTOR, MOTOR_SPEED, TABLE, SPEED, FORCE, INTEGRAL, LAST = range(7)
 """Places in the state: position and speed of motor and table, the force that the motor has behind
 the lag of its current loop, the integral, and the motor's position at the last sample. The
-commanded forces that wait, the memory of the filters, the set point, what static friction lacks
-since the table stopped, relative, and the number 1 follow."""
+commanded forces that wait, the memory of the filters, the set point, what is left of each part by
+which static friction grows since the table stopped, and the number 1 follow."""
 
 _FINEST: Final = 0.1
 """Longest part of a sample, times the quickest rate of the motion: a cubic through values and
 slopes at its ends is then within 3e-7 of a swing's amplitude."""
 _NONE: Final = 1e-9
 """A part of a sample this short is none, relative to the sample."""
+_OF_LOGARITHM: Final = 10.0 ** np.arange(1.0, -11.5, -0.5)
+"""Rates of the exponentials that stand for ln(1 + t/t_0), times t_0. By the rule of trapezoids over
+ln s in ln(1 + t) = integral of (1 - exp(-s t)) exp(-s) ds/s: within 1e-3 of it up to 1e8 t_0."""
 
 
 class Mode(NamedTuple):
@@ -59,7 +62,7 @@ class Layout(NamedTuple):
     command: int
     feed: int
     acceleration: int
-    ungrown: int
+    ungrown: slice
     one: int
 
     @property
@@ -74,8 +77,7 @@ class System:
     Parameters
     ----------
     axis
-        An axis with a drive. A smooth fall of its friction is taken as straight lines; of what
-        grows while the table rests tau_s counts alone.
+        An axis with a drive. A smooth fall of its friction is taken as straight lines.
     lines
         Its friction in slip, where it is not that of the axis.
 
@@ -93,6 +95,11 @@ class System:
         What the controller makes of the state at a sample.
     wanted
         The motor's force before the filters, over the state, at a sample.
+    growth
+        Rates [1/s] and forces [N] of the parts by which static friction grows while the table
+        rests: each lacks its force times exp(-rate t).
+    fully
+        What static friction grows to [N].
 
     Raises
     ------
@@ -108,8 +115,12 @@ class System:
         waiting = whole + (2 if rest > 0.0 else 1)
         filters = LAST + 1 + waiting
         command = filters + 2 * len(self.drive.filters)
+        self.growth = _growth(axis)
+        self.fully = axis.F_s - (axis.F_s - axis.F_k) * (axis.friction.tau_s > 0.0)
+        self.fully += float(self.growth[1].sum())
+        grown = command + 3 + len(self.growth[0])
         self.layout = Layout(
-            LAST + 1, filters, command, command + 1, command + 2, command + 3, command + 4
+            LAST + 1, filters, command, command + 1, command + 2, slice(command + 3, grown), grown
         )
         self.parts = self._parts(whole, rest)
         self.offsets = np.concatenate(([0.0], np.cumsum([part.length for part in self.parts])))
@@ -119,10 +130,15 @@ class System:
         self._steps: dict[Mode, list[Matrix]] = {}
 
     def at_rest(self) -> Vector:
-        """Return the state at rest: everything 0, but for the number 1."""
+        """Return the state at rest: all 0 but the number 1, static friction not yet grown."""
         state = np.zeros(self.layout.size)
-        state[self.layout.one] = 1.0
+        state[self.layout.ungrown] = state[self.layout.one] = 1.0
         return state
+
+    def held(self, age: float) -> float:
+        """Return the most that friction holds after a time at rest [N]."""
+        rates, forces = self.growth
+        return self.fully - float(forces @ np.exp(-rates * age))
 
     def holding(self, force: float, feed: float) -> Vector:
         """Return the state in which the motor moves evenly at a feed [m/s] against a force [N].
@@ -194,8 +210,7 @@ class System:
         rates = np.zeros((layout.size, layout.size))
         rates[layout.command, layout.feed] = 1.0
         rates[layout.feed, layout.acceleration] = 1.0
-        if axis.friction.tau_s > 0.0:
-            rates[layout.ungrown, layout.ungrown] = -1.0 / axis.friction.tau_s
+        np.fill_diagonal(rates[layout.ungrown, layout.ungrown], -self.growth[0])
         command = layout.commands + late
         if drive.lag > 0.0:
             rates[FORCE, [FORCE, command]] = -1.0 / drive.lag, 1.0 / drive.lag
@@ -247,6 +262,19 @@ class System:
             control[place] = unit[place - 1]
         control[layout.commands] = force
         return wanted, control
+
+
+def _growth(axis: Axis) -> tuple[Vector, Vector]:
+    """Return rates and forces by which static friction grows: docs/theory.md (26)."""
+    friction = axis.friction
+    rates, forces = np.empty(0), np.empty(0)
+    if friction.B > 0.0:
+        whole = friction.B * axis.normal_force * 0.5 * math.log(10.0)
+        rates, forces = _OF_LOGARITHM / friction.own["t_0"], whole * np.exp(-_OF_LOGARITHM)
+    if friction.tau_s > 0.0:
+        rates = np.append(rates, 1.0 / friction.tau_s)
+        forces = np.append(forces, axis.F_s - axis.F_k)
+    return rates, forces
 
 
 def _whole_samples(drive: Drive) -> tuple[int, float]:
