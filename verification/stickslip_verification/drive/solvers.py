@@ -74,9 +74,11 @@ class Solver:
     """A slider: a method with steps of `step` [s], or `parts` of each communication step.
 
     It finds out at the end of a step what has happened in it, or has the events `located`. One that
-    is `late` breaks away by the forces at the end of a step, and not at its beginning. Without
-    a method it locates them and adapts the steps of `adapts` to the tolerance `rtol`, absolute
-    `atol` (in SI units), by default small against the motion.
+    is `late` breaks away by the forces at the end of a step, and not at its beginning. One with a
+    `band` [m/s] takes a smaller speed for none: it stops there, and static friction acts till it is
+    exceeded (the switch model, Leine et al. 1998). Without a method it locates events and adapts
+    the steps of `adapts` to the tolerance `rtol`, absolute `atol` (in SI units), by default small
+    against the motion.
     """
 
     method: Method | None = None
@@ -84,6 +86,7 @@ class Solver:
     parts: int = 0
     located: bool = False
     late: bool = False
+    band: float = 0.0
     rtol: float = 0.0
     atol: float = 0.0
     adapts: str = "RK45"
@@ -140,6 +143,10 @@ SOLVERS: Final[Mapping[str, Solver]] = {
             *(("LSODA", rtol, 0.0) for rtol in (1e-4, 1e-6)),
             *(("BDF", rtol, 0.0) for rtol in (1e-4, 1e-6)),
         )
+    },
+    **{
+        f"switch model, {1e3 * band:g} mm/s": Solver(_runge_kutta, step=1e-4, band=band)
+        for band in (1e-4, 1e-5, 1e-6)
     },
 }
 """The family by its names, which say method and step, or tolerance."""
@@ -253,12 +260,18 @@ class Slider:
                         acceleration = self._acceleration()
                     continue
                 acceleration = self._acceleration()
-            way, after = method(acceleration, self.z, self.u, v, h)
+            slow = self.mode * self.u <= self.solver.band
+            held = self._held_within_band if slow and self.solver.band else acceleration
+            way, after = method(held, self.z, self.u, v, h)
             self.x += way
             self.z += v * h - way
             self.u = after
-            if self.mode * after <= 0.0:
+            if self.mode * after <= (0.0 if slow else self.solver.band):
                 self._stop()
+
+    def _held_within_band(self, z: float, u: float) -> float:
+        driving = self.p["k"] * z + self.p["F_ext"] - self.p["c"] * u
+        return (driving - self.mode * self._hold(self.age)) / self.p["m"]
 
     def _locate(self, left: float) -> None:
         least = _EQUAL * left
