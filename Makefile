@@ -50,7 +50,8 @@ TESTS ?= tests
 RUN ?=
 PYTEST := -m pytest --numprocesses logical --dist worksteal --durations 20
 test: $(VENV)/ready-to-test
-	@$(BIN)/python $(RUN) $(PYTEST) $(TESTS); code=$$?; echo "CPU time, user and system:"; times; exit $$code
+	@$(BIN)/python tools/reaper.py sh -c '$(BIN)/python $(RUN) $(PYTEST) $(TESTS); code=$$?; \
+	    echo "CPU time, user and system:"; times; exit $$code'
 
 # The tests of the gate that need more than pip brings, as on a machine that has none of it, and as
 # on one that has it by half.
