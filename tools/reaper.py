@@ -1,8 +1,8 @@
 """Becomes a command that all processes begun under it fall to when their parents have ended.
 
-``python tools/reaper.py COMMAND...``: so ``times`` in a shell counts their CPU seconds too, those of
-the workers of a verdict for one, whose server ends after what began it. On Linux alone; elsewhere
-the command runs as it is.
+``python tools/reaper.py COMMAND...``: so ``times`` in a shell counts their CPU seconds too, as of
+the workers of a verdict, whose server ends after what began it. On Linux alone; elsewhere the
+command runs as it is.
 """
 
 import ctypes
