@@ -116,7 +116,7 @@ def eat_in_children() -> None:
     ("task", "told"),
     [
         (leave, "the process ended by itself with exit code 3"),
-        (answer_with_anything, "no readable answer"),
+        (answer_with_anything, "the process gave no readable answer"),
         (answer_by_half, "the process gave half an answer and was ended"),
         (leave_a_child_with_all_that_was_open, "the process crashed (SIGABRT)"),
         (eat_in_children, "the process was ended: the FMU had more memory than --memory gives"),

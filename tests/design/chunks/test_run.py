@@ -62,7 +62,10 @@ def test_a_killed_worker_costs_its_chunk_alone(marks: Path) -> None:
 @pytest.mark.parametrize(
     ("goes_wrong", "words"),
     [
-        ({"kills": 99}, r"^points \d+ to \d+ ended their worker process 3 times \(SIGKILL\)$"),
+        (
+            {"kills": 99},
+            r"^points \d+ to \d+ ended their worker process 3 times: it crashed \(SIGKILL\)$",
+        ),
         ({"raises": 15_000}, "ZeroDivisionError: of point 15000, with a line more$"),
         ({"largest": 1500}, r"\.chunk: File too large; what is computed is kept, and the study"),
     ],

@@ -26,7 +26,9 @@ from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import BaseContext
 from pathlib import Path
-from typing import Any, Final, NoReturn
+from typing import Any, Final
+
+from stickslip_verification.drive.answer import reason
 
 MOST_ANSWERED: Final = 2**30
 """Bytes of one answer that are taken; the longest record of the suite has some 10^7."""
@@ -37,7 +39,7 @@ ENDING: Final = 5.0
 LONGEST_SILENCE: Final = 20
 """Seconds in which nothing comes of an answer that was begun."""
 
-SHORT_FOLDERS: Final = ("/tmp", "/var/tmp")
+SHORT_FOLDER: Final = "/tmp"
 """Where sockets go if the folder for temporary files has too long a name."""
 
 LONGEST_FOLDER: Final = 70
@@ -58,10 +60,17 @@ _LOOKS_FOR_MEMORY: Final = 25
 OUT_OF_MEMORY: Final = 251
 """Exit code of a guard whose worker, with what it started, had more memory than it may."""
 
+_SIGNALLED: Final = 128
+"""Exit code of a guard whose worker was ended by signal 0, as shells count: 139 is SIGSEGV."""
+
 _PR_SET_PDEATHSIG: Final = 1
 _PR_SET_CHILD_SUBREAPER: Final = 36
 
 Task = Callable[..., Any]
+
+
+class LostError(Exception):
+    """A process ended without an answer, or gave one that cannot be read; the text says how."""
 
 
 class Worker:
@@ -94,45 +103,40 @@ class Worker:
         return self.connection, self._process.sentinel
 
     def give(self, task: Task, arguments: tuple[Any, ...]) -> None:
-        """Send a task; `OSError` if the process has ended."""
-        self.connection.send((task, arguments))
+        """Send a task; one to a process that has ended is lost, which `answer` says."""
+        with contextlib.suppress(OSError):
+            self.connection.send((task, arguments))
 
     def answer(self) -> Any:
-        """Return what the process answered.
-
-        Raises
-        ------
-        EOFError, OSError
-            If it ended without an answer, or gave half of one.
-        Exception
-            If what it sent cannot be read.
-        """
-        if not self.connection.poll():
-            raise EOFError
-        return pickle.loads(self.connection.recv_bytes(MOST_ANSWERED))
-
-    def exit_code(self) -> int | None:
-        """Return the exit code, negative for a signal, as soon as it is known; None if it lives."""
+        """Return what the process answered; `LostError` if it did not."""
+        try:
+            if self.connection.poll():
+                return pickle.loads(self.connection.recv_bytes(MOST_ANSWERED))
+        except (EOFError, OSError):
+            pass
+        except Exception as error:
+            raise LostError(f"gave no readable answer: {reason(error)}") from None
         self._process.join(ENDING)
-        code: int | None = self._process.exitcode
-        return code
-
-    def stop(self) -> None:
-        """Begin to end the process and what it started; `end` waits for it."""
-        if self._has_guard:
-            self.connection.close()
-        else:
-            self._process.terminate()
+        code = self._process.exitcode
+        if code is None:
+            raise LostError("gave half an answer and was ended")
+        if code == OUT_OF_MEMORY:
+            raise LostError("was ended: the FMU had more memory than --memory gives")
+        code = _SIGNALLED - code if code < 0 else code
+        with contextlib.suppress(ValueError):
+            raise LostError(f"crashed ({signal.Signals(code - _SIGNALLED).name})")
+        raise LostError(f"ended by itself with exit code {code}")
 
     def end(self) -> None:
         """End the process and what it started."""
-        self.stop()
+        self.connection.close()
+        if not self._has_guard:
+            self._process.terminate()
         self._process.join(ENDING + 1.0)
         if self._process.is_alive():
             self._process.kill()
             self._process.join()
         self._process.close()
-        self.connection.close()
 
 
 def _limit_memory(most: int) -> None:
@@ -141,16 +145,14 @@ def _limit_memory(most: int) -> None:
     The limit is RLIMIT_DATA, getrlimit(2), which counts what can be written and belongs to one
     process alone. RLIMIT_AS would also count what is merely reserved: runtimes with a garbage
     collector reserve tens of gigabytes and use none of them. Shared memory and the sum over
-    processes are left to the guard, on Linux. Windows has no such limit; macOS takes it and does
-    not keep to it.
+    processes are left to the guard, on Linux. macOS takes the limit and does not keep to it.
     """
-    if sys.platform != "win32":
-        import resource
+    import resource
 
-        _, hard = resource.getrlimit(resource.RLIMIT_DATA)
-        if hard != resource.RLIM_INFINITY:
-            most = min(most, hard)
-        resource.setrlimit(resource.RLIMIT_DATA, (most, most))
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    if hard != resource.RLIM_INFINITY:
+        most = min(most, hard)
+    resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
 def _limit_silence(connection: Connection) -> None:
@@ -167,10 +169,9 @@ def _serve(
     """Do what is sent, till the connection is closed."""
     # Ctrl-C is for the process that asks.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if memory is not None:
+    if memory is not None and sys.platform != "win32":
         _limit_memory(memory)
-        if sys.platform != "win32":
-            _fork_guarded(connection, memory)
+        _fork_guarded(connection, memory)
     begin(*arguments)
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
@@ -190,7 +191,8 @@ def _fork_guarded(connection: Connection, memory: int) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     code = _watch(worker, connection, memory)
     _end_descendants(worker)
-    _end_like(code)
+    # A signal gives the code that a shell gives.
+    os._exit(code if code >= 0 else _SIGNALLED - code)
 
 
 def _watch(worker: int, connection: Connection, memory: int) -> int:
@@ -255,19 +257,6 @@ def _processes() -> Iterator[tuple[int, int, int]]:
             yield int(file.parent.name), int(fields[1]), int(fields[21])
 
 
-def _end_like(code: int) -> NoReturn:
-    """End this process with an exit code, or by the signal that a negative one stands for."""
-    if code < 0:
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        with contextlib.suppress(OSError):
-            signal.signal(-code, signal.SIG_DFL)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {-code})
-        os.kill(os.getpid(), -code)
-    os._exit(abs(code))
-
-
 def _prctl(option: int, value: int) -> None:
     """Set an option of this process where the kernel has it: Linux, prctl(2)."""
     if sys.platform == "linux":
@@ -298,18 +287,15 @@ def _context() -> BaseContext:
 
 
 def _choose_folder_of_sockets() -> None:
-    """Have the server's socket in a folder with a short name, if there is one.
+    """Have the server's socket in a folder with a short name.
 
     multiprocessing makes the folder of its sockets in that for temporary files, once in a process.
     """
     usual = tempfile.gettempdir()
-    if len(os.fsencode(usual)) <= LONGEST_FOLDER:
-        return
+    if len(os.fsencode(usual)) > LONGEST_FOLDER:
+        tempfile.tempdir = SHORT_FOLDER
     try:
-        for tempfile.tempdir in SHORT_FOLDERS:
-            with contextlib.suppress(OSError):
-                multiprocessing.util.get_temp_dir()
-                return
+        multiprocessing.util.get_temp_dir()
     finally:
         tempfile.tempdir = usual
 

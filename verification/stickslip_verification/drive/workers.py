@@ -7,19 +7,20 @@ returns an `Answer`, also where the worker crashed.
 import contextlib
 import math
 import os
-import signal
 import tempfile
+import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache, partial
+from multiprocessing import Pipe
 from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
 from stickslip_verification.drive import convergence, nearby
-from stickslip_verification.drive.answer import Answer, answer_of, discard_prints, reason
+from stickslip_verification.drive.answer import Answer, answer_of, discard_prints
 from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
@@ -28,7 +29,7 @@ from stickslip_verification.drive.fmu.variables import Variable
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.masters import MANNERS, RUNS, Master, run_case
 from stickslip_verification.drive.probes.table import PROBES
-from stickslip_verification.drive.processes import OUT_OF_MEMORY, Worker
+from stickslip_verification.drive.processes import LostError, Worker
 from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.drive.stepping import Setting
 from stickslip_verification.model.run import Run
@@ -133,7 +134,8 @@ def trial_run(setting: Setting, variables: Mapping[str, Variable], names: Sequen
 class Pool:
     """A few processes that work through tasks while their answers are waited for.
 
-    Leaving its `with` block ends whatever still runs, and what an FMU left behind.
+    Each belongs to a thread, which gives it a task, waits for the answer and ends it where it does
+    not answer. Leaving the `with` block ends whatever still runs, and what an FMU left behind.
 
     Parameters
     ----------
@@ -162,18 +164,20 @@ class Pool:
         own_starts: bool | None = None,
         limits: Limits = USUAL,
     ) -> None:
-        self._jobs = allowed(jobs)
         self._limit = time_limit
         self._budget = limits.budget if fmu is not None else math.inf
-        self._memory = None if fmu is None else round(limits.memory * _GIGABYTE)
         self._fresh = fresh
         self._folder = tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True)
         opened = fmu and partial(FmuFile, fmu, names, hooks, own_starts=own_starts)
-        self._arguments = (self._folder.name, opened)
-        self._waiting: deque[_Order] = deque()
+        memory = None if fmu is None else round(limits.memory * _GIGABYTE)
+        self._start = partial(Worker, _begin, (self._folder.name, opened), memory)
+        self._threads = ThreadPoolExecutor(allowed(jobs))
+        self._lock = threading.Lock()
         self._idle: list[Worker] = []
-        self._busy: dict[Worker, _Order] = {}
+        self._busy: dict[Worker, float] = {}
         self._lost = 0.0
+        # Closing one end wakes all threads that wait.
+        self._over, self._open = Pipe(duplex=False)
 
     def each(
         self,
@@ -185,94 +189,75 @@ class Pool:
 
         All tasks are scheduled at once. `most` [s] is a time limit below the pool's.
         """
-        orders = [_Order(task, each, min(self._limit, most)) for each in arguments]
-        self._waiting += orders
-        self._assign()
-        return map(self._answer_to, orders)
+        return self._threads.map(partial(self._answer, task, min(self._limit, most)), arguments)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._waiting.clear()
-        _end_all([*self._idle, *self._busy])
+        self._open.close()
+        self._threads.shutdown(cancel_futures=True)
+        for worker in self._idle:
+            worker.end()
+        self._over.close()
         self._folder.cleanup()
 
-    def _answer_to(self, order: "_Order") -> Answer[Any]:
-        while order.answer is None:
-            self._assign()
-            self._wait()
-        return order.answer
-
-    def _assign(self) -> None:
-        """Give each process a task, starting those that may be started."""
-        while self._waiting and (self._idle or len(self._busy) < self._jobs):
-            new = not self._idle
-            worker = Worker(_begin, self._arguments, self._memory) if new else self._idle.pop()
-            order = self._waiting.popleft()
-            order.begun = time.monotonic()
-            self._busy[worker] = order
-            # One that has ended in the meantime is found by `_wait`.
-            with contextlib.suppress(OSError):
-                worker.give(answer_of, (order.task, *order.arguments))
-
-    def _wait(self) -> None:
-        """Wait for an answer, the end of a process, a time limit or the end of the budget."""
-        now = time.monotonic()
-        first = min(order.begun + order.limit for order in self._busy.values())
-        # A loss grows as fast as time does, in each process at once.
-        left = self._budget - self._lost_till(now)
-        handles = [handle for worker in self._busy for handle in worker.handles]
-        ready = wait(handles, max(0.0, min(first - now, left)))
-        now = time.monotonic()
-        for worker, order in list(self._busy.items()):
-            if any(handle in ready for handle in worker.handles):
-                answer, lost = _taken(worker)
-                self._settle(worker, answer, now, ends=lost or self._fresh)
-            elif now >= order.begun + order.limit:
-                failure = f"no answer within {order.limit:g} s; the process was ended"
-                self._settle(worker, Answer(failure=failure, late=True), now)
-        if self._lost_till(now) >= self._budget:
-            self._give_up()
-
-    def _lost_till(self, now: float) -> float:
-        """Return the time [s] spent on tasks that failed or are not answered yet."""
-        running = sum(now - order.begun for order in self._busy.values())
-        return (self._lost + running) / max(1, len(self._busy) + len(self._idle))
-
-    def _settle(self, worker: Worker, answer: Answer[Any], now: float, ends: bool = True) -> None:
-        """Note the answer to the task of a process, which ends or is free for another."""
-        order = self._busy.pop(worker)
-        order.answer = answer
-        if answer.failure is not None:
-            self._lost += now - order.begun
+    def _answer(
+        self, task: Callable[..., T], limit: float, arguments: tuple[Any, ...]
+    ) -> Answer[T]:
+        """Have a process do a task, in the thread of the process."""
+        with self._lock:
+            if self._open.closed:
+                return self._not_made()
+            worker = self._idle.pop() if self._idle else self._start()
+            self._busy[worker] = begun = time.monotonic()
+        worker.give(answer_of, (task, *arguments))
+        answer, ends = self._waited(worker, begun + limit, limit)
+        with self._lock:
+            del self._busy[worker]
+            if answer.failure is not None:
+                self._lost += time.monotonic() - begun
+            if not ends:
+                self._idle.append(worker)
         if ends:
             worker.end()
-        else:
-            self._idle.append(worker)
+        return answer
 
-    def _give_up(self) -> None:
-        """Answer all tasks that are left with the end of the budget."""
+    def _waited(self, worker: Worker, last: float, limit: float) -> tuple[Answer[Any], bool]:
+        """Return the answer of a process or why it has none, and whether it is to end."""
+        while True:
+            # A loss grows as fast as time does, in each process at once.
+            left = min(last - time.monotonic(), self._budget - self._lost_now())
+            ready = wait([*worker.handles, self._over], max(0.0, left))
+            if self._over in ready:
+                return self._not_made(), True
+            if ready:
+                try:
+                    answer = worker.answer()
+                    if not isinstance(answer, Answer):
+                        raise LostError("gave no readable answer")
+                except LostError as lost:
+                    return Answer(failure=f"the process {lost}"), True
+                return answer, self._fresh
+            if time.monotonic() >= last:
+                failure = f"no answer within {limit:g} s; the process was ended"
+                return Answer(failure=failure, late=True), True
+            if self._lost_now() >= self._budget:
+                self._open.close()
+
+    def _lost_now(self) -> float:
+        """Return the time [s] spent on tasks that failed or are not answered yet."""
+        with self._lock:
+            now = time.monotonic()
+            running = sum(now - begun for begun in self._busy.values())
+            return (self._lost + running) / max(1, len(self._busy) + len(self._idle))
+
+    def _not_made(self) -> Answer[Any]:
         failure = (
             f"{NOT_MADE}: runs without a result took {self._budget:g} s, all that the FMU has "
             "for them; --budget gives more"
         )
-        _end_all(list(self._busy))
-        for order in (*self._busy.values(), *self._waiting):
-            order.answer = Answer(failure=failure, late=True)
-        self._busy.clear()
-        self._waiting.clear()
-
-
-@dataclass(eq=False)
-class _Order:
-    """A task, since when it runs, and its answer."""
-
-    task: Callable[..., Any]
-    arguments: tuple[Any, ...]
-    limit: float
-    begun: float = 0.0
-    answer: Answer[Any] | None = None
+        return Answer(failure=failure, late=True)
 
 
 _OPENED: list[Callable[[], FmuFile]] = []
@@ -289,34 +274,3 @@ def _begin(folder: str, opened: Callable[[], FmuFile] | None) -> None:
 
 def _fmu() -> FmuFile:
     return _OPENED[0]()
-
-
-def _end_all(workers: Sequence[Worker]) -> None:
-    for worker in workers:
-        worker.stop()
-    for worker in workers:
-        worker.end()
-
-
-def _taken(worker: Worker) -> tuple[Answer[Any], bool]:
-    """Return the answer of a process, or why it gives none, and whether it is lost."""
-    try:
-        answer = worker.answer()
-    except (EOFError, OSError):
-        code = worker.exit_code()
-        end = "gave half an answer and was ended" if code is None else _end(code)
-        return Answer(failure=f"the process {end}"), True
-    except Exception as error:
-        return Answer(failure=f"no readable answer: {reason(error)}"), True
-    if not isinstance(answer, Answer):
-        return Answer(failure="no readable answer"), True
-    return answer, False
-
-
-def _end(code: int) -> str:
-    if code == OUT_OF_MEMORY:
-        return "was ended: the FMU had more memory than --memory gives"
-    if code < 0:
-        with contextlib.suppress(ValueError):
-            return f"crashed ({signal.Signals(-code).name})"
-    return f"ended by itself with exit code {code}"

@@ -7,7 +7,6 @@ import contextlib
 import logging
 import os
 import queue
-import signal
 import socket
 import threading
 import time
@@ -19,7 +18,7 @@ from multiprocessing.connection import wait
 from typing import Any, Final, Protocol
 from urllib.parse import urlsplit
 
-from stickslip_verification.drive.processes import Worker
+from stickslip_verification.drive.processes import LostError, Worker
 
 from ..datasets import ExtraMissingError, need
 from .study import Chunk, StudyError
@@ -96,9 +95,7 @@ class _Processes:
         self._starting.join()
         worker = self._idle.pop() if self._idle else Worker(prepare, (), None)
         self._busy[worker] = chunk
-        # `answers` finds one that has ended in the meantime.
-        with contextlib.suppress(OSError):
-            worker.give(work, (job, chunk))
+        worker.give(work, (job, chunk))
 
     def answers(self, seconds: float) -> list[Done | Failed | Lost]:
         ready = set(wait([each for worker in self._busy for each in worker.handles], seconds))
@@ -112,28 +109,17 @@ class _Processes:
         del self._busy[worker]
         try:
             answer: Done | Failed = worker.answer()
-        except (EOFError, OSError):
-            code = worker.exit_code()
+        except LostError as lost:
             worker.end()
-            return Lost(chunk, _end(code))
+            return Lost(chunk, str(lost))
         self._idle.append(worker)
         return answer
 
     def end(self) -> None:
         """End the processes and what they compute."""
         self._starting.join()
-        workers = (*self._idle, *self._busy)
-        for worker in workers:
-            worker.stop()
-        for worker in workers:
+        for worker in (*self._idle, *self._busy):
             worker.end()
-
-
-def _end(code: int | None) -> str:
-    if code is not None and code < 0:
-        with contextlib.suppress(ValueError):
-            return signal.Signals(-code).name
-    return f"exit code {code}"
 
 
 @contextmanager

@@ -172,8 +172,8 @@ class _Running:
                     deaths[answer.chunk] += 1
                     if deaths[answer.chunk] == _DEATHS:
                         raise StudyError(
-                            f"{answer.chunk} ended their worker process {_DEATHS} times "
-                            f"({answer.end})"
+                            f"{answer.chunk} ended their worker process {_DEATHS} times: "
+                            f"it {answer.end}"
                         )
                     crew.give(self._job, answer.chunk)
                 else:
