@@ -23,23 +23,10 @@ def keeps_its_cycle(
 ) -> list[str]:
     """Complain if the elongation of the spring is another one at the end of a long run.
 
-    Parameters
-    ----------
-    fmu
-        The FMU.
-    parameters
-        What differs from our defaults (SI).
-    step
-        The communication step [s].
-    count, window
-        Number of steps, and of those that are compared at the beginning and at the end.
-    seconds
-        Time of the processor after which the run ends with fewer [s]; of the clock, twice as much.
-
-    Raises
-    ------
-    NotApplicableError
-        It lacks a parameter, is too slow for a run that is long, or diverges from the beginning.
+    Its `parameters` (SI) differ from our defaults. Of `count` steps of `step` [s] a `window` is
+    compared at the beginning and at the end. After `seconds` of the processor, or twice as much of
+    the clock, it ends with fewer. `NotApplicableError` if the FMU lacks a parameter, is too slow
+    for a run that is long, or diverges from the beginning.
     """
     need(fmu, lacking(fmu, parameters))
     values = {**defaults(fmu), **parameters}

@@ -1,6 +1,7 @@
 """Probes that play calls of a master, and look at the motion that follows.
 
-The calls are data: see `Call`.
+The calls are data: see `Call`. A `tolerance` is a part of the largest value in the same unit; None
+asks for the same bits.
 """
 
 import math
@@ -110,23 +111,11 @@ def same_motion(
     may_refuse: bool = False,
     ignored: Sequence[str] = (),
 ) -> list[str]:
-    """Complain if two sequences of calls do not lead to the same motion.
+    """Complain if `calls` and `like`, played on an instance each, do not lead to the same motion.
 
-    Parameters
-    ----------
-    fmu
-        The FMU.
-    calls, like
-        Two sequences, each played on an instance of its own.
-    then
-        What is played after either; the outputs after its steps are compared.
-    tolerance
-        Of the largest value in the same unit; None for bit for bit. If the start times differ,
-        `t_event` may count from 0 or from the start; then it is not compared bit for bit.
-    may_refuse
-        Whether the FMU may refuse `calls`, which by its own convention may be out of range.
-    ignored
-        Names of outputs that are not compared.
+    The outputs after the steps of `then`, which follows either, are compared, but for those that
+    are `ignored`. If the start times differ, `t_event` may count from 0 or from the start; it is
+    not compared bit for bit then. The FMU `may_refuse` calls that its own convention excludes.
     """
     check_playable(fmu, chain(calls, then))
     check_playable(fmu, chain(like, then))
@@ -155,10 +144,7 @@ def gives(
     outputs: Row,
     tolerance: float | None = None,
 ) -> list[str]:
-    """Complain if the outputs after the calls are not these.
-
-    `tolerance` is a part of the value; None: the same number.
-    """
+    """Complain if the outputs after the calls are not these; `tolerance` is a part of the value."""
     check_playable(fmu, calls)
     names = available(fmu, outputs)
     if not names:
@@ -185,22 +171,9 @@ def steps_onto_restick(
 ) -> list[str]:
     """Complain if a step that ends exactly where a slip ends changes what follows.
 
-    Parameters
-    ----------
-    fmu
-        The FMU.
-    calls
-        They end in a slip.
-    into
-        Time since the break-away at their end [s].
-    over
-        Length of a step that ends in the stick after that slip [s].
-    then
-        Steps that follow after a step to the end of the slip; the first ends in the stick.
-    tolerance
-        Of the largest value in the same unit.
-    rests
-        Whether the mass must rest already at the end of the slip.
+    The `calls` end in a slip, `into` [s] after its break-away. A step `over` [s] from there ends in
+    the stick after it, as does the first step of `then` after one to the end of the slip. With
+    `rests` the mass must rest at the end of the slip already.
     """
     check_playable(fmu, chain(calls, then))
     need(fmu, ["t_slip"])
@@ -248,17 +221,10 @@ def differences(
     tolerance: float | None = None,
     ignored: Iterable[str] = (),
 ) -> list[str]:
-    """Tell where two motions differ, one line for each of the first outputs that do.
+    """Return where two motions differ, a line for each of the first outputs that do.
 
-    Parameters
-    ----------
-    got, expected
-        Their outputs, row by row.
-    tolerance
-        Of the largest value in the same unit in any row; what is discrete must be equal. None: all
-        must be equal, NaN to NaN.
-    ignored
-        Names of outputs that are not compared.
+    What is discrete must be equal; within no tolerance all must, NaN to NaN. The largest value in a
+    unit is that of any row. Outputs that are `ignored` are not compared.
     """
     scales = {} if tolerance is None else _scales(chain(got, expected))
     complaints = []

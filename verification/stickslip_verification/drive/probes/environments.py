@@ -37,20 +37,10 @@ def state_in_a_fresh_process(
     environment: Environment,
     tolerance: float | None = None,
 ) -> list[str]:
-    """Complain if a state, taken as bytes, goes on otherwise in a fresh process.
+    """Complain if the state after `calls`, taken as bytes, goes on otherwise in a fresh process.
 
-    Parameters
-    ----------
-    fmu
-        The FMU.
-    calls
-        They lead to the state.
-    then
-        Steps that are made from the state, here and there.
-    environment
-        What differs from the environment here.
-    tolerance
-        Of the largest value in the same unit; None for bit for bit.
+    The outputs after the steps of `then` are compared. `environment` differs there from the one
+    here; `tolerance` is as in `same_motion`.
     """
     need_ability(_serializes(fmu), "serialize its state")
     check_playable(fmu, chain(calls, then))
@@ -59,8 +49,8 @@ def state_in_a_fresh_process(
         caller.play(calls)
         state = instance.written(instance.get_state()), caller.since
         expected = caller.play(then)
-    play = partial(_played, fmu.path.absolute(), fmu.names, [{"start": caller.start}], then, state)
-    return _compared(play, expected, tolerance, environment)
+    begin: Sequence[Call] = [{"start": caller.start}]
+    return _compared(fmu, begin, then, expected, tolerance, environment, state=state)
 
 
 def elsewhere(
@@ -74,41 +64,47 @@ def elsewhere(
 
     There its working folder changes, see `_played`, and between `calls` and `then` its state is
     serialized and taken up again, if it can. All environments act at once. Only where the motion
-    differs, they are tried one by one, to find the one that matters.
-
-    Parameters
-    ----------
-    fmu
-        The FMU.
-    calls, then
-        What is played; the outputs after the steps of `then` are compared.
-    environments
-        What differs from the environment here, by a name for complaints.
-    tolerance
-        Of the largest value in the same unit; None for bit for bit.
+    differs, they are tried one by one, to find the one that matters. The outputs after the steps of
+    `then` are compared; `tolerance` is as in `same_motion`.
     """
-    begun = time.monotonic()
+    last = time.monotonic() + _PATIENCE
     check_playable(fmu, chain(calls, then))
     _, expected = played(fmu, calls, then)
-    alone = partial(_played, fmu.path.absolute(), fmu.names, calls, then)
-    moved = partial(alone, folders=True)
+    compared = partial(_compared, fmu, calls, then, expected, tolerance)
     together = {name: value for each in environments.values() for name, value in each.items()}
-    complaints = _compared(moved, expected, tolerance, together)
+    complaints = compared(together, folders=True)
     if not complaints:
         return []
     single = {
-        "in a fresh process": (alone, {}),
-        **{name: (alone, environment) for name, environment in environments.items()},
-        "in another working folder": (moved, {}),
+        "in a fresh process": partial(compared, {}),
+        **{name: partial(compared, environment) for name, environment in environments.items()},
+        "in another working folder": partial(compared, {}, folders=True),
     }
-    for name, (play, environment) in single.items():
-        if time.monotonic() > begun + _PATIENCE:
+    for name, try_alone in single.items():
+        if time.monotonic() > last:
             break
-        found = _compared(play, expected, tolerance, environment)
-        if found:
-            return [f"{name}: {each}" for each in found]
+        if alone := try_alone():
+            return [f"{name}: {each}" for each in alone]
     _, *names = single
     return [f"{', '.join(names)}: {each}" for each in complaints]
+
+
+def _compared(
+    fmu: FmuFile,
+    calls: Sequence[Call],
+    then: Sequence[Call],
+    expected: Sequence[Row],
+    tolerance: float | None,
+    environment: Environment,
+    state: tuple[bytes, float] | None = None,
+    folders: bool = False,
+) -> list[str]:
+    """Have calls played in a fresh process, and say where the rows are not those expected."""
+    play = partial(_played, fmu.path.absolute(), fmu.names, calls, then, state, folders)
+    answer = fresh_process.call(play, environment=environment, elsewhere=folders)
+    if answer.value is None:
+        return [answer.failure or "no answer"]
+    return differences(answer.value, expected, tolerance)
 
 
 def _played(
@@ -116,28 +112,22 @@ def _played(
     names: NameMap,
     calls: Sequence[Call],
     then: Sequence[Call],
-    state: tuple[bytes, float] | None = None,
-    folders: bool = False,
+    state: tuple[bytes, float] | None,
+    folders: bool,
 ) -> list[Row]:
     """Play calls in this process; return the outputs after the steps of `then`.
 
-    Parameters
-    ----------
-    path, names
-        The FMU's file and the map to its names.
-    calls, then
-        What is played.
-    state
-        A serialized state to go on from between the two, with the time from the start to it [s].
-    folders
-        Whether the working folder changes: at the instantiation it is an empty one, at `calls` one
-        that cannot be written to, at `then` one that was deleted.
+    Between the two it goes on from a serialized state, at a time since the start [s], if there is
+    one. If the working folder changes, it is an empty one at the instantiation, at `calls` one that
+    cannot be written to, at `then` one that was deleted.
     """
-    fmu = FmuFile(path, names)
-    with contextlib.closing(fmu), fmu.instantiate() as instance:
+    with contextlib.closing(FmuFile(path, names)) as fmu, fmu.instantiate() as instance:
         caller = Caller(fmu, instance)
         if folders:
-            _go_where_nothing_can_be_written()
+            folder = Path(tempfile.mkdtemp(dir=Path.cwd()))
+            folder.chmod(0o555)
+            forbidden = not os.access(folder, os.W_OK) or not _UNWRITABLE.is_dir()
+            os.chdir(folder if forbidden else _UNWRITABLE)
         caller.play(calls)
         if state is not None:
             written, since = state
@@ -146,31 +136,10 @@ def _played(
         elif _serializes(fmu):
             instance.restore(instance.written(instance.get_state()))
         if folders:
-            with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-                os.chdir(folder)
+            with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as deleted:
+                os.chdir(deleted)
         return caller.play(then)
 
 
 def _serializes(fmu: FmuFile) -> bool:
     return fmu.can_get_and_set_state and fmu.can_serialize_state
-
-
-def _go_where_nothing_can_be_written() -> None:
-    folder = Path(tempfile.mkdtemp(dir=Path.cwd()))
-    folder.chmod(0o555)
-    os.chdir(_UNWRITABLE if os.access(folder, os.W_OK) and _UNWRITABLE.is_dir() else folder)
-
-
-def _compared(
-    play: "partial[list[Row]]",
-    expected: Sequence[Row],
-    tolerance: float | None,
-    environment: Environment,
-) -> list[str]:
-    """Have calls played in a fresh process, and say where the rows are not those expected."""
-    with tempfile.TemporaryDirectory(prefix="stickslip-there-", ignore_cleanup_errors=True) as new:
-        folder = Path(new) if play.keywords else None
-        answer = fresh_process.call(play, environment=environment, folder=folder)
-    if answer.value is None:
-        return [answer.failure or "no answer"]
-    return differences(answer.value, expected, tolerance)

@@ -1,11 +1,12 @@
-"""Probes of memory: what is done over and over must not keep any."""
+"""A probe of memory: what is done over and over must not keep any."""
 
 import gc
 import itertools
 import statistics
 import time
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 
 from stickslip_verification.drive import fresh_process
@@ -21,7 +22,6 @@ from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.truth.parameters import START_VALUES
 
 Doing = Generator[None, None, None]
-Does = Callable[[FmuFile], Doing]
 """Does something once with each `next` but the first."""
 
 _PAGES = Path("/proc/self/statm")
@@ -40,7 +40,7 @@ _PATIENCE = 4.0
 """How much longer than the time of the processor a measurement may take by the wall clock."""
 
 _NOISE = 12 * _PAGE
-"""Growth over a part that no loss is told of: what an allocator may take ahead [B]."""
+"""Growth over a part that counts as no loss: what an allocator may take ahead [B]."""
 
 _STEP = 0.001
 """An ordinary communication step [s]."""
@@ -52,43 +52,39 @@ _PER_MODULE = 16
 """Memory per byte of that module which the wrapper keeps of each execution, 5 with a plain one."""
 
 
-def memory_of_steps(fmu: FmuFile, count: int, most: float, seconds: float) -> list[str]:
-    """Complain if steps, reads or sets keep memory.
+def keeps_memory(fmu: FmuFile, of: str, count: int, most: float, seconds: float) -> list[str]:
+    """Complain if in most parts of a measurement the memory grows by more than `most` each time.
+
+    A loss grows in every part; what an allocator or a cache takes does so in few. The process is a
+    fresh one, for memory that was freed earlier would be filled first, and hide a loss.
 
     Parameters
     ----------
     fmu
         The FMU.
-    count
-        Number of steps; of four, one is after a read of all outputs and one after a set.
-    most
-        Memory that a step may keep [B].
+    of
+        What is done, a key of `_DOINGS`.
+    count, most
+        How often, and the memory that it may keep each time [B].
     seconds
         Time of the processor after which the measurement ends with fewer [s].
     """
-    return _growing(fmu, "step", _steps, count, most, seconds)
-
-
-def memory_of_states(fmu: FmuFile, count: int, most: float, seconds: float) -> list[str]:
-    """Complain if states keep memory that were taken, set, serialized and freed.
-
-    Arguments as in `memory_of_steps`; every fourth state is serialized too.
-    """
-    need_ability(fmu.can_get_and_set_state, "get and set its state")
-    return _growing(fmu, "state", _states, count, most, seconds)
-
-
-def memory_of_instances(fmu: FmuFile, count: int, most: float, seconds: float) -> list[str]:
-    """Complain if instances keep memory that were made, run and freed.
-
-    Arguments as in `memory_of_steps`. Of an FMU in Python what its wrapper keeps is allowed too:
-    it executes the slave's module for each instance.
-    """
-    need_instances(fmu)
-    return _growing(fmu, "instance", _instances, count, most + _PER_MODULE * _module(fmu), seconds)
+    if of == "state":
+        need_ability(fmu.can_get_and_set_state, "get and set its state")
+    elif of == "instance":
+        need_instances(fmu)
+        most += _PER_MODULE * _module(fmu)
+    if not _PAGES.exists():
+        raise NotApplicableError("the memory of a process is read on Linux only")
+    measured = partial(_measured, fmu.path.absolute(), fmu.names, of, count, seconds, _PATIENCE)
+    answer = fresh_process.call(measured, seconds=_PATIENCE * seconds)
+    if answer.value is None:
+        return [answer.failure or "no answer"]
+    return judged(answer.value, of, most, seconds)
 
 
 def _steps(fmu: FmuFile) -> Doing:
+    """Step; of four steps, one is after a read of all outputs and one after a set."""
     with fmu.instantiate() as instance:
         instance.start(defaults(fmu))
         read = instance.reader(available(fmu, OUTPUT_NAMES))
@@ -105,6 +101,7 @@ def _steps(fmu: FmuFile) -> Doing:
 
 
 def _states(fmu: FmuFile) -> Doing:
+    """Take, set and free a state, each of another moment; every fourth is serialized too."""
     with fmu.instantiate() as instance:
         instance.start(defaults(fmu))
         for number in itertools.count():
@@ -115,17 +112,24 @@ def _states(fmu: FmuFile) -> Doing:
             if fmu.can_serialize_state and number % 4 == 0:
                 instance.restore(instance.serialize(state))
             instance.free_state(state)
-            # Every state is of another moment.
             instance.step(number * _STEP, _STEP)
             instance.messages.clear()
 
 
 def _instances(fmu: FmuFile) -> Doing:
+    """Make, run and free an instance."""
     while True:
         yield
         with fmu.instantiate() as instance:
             instance.start(defaults(fmu))
             instance.step(0.0, 0.3)
+
+
+_DOINGS: Mapping[str, Callable[[FmuFile], Doing]] = {
+    "step": _steps,
+    "state": _states,
+    "instance": _instances,
+}
 
 
 def _module(fmu: FmuFile) -> int:
@@ -135,25 +139,6 @@ def _module(fmu: FmuFile) -> int:
         return (fmu.folder / "resources" / f"{name}.py").stat().st_size
     except (OSError, ValueError):
         return 0
-
-
-def _growing(
-    fmu: FmuFile, what: str, doing: Does, count: int, most: float, seconds: float
-) -> list[str]:
-    """Complain if in most parts of a measurement the memory grows by more than `most` each time.
-
-    A loss grows in every part; what an allocator or a cache takes does so in few. The process is a
-    fresh one, for memory that was freed earlier would be filled first, and hide a loss.
-    """
-    if not _PAGES.exists():
-        raise NotApplicableError("the memory of a process is read on Linux only")
-    limit = fresh_process.LIMIT + _PATIENCE * seconds
-    answer = fresh_process.call(
-        _measured, fmu.path.absolute(), fmu.names, doing, count, seconds, _PATIENCE, limit=limit
-    )
-    if answer.value is None:
-        return [answer.failure or "no answer"]
-    return judged(answer.value, what, most, seconds)
 
 
 def judged(parts: Sequence[tuple[int, int]], what: str, most: float, seconds: float) -> list[str]:
@@ -172,16 +157,15 @@ def judged(parts: Sequence[tuple[int, int]], what: str, most: float, seconds: fl
 
 
 def _measured(
-    path: Path, names: NameMap, doing: Does, count: int, seconds: float, patience: float
+    path: Path, names: NameMap, of: str, count: int, seconds: float, patience: float
 ) -> list[tuple[int, int]]:
     """Return how often a thing was done in each part of a measurement, and the growth [B].
 
     It may take `patience` times the `seconds` of the processor by the wall clock.
     """
-    fmu = FmuFile(path, names)
     over = _clock(seconds, patience)
     parts: list[tuple[int, int]] = []
-    with closing(fmu), closing(doing(fmu)) as once:
+    with closing(FmuFile(path, names)) as fmu, closing(_DOINGS[of](fmu)) as once:
         next(once)
         before = _resident()
         while sum(times for times, _ in parts) < count and not over():

@@ -13,32 +13,36 @@ _STEP = 0.001
 """An ordinary communication step [s]."""
 
 _LONG = 1.0
-"""A step that holds several cycles of the default block [s]."""
+"""A step that holds several cycles of the default block, so that the meter has counted [s]."""
 
 
-def refuses(fmu: FmuFile, set: Mapping[str, float], running: bool = False) -> list[str]:  # noqa: A002
-    """Complain if values are taken that must be refused, before the start or while it runs."""
+def refuses(
+    fmu: FmuFile,
+    set: Mapping[str, float],  # noqa: A002
+    running: bool = False,
+    step: float = _STEP,
+) -> list[str]:
+    """Complain if values are taken that must be refused, or a step [s]: before the start, or after.
+
+    A refusal must name the variables.
+    """
     need(fmu, set)
+    text = _text(set) or f"a step of {step!r} s"
     with fmu.instantiate() as instance:
         if running:
             instance.start(defaults(fmu))
             instance.step(0.0, _STEP)
-        refused = _refusal(instance, set, running)
-    if refused is None:
-        return [f"{_text(set)} was taken"]
-    return [] if _names(refused, set) else [f"{_text(set)} was refused without its name: {refused}"]
-
-
-def refuses_step(fmu: FmuFile, h: float) -> list[str]:
-    """Complain if a step of this length [s] is taken."""
-    with fmu.instantiate() as instance:
-        instance.start(defaults(fmu))
-        instance.step(0.0, _STEP)
-        try:
-            instance.step(_STEP, h)
-        except FmuError:
-            return []
-    return [f"a step of {h!r} s was taken"]
+        refusal = _refusal(
+            lambda: instance.set(set),
+            lambda: instance.step(_STEP, step) if running else instance.start({}),
+        )
+    if refusal is None:
+        return [f"{text} was taken"]
+    # The suite's own words, before those of the FMU, name every variable.
+    said = refusal.partition("failed:")[2] or refusal
+    if all(re.search(rf"\b{name}\b", said) for name in set):
+        return []
+    return [f"{text} was refused without its name: {refusal}"]
 
 
 def warns(fmu: FmuFile, set: Mapping[str, float], says: Sequence[str]) -> list[str]:  # noqa: A002
@@ -59,61 +63,40 @@ def fails_until_reset(fmu: FmuFile, set: Mapping[str, float]) -> list[str]:  # n
     need_instances(fmu)
     names = available(fmu, OUTPUT_NAMES)
     with fmu.instantiate() as fresh:
-        fresh.start(defaults(fmu))
-        fresh.step(0.0, _LONG)
-        expected = fresh.reader(names)()
+        expected = _long_step(fmu, fresh, names)()
     with fmu.instantiate() as instance:
-        instance.start(defaults(fmu))
-        # Long enough that the meter has counted.
-        instance.step(0.0, _LONG)
-        read = instance.reader(names)
-        try:
-            instance.set(set)
-            instance.step(_LONG, _STEP)
-        except FmuError:
-            complaints = _goes_on(instance, read)
-        else:
+        read = _long_step(fmu, instance, names)
+        if _refusal(lambda: instance.set(set), lambda: instance.step(_LONG, _STEP)) is None:
             return [f"{_text(set)} was taken"]
+        calls = {"read outputs": read, "step": lambda: instance.step(_STEP, _STEP)}
+        complaints = [
+            f"after a refusal it can still {what}"
+            for what, call in calls.items()
+            if _refusal(call) is None
+        ]
         instance.reset()
-        instance.start(defaults(fmu))
-        instance.step(0.0, _LONG)
-        got = instance.reader(names)()
+        got = _long_step(fmu, instance, names)()
     differ = [name for name, a, b in zip(names, got, expected, strict=True) if a != b]
     return complaints + [f"after reset {name} is not that of a fresh instance" for name in differ]
 
 
-def _goes_on(instance: FmuInstance, read: Callable[[], list[float]]) -> list[str]:
-    complaints = []
-    calls: tuple[tuple[str, Callable[[], object]], ...] = (
-        ("read outputs", read),
-        ("step", lambda: instance.step(_STEP, _STEP)),
-    )
-    for what, call in calls:
-        try:
-            call()
-        except FmuError:
-            continue
-        complaints.append(f"after a refusal it can still {what}")
-    return complaints
+def _long_step(
+    fmu: FmuFile, instance: FmuInstance, names: Sequence[str]
+) -> Callable[[], list[float]]:
+    """Make a long step from the defaults; return what reads the outputs."""
+    instance.start(defaults(fmu))
+    instance.step(0.0, _LONG)
+    return instance.reader(names)
 
 
-def _refusal(instance: FmuInstance, values: Mapping[str, float], running: bool) -> str | None:
-    """Return what is said to the values, when they are set or when they act; None if nothing."""
+def _refusal(*calls: Callable[[], object]) -> str | None:
+    """Return the message of the first call that is refused; None if all are taken."""
     try:
-        instance.set(values)
-        if running:
-            instance.step(_STEP, _STEP)
-        else:
-            instance.start({})
+        for call in calls:
+            call()
     except FmuError as error:
         return str(error)
     return None
-
-
-def _names(refusal: str, values: Mapping[str, float]) -> bool:
-    """Whether what the FMU itself said names every variable."""
-    said = refusal.partition("failed:")[2] or refusal
-    return all(re.search(rf"\b{name}\b", said) for name in values)
 
 
 def _text(values: Mapping[str, float]) -> str:

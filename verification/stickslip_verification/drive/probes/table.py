@@ -20,7 +20,6 @@ _PROBES: tuple[Probe, ...] = (
     declarations.declared_types,
     declarations.declared_starts,
     refusals.refuses,
-    refusals.refuses_step,
     refusals.warns,
     refusals.fails_until_reset,
     calls.starts_at,
@@ -30,9 +29,7 @@ _PROBES: tuple[Probe, ...] = (
     ageing.keeps_its_cycle,
     environments.state_in_a_fresh_process,
     environments.elsewhere,
-    memory.memory_of_steps,
-    memory.memory_of_states,
-    memory.memory_of_instances,
+    memory.keeps_memory,
 )
 
 PROBES = {probe.__name__: probe for probe in _PROBES}
