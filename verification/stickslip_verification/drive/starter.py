@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from stickslip_verification.drive.fmu.archive import REQUIRED
-from stickslip_verification.drive.fmu.description import Declared, read_description
+from stickslip_verification.drive.fmu.description import Declared, read_description, shown
 from stickslip_verification.drive.fmu.likeness import MEANINGS, WHOLE, candidate, likeness, words
 from stickslip_verification.drive.fmu.names import INPUT_UNITS, UNITS
 from stickslip_verification.drive.fmu.variables import Variable, looks_like
@@ -85,7 +85,7 @@ def starter(fmu: Path) -> str:
     rest = [each for name, each in theirs.items() if name not in named]
     if rest:
         lines += ["", "# Variables of the FMU that have no entry"]
-        lines += [f"# {_plain(str(each))} ({each.causality})" for each in rest]
+        lines += [f"# {_plain(shown(each))} ({each.causality})" for each in rest]
     return "\n".join(lines) + "\n"
 
 
@@ -149,7 +149,7 @@ def _line(
     if chosen is None:
         same = theirs.get(ours)
         if same and looks_like(ours, same) and same.name not in [v.their_name for v in near]:
-            return f'{ours} = ""  # {about}; of the FMU: {_plain(str(same))}, something else'
+            return f'{ours} = ""  # {about}; of the FMU: {_plain(shown(same))}, something else'
         first = _quoted(near[0].their_name if near else "...")
         return f"# {ours} = {first}  # {about}{_or(near[1:])}"
     if chosen.unit is not None:

@@ -150,20 +150,20 @@ def _component(name: str, source: str, description: Description) -> Component:
 def _variables(component: int, before: str, description: Description) -> Iterator[Variable]:
     for each in description.declared.values():
         obstacle = ""
-        if each.kind not in NUMBERS:
-            obstacle = f"is of type {each.kind}, and no number"
-        elif each.is_array:
+        if each.type not in NUMBERS:
+            obstacle = f"is of type {each.type}, and no number"
+        elif each.dimensions:
             obstacle = "is an array"
         yield Variable(
             name=f"{before}{each.name}",
             component=component,
             own=each.name,
-            reference=each.reference,
-            kind=each.kind,
+            reference=each.valueReference,
+            kind=each.type,
             causality=each.causality,
             variability=each.variability,
             unit=each.unit or "",
-            description=each.text,
+            description=each.description,
             obstacle=obstacle,
             # A structural parameter is set in a mode of its own.
             starts=each.variability != "constant"

@@ -9,7 +9,7 @@ import zipfile
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import fmpy
 import fmpy.model_description
@@ -34,44 +34,8 @@ _MOST_LISTED, _LONGEST_TEXT = 8, 40
 """Variables that a message lists, `stickslip names` lists all; letters of a description in it."""
 
 
-@dataclass(frozen=True)
-class Declared:
-    """A variable as its FMU declares it.
-
-    Attributes
-    ----------
-    name, reference, kind
-        Kind is the type: Real, Integer, Boolean, Enumeration, Float64, Int32 and so on.
-    causality, variability, initial
-        Also where the standard's default stands for them.
-    unit
-        Its own or that of its type; None without one.
-    start
-        As it is spelled; None without one.
-    text
-        Its description, on one line.
-    is_array
-        Whether it has dimensions.
-    """
-
-    name: str
-    reference: int
-    kind: str
-    causality: str
-    variability: str
-    initial: str | None
-    unit: str | None
-    start: str | None
-    text: str
-    is_array: bool
-
-    def __str__(self) -> str:
-        """Return name, unit and description, for people."""
-        text = self.text
-        if len(text) > _LONGEST_TEXT:
-            text = text[: _LONGEST_TEXT - 1].rstrip() + "\N{HORIZONTAL ELLIPSIS}"
-        unit = f" [{self.unit}]" if self.unit else ""
-        return f"{self.name}{unit}{f' ({text})' if text else ''}"
+Declared: TypeAlias = fmpy.model_description.ModelVariable
+"""A variable as its FMU declares it: unit also where its type has it, description on one line."""
 
 
 @dataclass(eq=False)
@@ -80,8 +44,6 @@ class Description:
 
     Attributes
     ----------
-    fmi_version
-        2.0 or 3.0.
     token
         What the FMU is instantiated with: its guid or instantiation token.
     declared
@@ -119,11 +81,20 @@ class Description:
                 for part in (variable.name, last)
             )
 
-        variables = [each for each in self.declared.values() if each.kind in NUMBERS]
+        variables = [each for each in self.declared.values() if each.type in NUMBERS]
         first = sorted(variables, key=likeness, reverse=True)[:_MOST_LISTED]
         more = len(variables) - len(first)
-        shown = ", ".join(map(str, first)) or "no number"
-        return f"it has {shown}" + (f" and {more} more" if more else "")
+        listed = ", ".join(map(shown, first)) or "no number"
+        return f"it has {listed}" + (f" and {more} more" if more else "")
+
+
+def shown(variable: Declared) -> str:
+    """Return name, unit and description of a variable, for people."""
+    text = variable.description
+    if len(text) > _LONGEST_TEXT:
+        text = text[: _LONGEST_TEXT - 1].rstrip() + "\N{HORIZONTAL ELLIPSIS}"
+    unit = f" [{variable.unit}]" if variable.unit else ""
+    return f"{variable.name}{unit}{f' ({text})' if text else ''}"
 
 
 def read_description(path: Path) -> Description:
@@ -157,6 +128,9 @@ def read_description(path: Path) -> Description:
         raise
     except Exception as error:
         raise FmuError(f"{path}: not an FMU ({one_line(error)})") from None
+    for each in read.modelVariables:
+        each.unit = each.unit or (each.declaredType and each.declaredType.unit)
+        each.description = " ".join((each.description or "").split())
     interface, experiment = read.coSimulation, read.defaultExperiment
     spelled = {
         "start_time": getattr(experiment, "startTime", None),
@@ -170,7 +144,7 @@ def read_description(path: Path) -> Description:
         can_get_and_set_state=interface.canGetAndSetFMUstate,
         can_serialize_state=interface.canSerializeFMUstate,
         once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
-        declared={each.name: _declared(each) for each in read.modelVariables},
+        declared={each.name: each for each in read.modelVariables},
         units={each.name: unit for each in read.unitDefinitions if (unit := _defined(each))},
         experiment={name: text for name, text in spelled.items() if text is not None},
         problems=problems,
@@ -190,22 +164,6 @@ def _check(path: Path, root: ElementTree.Element) -> None:
         others = [text for tag, text in kinds.items() if root.find(tag) is not None]
         has = f", only {' and '.join(others)}" if others else ""
         raise FmuError(f"{path}: has no co-simulation interface{has}")
-
-
-def _declared(variable: Any) -> Declared:
-    declared = variable.declaredType
-    return Declared(
-        name=variable.name,
-        reference=variable.valueReference,
-        kind=variable.type,
-        causality=variable.causality,
-        variability=variable.variability,
-        initial=variable.initial,
-        unit=variable.unit or (declared.unit if declared else None),
-        start=variable.start,
-        text=" ".join((variable.description or "").split()),
-        is_array=bool(variable.dimensions),
-    )
 
 
 def _defined(entry: Any) -> Unit | None:

@@ -50,11 +50,11 @@ _SEAM: Final = re.compile(r"_|(?<=[a-zäöü])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])
 
 def candidate(ours: str, theirs: Declared, units: Mapping[str, Unit]) -> Variable | None:
     """Return a variable as ours if it may be: by causality, variability, type and dimension."""
-    whole = theirs.kind not in FLOATING
+    whole = theirs.type not in FLOATING
     if (
         (ours in _FIXED and theirs.causality == "input")
         or (whole and ours not in _DISCRETE and theirs.name != ours)
-        or (theirs.kind == "Boolean" and ours != "sticking")
+        or (theirs.type == "Boolean" and ours != "sticking")
         or theirs.variability == "constant"
     ):
         return None
@@ -66,10 +66,10 @@ def candidate(ours: str, theirs: Declared, units: Mapping[str, Unit]) -> Variabl
 def likeness(ours: str, theirs: Declared) -> float:
     """Score a variable that fits; 0 if nothing is said."""
     needs, may = (set(part.split()) for part in f"{_TABLES['quantities'][ours]} | ".split("|")[:2])
-    name, text = words(theirs.name), words(theirs.text)
+    name, text = words(theirs.name), words(theirs.description)
     by_unit = {_TABLES["by_unit"].get(UNITS[ours], "")} if theirs.unit else set()
     said = by_unit if UNITS[ours] in _TELLING else set()
-    score, doubtful = float(len(by_unit)), ours in _DISCRETE and theirs.kind in FLOATING
+    score, doubtful = float(len(by_unit)), ours in _DISCRETE and theirs.type in FLOATING
     for word, worth, against in [(w, _NAME, _NAME) for w in name] + [(w, _TEXT, 0.5) for w in text]:
         meant = _CONCEPTS[word] & (needs | may)
         doubtful = doubtful or (not meant and word in name)
