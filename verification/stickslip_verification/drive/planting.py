@@ -28,23 +28,10 @@ _ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
-    """Make the FMU with the fault planted; the same bytes at every call.
+    """Make the FMU with the fault planted, the same bytes at every call, and return its file.
 
-    A fault in the calls of the master changes no FMU: there `fmu` itself is returned.
-
-    Parameters
-    ----------
-    fmu
-        The FMU without the fault.
-    mutant
-        The fault.
-    destination
-        The file to write, ending in .fmu, or the folder that gets ``<id>.fmu``. Folders are made.
-
-    Returns
-    -------
-    Path
-        The file that was written, or `fmu`.
+    That is `destination` if it ends in .fmu, or ``<id>.fmu`` in it; folders are made. A fault in
+    the calls of the master changes no FMU: there `fmu` itself is returned.
 
     Raises
     ------
@@ -106,61 +93,47 @@ def _package(fmu: Path, entries: Mapping[str, bytes]) -> str:
 
 
 def _apply(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
-    """Make the additions and substitutions in `entries`; `folder` holds the packed source."""
-    for file, source in mutant.additions.items():
-        name = folder + file
-        if name in entries:
-            where = f"{mutant.id}.additions"
-            raise MutantError(mutant.file, where, f"{file} is packed already")
-        entries[name] = (mutant.file.parent / source).read_bytes()
+    """Make the changes of a fault in `entries`, whose `folder` holds the packed source."""
+
+    def refused(where: str, reason: str) -> MutantError:
+        return MutantError(mutant.file, where, reason)
+
+    def file_of(field: str, end: str, named: str) -> str:
+        """Return the one entry of the packed source whose path ends so."""
+        files = [name for name in entries if name.startswith(folder) and f"/{name}".endswith(end)]
+        if len(files) == 1:
+            return files[0]
+        paths = ", ".join(sorted(name.removeprefix(folder) for name in files))
+        lacks = f"no {named} in the FMU"
+        raise refused(f"{mutant.id}.{field}", f"{named} may be in {paths}" if files else lacks)
+
     changed = {folder + file for file in mutant.additions}
+    for file, source in mutant.additions.items():
+        if folder + file in entries:
+            raise refused(f"{mutant.id}.additions", f"{file} is packed already")
+        entries[folder + file] = (mutant.file.parent / source).read_bytes()
     for n, change in enumerate(mutant.substitutions):
-        here = f"{mutant.id}.substitutions[{n}]"
-        name = change.file
+        name, where = change.file, f"substitutions[{n}]"
         if name != DESCRIPTION:
-            name = _file_of(mutant, f"{here}.file", entries, folder, name, name)
+            name = file_of(f"{where}.file", f"/{name}", name)
             changed.add(name)
-        found = entries[name].count(change.find.encode())
-        if found != 1:
-            reason = f"matches {found} times in {change.file}, not once"
-            raise MutantError(mutant.file, f"{here}.find", reason)
+        count = entries[name].count(change.find.encode())
+        if count != 1:
+            reason = f"matches {count} times in {change.file}, not once"
+            raise refused(f"{mutant.id}.{where}.find", reason)
         entries[name] = entries[name].replace(change.find.encode(), change.replace.encode())
     for module in sorted(changed):
         try:
             parsed(entries[module])
         except SyntaxError as error:
             reason = f"line {error.lineno} is not Python any more: {error.msg}"
-            raise MutantError(mutant.file, module.removeprefix(folder), reason) from None
-    _replace(mutant, entries, folder)
-
-
-def _file_of(
-    mutant: Mutant, field: str, entries: Mapping[str, bytes], folder: str, end: str, named: str
-) -> str:
-    """Return the one entry of the packed source whose path ends so; errors tell what was named."""
-    found = [name for name in entries if name.startswith(folder) and f"/{name}".endswith(f"/{end}")]
-    if not found:
-        raise MutantError(mutant.file, field, f"no {named} in the FMU")
-    if len(found) > 1:
-        paths = ", ".join(sorted(name.removeprefix(folder) for name in found))
-        raise MutantError(mutant.file, field, f"{named} may be in {paths}")
-    return found[0]
-
-
-def _replace(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
-    """Append the overrides to their modules."""
-    planted: dict[str, str] = {}
+            raise refused(module.removeprefix(folder), reason) from None
     for n, override in enumerate(mutant.overrides):
-        if override.module == MASTER:
-            continue
-        here = f"{mutant.id}.overrides"
-        end = override.module.replace(".", "/") + ".py"
-        file = _file_of(mutant, here, entries, folder, end, override.target)
-        name = f"_planted_{n}"
-        text = f"\n\n{override.function(name)}\n\n{override.path} = {name}({override.path})\n"
-        planted[file] = planted.get(file, "") + text
-    for file, text in planted.items():
-        entries[file] += text.encode()
+        if override.module != MASTER:
+            end = f"/{override.module.replace('.', '/')}.py"
+            name = f"_planted_{n}"
+            text = f"\n\n{override.function(name)}\n\n{override.path} = {name}({override.path})\n"
+            entries[file_of("overrides", end, override.target)] += text.encode()
 
 
 def _write(entries: Mapping[str, bytes], target: Path) -> None:
