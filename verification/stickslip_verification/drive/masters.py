@@ -495,21 +495,10 @@ MANNERS: Mapping[str, Way] = {
 
 
 def run(fmu: FmuFile, setting: Setting, after_step: AfterStep | None = None) -> Run:
-    """Drive a fresh instance of an FMU through a setting.
+    """Drive a fresh instance of an FMU through a setting; `FmuError` if it refuses a call.
 
-    Parameters
-    ----------
-    fmu
-        The FMU. An output that it lacks is absent from the run.
-    setting
-        Values before the start, steps and changes.
-    after_step
-        For progress, and to end the run early.
-
-    Raises
-    ------
-    FmuError
-        With the FMU's own message, if it refuses a call.
+    An output that the FMU lacks is absent from the run. `after_step` shows progress, and may end
+    the run early.
     """
     return Master(fmu, setting).run(after_step)
 

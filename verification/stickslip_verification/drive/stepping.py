@@ -47,23 +47,16 @@ def setting_of(fmu: FmuFile, case: Case) -> Setting:
     """Return the setting of a case for this FMU.
 
     Where the FMU's own start values are tried (`FmuFile.own_starts`), only what the case names is
-    set. Elsewhere all values are set, since the FMU's may differ.
-
-    Raises
-    ------
-    NotApplicableError
-        The FMU lacks a variable that the case gives another value than our default, or cannot
-        change one on the way.
+    set. Elsewhere all values are set, since the FMU's may differ. `NotApplicableError` if it lacks
+    a variable that the case gives another value than our default, or cannot change one on the way.
     """
     require_law(fmu, case)
     if fmu.own_starts:
         return Setting(case.parameters, case.steps)
     values = case.start
-    changed = {name for step in case.steps for name in step.changes}
-    need(fmu, [*lacking(fmu, values, case.own), *sorted(changed)])
-    fixed = sorted(name for name in changed if not may_change(fmu, name, case.own))
-    if fixed:
-        raise NotApplicableError(f"it cannot change {', '.join(fixed)} on the way")
+    changed = sorted({name for step in case.steps for name in step.changes})
+    need(fmu, [*lacking(fmu, values, case.own), *changed])
+    need_changeable(fmu, changed, case.own)
     return Setting({n: value for n, value in values.items() if fmu.has(n)}, case.steps)
 
 
@@ -123,6 +116,13 @@ def need(fmu: FmuFile, names: Iterable[str]) -> None:
     absent = [name for name in dict.fromkeys(names) if not fmu.has(name)]
     if absent:
         raise NotApplicableError(f"it has no variable {', '.join(absent)}")
+
+
+def need_changeable(fmu: FmuFile, names: Iterable[str], own: Sequence[Parameter] = ()) -> None:
+    """Raise `NotApplicableError` with the variables that cannot be set between two steps."""
+    fixed = [name for name in names if not may_change(fmu, name, own)]
+    if fixed:
+        raise NotApplicableError(f"it cannot change {', '.join(fixed)} on the way")
 
 
 def need_instances(fmu: FmuFile) -> None:

@@ -34,9 +34,6 @@ _AS_IT_IS: Final = Conversion()
 class _File:
     """An unpacked FMU as an instance of `stickslip_verification.drive` takes it."""
 
-    can_get_and_set_state = False
-    can_serialize_state = False
-
     def __init__(self, job: Job, index: int, folder: Path) -> None:
         component = job.components[index]
         self.path = Path(component.name)

@@ -33,6 +33,9 @@ REQUIRED: tuple[str, ...] = ("m", "k", "mu_s", "mu_k", "v", "x")
 class FmuFile(Description):
     """An extracted FMU and its description.
 
+    `FmuError` if it is none for co-simulation by FMI 2.0 or 3.0 on this platform, if it has too
+    much to unpack, or a variable of ours that cannot be used, see `collect`.
+
     Parameters
     ----------
     path
@@ -42,25 +45,17 @@ class FmuFile(Description):
     hooks
         Faults planted between the master and its instances.
     own_starts
-        Whether the FMU's own start values are tried; None for where it promises them: its
-        description names the exact contract, and no names differ.
+        Whether a case leaves parameters that it does not name at the FMU's start values; None for
+        where the FMU promises them: its description names the exact contract, and no names differ.
 
     Attributes
     ----------
-    own_starts
-        Whether a case leaves parameters that it does not name at the FMU's start values.
     variables
         The variables that are ours, by our names.
     extra_outputs
         The outputs that are none of ours, by the FMU's names.
     folder
         Where it is extracted, until `close` or the end of this object.
-
-    Raises
-    ------
-    FmuError
-        No such file, not an FMU, too much to unpack, not for co-simulation, neither FMI 2.0 nor
-        3.0, not for this platform; or a variable of ours that cannot be used, see `collect`.
     """
 
     def __init__(
@@ -77,7 +72,11 @@ class FmuFile(Description):
         if own_starts is None:
             own_starts = self.stated.exact and not self.names.targets
         self.own_starts = own_starts
-        _check_platform(path)
+        platforms = fmpy.supported_platforms(str(path))
+        if fmpy.platform not in platforms:
+            binaries = [platform for platform in platforms if platform != "c-code"]
+            has = ", ".join(binaries) if binaries else "no binary"
+            raise FmuError(f"{path}: is not for this platform, {fmpy.platform}; it has {has}")
         face = _FACES[self.fmi_version]
         self._face = hooked(face, hooks) if hooks else face
         self.variables: Mapping[str, Variable] = collect(path.name, self, self.names, UNITS)
@@ -131,11 +130,3 @@ def require(fmu: FmuFile) -> None:
             f"{fmu.path}: has no variable {', '.join(lacking)}; map {them} with --names "
             f"(`stickslip names` begins the file); {fmu.listing(lacking)}"
         )
-
-
-def _check_platform(path: Path) -> None:
-    platforms = fmpy.supported_platforms(str(path))
-    if fmpy.platform not in platforms:
-        binaries = [platform for platform in platforms if platform != "c-code"]
-        has = ", ".join(binaries) if binaries else "no binary"
-        raise FmuError(f"{path}: is not for this platform, {fmpy.platform}; it has {has}")

@@ -67,8 +67,6 @@ class Unpacked(Protocol):
     token: str
     model_identifier: str
     variables: Mapping[str, Variable]
-    can_get_and_set_state: bool
-    can_serialize_state: bool
 
 
 class FmuInstance(ABC):
@@ -81,7 +79,7 @@ class FmuInstance(ABC):
     """Kind of a variable to the name in the FMI functions and the type in C."""
 
     PREFIX: ClassVar[str]
-    """Prefix of the names of the FMI functions."""
+    """Beginning of the names of the FMI functions."""
 
     SLAVE: ClassVar[Any]
     """FMPy's class that loads the library."""
@@ -223,8 +221,7 @@ class FmuInstance(ABC):
             raise FmuError(f"{self.file.path.name}: has no variable {', '.join(missing)}")
 
     def get_state(self) -> State:
-        """Have the FMU keep its state; `FmuError` if it cannot."""
-        self._can(self.file.can_get_and_set_state, "get and set")
+        """Have the FMU keep its state."""
         state: State = self._do("get FMU state", self._slave.getFMUState)
         return state
 
@@ -236,33 +233,17 @@ class FmuInstance(ABC):
         """Let the FMU forget a state."""
         self._do("free FMU state", self._slave.freeFMUState, state)
 
-    def serialize(self, state: State) -> bytes:
-        """Write a state as bytes; `FmuError` if the FMU cannot."""
-        self._can(self.file.can_serialize_state, "serialize")
-        written: bytes = self._do("serialize FMU state", self._slave.serializeFMUState, state)
-        return written
-
-    def deserialize(self, written: bytes) -> State:
-        """Make a state of the bytes of `serialize`, from this instance or another of this FMU."""
-        self._can(self.file.can_serialize_state, "serialize")
-        state: State = self._do("deserialize FMU state", self._slave.deserializeFMUState, written)
-        return state
-
     def written(self, state: State) -> bytes:
         """Write a state as bytes and free it."""
-        written = self.serialize(state)
+        written: bytes = self._do("serialize FMU state", self._slave.serializeFMUState, state)
         self.free_state(state)
         return written
 
     def restore(self, written: bytes) -> None:
-        """Go back to a state that was written as bytes."""
-        state = self.deserialize(written)
+        """Go back to a state that this instance, or another of this FMU, wrote as bytes."""
+        state = self._do("deserialize FMU state", self._slave.deserializeFMUState, written)
         self.set_state(state)
         self.free_state(state)
-
-    def _can(self, able: bool, what: str) -> None:
-        if not able:
-            raise FmuError(f"{self.file.path.name}: cannot {what} its state, by its description")
 
     def reset(self) -> None:
         """Back to the state after instantiation."""

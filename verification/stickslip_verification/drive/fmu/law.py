@@ -22,13 +22,7 @@ def law_of(fmu: FmuFile) -> str:
 
 
 def fitting(fmu: FmuFile, cases: Sequence[Case]) -> list[Case]:
-    """Return the cases of the FMU's friction law, and those of a law from elsewhere.
-
-    Raises
-    ------
-    FmuError
-        If there is none.
-    """
+    """Return the cases of the friction law of an FMU, or from elsewhere; `FmuError` if none is."""
     law = law_of(fmu)
     fit = [case for case in cases if case.law == law or case.law not in BUILT_IN]
     if not fit:

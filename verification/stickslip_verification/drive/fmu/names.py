@@ -60,20 +60,9 @@ class NameMap:
 def load_names(file: Path, own: Iterable[Parameter] = ()) -> NameMap:
     """Read a names file: ``x = "mass.s"`` or ``x = { name = "mass.s", unit = "mm", sign = -1 }``.
 
-    The entries stand at the top of the file or in a table ``[names]``. An empty name says that the
-    FMU has no such variable.
-
-    Parameters
-    ----------
-    file
-        The TOML file.
-    own
-        Parameters of a friction law, which it may name beside the variables of the suite.
-
-    Raises
-    ------
-    NamesError
-        The file cannot be read, is not TOML, or holds something that is no entry.
+    The entries stand at the top of the TOML file or in a table ``[names]``. An empty name says that
+    the FMU has no such variable. The file may name the parameters of a friction law, `own`, too.
+    `NamesError` if it cannot be read, is not TOML, or holds something that is no entry.
     """
     source = DataFile(file, NamesError)
     place = ["names"] if isinstance(source.data.get("names"), dict) else []

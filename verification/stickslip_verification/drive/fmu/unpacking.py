@@ -1,5 +1,6 @@
 """Unpacks an FMU within limits, into a folder whose name every wrapper can read."""
 
+import contextlib
 import tempfile
 import zipfile
 from pathlib import Path
@@ -37,13 +38,7 @@ def check_size(path: Path) -> None:
     """Refuse an FMU that unpacks to more than the limits of this module, before it is unpacked.
 
     What the archive says of itself is what counts: `zipfile` unpacks no more of a file than that.
-
-    Raises
-    ------
-    FmuError
-        If it unpacks to too much, with the file and the limit.
-    zipfile.BadZipFile
-        If it is no archive.
+    `FmuError` with the file and the limit; `zipfile.BadZipFile` if it is no archive.
     """
     with zipfile.ZipFile(path) as archive:
         entries = archive.infolist()
@@ -67,11 +62,8 @@ def check_size(path: Path) -> None:
 def unpack(path: Path, folder: Path) -> None:
     """Unpack an FMU that `check_size` lets pass.
 
-    Raises
-    ------
-    FmuError
-        If a file in it is damaged or has the name of one elsewhere, or the folder cannot be
-        written.
+    `FmuError` if a file in it is damaged or has the name of one elsewhere, or the folder cannot be
+    written.
     """
     try:
         fmpy.extract(path, unzipdir=folder)
@@ -85,21 +77,15 @@ def unpack(path: Path, folder: Path) -> None:
 def new_folder() -> Path:
     """Make an empty folder for an FMU.
 
-    An FMU is told its folder as a URI, and pythonfmu's wrapper decodes of it ``%20`` alone: any
-    other escape, as for an umlaut, ends the process.
-
-    Raises
-    ------
-    FmuError
-        If there is no folder with a plain name to make it in.
+    An FMU gets its folder as a URI, and pythonfmu's wrapper decodes of it ``%20`` alone: any other
+    escape, as for an umlaut, ends the process. `FmuError` if no folder to make it in has a name
+    without.
     """
     usual = tempfile.gettempdir()
     for parent in (usual, *_ELSEWHERE):
-        if _is_plain(parent):
-            try:
+        if "%" not in Path(parent).absolute().as_uri().replace("%20", ""):
+            with contextlib.suppress(OSError):
                 return Path(tempfile.mkdtemp(prefix="stickslip-fmu-", dir=parent))
-            except OSError:
-                continue
     raise FmuError(
         f"{usual}: FMUs made with pythonfmu cannot be unpacked in a folder of this name; "
         "set TMPDIR to one with letters of ASCII and digits"
@@ -114,8 +100,3 @@ def _grows(path: Path, what: str, size: int) -> FmuError:
 
 def _mb(size: int) -> str:
     return f"{size / 1e6:,.0f} MB"
-
-
-def _is_plain(folder: str) -> bool:
-    """Whether the URI of a folder has no escape but that of a blank."""
-    return "%" not in Path(folder).absolute().as_uri().replace("%20", "")

@@ -46,25 +46,12 @@ class Variable:
 def collect(
     label: str, description: Description, names: NameMap, wanted: Mapping[str, str]
 ) -> dict[str, Variable]:
-    """Find variables of ours in a model description.
+    """Find variables of ours, `wanted` names with their units, in a model description.
 
     A name that the map leaves out is looked for as it is, and counts only if the FMU declares it as
-    what it is to us: one that we set as parameter or input, one that we read as output.
-
-    Parameters
-    ----------
-    label
-        What the text of an error begins with.
-    description, names
-        Of the FMU.
-    wanted
-        Our names with their units.
-
-    Raises
-    ------
-    FmuError
-        For mapped names that the FMU does not have, a variable of the wrong sort, a unit that is
-        unknown or of another dimension.
+    what it is to us: one that we set as parameter or input, one that we read as output. `FmuError`,
+    beginning with `label`, for mapped names that the FMU does not have, a variable of the wrong
+    sort, a unit that is unknown or of another dimension.
     """
     theirs, targets = description.declared, names.targets
     taken = {ours: each.name for ours, each in targets.items() if each.name != NOT_THERE}
@@ -104,9 +91,9 @@ def as_ours(
         must = "a parameter or an input" if to_set else "an output"
         declared = f"{theirs.variability} {theirs.causality}"
         raise FmuError(f"{label}: {called} must be {must}, not a {declared}")
-    if theirs.kind not in NUMBERS:
-        raise FmuError(f"{label}: {called} is of type {theirs.kind}, not a number")
-    if theirs.is_array:
+    if theirs.type not in NUMBERS:
+        raise FmuError(f"{label}: {called} is of type {theirs.type}, not a number")
+    if theirs.dimensions:
         raise FmuError(f"{label}: {called} is an array; only scalars can be verified")
     name = theirs.unit if target.unit is None else target.unit
     # What a person wrote is meant as it is spelled; what the FMU declares, as it defines it.
@@ -128,8 +115,8 @@ def as_ours(
     return Variable(
         name=ours,
         their_name=theirs.name,
-        reference=theirs.reference,
-        kind=theirs.kind,
+        reference=theirs.valueReference,
+        kind=theirs.type,
         unit=name,
         causality=theirs.causality,
         variability=theirs.variability,

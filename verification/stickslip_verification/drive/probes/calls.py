@@ -16,8 +16,8 @@ from stickslip_verification.drive.stepping import (
     NotApplicableError,
     defaults,
     lacking,
-    may_change,
     need,
+    need_changeable,
     need_instances,
 )
 from stickslip_verification.model import formulas
@@ -97,9 +97,7 @@ def check_playable(fmu: FmuFile, calls: Iterable[Call]) -> None:
         running = running or "start" in call
         values = call.get("set", {})
         need(fmu, lacking(fmu, values))
-        fixed = [name for name in values if running and not may_change(fmu, name)]
-        if fixed:
-            raise NotApplicableError(f"it cannot change {', '.join(fixed)} on the way")
+        need_changeable(fmu, values if running else ())
 
 
 def same_motion(

@@ -110,8 +110,9 @@ def _states(fmu: FmuFile) -> Doing:
             instance.step(number * _STEP, _STEP)
             instance.set_state(state)
             if fmu.can_serialize_state and number % 4 == 0:
-                instance.restore(instance.serialize(state))
-            instance.free_state(state)
+                instance.restore(instance.written(state))
+            else:
+                instance.free_state(state)
             instance.step(number * _STEP, _STEP)
             instance.messages.clear()
 
