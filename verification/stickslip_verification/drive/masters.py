@@ -119,7 +119,7 @@ class Master:
         columns = columns.reshape(len(self._rows), len(self.names))
         return Run(
             times=np.array([points[number + 1] for number in self._rows]),
-            outputs={name: columns[:, i] for i, name in enumerate(self.names)},
+            outputs=dict(zip(self.names, columns.T, strict=True)),
             initial=dict(zip(self.names, self._initial, strict=False)),
             messages=tuple(self.instance.messages),
         )
@@ -345,16 +345,11 @@ RUNS: Mapping[str, Way] = {
 """What an invariant can name as ``run``."""
 
 
-def _in_parts_unread(m: Master) -> None:
-    for piece in m.pieces(_UNREAD_STEPS):
+def _in_parts(m: Master, cuts: int, then: Callable[[Master], object] = lambda _: None) -> None:
+    """Cut the step into steps of very different length, and do something after each."""
+    for piece in m.pieces(cuts):
         m.instance.step(*piece)
-
-
-def _in_parts_read(m: Master) -> None:
-    """Read between steps of very different length."""
-    for piece in m.pieces(3):
-        m.instance.step(*piece)
-        m.read()
+        then(m)
 
 
 def _in_parts_set(m: Master) -> None:
@@ -477,9 +472,9 @@ MANNERS: Mapping[str, Way] = {
     name: replace(way, reads_start=False)
     for name, way in {
         "plain": Way(),
-        "unread": Way(step=_in_parts_unread, reads=False),
+        "unread": Way(step=partial(_in_parts, cuts=_UNREAD_STEPS), reads=False),
         "busy": Way(step=_in_parts_set, reads=False),
-        "in_pieces": Way(step=_in_parts_read),
+        "in_pieces": Way(step=partial(_in_parts, cuts=3, then=Master.read)),
         "one_by_one": Way(set=_set_between_reads, read=_read_one_by_one),
         "alone": Way(begin=_begin_alone),
         "apart": Way(begin=_begin_apart, set=_set_apart),

@@ -77,9 +77,9 @@ USUAL = Limits()
 
 def jobs_here() -> int:
     """Return the number of processes that may work at once: one per processor."""
-    return max(
-        1, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    )
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def allowed(jobs: int) -> int:

@@ -8,14 +8,11 @@ there are components, so that the start values follow the wires.
 from __future__ import annotations
 
 import contextlib
-from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from ctypes import c_double, c_float, c_uint
 from pathlib import Path
 from typing import Final
 
 import numpy as np
-from fmpy.fmi1 import FMICallException
 from numpy.typing import NDArray
 
 from stickslip_verification import FmuError
@@ -57,64 +54,7 @@ class _File:
         }
 
 
-class _Held(FmuInstance):
-    """An instance whose initialization mode can be held open for the wires."""
-
-    @abstractmethod
-    def enter(self, start_time: float) -> None:
-        """Enter initialization mode, time beginning at `start_time` [s]."""
-
-    def leave(self) -> None:
-        """Leave initialization mode."""
-        self._do(f"{self.PREFIX}ExitInitializationMode", self._slave.exitInitializationMode)
-
-    def writer(self, names: Sequence[str]) -> Callable[[Sequence[float]], None]:
-        """Return a function that sets these variables at once, given their values in this order."""
-        kinds = [self.C_TYPES[self.file.variables[name].kind] for name in names]
-        groups = []
-        for kind, c_type in dict.fromkeys(kinds):
-            places = [place for place, found in enumerate(kinds) if found[0] == kind]
-            count = len(places)
-            references = (self.file.variables[names[place]].reference for place in places)
-            buffer = (c_type * count)()
-            arguments = (
-                *(self._slave.component, (c_uint * count)(*references), count, buffer),
-                *self._sizes(count),
-            )
-            exact = float if c_type in (c_double, c_float) else int
-            call = f"{self.PREFIX}Set{kind}"
-            groups.append((call, getattr(self._slave, call), arguments, buffer, places, exact))
-
-        def write(values: Sequence[float]) -> None:
-            for call, function, arguments, buffer, places, exact in groups:
-                for index, place in enumerate(places):
-                    buffer[index] = exact(values[place])
-                try:
-                    function(*arguments)
-                except FMICallException as error:
-                    said = ", ".join(f"{names[place]} = {values[place]!r}" for place in places)
-                    raise self._failure(f"{call}({said})", error) from None
-
-        return write
-
-
-class _Fmi2(_Held, Fmi2Instance):
-    """An instance of an FMU 2.0."""
-
-    def enter(self, start_time: float) -> None:
-        self._do("fmi2SetupExperiment", self._slave.setupExperiment, None, start_time)
-        self._do("fmi2EnterInitializationMode", self._slave.enterInitializationMode)
-
-
-class _Fmi3(_Held, Fmi3Instance):
-    """An instance of an FMU 3.0."""
-
-    def enter(self, start_time: float) -> None:
-        function = self._slave.enterInitializationMode
-        self._do("fmi3EnterInitializationMode", function, None, start_time)
-
-
-_FACES: Final[Mapping[str, type[_Held]]] = {"2.0": _Fmi2, "3.0": _Fmi3}
+_FACES: Final[Mapping[str, type[FmuInstance]]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
 
 
 class Runner:
@@ -137,7 +77,7 @@ class Runner:
         self._job = job
         self._folders = folders
         self._files = [_File(job, index, folder) for index, folder in enumerate(folders)]
-        self._instances: list[_Held] = []
+        self._instances: list[FmuInstance] = []
         self._used = False
         self._whole = any(
             REDUCTIONS[each].whole for all_of in job.outputs.values() for each in all_of
@@ -199,7 +139,7 @@ class Runner:
         self._read_wired = self._reader([each.output for each in job.wires])
         self._read_outputs = self._reader(list(job.outputs))
 
-    def _parts(self, names: Sequence[str]) -> Iterator[tuple[_Held, list[int]]]:
+    def _parts(self, names: Sequence[str]) -> Iterator[tuple[FmuInstance, list[int]]]:
         """Yield the instances that have some of these variables, with the places of their names."""
         for index, instance in enumerate(self._instances):
             places = [

@@ -60,10 +60,10 @@ class Fmi2Instance(FmuInstance):
         except Exception as error:
             raise self._failure("fmi2Instantiate", error) from None
 
-    def _initialize(self, start_time: float) -> None:
+    def enter(self, start_time: float) -> None:
+        """Enter initialization mode, time beginning at `start_time` [s]."""
         self._do("fmi2SetupExperiment", self._slave.setupExperiment, None, start_time)
         self._do("fmi2EnterInitializationMode", self._slave.enterInitializationMode)
-        self._do("fmi2ExitInitializationMode", self._slave.exitInitializationMode)
 
     def step(self, time: float, h: float) -> None:
         """Step from the communication point `time` [s] by `h` [s]."""

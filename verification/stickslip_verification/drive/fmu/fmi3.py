@@ -50,11 +50,10 @@ class Fmi3Instance(FmuInstance):
             for flag in (self._event, self._terminate, self._early, self._reached)
         )
 
-    def _initialize(self, start_time: float) -> None:
-        self._do(
-            "fmi3EnterInitializationMode", self._slave.enterInitializationMode, None, start_time
-        )
-        self._do("fmi3ExitInitializationMode", self._slave.exitInitializationMode)
+    def enter(self, start_time: float) -> None:
+        """Enter initialization mode, time beginning at `start_time` [s]."""
+        function = self._slave.enterInitializationMode
+        self._do("fmi3EnterInitializationMode", function, None, start_time)
 
     def step(self, time: float, h: float) -> None:
         """Step from the communication point `time` [s] by `h` [s].

@@ -6,7 +6,7 @@ import ctypes
 import itertools
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, Self
 
@@ -114,8 +114,8 @@ class FmuInstance(ABC):
         """Make the instance in the library; `FmuError` if it refuses."""
 
     @abstractmethod
-    def _initialize(self, start_time: float) -> None:
-        """Go through initialization mode."""
+    def enter(self, start_time: float) -> None:
+        """Enter initialization mode, time beginning at `start_time` [s]."""
 
     @abstractmethod
     def step(self, time: float, h: float) -> None:
@@ -141,29 +141,58 @@ class FmuInstance(ABC):
     def start(self, values: Mapping[str, float], start_time: float = 0.0) -> None:
         """Set `values`, begin at `start_time` [s] and go through initialization mode."""
         self.set(values)
-        self._initialize(start_time)
+        self.enter(start_time)
+        self.leave()
+
+    def leave(self) -> None:
+        """Leave initialization mode."""
+        self._do(f"{self.PREFIX}ExitInitializationMode", self._slave.exitInitializationMode)
 
     def set(self, values: Mapping[str, float]) -> None:
         """Set variables by name; `FmuError` for one that the FMU does not have."""
-        self._check(values)
-        groups: dict[tuple[str, Any], list[tuple[str, int, float]]] = {}
-        for name, value in values.items():
-            variable = self.file.variables[name]
-            number = value if name in self._untouched else self._theirs(variable, value)
-            group = groups.setdefault(self.C_TYPES[variable.kind], [])
-            group.append((name, variable.reference, number))
-        for (kind, c_type), group in groups.items():
-            names, references, numbers = zip(*group, strict=True)
-            count, call = len(group), f"{self.PREFIX}Set{kind}"
-            which, buffer = (ctypes.c_uint * count)(*references), (c_type * count)(*numbers)
-            sizes = self._sizes(count)
-            try:
-                getattr(self._slave, call)(self._slave.component, which, count, buffer, *sizes)
-            except fmpy.fmi1.FMICallException as error:
-                what = ", ".join(f"{name} = {values[name]!r}" for name in names)
-                raise self._failure(f"{call}({what})", error) from None
+        self.writer(list(values))(list(values.values()))
 
-    def _theirs(self, variable: Variable, value: float) -> float:
+    def writer(self, names: Sequence[str]) -> Callable[[Sequence[float]], None]:
+        """Return a function that sets these variables at once, given their values in this order."""
+        groups = list(self.groups(names))
+
+        def write(values: Sequence[float]) -> None:
+            for kind, places, buffer, arguments in groups:
+                for index, place in enumerate(places):
+                    name, value = names[place], values[place]
+                    buffer[index] = value if name in self._untouched else self._theirs(name, value)
+                call = f"{self.PREFIX}Set{kind}"
+                try:
+                    getattr(self._slave, call)(*arguments)
+                except fmpy.fmi1.FMICallException as error:
+                    what = ", ".join(f"{names[place]} = {values[place]!r}" for place in places)
+                    raise self._failure(f"{call}({what})", error) from None
+
+        return write
+
+    def groups(
+        self, names: Sequence[str]
+    ) -> Iterator[tuple[str, list[int], Any, tuple[object, ...]]]:
+        """Yield for each kind of variable: its name in the FMI functions, the places of its names.
+
+        Then the buffer for its values, and all arguments of a get or set function. `FmuError` for a
+        name that the FMU does not have.
+        """
+        missing = [name for name in names if name not in self.file.variables]
+        if missing:
+            raise FmuError(f"{self.file.path.name}: has no variable {', '.join(missing)}")
+        variables = [self.file.variables[name] for name in names]
+        kinds = [self.C_TYPES[variable.kind] for variable in variables]
+        for kind, c_type in dict.fromkeys(kinds):
+            places = [place for place, other in enumerate(kinds) if other[0] == kind]
+            count = len(places)
+            references = (ctypes.c_uint * count)(*(variables[i].reference for i in places))
+            buffer = (c_type * count)()
+            arguments = (self._slave.component, references, count, buffer, *self._sizes(count))
+            yield kind, places, buffer, arguments
+
+    def _theirs(self, name: str, value: float) -> float:
+        variable = self.file.variables[name]
         change = variable.conversion
         number = value if change.leaves_alone else change.from_si(value)
         if variable.kind in FLOATING:
@@ -172,9 +201,7 @@ class FmuInstance(ABC):
         # A C integer that is too small for the number would silently hold another one.
         if not float(number).is_integer() or c_type(int(number)).value != number:
             label = self.file.path.name
-            raise FmuError(
-                f"{label}: {variable.name} = {value!r} is no value of type {variable.kind}"
-            )
+            raise FmuError(f"{label}: {name} = {value!r} is no value of type {variable.kind}")
         return int(number)
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
@@ -182,22 +209,15 @@ class FmuInstance(ABC):
 
         `FmuError` for a name that the FMU does not have.
         """
-        self._check(names)
-        variables = [self.file.variables[name] for name in names]
-        kinds = [self.C_TYPES[variable.kind] for variable in variables]
-        groups = []
-        for kind, c_type in dict.fromkeys(kinds):
-            places = [i for i, found in enumerate(kinds) if found[0] == kind]
-            count = len(places)
-            references = (ctypes.c_uint * count)(*(variables[i].reference for i in places))
-            buffer = (c_type * count)()
-            get = getattr(self._slave, f"{self.PREFIX}Get{kind}")
-            arguments = (self._slave.component, references, count, buffer, *self._sizes(count))
-            groups.append((kind, get, arguments, places, buffer))
+        groups = [
+            (kind, getattr(self._slave, f"{self.PREFIX}Get{kind}"), arguments, places, buffer)
+            for kind, places, buffer, arguments in self.groups(names)
+        ]
+        conversions = [self.file.variables[name].conversion for name in names]
         converted = [
-            (place, variable.conversion.to_si)
-            for place, variable in enumerate(variables)
-            if not variable.conversion.leaves_alone
+            (place, conversion.to_si)
+            for place, conversion in enumerate(conversions)
+            if not conversion.leaves_alone
         ]
 
         def read() -> list[float]:
@@ -214,11 +234,6 @@ class FmuInstance(ABC):
             return values
 
         return read
-
-    def _check(self, names: Mapping[str, float] | Sequence[str]) -> None:
-        missing = [name for name in names if name not in self.file.variables]
-        if missing:
-            raise FmuError(f"{self.file.path.name}: has no variable {', '.join(missing)}")
 
     def get_state(self) -> State:
         """Have the FMU keep its state."""

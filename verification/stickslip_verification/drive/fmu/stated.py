@@ -21,18 +21,14 @@ _PLACES: Final = (("VendorAnnotations/Tool", "name"), ("Annotations/Annotation",
 
 @dataclass(frozen=True)
 class StatedContract:
-    """What a description says of the contract that its FMU keeps.
-
-    ``exact`` is true where it names the exact contract in the version of this suite; ``told`` says
-    what it names, for people.
-    """
+    """Whether a description names the exact contract of this suite, and what it names in words."""
 
     exact: bool
     told: str
 
 
 def stated_contract(root: Element) -> StatedContract:
-    """Read the contract from the root of a model description; any other text is told as it is."""
+    """Read the contract from the root of a model description."""
     notes = [
         note for path, key in _PLACES for note in root.findall(path) if note.get(key) == ANNOTATION
     ]
