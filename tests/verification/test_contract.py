@@ -10,9 +10,9 @@ import pytest
 from stickslip_fmu import interface
 from stickslip_verification import FmuError, NameMap, load_mutants, verify
 from stickslip_verification.drive import FmuFile
-from stickslip_verification.drive.fmu import stated
+from stickslip_verification.drive.fmu import description as stated
+from stickslip_verification.drive.fmu.description import StatedContract, stated_contract
 from stickslip_verification.drive.fmu.names import Target
-from stickslip_verification.drive.fmu.stated import StatedContract, stated_contract
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.drive.stepping import setting_of
 from stickslip_verification.model.verdict import ChosenContract

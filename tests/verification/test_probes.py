@@ -10,7 +10,7 @@ import pytest
 from _pytest.mark import ParameterSet
 
 from stickslip_verification import Mutant, load_invariants, load_mutants
-from stickslip_verification.drive import FmuError, FmuFile, fresh_process
+from stickslip_verification.drive import FmuError, FmuFile, processes
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.drive.probes import environments, memory
 from stickslip_verification.drive.probes.calls import differences
@@ -195,7 +195,7 @@ def test_what_goes_wrong_in_a_fresh_process_is_told_and_leaves_no_file(
     file, monkeypatched = FmuFile(fmu_path), monkeypatch.setattr
     monkeypatched(file, "path", misbehaving(what).path)
     monkeypatched("tempfile.tempdir", str(tmp_path))
-    monkeypatched(fresh_process, "LIMIT", 3.0 if what == "hang" else 60.0)
+    monkeypatched(processes, "LIMIT", 3.0 if what == "hang" else 60.0)
     complaints = PROBES["elsewhere"](
         file, environments={}, calls=[{"start": 0.0}], then=[{"step": 0.01, "times": 3}]
     )

@@ -9,7 +9,9 @@ its guard is ended with it, but a daemon of it is not.
 
 import contextlib
 import ctypes
+import faulthandler
 import itertools
+import locale
 import multiprocessing
 import multiprocessing.util
 import os
@@ -18,17 +20,18 @@ import select
 import signal
 import socket
 import struct
+import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import BaseContext
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
-from stickslip_verification.drive.answer import reason
+from stickslip_verification.drive.answer import Answer, answer_of, discard_prints, reason
 
 MOST_ANSWERED: Final = 2**30
 """Bytes of one answer that are taken; the longest record of the suite has some 10^7."""
@@ -47,6 +50,15 @@ LONGEST_FOLDER: Final = 70
 
 The path of a socket has 103 bytes (macOS; 107 on Linux, unix(7)); multiprocessing appends 32.
 """
+
+Environment = Mapping[str, str | bool]
+"""Environment variables and their values; False for one that is not set."""
+
+LIMIT: Final = 30.0
+"""Seconds that a fresh process may take; alone on its processor most take half of one."""
+
+_COMMAND = "from stickslip_verification.drive.processes import serve; serve()"
+"""The program of a fresh process."""
 
 _ERRORS: Final = 2
 """The descriptor of standard error."""
@@ -67,6 +79,7 @@ _PR_SET_PDEATHSIG: Final = 1
 _PR_SET_CHILD_SUBREAPER: Final = 36
 
 Task = Callable[..., Any]
+T = TypeVar("T")
 
 
 class LostError(Exception):
@@ -315,3 +328,51 @@ def _silent() -> Iterator[None]:
     finally:
         os.dup2(copy, _ERRORS)
         os.close(copy)
+
+
+def in_fresh_process(
+    function: Callable[[], T],
+    environment: Environment | None = None,
+    elsewhere: bool = False,
+    seconds: float = 0.0,
+) -> Answer[T]:
+    """Return the answer of a function that can be pickled, from a process without a past.
+
+    What calls it is a worker, whose guard ends the process with all else. The environment differs
+    from the one here by `environment`, the working folder is an empty one if it runs `elsewhere`,
+    and it may take some `seconds` more than `LIMIT`.
+    """
+    limit = LIMIT + seconds
+    # A process that crashes or is ended leaves the files of the FMU there.
+    with tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True) as scratch:
+        variables = {**os.environ, "TMPDIR": scratch, **(environment or {})}
+        try:
+            ended = subprocess.run(
+                [sys.executable, "-P", "-c", _COMMAND],
+                input=pickle.dumps((limit, function)),
+                stdout=subprocess.PIPE,
+                env={name: value for name, value in variables.items() if isinstance(value, str)},
+                cwd=scratch if elsewhere else None,
+                timeout=limit,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            return Answer(failure=f"no answer within {limit:g} s", late=True)
+    try:
+        answer: Answer[T] = pickle.loads(ended.stdout)
+    except Exception:
+        return Answer(failure=f"the process ended with exit code {ended.returncode}")
+    return answer
+
+
+def serve() -> None:
+    """Call the function that comes on standard input, and write its answer to standard output."""
+    with os.fdopen(os.dup(1), "wb") as out:
+        discard_prints()
+        limit, function = pickle.load(sys.stdin.buffer)
+        # Ends this process even if its parent was ended and the FMU never returns.
+        faulthandler.dump_traceback_later(limit, exit=True)
+        # As a host with a graphical interface does; Python itself leaves numbers in the locale C.
+        with contextlib.suppress(locale.Error):
+            locale.setlocale(locale.LC_ALL, "")
+        pickle.dump(answer_of(function), out)

@@ -15,7 +15,6 @@ import fmpy
 import fmpy.model_description
 
 from stickslip_verification.drive.fmu.errors import FmuError, one_line
-from stickslip_verification.drive.fmu.stated import StatedContract, stated_contract
 from stickslip_verification.drive.fmu.unpacking import DESCRIPTION, MOST_DESCRIBED, check_size
 from stickslip_verification.model.units import Unit, defined
 
@@ -28,6 +27,19 @@ NUMBERS: Final = frozenset(
 )
 """Kinds of variable whose value is a number, of FMI 2.0 and 3.0."""
 
+ANNOTATION: Final = "org.stickslip.contract"
+"""Type of the annotation that names the contract, FMI 3.0; its name in a ``Tool``, FMI 2.0.
+
+It holds one element, ``<Contract name="..." version="..."/>``.
+"""
+
+NAME, VERSION = "stickslip-exact", "1"
+"""Name and version of the exact contract of this suite."""
+
+_LETTERS: Final = 40
+
+_PLACES: Final = (("VendorAnnotations/Tool", "name"), ("Annotations/Annotation", "type"))
+
 _MOST_PROBLEMS, _LONGEST_PROBLEM = 100, 1000
 
 _MOST_LISTED, _LONGEST_TEXT = 8, 40
@@ -36,6 +48,14 @@ _MOST_LISTED, _LONGEST_TEXT = 8, 40
 
 Declared: TypeAlias = fmpy.model_description.ModelVariable
 """A variable as its FMU declares it: unit also where its type has it, description on one line."""
+
+
+@dataclass(frozen=True)
+class StatedContract:
+    """Whether a description names the exact contract of this suite, and what it names in words."""
+
+    exact: bool
+    told: str
 
 
 @dataclass(eq=False)
@@ -172,3 +192,26 @@ def _defined(entry: Any) -> Unit | None:
         return None
     dimension = (base.kg, base.m, base.s, base.A, base.K, base.mol, base.cd, base.rad)
     return defined(base.factor, base.offset, dimension)
+
+
+def stated_contract(root: ElementTree.Element) -> StatedContract:
+    """Read the contract from the root of a model description."""
+    notes = [
+        note for path, key in _PLACES for note in root.findall(path) if note.get(key) == ANNOTATION
+    ]
+    if not notes:
+        return StatedContract(False, "its description names no contract of this suite")
+    if len(notes) > 1:
+        return StatedContract(False, f"its description has {len(notes)} annotations {ANNOTATION}")
+    found = [(each.tag, each.get("name"), each.get("version")) for each in notes[0]]
+    if len(found) != 1 or found[0][0] != "Contract" or None in found[0]:
+        malformed = f"the annotation {ANNOTATION} of its description is malformed"
+        return StatedContract(
+            False, f'{malformed}: expected one element <Contract name="..." version="..."/>'
+        )
+    # What stands in an attribute, on one line and not endless.
+    named = " ".join(" ".join(str(text).split())[:_LETTERS] for text in found[0][1:])
+    told = f"its description names {named}"
+    if found[0][1:] == (NAME, VERSION):
+        return StatedContract(True, told)
+    return StatedContract(False, f"{told}; this suite knows {NAME} {VERSION}")

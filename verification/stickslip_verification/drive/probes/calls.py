@@ -5,9 +5,12 @@ asks for the same bits.
 """
 
 import math
+import time
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain
 from typing import Any
+
+import numpy as np
 
 from stickslip_verification.drive.fmu.archive import FmuFile, available
 from stickslip_verification.drive.fmu.errors import FmuError
@@ -36,6 +39,10 @@ Row = Mapping[str, float]
 
 _MOST_COMPLAINTS = 3
 """Outputs that a complaint names; more would not help to find the fault."""
+
+_ALIKE = 0.05
+"""Difference of mean and of deviation, as a part of the deviation: what the points' places in the
+cycles make is a fifth of it."""
 
 
 class Caller:
@@ -211,6 +218,54 @@ def starts_at(fmu: FmuFile, time: float) -> list[str]:
     if not abs(dated - first) <= 16.0 * math.ulp(first):
         complaints.append(f"the first break-away is dated {dated!r}, not {first!r}")
     return complaints
+
+
+def keeps_its_cycle(
+    fmu: FmuFile,
+    parameters: Mapping[str, float],
+    step: float,
+    count: int,
+    window: int,
+    seconds: float,
+) -> list[str]:
+    """Complain if the elongation of the spring is another one at the end of a long run.
+
+    Its `parameters` (SI) differ from our defaults. Of `count` steps of `step` [s] a `window` is
+    compared at the beginning and at the end. After `seconds` of the processor, or twice as much of
+    the clock, it ends with fewer. `NotApplicableError` if the FMU lacks a parameter, is too slow
+    for a run that is long, or diverges from the beginning.
+    """
+    need(fmu, lacking(fmu, parameters))
+    values = {**defaults(fmu), **parameters}
+    name = "x" if fmu.has("x") else "F"
+    seen, end, last_call = [], time.process_time() + seconds, time.monotonic() + 2.0 * seconds
+    with fmu.instantiate() as instance:
+        instance.start({name: value for name, value in values.items() if fmu.has(name)})
+        read = instance.reader([name])
+        for number in range(count):
+            instance.step(number * step, step)
+            seen.append(read()[0])
+            if number % 1000 == 0:
+                instance.messages.clear()
+                if time.process_time() > end or time.monotonic() > last_call:
+                    break
+    if len(seen) < 4 * window:
+        raise NotApplicableError(f"{len(seen)} steps in {seconds:g} s are too few for a long run")
+    shown = np.array(seen)
+    if name == "x":
+        shown = values["v"] * step * np.arange(1, shown.size + 1) - shown
+    first, last = shown[window : 2 * window], shown[-window:]
+    if not np.all(np.isfinite(first)):
+        raise NotApplicableError("its steps are too long for this block")
+    spread = float(np.std(first))
+    moved = abs(float(np.mean(last) - np.mean(first))), abs(float(np.std(last)) - spread)
+    if max(moved) <= _ALIKE * spread:
+        return []
+    return [
+        f"after {shown.size * step:.0f} s the spring is stretched otherwise than at the beginning: "
+        f"mean {np.mean(last):.4g}, not {np.mean(first):.4g}; deviation {np.std(last):.4g}, not "
+        f"{spread:.4g}"
+    ]
 
 
 def differences(

@@ -9,10 +9,8 @@ from functools import partial
 from itertools import chain
 from pathlib import Path
 
-from stickslip_verification.drive import fresh_process
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.fresh_process import Environment
 from stickslip_verification.drive.probes.calls import (
     Call,
     Caller,
@@ -21,6 +19,7 @@ from stickslip_verification.drive.probes.calls import (
     differences,
     played,
 )
+from stickslip_verification.drive.processes import Environment, in_fresh_process
 from stickslip_verification.drive.stepping import need_ability
 
 _PATIENCE = 4.0
@@ -101,7 +100,7 @@ def _compared(
 ) -> list[str]:
     """Have calls played in a fresh process, and say where the rows are not those expected."""
     play = partial(_played, fmu.path.absolute(), fmu.names, calls, then, state, folders)
-    answer = fresh_process.call(play, environment=environment, elsewhere=folders)
+    answer = in_fresh_process(play, environment=environment, elsewhere=folders)
     if answer.value is None:
         return [answer.failure or "no answer"]
     return differences(answer.value, expected, tolerance)

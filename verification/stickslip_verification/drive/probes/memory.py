@@ -9,9 +9,9 @@ from contextlib import closing
 from functools import partial
 from pathlib import Path
 
-from stickslip_verification.drive import fresh_process
 from stickslip_verification.drive.fmu.archive import FmuFile, available
 from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.drive.processes import in_fresh_process
 from stickslip_verification.drive.stepping import (
     NotApplicableError,
     defaults,
@@ -77,7 +77,7 @@ def keeps_memory(fmu: FmuFile, of: str, count: int, most: float, seconds: float)
     if not _PAGES.exists():
         raise NotApplicableError("the memory of a process is read on Linux only")
     measured = partial(_measured, fmu.path.absolute(), fmu.names, of, count, seconds, _PATIENCE)
-    answer = fresh_process.call(measured, seconds=_PATIENCE * seconds)
+    answer = in_fresh_process(measured, seconds=_PATIENCE * seconds)
     if answer.value is None:
         return [answer.failure or "no answer"]
     return judged(answer.value, of, most, seconds)

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 from stickslip_verification.drive.probes import (
-    ageing,
     calls,
     declarations,
     environments,
@@ -26,7 +25,7 @@ _PROBES: tuple[Probe, ...] = (
     calls.same_motion,
     calls.gives,
     calls.steps_onto_restick,
-    ageing.keeps_its_cycle,
+    calls.keeps_its_cycle,
     environments.state_in_a_fresh_process,
     environments.elsewhere,
     memory.keeps_memory,
@@ -42,5 +41,5 @@ IN_A_FRESH_PROCESS = frozenset(
 )
 """The probes that start a process of their own, each half a second and more."""
 
-OF_NUMERICAL = frozenset({ageing.keeps_its_cycle.__name__})
+OF_NUMERICAL = frozenset({calls.keeps_its_cycle.__name__})
 """The probes of numerical solutions; the exact block meets long cases in their stead."""
