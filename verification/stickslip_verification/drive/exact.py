@@ -8,7 +8,7 @@ import numpy as np
 from stickslip_verification import truth
 from stickslip_verification.model.events import Event, Transition
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Run, Series
+from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case, follow
 from stickslip_verification.suite.tolerances import Facts, facts_of
 
@@ -44,11 +44,7 @@ def exact_motion(case: Case) -> Exact:
     """Compute the exact motion of a case in high precision, rounded to double once."""
     run = follow(case.parameters, case.steps, case.law)
     return Exact(
-        record=Run(
-            times=np.array(case.times),
-            outputs=sampled(run),
-            initial={name: float(run.initial[name]) for name in OUTPUT_NAMES},
-        ),
+        record=record_of(case, run),
         start=case.start,
         events=[
             Event(
@@ -64,8 +60,10 @@ def exact_motion(case: Case) -> Exact:
     )
 
 
-def sampled(run: truth.Run) -> dict[str, Series]:
-    """Return the outputs of an exact run as doubles."""
-    return {
-        name: np.array([float(sample[name]) for sample in run.samples]) for name in OUTPUT_NAMES
-    }
+def record_of(case: Case, run: truth.Run) -> Run:
+    """Return the samples of an exact run of a case, rounded to double."""
+    return Run(
+        times=np.array(case.times),
+        outputs={n: np.array([float(sample[n]) for sample in run.samples]) for n in OUTPUT_NAMES},
+        initial={n: float(run.initial[n]) for n in OUTPUT_NAMES},
+    )

@@ -189,11 +189,8 @@ class Master:
             "z_start": start["z_start"] - 0.01,
         }
         values = {name: draw.choice((value, start[name])) for name, value in values.items()}
-        return {
-            name: value
-            for name, value in values.items()
-            if self.fmu.has(name) and (not changeable or may_change(self.fmu, name))
-        }
+        may_set = partial(may_change, self.fmu) if changeable else self.fmu.has
+        return {name: value for name, value in values.items() if may_set(name)}
 
 
 @dataclass(frozen=True)
@@ -208,8 +205,6 @@ class Way:
         From an FMU and a case to what is run, and from its run to what is to equal the plain one.
     reads, reads_start
         Whether outputs are read after each step, and after the initialization.
-    instances
-        How many there are.
     states, written
         Whether states are set, and whether they are written as bytes.
     """

@@ -13,8 +13,7 @@ from random import Random
 import numpy as np
 
 from stickslip_verification import truth
-from stickslip_verification.drive.exact import sampled
-from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.drive.exact import record_of
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth.named import COULOMB_NAME
@@ -128,9 +127,4 @@ def _follow(
 ) -> Run:
     """Follow a case with other values, in doubles."""
     steps = [truth.Step(step.h, dict(new)) for step, new in zip(case.steps, changes, strict=True)]
-    run = truth.run(parameters, steps, digits=None, law=case.law)
-    return Run(
-        times=np.array(case.times),
-        outputs=sampled(run),
-        initial={name: float(run.initial[name]) for name in OUTPUT_NAMES},
-    )
+    return record_of(case, truth.run(parameters, steps, digits=None, law=case.law))
