@@ -11,10 +11,16 @@ from _pytest.mark import ParameterSet
 from stickslip_native.packer import sources_of
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.answer import Answer
-from stickslip_verification.judge.checks import EXACT_CONTRACT
-from stickslip_verification.judge.invariant_checks import applies
-from stickslip_verification.run.baseline import Baseline, Trial, trials
-from stickslip_verification.run.judged import ask, judge
+from stickslip_verification.judge.checks import applies
+from stickslip_verification.judge.contract import EXACT_CONTRACT
+from stickslip_verification.run.comparisons import compare
+from stickslip_verification.run.experiment import (
+    Baseline,
+    Experiment,
+    RandomTest,
+    random_tests,
+)
+from stickslip_verification.run.runs import run_all
 from stickslip_verification.suite.case_file import CASES_FOLDER, load_case
 from stickslip_verification.suite.invariants import load_invariants
 from stickslip_verification.suite.sequences import SEED, draw_sequences
@@ -71,13 +77,13 @@ def baseline(case_id: str) -> Baseline:
     case = load_case(folder / f"{case_id}.toml")
     exact = workers.exact(case)
     holding = [each for each in load_invariants().residuals if applies(each, case, exact)]
-    return Baseline(case, Answer(exact), Answer(not_applicable="it is not judged"), holding, ())
+    return Baseline(case, Answer(exact), invariants=holding)
 
 
 @cache
-def sequences(manner: str, count: int) -> list[Trial]:
+def sequences(manner: str, count: int) -> list[RandomTest]:
     drawn = [each.case for each in draw_sequences(SEED, count)]
-    return trials(drawn, load_invariants().only({manner}).sequences, jobs=1, numerical=False)
+    return random_tests(drawn, load_invariants().only({manner}).sequences, jobs=1, numerical=False)
 
 
 def failing(pool: workers.Pool, where: str) -> list[str]:
@@ -86,12 +92,8 @@ def failing(pool: workers.Pool, where: str) -> list[str]:
     few = load_invariants().only({check})
     tried = sequences(check, int(place.split()[0])) if place.endswith("sequences") else []
     cases = [baseline(place)] if place and not tried else []
-    answers = ask(pool, cases, few, trials=tried)
-    results = [
-        result
-        for result in judge(cases, few, answers, EXACT_CONTRACT, tried, reference=False)
-        if result.check == check
-    ]
+    runs = run_all(pool, Experiment(cases, few, EXACT_CONTRACT, tried))
+    results = [each for each in compare(runs, reference=False) if each.check == check]
     assert results, f"{where}: there is no such check"
     return [f"{where}: {result.failure or result.got}" for result in results if result.failed]
 

@@ -9,8 +9,8 @@ import numpy as np
 from stickslip_verification import CheckResult, load_case, load_invariants
 from stickslip_verification.drive.exact import Exact, exact_motion
 from stickslip_verification.drive.kept import kept
-from stickslip_verification.judge.checks import EXACT_CONTRACT, Contract, judge
-from stickslip_verification.judge.invariant_checks import applies, judge_residual
+from stickslip_verification.judge.checks import applies, judge, judge_residual
+from stickslip_verification.judge.contract import EXACT_CONTRACT, Contract
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.case_file import CASES_FOLDER
 from stickslip_verification.suite.cases import Case

@@ -15,8 +15,8 @@ from stickslip_verification.drive.fmu.description import StatedContract, stated_
 from stickslip_verification.drive.fmu.names import Target
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.drive.stepping import setting_of
+from stickslip_verification.judge.contract import CONTRACTS, chosen_contract
 from stickslip_verification.model.verdict import ChosenContract
-from stickslip_verification.run.contract import CONTRACTS, chosen_contract
 from tests.conftest import built
 from tests.makers import SLIDER, altered, edited
 from tests.verification.records import named

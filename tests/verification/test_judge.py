@@ -12,13 +12,13 @@ from _pytest.mark import ParameterSet
 
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import exact_motion
-from stickslip_verification.judge.checks import (
+from stickslip_verification.judge.checks import agreeing, judge_agreement
+from stickslip_verification.judge.contract import (
     EXACT_CONTRACT,
     PHYSICS_CONTRACT,
     STRICT_CONTRACT,
     Contract,
 )
-from stickslip_verification.judge.invariant_checks import agreeing, judge_agreement
 from stickslip_verification.judge.metrics import METRICS, Course
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
@@ -305,10 +305,10 @@ def test_fmu_and_reference_may_differ_by_the_sum_of_their_tolerances(
     (check,) = (each for each in case.checks if each.id == f"{quantity}-course")
     allowed = check.tolerance[contract.column] + check.tolerance["reference"]
     planting = scaled(quantity, 1.0 + fault * allowed) if isinstance(fault, float) else fault
-    answers = {"fmu": Answer(planted(DEFAULT, planting)), "reference": Answer(DEFAULT)}
+    answers = Answer(planted(DEFAULT, planting)), Answer(DEFAULT)
     held = agreeing(agree, case)
     assert held is not None
-    result = judge_agreement(agree, case, held, contract, Answer(exact), answers)
+    result = judge_agreement(agree, case, held, contract, Answer(exact), *answers)
     assert (result.side, result.truth, result.passed) == ("both", "cross_code", fault == 0.9)
     lacks = f"it has {why}" if contract is PHYSICS_CONTRACT and quantity == "t_event" else None
     assert result.not_applicable == (lacks if why else None)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -16,9 +17,9 @@ from stickslip_verification import (
 )
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.probes.table import IN_A_FRESH_PROCESS
-from stickslip_verification.judge.checks import PHYSICS_CONTRACT
-from stickslip_verification.run.baseline import Baseline, compute
-from stickslip_verification.run.kill_matrix import How, detect
+from stickslip_verification.judge.contract import EXACT_CONTRACT, PHYSICS_CONTRACT, Contract
+from stickslip_verification.run.experiment import Experiment, compute
+from stickslip_verification.run.kill_matrix import detect
 from stickslip_verification.suite.faults import Override
 from tests.makers import SLIDER
 
@@ -28,20 +29,20 @@ CASES = [named("one-step"), named("reversals")]
 ALL = load_invariants()
 PROBES = [probe for probe in ALL.probes if probe.probe not in IN_A_FRESH_PROCESS]
 INVARIANTS = replace(ALL, orders=(), probes=PROBES)
-WHOLE, FORETOLD = How(), How(whole=False)
 
 
 @cache
-def baseline(numerical: bool) -> list[Baseline]:
-    cases = [named("default"), named("heavy")] if numerical else CASES
-    of = [case.id for case in cases] if numerical else None
-    return compute(cases, INVARIANTS, jobs=1, numerical=of)
+def experiment(contract: Contract) -> Experiment:
+    cases = [named("default"), named("heavy")] if contract.numerical else CASES
+    of = [case.id for case in cases] if contract.numerical else None
+    return Experiment(compute(cases, INVARIANTS, jobs=1, numerical=of), INVARIANTS, contract)
 
 
-def tried(fmu: Path, *mutants: Mutant, how: How = FORETOLD) -> KillMatrix:
+def tried(
+    fmu: Path, *mutants: Mutant, contract: Contract = EXACT_CONTRACT, **how: Any
+) -> KillMatrix:
     """Try faults on two cases, and on the probes that need no fresh process."""
-    of_case = baseline(how.contract.numerical)
-    return detect(fmu, mutants, of_case, INVARIANTS, jobs=1, how=how)
+    return detect(fmu, mutants, experiment(contract), jobs=1, **{"whole": False, **how})
 
 
 @cache
@@ -67,7 +68,7 @@ def test_tried_on_everything_a_fault_fails_what_is_about_it_and_no_fault_fails_n
     fmu_path: Path,
 ) -> None:
     mutants = (fault("constant-g"), fault("creep-in-stick"), IN_THE_FMU, IN_ITS_CALLS)
-    kills = tried(fmu_path, *mutants, how=WHOLE)
+    kills = tried(fmu_path, *mutants, whole=True)
     gravity, creep, *harmless = kills.rows
     assert (gravity.caught, creep.caught, kills.passed) == (True, True, False)
     assert GRAVITY in gravity.failing.keys() - creep.failing.keys()
@@ -110,8 +111,8 @@ def test_a_fault_is_detected_by_a_foretold_check_or_survives_with_the_reason(
 
 def test_a_foreign_fmu_carries_faults_in_its_calls_alone() -> None:
     mutants = [fault(name) for name in ("unit-force-in-kgf", "output-x-pull-lags", "constant-g")]
-    how = How(SLIDER.names, PHYSICS_CONTRACT, whole=False)
-    honest, unit, lag, inside = tried(SLIDER.path, IN_ITS_CALLS, *mutants, how=how).rows
+    judged: dict[str, Any] = {"contract": PHYSICS_CONTRACT, "names": SLIDER.names}
+    honest, unit, lag, inside = tried(SLIDER.path, IN_ITS_CALLS, *mutants, **judged).rows
     assert (honest.failing, unit.caught, lag.caught) == ({}, True, True)
     assert "carries no packed source" in (inside.broken or "")
     words = r"\w+.fmu: the fault constant-g changes the Python source of the block"

@@ -15,8 +15,8 @@ from stickslip_verification.drive.fmu.names import Target
 from stickslip_verification.drive.masters import RUNS, run_case
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.drive.stepping import NotApplicableError
-from stickslip_verification.judge.checks import EXACT_CONTRACT
-from stickslip_verification.judge.run_checks import judge_run
+from stickslip_verification.judge.checks import judge_run
+from stickslip_verification.judge.contract import EXACT_CONTRACT
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case

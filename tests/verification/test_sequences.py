@@ -11,10 +11,8 @@ from stickslip_verification.drive import FmuFile
 from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.masters import MANNERS
-from stickslip_verification.judge.band import of_any_sequence
-from stickslip_verification.judge.checks import EXACT_CONTRACT, judge_in_band
-from stickslip_verification.judge.invariant_checks import blank
-from stickslip_verification.model.quantities import OUTPUT_NAMES
+from stickslip_verification.judge.checks import judge_sequence, of_invariant
+from stickslip_verification.judge.contract import EXACT_CONTRACT
 from stickslip_verification.run.coverage import coverage_table, gaps
 from stickslip_verification.suite import sequences as drawn
 from stickslip_verification.suite.sequences import (
@@ -105,10 +103,10 @@ def test_each_sequence_is_run_plainly_and_in_one_other_manner() -> None:
 def test_our_fmu_gives_the_exact_motion_in_every_manner(manner: str) -> None:
     file = FmuFile(built("python-2"))
     for sequence in SOME[:4]:
-        empty = blank(BY_MANNER[manner], sequence.case.id, EXACT_CONTRACT)
-        band = of_any_sequence(kept(exact_motion, sequence.case))
+        empty = of_invariant(BY_MANNER[manner], sequence.case.id, EXACT_CONTRACT)
+        exact = kept(exact_motion, sequence.case)
         run = MANNERS[manner](file, sequence.case)
-        result = judge_in_band(empty, OUTPUT_NAMES, EXACT_CONTRACT, band, run)
+        result = judge_sequence(empty, EXACT_CONTRACT, exact, run)
         assert result.passed, result
         if manner in ("unread", "busy"):
             assert run.times.tolist() == [sequence.case.stop_time]

@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.drive.nearby import OFF
@@ -107,14 +108,12 @@ class Ruler:
         ``run`` may hold some of the points of the exact motion only. Beyond the delta at which a
         point is saturated it counts with that delta: it is at least as large.
         """
-        times = self.exact.record.times
-        read = np.minimum(np.searchsorted(times, run.times), times.size - 1)
         worst = Deviation(0.0)
         for name in names or motion_of(run):
             if name not in run.outputs:
                 continue
-            expected, got = self.band.pair(name, run, read)
-            where = np.flatnonzero(self.band.judged(name)[read] & np.isfinite(expected))
+            read, expected, got, counted = self._compared(name, run)
+            where = np.flatnonzero(counted)
             if not where.size:
                 continue
             error = np.abs(got - expected)
@@ -148,16 +147,20 @@ class Ruler:
         Points count at which data that are off by `delta` move it little.
         """
         row = min(int(np.searchsorted(OFF, delta)), len(OFF) - 1)
-        times = self.exact.record.times
-        read = np.minimum(np.searchsorted(times, run.times), times.size - 1)
         for name in set(_CONTINUOUS) & set(run.outputs) - set(motion_of(run)):
-            expected, got = self.band.pair(name, run, read)
+            read, expected, got, counted = self._compared(name, run)
             still = SPREAD * self.spreads[name][row] <= SATURATED * self.band.largest(name)
-            counted = self.band.judged(name)[read] & np.isfinite(expected) & still[read]
-            error = np.abs(got - expected)[counted]
+            error = np.abs(got - expected)[counted & still[read]]
             if error.size and np.median(error) > SATURATED * (self.band.largest(name) or np.inf):
                 return Deviation(DIVERGED, name, float(run.times[int(np.argmax(error))]))
         return None
+
+    def _compared(self, name: str, run: Run) -> tuple[NDArray[np.intp], Series, Series, Mask]:
+        """Return a run's points, an output in the exact motion and in it, and where it counts."""
+        times = self.exact.record.times
+        read = np.minimum(np.searchsorted(times, run.times), times.size - 1)
+        expected, got = self.band.pair(name, run, read)
+        return read, expected, got, self.band.judged(name)[read] & np.isfinite(expected)
 
     @cached_property
     def _other_phase(self) -> Mask:

@@ -1,7 +1,7 @@
-"""The band about the exact motion in which a run is right, and what in it is physics.
+"""What of an exact motion is physics, and how large the quantities in it are.
 
-For the exact block it is a bound that holds for any sequence of inputs. What our interface merely
-agreed on is not physics: values of the start, and what the meter counts of a start in motion.
+What our interface merely agreed on is not physics: values of the start, and what the meter counts
+of a start in motion.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,6 @@ from stickslip_verification.drive.exact import Exact
 from stickslip_verification.model.events import Transition
 from stickslip_verification.model.quantities import OUTPUTS, QUANTITIES
 from stickslip_verification.model.run import Run, Series
-from stickslip_verification.suite.tolerances import DISTURBED
 
 Mask = NDArray[np.bool_]
 
@@ -26,20 +25,17 @@ _METER = (
 
 @dataclass(frozen=True)
 class Band:
-    """What a run may differ by from the exact motion of a case, at each point.
+    """What a run of a case is compared with at each point.
 
     Attributes
     ----------
     exact
         The exact motion.
-    of_largest
-        What a run may be off, as a part of the largest value of the same kind.
     agreed
         Whether what our interface merely agreed on is judged too.
     """
 
     exact: Exact
-    of_largest: float = 0.0
     agreed: bool = False
 
     def judged(self, quantity: str) -> Mask:
@@ -48,13 +44,6 @@ class Band:
         for output in QUANTITIES[quantity].needs:
             found = found & self._meant(output)
         return np.asarray(found)
-
-    def allowed(self, quantity: str) -> Series:
-        """Return what a quantity may be off at each point, in its unit."""
-        expected = self._samples(quantity, self.exact.record)
-        if QUANTITIES[quantity].discrete:
-            return np.zeros_like(expected)
-        return np.full_like(expected, self.of_largest * self.largest(quantity))
 
     def pair(self, quantity: str, run: Run, read: NDArray[np.intp]) -> tuple[Series, Series]:
         """Return a quantity in the exact motion and in a run, at the points that the run has.
@@ -147,8 +136,3 @@ class Band:
         first = self.exact.events[0] if self.exact.events else None
         at_once = first is not None and first.time == 0.0
         return at_once or self.exact.start["x_dot_start"] != 0.0
-
-
-def of_any_sequence(exact: Exact) -> Band:
-    """Return the band of the exact block under any sequence of inputs."""
-    return Band(exact, DISTURBED, agreed=True)

@@ -1,65 +1,39 @@
-"""Judgement of one check of a case: its places in the run, its values and their error.
+"""Comparisons: of a side with the truth, with an invariant, with another run; each is a result.
 
-`Contract` says which tolerances a side is held to, and which classes of checks decide its verdict.
+None raises for what a side did: a missing output, a NaN or an infinity is a failed check with its
+reason. An output that a foreign FMU does not have makes the check not applicable.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip_verification.drive import convergence
+from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
-from stickslip_verification.judge.band import Band
+from stickslip_verification.judge.band import Band, Mask
+from stickslip_verification.judge.contract import Contract
+from stickslip_verification.judge.metrics import METRICS, Course, MissingOutputError, Residual
 from stickslip_verification.model.formulas import FORMULAS
-from stickslip_verification.model.quantities import QUANTITIES
+from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.model.run import Run, Series
-from stickslip_verification.model.verdict import CheckResult, Klass, Measure
+from stickslip_verification.model.verdict import CheckResult, Klass, Measure, ObservedOrder
 from stickslip_verification.suite.cases import At, Case, Check
+from stickslip_verification.suite.invariants import (
+    Agreement,
+    Invariant,
+    Order,
+    Probe,
+    ResidualInvariant,
+    RunInvariant,
+)
+from stickslip_verification.suite.tolerances import DISTURBED
 
-
-@dataclass(frozen=True)
-class Contract:
-    """How a side is judged.
-
-    Attributes
-    ----------
-    side
-        fmu or reference.
-    interface
-        Whether it promises the interface, so that its own start values are tried, and a missing
-        output is a failure and not a feature that it lacks.
-    exact
-        Whether it is held to the tolerances of the exact block, or to those of a numerical
-        solution.
-    contract
-        Whether contract checks decide.
-    """
-
-    side: str
-    interface: bool = True
-    exact: bool = True
-    contract: bool = True
-
-    @property
-    def column(self) -> str:
-        """Whose tolerance it is held to: fmu or reference."""
-        return "fmu" if self.exact else "reference"
-
-    def decides(self, klass: str) -> bool:
-        """Whether a failure in a check of this class fails the verdict."""
-        return klass == Klass.PHYSICS or self.contract
-
-    @property
-    def numerical(self) -> bool:
-        """Whether an FMU is judged as a numerical solution, see `run.numerical`."""
-        return self.side == "fmu" and not self.exact
-
-
-EXACT_CONTRACT = Contract("fmu")
-REFERENCE_CONTRACT = Contract("reference", exact=False)
-PHYSICS_CONTRACT = Contract("fmu", interface=False, exact=False, contract=False)
-STRICT_CONTRACT = Contract("fmu", interface=False)
+ROUNDED = 1e-11
+"""Rounding of a run, as a part of the largest value, where forces or times are scaled."""
 
 
 class CheckError(ValueError):
@@ -70,13 +44,83 @@ class LackingError(CheckError):
     """A side does not have an output that a check needs."""
 
 
+def of_invariant(
+    invariant: Invariant, case: Case | str, contract: Contract, **values: Any
+) -> CheckResult:
+    """Return the result of an invariant before anything was compared.
+
+    In a case of class contract every check is itself of that class, where the case is passed and
+    not its id alone.
+    """
+    klass = invariant.klass
+    if isinstance(case, Case):
+        klass, case = Klass.CONTRACT if case.klass == Klass.CONTRACT else klass, case.id
+    settled: dict[str, Any] = {
+        "case": case,
+        "check": invariant.id,
+        "truth": invariant.kind,
+        "side": contract.side,
+        "klass": klass,
+        "decides": contract.contract or klass == Klass.PHYSICS,
+    }
+    return CheckResult(**settled | values)
+
+
+def of_check(case: Case, check: Check, contract: Contract) -> CheckResult:
+    """Return the result of a check of a case before anything was compared."""
+    return CheckResult(
+        case=case.id,
+        check=check.id,
+        quantity=check.quantity,
+        unit=check.unit,
+        truth=check.truth.kind,
+        side=contract.side,
+        tolerance=check.tolerance[contract.column],
+        because=check.because[contract.column],
+        klass=case.klass,
+        measure=check.measure,
+        decides=contract.contract or case.klass == Klass.PHYSICS,
+    )
+
+
+def compared(
+    empty: CheckResult, expected: float, got: float, error: float, **values: Any
+) -> CheckResult:
+    """Return the result of a comparison."""
+    return replace(
+        empty,
+        expected=float(expected),
+        got=float(got),
+        error=float(error),
+        passed=bool(error <= empty.tolerance),
+        **values,
+    )
+
+
+def _lacking(
+    empty: CheckResult, contract: Contract, error: Exception, **values: Any
+) -> CheckResult:
+    if isinstance(error, LackingError) and not contract.interface:
+        return replace(empty, not_applicable=f"it has {error}", **values)
+    return replace(empty, failure=str(error), **values)
+
+
+def _without(empty: CheckResult, answer: Answer[Any]) -> CheckResult:
+    return replace(empty, failure=answer.failure, not_applicable=answer.not_applicable)
+
+
+def _last_worst(found: Series) -> int:
+    """Return the index of the largest error; of equal errors (all 0, say) the last one."""
+    return len(found) - 1 - int(np.argmax(found[::-1]))
+
+
 def places(at: At, exact: Exact) -> list[int]:
     """Find the communication points that a check looks at, as indices, on the exact motion.
 
     Raises
     ------
     CheckError
-        The exact motion has no communication point in the wanted stick or after the wanted event.
+        The exact motion has no communication point in that stick or after that event.
     """
     record = exact.record
     count = len(record.times)
@@ -86,10 +130,9 @@ def places(at: At, exact: Exact) -> list[int]:
         return list(range(count))
     if at.kind == "cycle":
         in_stick = (record.outputs["n_slips"] == at.number) & (record.outputs["mode"] == 0)
-        found = np.flatnonzero(in_stick)
-        if not len(found):
+        if not in_stick.any():
             raise CheckError(f"no communication point in the stick after slip {at.number}")
-        return [int(found[0])]
+        return [int(np.argmax(in_stick))]
     events = exact.event_times
     if at.number > len(events):
         raise CheckError(f"the motion has {len(events)} events, not {at.number}")
@@ -123,12 +166,7 @@ def extract(quantity: str, record: Run, start: Mapping[str, float]) -> Series:
 def errors(measure: str, got: Series, expected: Series, scale: float) -> Series:
     """Error at each place by the measure; NaN where a value is NaN, infinity for x/0 with x != 0.
 
-    Parameters
-    ----------
-    measure
-        relative (divides by ``|expected|``), of_scale (divides by `scale`) or absolute.
-    scale
-        Largest magnitude of the quantity in the exact motion, in its unit.
+    `scale` is the largest magnitude of the quantity in the exact motion, in its unit.
     """
     difference = np.abs(got - expected)
     if measure == Measure.ABSOLUTE:
@@ -138,25 +176,15 @@ def errors(measure: str, got: Series, expected: Series, scale: float) -> Series:
         return np.where(difference == 0.0, 0.0, difference / size)
 
 
-def judge(
-    case: Case,
-    check: Check,
-    contract: Contract,
-    exact: Exact,
-    record: Run,
-    band: Band | None = None,
-) -> CheckResult:
-    """Compare one side's record with the truth of one check, given a `band` within that band.
-
-    Never raises for what a side did: a missing output, a NaN or an infinity is a failed check
-    with its reason. An output that a foreign FMU does not have makes the check not applicable.
-    """
-    empty = blank(case, check, contract)
+def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Run) -> CheckResult:
+    """Compare one side's record with the truth of one check."""
+    empty = of_check(case, check, contract)
     try:
         chosen = places(check.at, exact)
-        truth_samples = extract(check.quantity, exact.record, exact.start)
-        expected = _expected(check, exact, truth_samples, chosen)
-        scale = float(np.max(np.abs(truth_samples)))
+        samples = extract(check.quantity, exact.record, exact.start)
+        expected, scale = samples[chosen], float(np.max(np.abs(samples)))
+        if check.truth.formula is not None:
+            expected = np.full(len(chosen), float(FORMULAS[check.truth.formula](exact.start)))
     except Exception as error:
         return replace(empty, failure=f"the truth cannot be computed: {error}")
     if not np.all(np.isfinite(expected)):
@@ -164,7 +192,7 @@ def judge(
     try:
         got = extract(check.quantity, record, exact.start)[chosen]
     except (CheckError, IndexError) as error:
-        return without_value(empty, contract, error, float(expected[-1]))
+        return _lacking(empty, contract, error, expected=float(expected[-1]))
     found = errors(check.measure, got, expected, scale)
     broken = np.flatnonzero(~np.isfinite(got) | ~np.isfinite(found))
     if len(broken):
@@ -172,38 +200,30 @@ def judge(
         time = float(exact.record.times[chosen[first]])
         reason = f"{check.quantity} is {got[first]} at t = {time:.6g} s"
         return replace(empty, failure=reason, expected=float(expected[first]))
-    worst = last_worst(found)
-    return replace(
-        empty,
-        expected=float(expected[worst]),
-        got=float(got[worst]),
-        error=float(found[worst]),
-        passed=bool(found[worst] <= empty.tolerance),
-    )
+    worst = _last_worst(found)
+    return compared(empty, expected[worst], got[worst], found[worst])
 
 
-def judge_in_band(
-    empty: CheckResult,
-    quantities: Sequence[str],
-    contract: Contract,
-    band: Band,
-    record: Run,
+def judge_sequence(
+    empty: CheckResult, contract: Contract, exact: Exact, record: Run
 ) -> CheckResult:
-    """Judge whether quantities of a run stay in a band; the result shows the worst of them.
+    """Judge whether every output of an exact block stays in its band under any inputs.
 
-    ``record`` may hold some of the points of the exact motion only. What the run lacks is not
-    judged; the result is not applicable where nothing is left.
+    The result shows the worst of them. ``record`` may hold some of the points of the exact motion
+    only. What the run lacks is not judged; the result is not applicable where nothing is left.
     """
+    band = Band(exact, agreed=True)
     because = "the bound for any input sequence, of the largest value of its kind"
-    empty = replace(empty, measure=Measure.ABSOLUTE, because=because)
-    try:
-        read = _places_of(record, band.exact.record)
-    except CheckError as error:
-        return replace(empty, failure=str(error))
-    worst, nearest, lacking = None, -1.0, []
-    for quantity in quantities:
+    empty = replace(empty, because=because)
+    times = exact.record.times
+    read = np.minimum(np.searchsorted(times, record.times), times.size - 1)
+    if not np.array_equal(times[read], record.times) or len(set(read)) < len(read):
+        reason = f"{record.times.size} samples at other points than the case has"
+        return replace(empty, failure=reason)
+    results, lacking = [], []
+    for quantity in OUTPUT_NAMES:
         try:
-            extract(quantity, record, band.exact.start)
+            extract(quantity, record, exact.start)
         except LackingError as error:
             lacking.append(error)
             continue
@@ -217,77 +237,262 @@ def judge_in_band(
             return replace(empty, failure=f"{quantity} is {got[broken[0]]} at t = {time:.6g} s")
         if not where.any():
             continue
-        allowed = band.allowed(quantity)[read][where]
+        scale = 0.0 if QUANTITIES[quantity].discrete else band.largest(quantity)
+        allowed = DISTURBED * scale
         found = np.abs(got[where] - expected[where])
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = np.where(found == 0.0, 0.0, found / allowed)
-        place = last_worst(ratios)
-        if ratios[place] > nearest:
-            nearest = float(ratios[place])
-            scale = 0.0 if QUANTITIES[quantity].discrete else band.largest(quantity)
-            worst = replace(
-                empty,
-                quantity=quantity,
-                unit=QUANTITIES[quantity].unit,
-                measure=Measure.OF_SCALE if scale else Measure.ABSOLUTE,
-                expected=float(expected[where][place]),
-                got=float(got[where][place]),
-                error=float(found[place]) / (scale or 1.0),
-                tolerance=float(allowed[place]) / (scale or 1.0),
-                passed=nearest <= 1.0,
-            )
-    if worst is not None:
-        return worst
+        place = _last_worst(ratios)
+        result = compared(
+            replace(empty, tolerance=allowed / (scale or 1.0)),
+            expected[where][place],
+            got[where][place],
+            float(found[place]) / (scale or 1.0),
+            quantity=quantity,
+            unit=QUANTITIES[quantity].unit,
+            measure=Measure.OF_SCALE if scale else Measure.ABSOLUTE,
+        )
+        results.append((ratios[place], replace(result, passed=bool(ratios[place] <= 1.0))))
+    if results:
+        return max(results, key=lambda each: each[0])[1]
     if lacking:
-        return without_value(empty, contract, lacking[0])
+        return _lacking(empty, contract, lacking[0])
     return replace(empty, not_applicable="it was only agreed on")
 
 
-def _places_of(record: Run, exact: Run) -> NDArray[np.intp]:
-    """Return where the points of a record are among those of the exact motion."""
-    at = np.minimum(np.searchsorted(exact.times, record.times), exact.times.size - 1)
-    if not np.array_equal(exact.times[at], record.times) or len(set(at)) < len(at):
-        raise CheckError(f"{record.times.size} samples at other points than the case has")
-    return at
+def applies(invariant: ResidualInvariant, case: Case, exact: Exact) -> bool:
+    """Whether the exact motion has a place that the invariant is about."""
+    return bool(np.any(_residual(invariant, case, exact, exact.record).where))
 
 
-def last_worst(found: Series) -> int:
-    """Return the index of the largest error; of equal errors (all 0, say) the last one."""
-    return len(found) - 1 - int(np.argmax(found[::-1]))
+def _residual(invariant: ResidualInvariant, case: Case, exact: Exact, record: Run) -> Residual:
+    course = Course(case, record, exact.record, np.array(exact.event_times))
+    with np.errstate(all="ignore"):
+        return METRICS[invariant.metric](course)
 
 
-def blank(case: Case, check: Check, contract: Contract) -> CheckResult:
-    """Return the result of a check of a case before anything was compared."""
-    return CheckResult(
-        case=case.id,
-        check=check.id,
-        quantity=check.quantity,
-        unit=check.unit,
-        truth=check.truth.kind,
-        side=contract.side,
-        expected=None,
-        got=None,
-        error=None,
-        tolerance=check.tolerance[contract.column],
-        because=check.because[contract.column],
-        passed=False,
-        klass=case.klass,
-        measure=check.measure,
-        decides=contract.decides(case.klass),
-    )
-
-
-def without_value(
-    empty: CheckResult, contract: Contract, error: Exception, expected: float | None = None
+def judge_residual(
+    invariant: ResidualInvariant,
+    case: Case,
+    contract: Contract,
+    exact: Exact,
+    record: Run,
 ) -> CheckResult:
-    """Return the result where the side has no value to compare: not applicable, or a failure."""
-    if isinstance(error, LackingError) and not contract.interface:
-        return replace(empty, not_applicable=f"it has {error}", expected=expected)
-    return replace(empty, failure=str(error), expected=expected)
+    """Judge what an invariant leaves over in one side's run of a case.
+
+    A run in which the invariant finds no place although the exact motion has one is a failure.
+    """
+    empty = of_invariant(
+        invariant,
+        case,
+        contract,
+        quantity=invariant.quantity,
+        measure=Measure.OF_SCALE,
+        tolerance=invariant.tolerance[contract.column],
+        because=invariant.because[contract.column],
+        expected=0.0,
+    )
+    try:
+        residual = _residual(invariant, case, exact, record)
+        found = residual.errors
+    except MissingOutputError as error:
+        return _lacking(empty, contract, LackingError(f"no output {error}"))
+    except (ValueError, IndexError) as error:
+        return replace(empty, failure=f"the samples do not fit together: {error}")
+    empty = replace(empty, unit=residual.unit)
+    where = np.flatnonzero(residual.where)
+    if not len(where):
+        return replace(empty, failure="the run has no such place; the exact motion has")
+    broken = np.flatnonzero(~np.isfinite(found))
+    if len(broken):
+        place = int(where[broken[0]])
+        left, time = float(residual.values[place]), float(record.times[place])
+        nothing = ", where the exact motion has nothing" if math.isfinite(left) else ""
+        return replace(empty, failure=f"it is {left!r} at t = {time:.6g} s{nothing}")
+    worst = _last_worst(found)
+    return compared(empty, 0.0, residual.values[where[worst]], found[worst])
 
 
-def _expected(check: Check, exact: Exact, truth_samples: Series, chosen: Sequence[int]) -> Series:
-    if check.truth.formula is None:
-        return truth_samples[list(chosen)]
-    value = FORMULAS[check.truth.formula].evaluate(exact.start)
-    return np.full(len(chosen), float(value))
+def agreeing(invariant: Agreement, case: Case) -> Check | None:
+    """Find the check of a case whose tolerances say how far FMU and reference may differ."""
+    for check in case.checks:
+        everywhere = check.at.kind == "every_point" and check.truth.formula is None
+        if check.quantity == invariant.quantity and everywhere:
+            return check
+    return None
+
+
+def judge_agreement(
+    invariant: Agreement,
+    case: Case,
+    check: Check,
+    contract: Contract,
+    exact: Answer[Exact],
+    fmu: Answer[Run],
+    reference: Answer[Run],
+) -> CheckResult:
+    """Compare FMU and reference, within what `check` of the case allows both."""
+    allowed = [
+        (check.tolerance[each], check.because[each]) for each in (contract.column, "reference")
+    ]
+    empty = of_invariant(
+        invariant,
+        case,
+        contract,
+        side="both",
+        quantity=invariant.quantity,
+        unit=check.unit,
+        measure=check.measure,
+        tolerance=allowed[0][0] + allowed[1][0],
+        because="the sum of what the case allows each of them: "
+        + "; ".join(because for _, because in allowed),
+    )
+    if fmu.value is None or reference.value is None or exact.value is None:
+        lacking = next(each for each in (fmu, reference, exact) if each.value is None)
+        return replace(empty, not_applicable=lacking.not_applicable or "one of the runs failed")
+    try:
+        expected, got, motion = (
+            extract(invariant.quantity, run, exact.value.start)
+            for run in (reference.value, fmu.value, exact.value.record)
+        )
+    except CheckError as error:
+        return _lacking(empty, contract, error)
+    found = errors(check.measure, got, expected, float(np.max(np.abs(motion))))
+    if not np.all(np.isfinite(found)):
+        return replace(empty, failure=f"{invariant.quantity} is no finite number on one side")
+    worst = _last_worst(found)
+    return compared(empty, expected[worst], got[worst], found[worst])
+
+
+def judge_order(
+    invariant: Order,
+    case: Case | str,
+    contract: Contract,
+    seen: Answer[ObservedOrder],
+) -> Iterator[CheckResult]:
+    """Judge an observed order, and whether it was observed in the asymptotic range."""
+    for name, expected, tolerance in (
+        ("order", invariant.order, invariant.tolerance),
+        ("halves", 0.0, invariant.halves),
+    ):
+        halves = name == "halves"
+        row = of_invariant(
+            invariant,
+            case,
+            contract,
+            check=invariant.id + ("-asymptotic" if halves else ""),
+            quantity=f"order in {invariant.quantity}"
+            + (", coarser less finer half" if halves else ""),
+            expected=expected,
+            tolerance=tolerance,
+            because=invariant.because[name],
+        )
+        order = seen.value
+        if order is None:
+            yield replace(row, failure=seen.failure)
+            continue
+        slope = convergence.slope(list(order.tolerances), list(order.errors))
+        got = convergence.halves(order) if halves else slope
+        if np.isfinite(got):
+            yield compared(row, expected, got, abs(got - expected))
+        else:
+            yield replace(row, failure="an error is zero or no finite number")
+
+
+def judge_probe(invariant: Probe, contract: Contract, answer: Answer[list[str]]) -> CheckResult:
+    """Judge the complaints of a probe."""
+    empty = of_invariant(
+        invariant,
+        "",
+        contract,
+        quantity="complaints",
+        because="the interface is kept or it is not",
+        expected=0.0,
+    )
+    if answer.value is None:
+        return _without(empty, answer)
+    count = len(answer.value)
+    return compared(empty, 0.0, count, count, failure="; ".join(answer.value) or None)
+
+
+def judge_run(
+    invariant: RunInvariant,
+    case: Case,
+    contract: Contract,
+    exact: Exact,
+    plain: Run,
+    other: Answer[Run],
+) -> CheckResult:
+    """Judge whether another run of the FMU gave the motion of the plain one, the start included."""
+    empty = of_invariant(
+        invariant,
+        case,
+        contract,
+        quantity="every output",
+        measure=Measure.ABSOLUTE if invariant.tolerance is None else Measure.OF_SCALE,
+        tolerance=invariant.tolerance or 0.0,
+        because=invariant.because,
+    )
+    if other.value is None:
+        return _without(empty, other)
+    first, second = _with_start(plain), _with_start(other.value)
+    if {n: s.shape for n, s in first.items()} != {n: s.shape for n, s in second.items()}:
+        return replace(empty, failure="the runs have other outputs, or other numbers of samples")
+    if invariant.tolerance is None:
+        differing = {name: int(np.sum(~_equal(first[name], second[name]))) for name in first}
+        total = sum(differing.values())
+        named = next((f", {name} first" for name, count in differing.items() if count), "")
+        return compared(empty, 0.0, total, total, quantity=f"values that differ{named}")
+    course = Course(case, plain, exact.record, np.array(exact.event_times))
+    return _same_motion(empty, first, second, {name: course.scale_of(name) for name in first})
+
+
+def same_run(empty: CheckResult, plain: Run, other: Run, band: Band) -> CheckResult:
+    """Judge whether another run of a numerical solution equals the plain one, but for rounding.
+
+    ``other`` may hold some of the points and outputs only.
+    """
+    read = np.flatnonzero(np.isin(plain.times, other.times))
+    empty = replace(empty, tolerance=ROUNDED, because="it is the same run but for rounding")
+    if read.size != other.times.size or not set(other.outputs) <= set(plain.outputs):
+        return replace(empty, failure="the runs have other outputs, or other points")
+    judged = {name: band.judged(name)[read] for name in other.outputs}
+    names = [name for name, where in judged.items() if where.any()]
+    first = {name: plain.outputs[name][read][judged[name]] for name in names}
+    second = {name: other.outputs[name][judged[name]] for name in names}
+    scales = {name: band.largest(name) or 1.0 for name in first}
+    return _same_motion(replace(empty, measure=Measure.OF_SCALE), first, second, scales)
+
+
+def _with_start(record: Run) -> dict[str, Series]:
+    """Return the samples of each output, that after initialization first."""
+    return {
+        name: np.concatenate(([record.initial[name]], record.outputs[name]))
+        for name in OUTPUT_NAMES
+        if name in record.outputs
+    }
+
+
+def _same_motion(
+    empty: CheckResult,
+    plain: Mapping[str, Series],
+    other: Mapping[str, Series],
+    scales: Mapping[str, float],
+) -> CheckResult:
+    results = []
+    for name, expected in plain.items():
+        got, quantity = other[name], QUANTITIES[name]
+        measure = Measure.ABSOLUTE if quantity.discrete else Measure.OF_SCALE
+        found = errors(measure, got, expected, scales[name])
+        if not np.all(np.isfinite(found)):
+            reason = f"{name} is no finite number in one of them"
+            return replace(empty, quantity=name, failure=reason)
+        place = _last_worst(found)
+        named = replace(empty, quantity=name, unit=quantity.unit)
+        results.append(compared(named, expected[place], got[place], found[place]))
+    nothing = replace(empty, error=0.0, passed=True)
+    return max(results, key=lambda each: each.error or 0.0, default=nothing)
+
+
+def _equal(a: Series, b: Series) -> Mask:
+    return np.asarray((a == b) | (np.isnan(a) & np.isnan(b)))

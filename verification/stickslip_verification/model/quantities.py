@@ -47,44 +47,45 @@ class Quantity:
     directed: bool = False
 
 
-def _output(name: str, unit: str, equation: int, meaning: str, **traits: bool) -> Quantity:
-    return Quantity(
-        name, unit, equation, meaning, (name,), lambda columns, _: columns[name], **traits
+def _column(name: str) -> Callable[[Columns, Parameters], Series]:
+    return lambda columns, _: columns[name]
+
+
+OUTPUTS: tuple[Quantity, ...] = tuple(
+    Quantity(
+        name,
+        unit,
+        equation,
+        meaning,
+        (name,),
+        _column(name),
+        "discrete" in traits,
+        "directed" in traits,
     )
-
-
-OUTPUTS: tuple[Quantity, ...] = (
-    _output("x", "m", 3, "position of the mass", directed=True),
-    _output("x_dot", "m/s", 3, "velocity of the mass", directed=True),
-    _output("x_pull", "m", 1, "position of the pulled end", directed=True),
-    _output("z", "m", 3, "spring extension", directed=True),
-    _output("F", "N", 1, "spring force", directed=True),
-    _output("F_friction", "N", 1, "friction and damping force on the mass", directed=True),
-    _output("F_s", "N", 6, "break-away force"),
-    _output("sticking", "1", 4, "whether the mass sticks", discrete=True),
-    _output(
-        "mode",
-        "1",
-        4,
-        "-1 slips backward, 0 sticks, +1 slips forward",
-        discrete=True,
-        directed=True,
-    ),
-    _output("delta_x", "m", 16, "displacement in the last completed slip", directed=True),
-    _output(
-        "spring_drop", "m", 16, "relief of the spring over the last completed slip", directed=True
-    ),
-    _output("t_stick", "s", 16, "length of the last completed stick"),
-    _output("t_slip", "s", 16, "length of the last completed slip"),
-    _output("T", "s", 16, "time between the last two break-aways"),
-    _output("f", "Hz", 16, "reciprocal of T"),
-    _output("x_dot_peak", "m/s", 16, "extreme velocity of the last completed slip", directed=True),
-    _output("n_slips", "1", 16, "number of completed slips", discrete=True),
-    _output("t_event", "s", 5, "time of the last transition"),
-    _output("W_pull", "J", 15, "work done by the pulling end"),
-    _output("W_k", "J", 15, "energy put in by changing the stiffness"),
-    _output("Q_friction", "J", 15, "heat made by friction and damping"),
-    _output("mu_k_used", "1", 1, "kinetic friction coefficient after the clamp"),
+    for name, unit, equation, meaning, *traits in (
+        ("x", "m", 3, "position of the mass", "directed"),
+        ("x_dot", "m/s", 3, "velocity of the mass", "directed"),
+        ("x_pull", "m", 1, "position of the pulled end", "directed"),
+        ("z", "m", 3, "spring extension", "directed"),
+        ("F", "N", 1, "spring force", "directed"),
+        ("F_friction", "N", 1, "friction and damping force on the mass", "directed"),
+        ("F_s", "N", 6, "break-away force"),
+        ("sticking", "1", 4, "whether the mass sticks", "discrete"),
+        ("mode", "1", 4, "-1 slips backward, 0 sticks, +1 slips forward", "discrete", "directed"),
+        ("delta_x", "m", 16, "displacement in the last completed slip", "directed"),
+        ("spring_drop", "m", 16, "relief of the spring over the last completed slip", "directed"),
+        ("t_stick", "s", 16, "length of the last completed stick"),
+        ("t_slip", "s", 16, "length of the last completed slip"),
+        ("T", "s", 16, "time between the last two break-aways"),
+        ("f", "Hz", 16, "reciprocal of T"),
+        ("x_dot_peak", "m/s", 16, "extreme velocity of the last completed slip", "directed"),
+        ("n_slips", "1", 16, "number of completed slips", "discrete"),
+        ("t_event", "s", 5, "time of the last transition"),
+        ("W_pull", "J", 15, "work done by the pulling end"),
+        ("W_k", "J", 15, "energy put in by changing the stiffness"),
+        ("Q_friction", "J", 15, "heat made by friction and damping"),
+        ("mu_k_used", "1", 1, "kinetic friction coefficient after the clamp"),
+    )
 )
 
 OUTPUT_NAMES: tuple[str, ...] = tuple(quantity.name for quantity in OUTPUTS)
@@ -99,30 +100,9 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
 """Outputs that a case can name together; the others follow from these by an invariant each."""
 
 
-def _jump_beyond_simplified(columns: Columns, start: Parameters) -> Series:
-    return columns["delta_x"] - float(formulas.spring_relief(start))
-
-
-def _slip_beyond_half_period(columns: Columns, start: Parameters) -> Series:
-    return columns["t_slip"] - float(formulas.half_period(start))
-
-
-def _slip_short_of_full_period(columns: Columns, start: Parameters) -> Series:
-    return 2.0 * float(formulas.half_period(start)) - columns["t_slip"]
-
-
-def _load_up_over_stick(columns: Columns, start: Parameters) -> Series:
+def _divided(above: Series | float, below: Series) -> Series:
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.divide(float(formulas.first_load_up(start)), columns["t_stick"])
-
-
-def _heat_per_travel(columns: Columns, start: Parameters) -> Series:
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.divide(columns["Q_friction"], np.abs(columns["x"] - start["x_start"]))
-
-
-def _period_beyond_phases(columns: Columns, start: Parameters) -> Series:
-    return columns["T"] - columns["t_stick"] - columns["t_slip"]
+        return np.divide(above, below)
 
 
 DERIVED: tuple[Quantity, ...] = (
@@ -132,7 +112,7 @@ DERIVED: tuple[Quantity, ...] = (
         12,
         "delta_x less the designers' 2 (mu_s - mu_k) N/k: the error of that formula",
         ("delta_x",),
-        _jump_beyond_simplified,
+        lambda columns, start: columns["delta_x"] - float(formulas.spring_relief(start)),
     ),
     Quantity(
         "slip_beyond_half_period",
@@ -140,7 +120,7 @@ DERIVED: tuple[Quantity, ...] = (
         12,
         "t_slip less the designers' pi/w: the error of that formula",
         ("t_slip",),
-        _slip_beyond_half_period,
+        lambda columns, start: columns["t_slip"] - float(formulas.half_period(start)),
     ),
     Quantity(
         "slip_short_of_full_period",
@@ -148,7 +128,7 @@ DERIVED: tuple[Quantity, ...] = (
         12,
         "2 pi/w less t_slip, which goes to 0 as the pull gets fast",
         ("t_slip",),
-        _slip_short_of_full_period,
+        lambda columns, start: 2.0 * float(formulas.half_period(start)) - columns["t_slip"],
     ),
     Quantity(
         "load_up_over_stick",
@@ -156,7 +136,7 @@ DERIVED: tuple[Quantity, ...] = (
         12,
         "the designers' mu_s N/(k v) over t_stick: by how much that formula is too long",
         ("t_stick",),
-        _load_up_over_stick,
+        lambda columns, start: _divided(float(formulas.first_load_up(start)), columns["t_stick"]),
     ),
     Quantity(
         "heat_per_travel",
@@ -164,7 +144,9 @@ DERIVED: tuple[Quantity, ...] = (
         15,
         "Q_friction over the way the mass has gone since the start, always in one direction",
         ("Q_friction", "x"),
-        _heat_per_travel,
+        lambda columns, start: _divided(
+            columns["Q_friction"], np.abs(columns["x"] - start["x_start"])
+        ),
     ),
     Quantity(
         "period_beyond_phases",
@@ -172,7 +154,7 @@ DERIVED: tuple[Quantity, ...] = (
         16,
         "T less t_stick and t_slip, once both belong to the same cycle",
         ("T", "t_stick", "t_slip"),
-        _period_beyond_phases,
+        lambda columns, _: columns["T"] - columns["t_stick"] - columns["t_slip"],
     ),
 )
 

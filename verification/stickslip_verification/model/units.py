@@ -126,33 +126,22 @@ def spelled(text: str, *, all_below: bool = False) -> Unit | None:
         if not above:
             return None
     for part, side in parts:
-        found = _factor(part)
-        if found is None:
+        match = _FACTOR.fullmatch(part)
+        base = _base(match["symbol"]) if match else None
+        if match is None or base is None:
             return None
-        size, exponents, power = found
-        factor *= size ** (side * power)
-        dimension = _added(dimension, exponents, side * power)
+        times = side * int(match["power"] or _RAISED.get(match["raised"], 1))
+        factor *= base[0] ** times
+        a, b, c, d, e, f, g, h = (p + times * q for p, q in zip(dimension, base[1], strict=True))
+        dimension = a, b, c, d, e, f, g, h
     return Unit(factor, Fraction(0), dimension)
 
 
-def _factor(text: str) -> tuple[Fraction, Dimension, int] | None:
-    match = _FACTOR.fullmatch(text)
-    if match is None:
-        return None
-    symbol, power = match["symbol"], int(match["power"] or _RAISED.get(match["raised"], 1))
-    if symbol in UNITS_ALONE:
-        return *UNITS_ALONE[symbol], power
-    if symbol in UNITS_WITH_PREFIX:
-        return *UNITS_WITH_PREFIX[symbol], power
-    if symbol[0] in UNIT_PREFIXES and symbol[1:] in UNITS_WITH_PREFIX:
-        size, dimension = UNITS_WITH_PREFIX[symbol[1:]]
-        return UNIT_PREFIXES[symbol[0]] * size, dimension, power
-    return None
-
-
-def _added(one: Dimension, other: Dimension, times: int) -> Dimension:
-    a, b, c, d, e, f, g, h = (p + times * q for p, q in zip(one, other, strict=True))
-    return a, b, c, d, e, f, g, h
+def _base(symbol: str) -> tuple[Fraction, Dimension] | None:
+    """Return factor and dimension of a symbol, with its prefix."""
+    prefix, rest = UNIT_PREFIXES.get(symbol[0]), UNITS_WITH_PREFIX.get(symbol[1:])
+    alone = UNITS_ALONE.get(symbol) or UNITS_WITH_PREFIX.get(symbol)
+    return alone or (None if prefix is None or rest is None else (prefix * rest[0], rest[1]))
 
 
 def defined(factor: float, offset: float, dimension: Dimension) -> Unit | None:

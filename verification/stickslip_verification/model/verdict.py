@@ -44,7 +44,7 @@ class Outcome(StrEnum):
     NOT_APPLICABLE = "not applicable"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CheckResult:
     """One check on one side.
 
@@ -55,10 +55,8 @@ class CheckResult:
     quantity, unit
         What was compared; ``expected`` and ``got`` are in ``unit``, at the worst place where a
         check looks at many.
-    truth
-        Kind of truth.
     side
-        fmu, reference, or both where one is held against the other.
+        fmu, reference, or both where the two are compared.
     error, tolerance
         In the measure of the check. ``got`` and ``error`` are None where the side gave nothing
         that can be compared; ``failure`` then says why, else it is None.
@@ -66,10 +64,6 @@ class CheckResult:
         Where the tolerance comes from.
     passed
         Whether the error is within the tolerance; False where the check does not apply.
-    klass
-        physics or contract.
-    measure
-        relative, of_scale or absolute.
     decides
         Whether a failure fails the verdict.
     not_applicable
@@ -78,16 +72,16 @@ class CheckResult:
 
     case: str
     check: str
-    quantity: str
-    unit: str
+    quantity: str = ""
+    unit: str = "1"
     truth: Kind
     side: str
-    expected: float | None
-    got: float | None
-    error: float | None
-    tolerance: float
-    because: str
-    passed: bool
+    expected: float | None = None
+    got: float | None = None
+    error: float | None = None
+    tolerance: float = 0.0
+    because: str = ""
+    passed: bool = False
     failure: str | None = None
     klass: Klass = Klass.PHYSICS
     measure: Measure = Measure.ABSOLUTE
@@ -159,9 +153,9 @@ class ObservedOrder:
 class Detection:
     """What became of one planted fault.
 
-    ``wanted`` are the checks that its description names in advance; ``failing`` gives, per check
-    that failed, in how many cases. ``caught`` tells whether a wanted one is among them. ``broken``
-    says why the mutant could not be judged, or is None.
+    ``wanted`` are the checks that its description names in advance, ``caught`` tells whether one of
+    them failed; ``failing`` gives, per check that failed, in how many cases. ``broken`` says why
+    the mutant could not be judged, or is None.
     """
 
     mutant: str
@@ -207,26 +201,10 @@ class Question:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of the report, in a section of its own.
+    """A table of the report, in a section of its own: a heading, a sentence above, a text below it.
 
-    Attributes
-    ----------
-    title
-        Heading of the section.
-    about
-        One sentence above the table.
-    head
-        Headings of the columns.
-    rows
-        Cells; the first of a row names it. A number is written as such, with its unit in the
-        heading; a cell without a count holds the reason as text.
-    note
-        Text below the table, or "".
-
-    Raises
-    ------
-    ValueError
-        A row has more or fewer cells than the head.
+    The first cell of a row names it. A number is written as such, with its unit in the heading; a
+    cell without a count holds the reason as text.
     """
 
     title: str
@@ -234,15 +212,6 @@ class Table:
     head: Sequence[str]
     rows: Sequence[Sequence[str | int | float]]
     note: str = ""
-
-    def __post_init__(self) -> None:
-        """Refuse a row that does not fit the head."""
-        for row in self.rows:
-            if len(row) != len(self.head):
-                raise ValueError(
-                    f"table {self.title!r}: row {row[:1]} has {len(row)} cells, "
-                    f"the head {len(self.head)}"
-                )
 
 
 @dataclass(frozen=True)
@@ -293,16 +262,14 @@ class Verdict:
     @property
     def cases(self) -> list[str]:
         """Ids of the cases, random sequences and the FMU as a whole left out, as they ran."""
-        return [case for case in self._named if not case.startswith(SEQUENCE)]
+        named = dict.fromkeys(result.case for result in self.checks)
+        return [case for case in named if case and not case.startswith(SEQUENCE)]
 
     @property
     def sequences(self) -> list[str]:
         """Ids of the random sequences, as they ran."""
-        return [case for case in self._named if case.startswith(SEQUENCE)]
-
-    @property
-    def _named(self) -> list[str]:
-        return [case for case in dict.fromkeys(r.case for r in self.checks) if case]
+        named = dict.fromkeys(result.case for result in self.checks)
+        return [case for case in named if case.startswith(SEQUENCE)]
 
     @property
     def proven(self) -> bool:
@@ -337,9 +304,12 @@ class Verdict:
 def count(results: Sequence[CheckResult]) -> dict[str, int]:
     """Count results by verdict: passed, failed, noted, not_applicable."""
     verdicts = [result.verdict for result in results]
-    return {
-        "passed": verdicts.count(Outcome.PASS),
-        "failed": verdicts.count(Outcome.FAIL),
-        "noted": verdicts.count(Outcome.NOTED),
-        "not_applicable": verdicts.count(Outcome.NOT_APPLICABLE),
-    }
+    return {name: verdicts.count(outcome) for outcome, name in _COUNTED.items()}
+
+
+_COUNTED: Final[Mapping[Outcome, str]] = {
+    Outcome.PASS: "passed",
+    Outcome.FAIL: "failed",
+    Outcome.NOTED: "noted",
+    Outcome.NOT_APPLICABLE: "not_applicable",
+}

@@ -1,7 +1,6 @@
 """Writing a file whole or not at all, or several files all or none."""
 
-import os
-import tempfile
+import secrets
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -14,21 +13,19 @@ _PART = ".part"
 def replacing(path: Path) -> Iterator[IO[bytes]]:
     """Open a file that takes the place of `path` when the block ends well.
 
-    It is written beside its place, in a folder that exists. Where the block fails, `path` is left
-    as it was. The permissions are those of a file that this process makes.
+    It is written next to its place, in a folder that exists. Where the block fails, `path` is left
+    as it was.
 
     Raises
     ------
     OSError
         If the file cannot be written, as on a full disk; it names `path`.
     """
+    part = path.parent / f".{secrets.token_hex(8)}{_PART}"
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=_PART)
-        part = Path(name)
         try:
-            with os.fdopen(handle, "wb") as stream:
+            with part.open("xb") as stream:
                 yield stream
-            part.chmod(0o666 & ~_umask())
             part.replace(path)
         finally:
             part.unlink(missing_ok=True)
@@ -40,24 +37,12 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write `path`, making its folder; an interrupted write leaves the old file as it was.
-
-    Raises
-    ------
-    OSError
-        As `replacing`.
-    """
+    """Write `path`, making its folder; an interrupted write leaves the old file as it was."""
     write_all({path: content})
 
 
 def write_all(files: Mapping[Path, str | bytes]) -> None:
-    """Write files as `write_whole` does; none takes its place before all are written.
-
-    Raises
-    ------
-    OSError
-        As `replacing`.
-    """
+    """Write files as `write_whole` does; none takes its place before all are written."""
     with ExitStack() as stack:
         for path, content in files.items():
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -67,11 +52,3 @@ def write_all(files: Mapping[Path, str | bytes]) -> None:
             stream.write(whole)
             # What is still in a buffer might not fit.
             stream.flush()
-
-
-def _umask() -> int:
-    # A temporary file is private; the file that was asked for is not. It can only be read by
-    # setting it.
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

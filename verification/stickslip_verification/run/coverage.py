@@ -1,10 +1,11 @@
 """The table of what happened in the random sequences."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from stickslip_verification.judge.checks import Contract
-from stickslip_verification.judge.invariant_checks import blank
+from stickslip_verification.judge.checks import of_invariant
+from stickslip_verification.judge.contract import Contract
 from stickslip_verification.model.verdict import CheckResult, Table
 from stickslip_verification.suite.invariants import Manner
 from stickslip_verification.suite.sequences import (
@@ -23,11 +24,7 @@ from stickslip_verification.suite.sequences import (
 def coverage_table(sequences: Sequence[RandomSequence], seed: int, scope: Scope) -> Table:
     """Count how often what changed in which phase, at which damping."""
     counts = coverage(sequences)
-    reasons: dict[str, int] = {}
-    for cell in CELLS:
-        reason = scope.hindrance(cell)
-        if reason is not None and not counts[cell]:
-            reasons[reason] = reasons.get(reason, 0) + 1
+    reasons = Counter(scope.hindrance(cell) for cell in CELLS if not counts[cell])
     return Table(
         title="Random sequences",
         about=(
@@ -40,7 +37,7 @@ def coverage_table(sequences: Sequence[RandomSequence], seed: int, scope: Scope)
             for row in ROWS
             for phase in PHASES
         ],
-        note=" ".join(f"{n} cells cannot be filled: {why}." for why, n in reasons.items()),
+        note=" ".join(f"{n} cells cannot be filled: {why}." for why, n in reasons.items() if why),
     )
 
 
@@ -56,6 +53,6 @@ def gaps(
     if len(sequences) >= COUNT and empty and manners:
         cells = "; ".join(", ".join(cell) for cell in empty)
         yield replace(
-            blank(manners[0], "", contract),
+            of_invariant(manners[0], "", contract),
             failure=f"the suite itself: its random sequences have no {cells}",
         )

@@ -3,7 +3,7 @@
 import json
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,12 +16,8 @@ from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.verdict import Measure
 from stickslip_verification.suite.case_file import CASES_FOLDER, CaseError, load_case
-from stickslip_verification.suite.cases import Case, Check
-from stickslip_verification.suite.faults import (
-    Mutant,
-    MutantError,
-    load_mutants,
-)
+from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.faults import Mutant, MutantError, load_mutants
 from stickslip_verification.suite.invariants import InvariantError, Invariants, load_invariants
 from stickslip_verification.suite.tolerances import ZERO, Facts
 
@@ -58,9 +54,7 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
     findings += _ids(cases)
     findings += _motions(cases, motions)
     findings += _reasons(cases, invariants)
-    findings += _sources(cases, invariants)
-    findings += _unused(cases, invariants)
-    findings += _mutants(cases, invariants, mutants)
+    findings += _names(cases, invariants, mutants)
     return findings
 
 
@@ -102,87 +96,72 @@ def _motions(cases: Sequence[Case], motions: Mapping[Path, Exact]) -> Iterator[s
 
 
 def _as_toml(facts: Facts) -> str:
-    parts = [f"slips = {facts.slips}"]
-    if facts.reversals:
-        parts.append(f"reversals = {facts.reversals}")
-    if facts.zero:
-        parts.append(f"zero = [{', '.join(json.dumps(name) for name in sorted(facts.zero))}]")
-    return f"motion = {{ {', '.join(parts)} }}"
+    reversals = f", reversals = {facts.reversals}" if facts.reversals else ""
+    zero = f", zero = {json.dumps(sorted(facts.zero))}" if facts.zero else ""
+    return f"motion = {{ slips = {facts.slips}{reversals}{zero} }}"
 
 
 def _reasons(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
-    for case, check in _checks(cases):
-        for side, text in check.because.items():
-            yield from _reason(f"{case.id} / {check.id}: because.{side}", text)
+    texts = {
+        f"{case.id} / {check.id}: because.{side}": text
+        for case in cases
+        for check in case.checks
+        for side, text in check.because.items()
+    }
     for invariant in invariants:
-        yield from _reason(f"{invariant.id}: means", invariant.means)
-        yield from _reason(f"{invariant.id}: look", invariant.look)
-        if invariant.stays:
-            yield from _reason(f"{invariant.id}: stays", invariant.stays)
         because = getattr(invariant, "because", {})
-        texts = {"": because} if isinstance(because, str) else because
-        for side, text in texts.items():
-            yield from _reason(f"{invariant.id}: because {side}".rstrip(), text)
+        of_sides = {"": because} if isinstance(because, str) else because
+        texts |= {
+            f"{invariant.id}: because {side}".rstrip(): text for side, text in of_sides.items()
+        }
+        texts |= {f"{invariant.id}: {name}": getattr(invariant, name) for name in ("means", "look")}
+        if invariant.stays:
+            texts[f"{invariant.id}: stays"] = invariant.stays
+    for where, text in texts.items():
+        if len(text) < SHORTEST:
+            yield f"{where}: {text!r} says too little"
+        for word in VAGUE:
+            if re.search(rf"\b{word}\b", text, re.IGNORECASE):
+                yield f"{where}: {word!r} is no reason"
 
 
-def _reason(where: str, text: str) -> Iterator[str]:
-    if len(text) < SHORTEST:
-        yield f"{where}: {text!r} says too little"
-    for word in VAGUE:
-        if re.search(rf"\b{word}\b", text, re.IGNORECASE):
-            yield f"{where}: {word!r} is no reason"
-
-
-def _sources(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
-    if not THEORY.is_file():
-        return
-    numbers = {int(n) for n in re.findall(r"\\tag\{(\d+)\}", THEORY.read_text(encoding="utf-8"))}
-    for case, check in _checks(cases):
-        if check.truth.source not in numbers:
-            yield f"{case.id} / {check.id}: docs/theory.md has no equation ({check.truth.source})"
-    for invariant in invariants:
-        if invariant.source not in numbers:
-            yield f"{invariant.id}: docs/theory.md has no equation ({invariant.source})"
-
-
-def _unused(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
-    checks = [check for _, check in _checks(cases)]
+def _names(
+    cases: Sequence[Case], invariants: Invariants, mutants: Sequence[Mutant]
+) -> Iterator[str]:
+    """Yield names that nothing uses, and those that are used of what there is not."""
+    checks = [check for case in cases for check in case.checks]
     quantities = {check.quantity for check in checks}
-    quantities |= {invariant.quantity for invariant in invariants.agreements}
-    quantities |= {invariant.quantity for invariant in invariants.orders}
-    formulas = {check.truth.formula for check in checks if check.truth.formula is not None}
+    quantities |= {agreement.quantity for agreement in invariants.agreements}
+    quantities |= {order.quantity for order in invariants.orders}
     # What the designers' slip time is held against is the difference, not the formula itself.
-    formulas.add("half_period")
+    formulas = {check.truth.formula for check in checks} | {"half_period"}
     families: tuple[tuple[str, Collection[str], set[str]], ...] = (
         ("quantity", QUANTITIES, quantities),
-        ("formula", FORMULAS, formulas),
+        ("formula", FORMULAS, {name for name in formulas if name}),
         ("metric", METRICS, {invariant.metric for invariant in invariants.residuals}),
         ("run", RUNS, {invariant.run for invariant in invariants.runs}),
         ("probe", PROBES, {invariant.probe for invariant in invariants.probes}),
     )
     for what, known, used in families:
-        for name in sorted(set(known) - used):
-            yield f"{what} {name}: nothing uses it"
-        for name in sorted(used - set(known)):
-            yield f"{what} {name}: there is no such {what}"
-    known_cases = {case.id for case in cases}
-    for order in invariants.orders:
-        for name in order.cases:
-            if name not in known_cases:
-                yield f"{order.id}: there is no case {name}"
-
-
-def _mutants(
-    cases: Sequence[Case], invariants: Invariants, mutants: Sequence[Mutant]
-) -> Iterator[str]:
-    checks = {check.id for _, check in _checks(cases)} | {invariant.id for invariant in invariants}
-    for mutant in mutants:
-        for name in mutant.detected_by:
-            if name not in checks:
-                yield f"planted fault {mutant.id}: there is no check {name}"
-
-
-def _checks(cases: Iterable[Case]) -> Iterator[tuple[Case, Check]]:
-    for case in cases:
-        for check in case.checks:
-            yield case, check
+        yield from (f"{what} {name}: nothing uses it" for name in sorted(set(known) - used))
+        yield from (f"{what} {name}: there is no such {what}" for name in sorted(used - set(known)))
+    ids = {check.id for check in checks} | {invariant.id for invariant in invariants}
+    uses = [
+        *(
+            (order.id, "case", order.cases, {case.id for case in cases})
+            for order in invariants.orders
+        ),
+        *((f"planted fault {fault.id}", "check", fault.detected_by, ids) for fault in mutants),
+    ]
+    for user, what, names, there in uses:
+        yield from (f"{user}: there is no {what} {name}" for name in names if name not in there)
+    if THEORY.is_file():
+        text = THEORY.read_text(encoding="utf-8")
+        numbers = {int(n) for n in re.findall(r"\\tag\{(\d+)\}", text)}
+        sources = [
+            (f"{case.id} / {of.id}", of.truth.source) for case in cases for of in case.checks
+        ]
+        sources += [(invariant.id, invariant.source) for invariant in invariants]
+        for name, source in sources:
+            if source not in numbers:
+                yield f"{name}: docs/theory.md has no equation ({source})"

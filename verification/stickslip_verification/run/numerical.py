@@ -26,17 +26,14 @@ from stickslip_verification.judge.accuracy import (
     matched,
     motion_of,
 )
-from stickslip_verification.judge.checks import Contract
-from stickslip_verification.judge.invariant_checks import blank, judge_probe
-from stickslip_verification.judge.run_checks import same_run
+from stickslip_verification.judge.checks import compared, judge_probe, of_invariant, same_run
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import CheckResult, Klass
-from stickslip_verification.run.baseline import Baseline, Trial
-from stickslip_verification.run.judged import Answers
+from stickslip_verification.run.experiment import Baseline, RandomTest
+from stickslip_verification.run.runs import Runs
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.family import load_family
-from stickslip_verification.suite.invariants import Invariants
 from stickslip_verification.suite.sequences import PLAIN
 from stickslip_verification.truth.named import BUILT_IN
 
@@ -68,14 +65,8 @@ AS_MUCH: Final = 10.0
 
 
 @dataclass(frozen=True)
-class Judged:
-    """The plain runs of an FMU in the cases that it can run.
-
-    Attributes
-    ----------
-    cases, rulers, runs
-        By id of the case.
-    """
+class Solution:
+    """The plain runs of an FMU in the cases that it can run, by id of the case."""
 
     cases: Mapping[str, Case]
     rulers: Mapping[str, Ruler]
@@ -89,7 +80,7 @@ class Judged:
     @cached_property
     def like(self) -> Matched:
         """The honest solvers that it is like."""
-        deltas = {case: each.delta for case, each in self.motion.items()}
+        deltas = {case: deviation.delta for case, deviation in self.motion.items()}
         family = {
             solver: {
                 case: of[case] if case in of else self._honest(solver, case) for case in deltas
@@ -112,57 +103,43 @@ class Judged:
         return self.rulers[case].deviation(SOLVERS[solver].run(self.cases[case])).delta
 
 
-def judged(baseline: Sequence[Baseline], plain: Mapping[str, Answer[Run]]) -> Judged:
+def solution(baseline: Sequence[Baseline], plain: Mapping[str, Answer[Run]]) -> Solution:
     """Return the runs in cases of physics whose truth is known."""
     cases, rulers, runs = {}, {}, {}
-    for each in baseline:
-        run = plain[each.case.id].value
-        if each.exact.value is not None and each.spreads is not None and run is not None:
-            assert each.spreads.value is not None
-            cases[each.case.id] = each.case
-            rulers[each.case.id] = Ruler(each.exact.value, each.spreads.value)
-            runs[each.case.id] = run
-    return Judged(cases, rulers, runs)
+    for of in baseline:
+        case, run = of.case, plain[of.case.id].value
+        if of.exact.value is not None and of.spreads.value is not None and run is not None:
+            cases[case.id], runs[case.id] = case, run
+            rulers[case.id] = Ruler(of.exact.value, of.spreads.value)
+    return Solution(cases, rulers, runs)
 
 
-def judge_numerical(
-    found: Judged,
-    baseline: Sequence[Baseline],
-    invariants: Invariants,
-    answers: Answers,
-    contract: Contract,
-    trials: Sequence[Trial],
-) -> Iterator[CheckResult]:
+def compare_numerical(runs: Runs, solved: Solution) -> Iterator[CheckResult]:
     """Yield the result of each case, other run, random sequence and probe."""
-    plainly = next((each for each in invariants.sequences if each.manner == PLAIN), None)
-    restless = SOLVERS[found.like.solver].rtol > 0.0
-    for each in baseline:
-        case = each.case.id
-        plain = answers.plain[case]
-        empty = None if plainly is None else blank(plainly, case, contract)
-        if case not in found.runs:
-            if empty is not None:
-                yield _no_run(empty, plain)
+    invariants, contract = runs.experiment.invariants, runs.experiment.contract
+    plainly = [each for each in invariants.sequences if each.manner == PLAIN][:1]
+    restless = SOLVERS[solved.like.solver].rtol > 0.0
+    for baseline in runs.experiment.baseline:
+        case = baseline.case.id
+        if case not in solved.runs:
+            for invariant in plainly:
+                yield _no_run(of_invariant(invariant, case, contract), runs.plain[case])
             continue
-        expected = found.like.expected[case]
-        if empty is not None:
-            yield _of_motion(
-                empty, found.rulers[case], found.runs[case], found.like, each.case, expected
-            )
-        allowed = _of_other_steps(found.motion[case].delta, expected)
+        ruler, plain = solved.rulers[case], solved.runs[case]
+        expected = solved.like.expected[case]
+        for invariant in plainly:
+            empty = of_invariant(invariant, case, contract)
+            yield _of_motion(empty, ruler, plain, solved.like, baseline.case, expected)
+        allowed = _of_other_steps(solved.motion[case].delta, expected)
         for run in invariants.runs:
-            if run.klass == Klass.PHYSICS and run.holds_for(each.case.law):
-                yield _of_other(
-                    blank(run, case, contract),
-                    answers.runs[case, run.run],
-                    found.runs[case],
-                    found.rulers[case],
-                    allowed if restless or run.run in OTHER_STEPS else 0.0,
-                )
-    yield from _of_sequences(found, answers, contract, trials, restless=restless)
-    for invariant in invariants.probes:
-        if invariant.id not in OF_EXACT:
-            yield judge_probe(invariant, contract, answers.probes[invariant.id])
+            if run.klass == Klass.PHYSICS and run.holds_for(baseline.case.law):
+                empty = of_invariant(run, case, contract)
+                may = allowed if restless or run.run in OTHER_STEPS else 0.0
+                yield _of_other(empty, runs.others[case, run.run], plain, ruler, may)
+    yield from _of_sequences(runs, solved, restless=restless)
+    for probe in invariants.probes:
+        if probe.id not in OF_EXACT:
+            yield judge_probe(probe, contract, runs.probes[probe.id])
 
 
 @dataclass(frozen=True)
@@ -181,58 +158,59 @@ class _Drawn:
         return self.too_stiff and not np.isfinite(self.delta)
 
 
-def _of_sequences(
-    found: Judged, answers: Answers, contract: Contract, trials: Sequence[Trial], *, restless: bool
-) -> Iterator[CheckResult]:
-    plain = _drawn(found, answers, trials)
-    counted = [name for name, each in plain.items() if not each.beyond]
-    apart = sorted(counted, key=lambda each: plain[each].delta / plain[each].expected, reverse=True)
+def _of_sequences(runs: Runs, solved: Solution, *, restless: bool) -> Iterator[CheckResult]:
+    tests = list(zip(runs.experiment.random, runs.random, strict=True))
+    plain = {
+        test.baseline.case.id: drawn
+        for test, answer in tests
+        if test.plain and (drawn := _drawn(test, answer.value, solved.like)) is not None
+    }
+    counted = [name for name, drawn in plain.items() if not drawn.beyond]
+    apart = sorted(counted, key=lambda name: plain[name].delta / plain[name].expected, reverse=True)
     excused = set(apart[: int(EXCUSED * len(apart))])
-    least = max(found.like.expected.values(), default=LEAST)
-    for trial, answer in zip(trials, answers.sequences, strict=True):
-        case, manner = trial.baseline.case.id, trial.manner
-        empty = blank(manner, case, contract)
-        if case not in plain or answer.value is None:
+    least = max(solved.like.expected.values(), default=LEAST)
+    for test, answer in tests:
+        case = test.baseline.case
+        empty = of_invariant(test.manner, case.id, runs.experiment.contract)
+        if case.id not in plain or answer.value is None:
             raised = (answer.failure or "").startswith(FmuError.__name__)
-            if raised and _stiff(trial.baseline.case, found.like):
+            if raised and _stiff(case, solved.like):
                 answer = Answer(not_applicable=TOO_STIFF)
             yield _no_run(empty, answer)
             continue
-        drawn = plain[case]
-        expected = max(drawn.expected, least) if case in excused else drawn.expected
+        drawn = plain[case.id]
+        expected = max(drawn.expected, least) if case.id in excused else drawn.expected
         if drawn.beyond:
             yield replace(empty, not_applicable=TOO_STIFF)
-        elif manner.manner == PLAIN:
-            yield _of_motion(
-                empty, drawn.ruler, drawn.run, found.like, trial.baseline.case, expected
-            )
+        elif test.plain:
+            yield _of_motion(empty, drawn.ruler, drawn.run, solved.like, case, expected)
         else:
             allowed = _of_other_steps(drawn.delta, expected)
-            may = allowed if restless or manner.manner in OTHER_STEPS else 0.0
+            may = allowed if restless or test.manner.manner in OTHER_STEPS else 0.0
             yield _of_other(empty, answer, drawn.run, drawn.ruler, may)
 
 
-def _drawn(found: Judged, answers: Answers, trials: Sequence[Trial]) -> dict[str, _Drawn]:
-    """Return the plain runs of the random sequences whose truth is known, by id."""
-    plain = {}
-    for trial, answer in zip(trials, answers.sequences, strict=True):
-        each, exact, run = trial.baseline, trial.baseline.exact.value, answer.value
-        spreads = None if each.spreads is None else each.spreads.value
-        if trial.manner.manner != PLAIN or exact is None or spreads is None or run is None:
-            continue
-        ruler = Ruler(exact, spreads)
-        solved = [
-            factor * min(ruler.deviation(solver.run(each.case)).delta, DIVERGED)
-            for solver, factor in _honest(found.like)
-            if each.case.law in BUILT_IN
-        ]
-        expected = solved or [*found.like.expected.values()]
-        delta = ruler.deviation(run).delta
-        too_stiff = max(solved, default=0.0) >= DIVERGED or _stiff(each.case, found.like)
-        # No sequence is held to more than the best case.
-        least = min(found.like.expected.values(), default=LEAST)
-        plain[each.case.id] = _Drawn(run, ruler, delta, max(least, *expected), too_stiff)
-    return plain
+def _drawn(test: RandomTest, run: Run | None, like: Matched) -> _Drawn | None:
+    """Return the plain run of a random sequence whose truth is known."""
+    case, exact, spreads = (
+        test.baseline.case,
+        test.baseline.exact.value,
+        test.baseline.spreads.value,
+    )
+    if exact is None or spreads is None or run is None:
+        return None
+    ruler = Ruler(exact, spreads)
+    solved = [
+        factor * min(ruler.deviation(solver.run(case)).delta, DIVERGED)
+        for solver, factor in _honest(like)
+        if case.law in BUILT_IN
+    ]
+    expected = solved or [*like.expected.values()]
+    too_stiff = max(solved, default=0.0) >= DIVERGED or _stiff(case, like)
+    # No sequence is held to more than the best case.
+    least = min(like.expected.values(), default=LEAST)
+    delta = ruler.deviation(run).delta
+    return _Drawn(run, ruler, delta, max(least, *expected), too_stiff)
 
 
 def _honest(like: Matched) -> Iterator[tuple[Solver, float]]:
@@ -326,23 +304,12 @@ def _of_other(
     if result.passed or not allowed:
         return result
     worst = ruler.deviation(answer.value)
-    return replace(
-        empty,
-        quantity=_off(worst),
-        expected=allowed / AS_MUCH,
-        got=worst.delta,
-        error=worst.delta,
-        tolerance=allowed,
-        because=f"{AS_MUCH:g} times the plain run's, or what it may have itself",
-        passed=worst.delta <= allowed,
-    )
+    because = f"{AS_MUCH:g} times the plain run's, or what it may have itself"
+    empty = replace(empty, quantity=_off(worst), tolerance=allowed, because=because)
+    return compared(empty, allowed / AS_MUCH, worst.delta, worst.delta)
 
 
 def _no_run(empty: CheckResult, answer: Answer[Run]) -> CheckResult:
-    unknown = (
-        "its plain run is lacking, or what is near the exact one"
-        if answer.value is not None
-        else None
-    )
+    unknown = "its plain run is lacking, or what is near the exact one" if answer.value else None
     lacking = answer.not_applicable or unknown
     return replace(empty, failure=answer.failure, not_applicable=lacking)

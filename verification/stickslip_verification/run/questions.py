@@ -24,12 +24,10 @@ from stickslip_verification.model.verdict import (
     Question,
     Table,
 )
-from stickslip_verification.run.baseline import Baseline, Trial
 from stickslip_verification.run.causes import WORST, Shown, cause
-from stickslip_verification.run.judged import Answers
-from stickslip_verification.run.numerical import Judged, as_large, output_of
+from stickslip_verification.run.numerical import Solution, as_large, output_of
+from stickslip_verification.run.runs import Runs
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.sequences import PLAIN
 from stickslip_verification.truth.named import BUILT_IN
 
 FEW: Final = 5
@@ -77,7 +75,7 @@ class Errors:
         return self.by_case[self.worst]
 
 
-def cycle_errors(found: Judged) -> list[Errors]:
+def cycle_errors(found: Solution) -> list[Errors]:
     """Return how far off jump, stick, slip, period and spring force are.
 
     Where the FMU has the output it is compared; elsewhere the error is what delta makes of it.
@@ -110,19 +108,13 @@ def cycle_errors(found: Judged) -> list[Errors]:
 
 
 def questions(
-    found: Judged,
-    results: Sequence[CheckResult],
-    baseline: Sequence[Baseline],
-    answers: Answers,
-    trials: Sequence[Trial],
-    within: float,
+    found: Solution, results: Sequence[CheckResult], runs: Runs, within: float
 ) -> tuple[list[Question], Table]:
     """Answer whether the model is right and how accurate it is, and give the errors as a table."""
     changes = {
         (each.case.id, name): moved
-        for each in baseline
-        if each.changes is not None and each.changes.value is not None
-        for name, moved in each.changes.value.items()
+        for each in runs.experiment.baseline
+        for name, moved in (each.changes.value or {}).items()
     }
     wrong = wrong_parameter(found.rulers, found.runs, changes)
     failed = [each for each in results if each.failed]
@@ -153,7 +145,7 @@ def questions(
         ],
         note=f"Asked for is {100.0 * within:g} % in every case; --within says otherwise.",
     )
-    likeliest = _likeliest(found, failed, wrong, answers, trials)
+    likeliest = _likeliest(found, failed, wrong, runs)
     answered = [Question(LIKELIEST, good=False, answer=likeliest)] if likeliest else []
     return [model, accuracy, *answered], table
 
@@ -164,7 +156,7 @@ def _tells(wrong: WrongParameter | None) -> bool:
 
 
 def _model(
-    found: Judged, failed: Sequence[CheckResult], wrong: WrongParameter | None, middle: float
+    found: Solution, failed: Sequence[CheckResult], wrong: WrongParameter | None, middle: float
 ) -> str:
     tried = f"{len(found.runs)} cases" if len(found.runs) != 1 else "1 case"
     if wrong is not None:
@@ -214,32 +206,27 @@ def _plain(result: CheckResult) -> bool:
 
 
 def _likeliest(
-    found: Judged,
-    failed: Sequence[CheckResult],
-    wrong: WrongParameter | None,
-    answers: Answers,
-    trials: Sequence[Trial],
+    found: Solution, failed: Sequence[CheckResult], wrong: WrongParameter | None, runs: Runs
 ) -> str:
     """Name the one cause of the runs that are farthest off, if it explains them all."""
-    runs = {
+    shown = {
         case: Shown(found.cases[case], found.rulers[case].exact.record, run)
         for case, run in found.runs.items()
     }
-    for trial, answer in zip(trials, answers.sequences, strict=True):
-        exact = trial.baseline.exact.value
-        if trial.manner.manner == PLAIN and exact is not None and answer.value is not None:
-            case = trial.baseline.case
-            runs[case.id] = Shown(case, exact.record, answer.value)
+    for test, answer in zip(runs.experiment.random, runs.random, strict=True):
+        case, exact = test.baseline.case, test.baseline.exact.value
+        if test.plain and exact is not None and answer.value is not None:
+            shown[case.id] = Shown(case, exact.record, answer.value)
     plain = [
         each
         for each in failed
-        if _plain(each) and each.case in runs and runs[each.case].case.law in BUILT_IN
+        if _plain(each) and each.case in shown and shown[each.case].case.law in BUILT_IN
     ]
     if wrong is not None or not plain:
         return ""
     plain.sort(key=lambda each: (each.error or math.inf) / (each.tolerance or 1.0), reverse=True)
-    worst = [replace(runs[each.case], output=output_of(each)) for each in plain[:WORST]]
-    others = [runs[case] for case in found.runs if case not in {each.case for each in failed}]
+    worst = [replace(shown[each.case], output=output_of(each)) for each in plain[:WORST]]
+    others = [shown[case] for case in found.runs if case not in {each.case for each in failed}]
     said = cause(worst, others)
     drawn = "".join(_set(each.case) for each in worst[:1] if each.case.id.startswith(SEQUENCE))
     if said is None:
@@ -255,7 +242,7 @@ def _set(case: Case) -> str:
     return f" {case.id} sets {values} (SI)" + (f" and changes {changed}." if changed else ".")
 
 
-def _accuracy(found: Judged, errors: Sequence[Errors], within: float) -> str:
+def _accuracy(found: Solution, errors: Sequence[Errors], within: float) -> str:
     deltas = [each.delta for each in found.motion.values()]
     middle = float(np.median(deltas)) if deltas else 0.0
     if not errors:

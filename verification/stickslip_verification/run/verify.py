@@ -1,8 +1,9 @@
 """The suite as a whole: an FMU and the reference judged, faults planted, a verdict."""
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from stickslip_verification.drive import workers
@@ -13,15 +14,16 @@ from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import carries_source
 from stickslip_verification.drive.probes.table import IN_A_FRESH_PROCESS, OF_NUMERICAL
 from stickslip_verification.drive.stepping import can_run, may_change, require_law
-from stickslip_verification.model.verdict import Klass, Question, Table, Verdict
+from stickslip_verification.judge.contract import CONTRACTS, Wanted, chosen_contract
+from stickslip_verification.model.verdict import Klass, Motion, Question, Table, Verdict
 from stickslip_verification.report import provenance
-from stickslip_verification.run.baseline import Progress, compute, trials
-from stickslip_verification.run.contract import CONTRACTS, Wanted, chosen_contract
+from stickslip_verification.run.comparisons import compare
 from stickslip_verification.run.coverage import coverage_table, gaps
-from stickslip_verification.run.judged import again, ask, judge, motions
-from stickslip_verification.run.kill_matrix import How, detect
-from stickslip_verification.run.numerical import judge_numerical, judged
+from stickslip_verification.run.experiment import Experiment, Progress, compute, random_tests
+from stickslip_verification.run.kill_matrix import detect
+from stickslip_verification.run.numerical import compare_numerical, solution
 from stickslip_verification.run.questions import questions
+from stickslip_verification.run.runs import Runs, repeat_failed, run_all
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.family import long_cases
 from stickslip_verification.suite.faults import Mutant, MutantError
@@ -78,42 +80,35 @@ def verify(
     fmu
         The ``.fmu`` file, FMI 2.0 or 3.0 for co-simulation.
     cases
-        What is tried, from `load_cases`; those of another friction law than the FMU's are left
-        out.
+        What is tried, from `load_cases`, as far as it is of the FMU's friction law.
     progress
         Called with what is being done, how much of it is done, and out of how much.
     names
         Our names to the FMU's.
     contract, strict
-        The contract that the FMU is held to, see `chosen_contract`; by default the one that its
-        description names.
+        The contract that the FMU is held to, see `chosen_contract`.
     jobs
         How many processes may work at once; None for one per processor.
-    time_limit
-        Seconds that the FMU may take for one run of a case.
-    sequences
-        How many random sequences are tried beside the cases; `suite.sequences.COUNT` fill the table
-        of what can happen.
-    seed
-        The same seed gives the same sequences.
+    time_limit, limits
+        Seconds that the FMU may take for one run of a case, and what else it may take; each planted
+        fault has a budget of its own.
+    sequences, seed
+        How many random sequences are tried as well, and which ones; `suite.sequences.COUNT` fill
+        the table of what can happen.
     fresh_processes
         Whether the FMU is asked what takes a fresh process: the probes of memory, of a serialized
-        state and of the environment, which take some seconds. Planted faults are tried on those
-        that one of them foretells in any case.
-    limits
-        What else the FMU may take; each planted fault has a budget of its own.
-    mutants
-        Faults to plant, to try the suite itself; those of another friction law than the FMU's
-        are left out. Those that change the FMU need the source of the block in it.
-    whole_matrix
-        Whether each fault is tried on every check, or on what it foretells alone.
+        state and of the environment. Planted faults are tried on those that one of them foretells
+        in any case.
+    mutants, whole_matrix
+        Faults to plant, as far as they are of the FMU's friction law, to try the suite itself, and
+        whether each is tried on every check or on what it foretells alone. Those that change the
+        FMU need the source of the block in it.
     within
         Part of its exact value by which a quantity of the cycle may be off in any case, where the
         FMU is held to the physics contract; `WITHIN` by default.
     full
         Whether an FMU that is held to the physics contract meets everything, or what tells most:
-        the cases of a friction law that take long, and sequences beyond `QUICK_SEQUENCES`, tell
-        little more.
+        without the cases of a friction law that take long, and `QUICK_SEQUENCES` at most.
     command
         What to type to get the same again, for the provenance.
 
@@ -167,10 +162,10 @@ def verify(
     invariants = load_invariants().of_laws({case.law for case in cases})
     if not held_to.numerical:
         invariants = _without(invariants, OF_NUMERICAL)
-    asked = of_faults = invariants
+    tried = of_faults = invariants
     if not fresh_processes:
         foretold = {check for mutant in mutants for check in mutant.detected_by}
-        asked = _without(invariants, IN_A_FRESH_PROCESS)
+        tried = _without(invariants, IN_A_FRESH_PROCESS)
         of_faults = _without(invariants, IN_A_FRESH_PROCESS, but=foretold)
     jobs = workers.jobs_here() if jobs is None else jobs
     apply_to = applying if held_to.numerical else None
@@ -183,37 +178,51 @@ def verify(
         of_sequences += with_dwell(of_sequences, seed)
     if held_to.numerical:
         of_sequences = [_from_the_start(case) for case in of_sequences]
-    tried = trials(of_sequences, invariants.sequences, jobs, numerical=held_to.numerical)
+    random = random_tests(of_sequences, invariants.sequences, jobs, numerical=held_to.numerical)
+    experiment = Experiment(baseline, tried, held_to, random)
     fresh = file.once_per_process
-    with workers.Pool(
-        jobs, time_limit, fmu, names, fresh=fresh, own_starts=held_to.interface, limits=limits
-    ) as pool:
-        quick = held_to.numerical and not full
-        enough = (lambda plain: judged(baseline, plain).certain) if quick else None
-        answers = ask(pool, baseline, asked, progress, tried, enough)
-    with workers.Pool(
-        1, time_limit, fmu, names, fresh=True, own_starts=held_to.interface, limits=limits
-    ) as pool:
-        answers = again(pool, baseline, answers, tried)
+    pool = partial(
+        workers.Pool,
+        time_limit=time_limit,
+        fmu=fmu,
+        names=names,
+        own_starts=held_to.interface,
+        limits=limits,
+    )
+    quick = held_to.numerical and not full
+    enough = (lambda plain: solution(baseline, plain).certain) if quick else None
+    with pool(jobs, fresh=fresh) as processes:
+        runs = run_all(processes, experiment, progress, enough)
+    with pool(1, fresh=True) as processes:
+        runs = repeat_failed(processes, runs)
     kills = None
     if mutants:
-        how = How(names, held_to, fresh=fresh, whole=whole_matrix, limits=limits)
-        kills = detect(fmu, mutants, baseline, of_faults, jobs, progress, how, tried)
+        kills = detect(
+            fmu,
+            mutants,
+            replace(experiment, invariants=of_faults),
+            jobs,
+            progress,
+            whole=whole_matrix,
+            names=names,
+            fresh=fresh,
+            limits=limits,
+        )
     tables: list[Table] = []
     answered: list[Question] = []
     if held_to.numerical:
-        runs = judged(baseline, answers.plain)
-        results = list(judge_numerical(runs, baseline, asked, answers, held_to, tried))
-        answered, errors = questions(runs, results, baseline, answers, tried, within or WITHIN)
+        solved = solution(baseline, runs.plain)
+        results = list(compare_numerical(runs, solved))
+        answered, errors = questions(solved, results, runs, within or WITHIN)
         tables.append(errors)
     else:
-        results = list(judge(baseline, asked, answers, held_to, tried))
+        results = list(compare(runs))
     results += gaps(drawn, scope, held_to, invariants.sequences)
     tables += [coverage_table(drawn, seed, scope)] if drawn else []
     return Verdict(
         checks=results,
         provenance=origin,
-        motions=list(motions(baseline, answers)),
+        motions=list(_motions(runs)),
         orders=[
             seen.value for each in baseline for _, seen in each.orders if seen.value is not None
         ],
@@ -222,6 +231,22 @@ def verify(
         tables=tables,
         questions=answered,
     )
+
+
+def _motions(runs: Runs) -> Iterator[Motion]:
+    for baseline in runs.experiment.baseline:
+        case, exact = baseline.case, baseline.exact.value
+        sides = {"fmu": runs.plain[case.id].value, "reference": baseline.reference.value}
+        if exact is not None:
+            yield Motion(
+                case=case.id,
+                title=case.title,
+                about=case.about,
+                exact=exact.record,
+                event_times=exact.event_times,
+                records={name: run for name, run in sides.items() if run is not None},
+                group=case.group,
+            )
 
 
 def _from_the_start(case: Case) -> Case:

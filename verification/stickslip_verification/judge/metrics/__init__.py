@@ -3,8 +3,7 @@
 import inspect
 
 from stickslip_verification.judge.metrics import energy, events, outputs, slip, stick
-from stickslip_verification.judge.metrics.course import Course, MissingOutputError
-from stickslip_verification.judge.metrics.residual import Metric, Residual
+from stickslip_verification.judge.metrics.course import Course, Metric, MissingOutputError, Residual
 
 __all__ = ["METRICS", "Course", "Metric", "MissingOutputError", "Residual"]
 

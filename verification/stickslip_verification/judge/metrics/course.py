@@ -1,6 +1,6 @@
 """One side's run of a case, step by step, beside what was set: what the residuals are made of."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -273,3 +273,42 @@ class Course:
         """Largest length in play [m]."""
         lengths = (self.exact.outputs[name] for name in ("x", "x_pull", "z"))
         return float(max(np.max(np.abs(each)) for each in lengths))
+
+
+@dataclass(frozen=True)
+class Residual:
+    """By how much an invariant is missed, step by step.
+
+    Attributes
+    ----------
+    values
+        The residual of each step in `unit`, shape ``(n,)``; zero where the invariant holds.
+    where
+        The steps that the invariant is about, shape ``(n,)``.
+    scale
+        What the residual is measured against, in `unit`, above zero.
+    unit
+        In the spelling of the interface.
+    """
+
+    values: Series
+    where: Mask
+    scale: Series | float
+    unit: str
+
+    @property
+    def errors(self) -> Series:
+        """Residual over scale at the steps that the invariant is about."""
+        values = np.abs(self.values)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            parts = np.where(values == 0.0, 0.0, values / np.asarray(self.scale))
+        return np.asarray(parts[self.where])
+
+
+Metric = Callable[[Course], Residual]
+"""From a side's run to what an invariant leaves over in it. Raises `MissingOutputError`."""
+
+
+def everywhere(course: Course) -> Mask:
+    """Return all steps."""
+    return np.ones(course.h.size, dtype=np.bool_)

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from stickslip_verification.judge.metrics.course import Course
-from stickslip_verification.judge.metrics.residual import Residual, everywhere
+from stickslip_verification.judge.metrics.course import Course, Residual, everywhere
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Series
 

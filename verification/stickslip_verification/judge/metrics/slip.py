@@ -3,8 +3,7 @@
 import numpy as np
 
 from stickslip_verification.judge.metrics import propagation
-from stickslip_verification.judge.metrics.course import Course
-from stickslip_verification.judge.metrics.residual import Residual
+from stickslip_verification.judge.metrics.course import Course, Residual
 from stickslip_verification.model.run import Series
 
 _POLISHES = 4

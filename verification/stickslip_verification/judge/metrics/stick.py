@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from stickslip_verification.judge.metrics.course import SLACK, Course
-from stickslip_verification.judge.metrics.residual import Residual
+from stickslip_verification.judge.metrics.course import SLACK, Course, Residual
 
 
 def position_held(course: Course) -> Residual:
