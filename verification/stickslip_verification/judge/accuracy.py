@@ -14,7 +14,6 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.drive.nearby import OFF
@@ -112,7 +111,7 @@ class Ruler:
         for name in names or motion_of(run):
             if name not in run.outputs:
                 continue
-            read, expected, got, counted = self._compared(name, run)
+            read, expected, got, counted = self.band.pair(name, run)
             where = np.flatnonzero(counted)
             if not where.size:
                 continue
@@ -148,19 +147,12 @@ class Ruler:
         """
         row = min(int(np.searchsorted(OFF, delta)), len(OFF) - 1)
         for name in set(_CONTINUOUS) & set(run.outputs) - set(motion_of(run)):
-            read, expected, got, counted = self._compared(name, run)
+            read, expected, got, counted = self.band.pair(name, run)
             still = SPREAD * self.spreads[name][row] <= SATURATED * self.band.largest(name)
             error = np.abs(got - expected)[counted & still[read]]
             if error.size and np.median(error) > SATURATED * (self.band.largest(name) or np.inf):
                 return Deviation(DIVERGED, name, float(run.times[int(np.argmax(error))]))
         return None
-
-    def _compared(self, name: str, run: Run) -> tuple[NDArray[np.intp], Series, Series, Mask]:
-        """Return a run's points, an output in the exact motion and in it, and where it counts."""
-        times = self.exact.record.times
-        read = np.minimum(np.searchsorted(times, run.times), times.size - 1)
-        expected, got = self.band.pair(name, run, read)
-        return read, expected, got, self.band.judged(name)[read] & np.isfinite(expected)
 
     @cached_property
     def _other_phase(self) -> Mask:

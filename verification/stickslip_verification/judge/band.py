@@ -45,23 +45,25 @@ class Band:
             found = found & self._meant(output)
         return np.asarray(found)
 
-    def pair(self, quantity: str, run: Run, read: NDArray[np.intp]) -> tuple[Series, Series]:
+    def pair(self, quantity: str, run: Run) -> tuple[NDArray[np.intp], Series, Series, Mask]:
         """Return a quantity in the exact motion and in a run, at the points that the run has.
 
-        Slips are counted from the first event where the start counts none: NaN before, and
-        everywhere in a run that does not have that point.
+        First the indices of these points, last where the quantity is physics. Slips are counted
+        from the first event where the start counts none: NaN before, and everywhere in a run that
+        does not have that point.
         """
+        read = np.minimum(np.searchsorted(self._times, run.times), self._times.size - 1)
         expected = self._samples(quantity, self.exact.record)[read]
         got = self._samples(quantity, run)
         if quantity == "x_pull" and not self.agreed and read.size > 1:
             # Where the pulled end is counted from is a matter of agreement.
-            return expected - expected[0], got - got[0]
+            expected, got = expected - expected[0], got - got[0]
         if quantity == "n_slips" and self._starts_in_motion and not self.agreed:
             first = np.flatnonzero(self._meant(quantity))[:1]
             base = np.flatnonzero(np.isin(read, first))
             expected = expected - (expected[base] if base.size else np.nan)
             got = got - (got[base] if base.size else np.nan)
-        return expected, got
+        return read, expected, got, self.judged(quantity)[read] & np.isfinite(expected)
 
     def _samples(self, quantity: str, run: Run) -> Series:
         with np.errstate(all="ignore"):

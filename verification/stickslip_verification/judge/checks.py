@@ -229,8 +229,7 @@ def judge_sequence(
             continue
         except CheckError as error:
             return replace(empty, failure=str(error))
-        expected, got = band.pair(quantity, record, read)
-        where = band.judged(quantity)[read] & np.isfinite(expected)
+        _, expected, got, where = band.pair(quantity, record)
         broken = np.flatnonzero(where & ~np.isfinite(got))
         if len(broken):
             time = float(record.times[broken[0]])

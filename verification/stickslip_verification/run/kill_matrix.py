@@ -198,5 +198,7 @@ def _late(runs: Runs) -> Iterator[tuple[str, str]]:
 def _columns(experiment: Experiment) -> Iterable[str]:
     """Return the checks that an FMU can fail, each once, in the order of the suite."""
     of_cases = (check.id for each in experiment.baseline for check in each.case.checks)
-    of_invariants = (invariant.id for invariant in replace(experiment.invariants, orders=()))
+    of = experiment.invariants
+    families = (of.residuals, of.runs, of.sequences, of.agreements, of.probes)
+    of_invariants = (invariant.id for family in families for invariant in family)
     return dict.fromkeys((*of_cases, *of_invariants))

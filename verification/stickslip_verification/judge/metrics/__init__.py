@@ -4,6 +4,7 @@ import inspect
 
 from stickslip_verification.judge.metrics import energy, events, outputs, slip, stick
 from stickslip_verification.judge.metrics.course import Course, Metric, MissingOutputError, Residual
+from stickslip_verification.judge.metrics.direct import DIRECT
 
 __all__ = ["METRICS", "Course", "Metric", "MissingOutputError", "Residual"]
 
@@ -12,5 +13,5 @@ METRICS: dict[str, Metric] = {
     for module in (stick, slip, events, energy, outputs)
     for name, metric in inspect.getmembers(module, inspect.isfunction)
     if metric.__module__ == module.__name__ and not name.startswith("_")
-}
-"""What an invariant can name as ``metric``, module and function: all public ones of the modules."""
+} | DIRECT
+"""What an invariant can name as ``metric``: `DIRECT`, and all public functions of the modules."""

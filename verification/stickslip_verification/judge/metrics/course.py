@@ -23,6 +23,36 @@ class MissingOutputError(LookupError):
 
 
 @dataclass(frozen=True)
+class Residual:
+    """By how much an invariant is missed, step by step.
+
+    Attributes
+    ----------
+    values
+        The residual of each step in `unit`, shape ``(n,)``; zero where the invariant holds.
+    where
+        The steps that the invariant is about, shape ``(n,)``.
+    scale
+        What the residual is measured against, in `unit`, above zero.
+    unit
+        In the spelling of the interface.
+    """
+
+    values: Series
+    where: Mask
+    scale: Series | float
+    unit: str
+
+    @property
+    def errors(self) -> Series:
+        """Residual over scale at the steps that the invariant is about."""
+        values = np.abs(self.values)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            parts = np.where(values == 0.0, 0.0, values / np.asarray(self.scale))
+        return np.asarray(parts[self.where])
+
+
+@dataclass(frozen=True)
 class Course:
     """The run of one side.
 
@@ -62,6 +92,13 @@ class Course:
     def change(self, name: str) -> Series:
         """Return what each step adds to an output, or raise as `after` does."""
         return self.after(name) - self.before(name)
+
+    def residual(
+        self, values: Series, scale: Series | float, unit: str, where: Mask | None = None
+    ) -> Residual:
+        """Return a residual, about all steps where none are named."""
+        everywhere = np.ones(self.h.size, dtype=np.bool_)
+        return Residual(values, everywhere if where is None else where, scale, unit)
 
     @cached_property
     def h(self) -> Series:
@@ -149,6 +186,11 @@ class Course:
             np.where(stuck_after, 0.0, np.sign(self.after("x_dot"))),
         )
 
+    @property
+    def rests(self) -> Mask:
+        """Points at which the side says that the mass sticks."""
+        return np.asarray(self.mode[1] == 0.0)
+
     @cached_property
     def eventless(self) -> Mask:
         """Steps in which the side reports no transition, nor changes its mode.
@@ -177,12 +219,12 @@ class Course:
     @cached_property
     def stick(self) -> Mask:
         """Steps that lie in a stick as a whole."""
-        return np.asarray(self.eventless & (self.mode[1] == 0.0))
+        return np.asarray(self.eventless & self.rests)
 
     @cached_property
     def slip(self) -> Mask:
         """Steps that lie in a slip as a whole."""
-        return np.asarray(self.eventless & (self.mode[1] != 0.0))
+        return np.asarray(self.eventless & ~self.rests)
 
     @cached_property
     def since_begin(self) -> Series:
@@ -193,15 +235,13 @@ class Course:
     def break_away(self) -> Mask:
         """Steps that begin in stick, end in slip, and hold one break-away and nothing else."""
         one = self.change("n_slips") == 0.0
-        moved = self.mode[1] != 0.0
-        return np.asarray(one & (self.mode[0] == 0.0) & moved & self._dated)
+        return np.asarray(one & (self.mode[0] == 0.0) & ~self.rests & self._dated)
 
     @cached_property
     def re_stick(self) -> Mask:
         """Steps that begin in slip, end in stick, and hold one re-stick and nothing else."""
         one = self.change("n_slips") == 1.0
-        rests = self.mode[1] == 0.0
-        return np.asarray(one & (self.mode[0] != 0.0) & rests & self._dated)
+        return np.asarray(one & (self.mode[0] != 0.0) & self.rests & self._dated)
 
     @cached_property
     def _dated(self) -> Mask:
@@ -275,40 +315,5 @@ class Course:
         return float(max(np.max(np.abs(each)) for each in lengths))
 
 
-@dataclass(frozen=True)
-class Residual:
-    """By how much an invariant is missed, step by step.
-
-    Attributes
-    ----------
-    values
-        The residual of each step in `unit`, shape ``(n,)``; zero where the invariant holds.
-    where
-        The steps that the invariant is about, shape ``(n,)``.
-    scale
-        What the residual is measured against, in `unit`, above zero.
-    unit
-        In the spelling of the interface.
-    """
-
-    values: Series
-    where: Mask
-    scale: Series | float
-    unit: str
-
-    @property
-    def errors(self) -> Series:
-        """Residual over scale at the steps that the invariant is about."""
-        values = np.abs(self.values)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            parts = np.where(values == 0.0, 0.0, values / np.asarray(self.scale))
-        return np.asarray(parts[self.where])
-
-
 Metric = Callable[[Course], Residual]
 """From a side's run to what an invariant leaves over in it. Raises `MissingOutputError`."""
-
-
-def everywhere(course: Course) -> Mask:
-    """Return all steps."""
-    return np.ones(course.h.size, dtype=np.bool_)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stickslip_verification.judge.metrics.course import Course, Residual, everywhere
+from stickslip_verification.judge.metrics.course import Course, Residual
 from stickslip_verification.model.run import Series
 
 
@@ -16,13 +16,7 @@ def balance(course: Course) -> Residual:
     z, x_dot = (course.before(name)[0] for name in ("z", "x_dot"))
     at_start = 0.5 * before["k"] * z**2 + 0.5 * before["m"] * x_dot**2
     left = np.asarray(supplied - (stored - at_start), np.float64)
-    return Residual(left, everywhere(course), course.energy_scale, "J")
-
-
-def heat_never_falls(course: Course) -> Residual:
-    """By how much the heat falls over a step."""
-    fall = np.maximum(-course.change("Q_friction"), 0.0)
-    return Residual(fall, everywhere(course), course.energy_scale, "J")
+    return course.residual(left, course.energy_scale, "J")
 
 
 def heat_of_dry_friction(course: Course) -> Residual:

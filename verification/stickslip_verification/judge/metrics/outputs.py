@@ -4,30 +4,12 @@ import math
 
 import numpy as np
 
-from stickslip_verification.judge.metrics.course import Course, Residual, everywhere
+from stickslip_verification.judge.metrics.course import Course, Residual
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Series
 
 _STEADY = 1e-12
 """Where the exact motion itself keeps delta_x = v T to this part, the cycle is steady."""
-
-
-def spring_force(course: Course) -> Residual:
-    """F less k z."""
-    left = course.after("F") - course.settings["k"] * course.after("z")
-    return Residual(left, everywhere(course), course.force_scale, "N")
-
-
-def extension(course: Course) -> Residual:
-    """Z less x_pull - x."""
-    left = course.after("z") - (course.after("x_pull") - course.after("x"))
-    return Residual(left, everywhere(course), course.length_scale, "m")
-
-
-def pulled_end(course: Course) -> Residual:
-    """Way of the pulled end over a step, less v h."""
-    left = course.change("x_pull") - course.settings["v"] * course.h
-    return Residual(left, everywhere(course), course.length_scale, "m")
 
 
 def period(course: Course) -> Residual:
@@ -54,44 +36,19 @@ def jump(course: Course) -> Residual:
     return Residual(left, np.asarray(applies), np.abs(way), "m")
 
 
-def frequency(course: Course) -> Residual:
-    """F times T, less 1 where there is a period and less 0 where there is none."""
-    T = course.after("T")
-    left = course.after("f") * T - (T > 0.0)
-    return Residual(left, everywhere(course), 1.0, "1")
-
-
-def mode_and_sticking(course: Course) -> Residual:
-    """1 where mode and sticking contradict each other."""
-    contradiction = (course.after("mode") == 0.0) != (course.after("sticking") != 0.0)
-    return Residual(contradiction.astype(np.float64), everywhere(course), 1.0, "1")
-
-
 def break_away_force(course: Course) -> Residual:
     """F_s less mu_s N, at the age of the stick where mu_s grows."""
     threshold, rate = course.static_friction(course.age)
     left = course.after("F_s") - threshold
     left = np.sign(left) * np.maximum(np.abs(left) - rate * course.dating, 0.0)
-    return Residual(left, everywhere(course), course.force_scale, "N")
-
-
-def clamped_coefficient(course: Course) -> Residual:
-    """mu_k_used less mu_k after the clamp."""
-    left = course.after("mu_k_used") - course.settings["mu_k"]
-    return Residual(left, everywhere(course), float(np.max(course.settings["mu_s"])) or 1.0, "1")
-
-
-def finished(course: Course) -> Residual:
-    """How many communication points were not reached."""
-    lacking = abs(course.h.size - course.record.times.size)
-    return Residual(np.full(course.h.size, float(lacking)), everywhere(course), 1.0, "1")
+    return course.residual(left, course.force_scale, "N")
 
 
 def columns(course: Course) -> Residual:
     """How many outputs are missing, or have not one sample per communication point."""
     outputs, n = course.record.outputs, course.h.size
     wrong = sum(name not in outputs or outputs[name].size != n for name in OUTPUT_NAMES)
-    return Residual(np.full(n, float(wrong)), everywhere(course), 1.0, "1")
+    return course.residual(np.full(n, float(wrong)), 1.0, "1")
 
 
 def finite(course: Course) -> Residual:
@@ -99,7 +56,7 @@ def finite(course: Course) -> Residual:
     count = np.zeros(course.h.size)
     for name in course.record.outputs:
         count += ~np.isfinite(_padded(course.record.outputs[name], count.size))
-    return Residual(count, everywhere(course), 1.0, "1")
+    return course.residual(count, 1.0, "1")
 
 
 def start(course: Course) -> Residual:

@@ -38,18 +38,6 @@ def friction_as_stated(course: Course) -> Residual:
     return Residual(left, course.mode[1] != 0.0, max(course.force_scale, drag), "N")
 
 
-def friction_against_motion(course: Course) -> Residual:
-    """Friction that pushes a slipping mass along its way instead of holding it."""
-    along = np.maximum(course.after("F_friction") * np.sign(course.after("x_dot")), 0.0)
-    return Residual(along, course.mode[1] != 0.0, course.force_scale, "N")
-
-
-def direction_is_mode(course: Course) -> Residual:
-    """Velocity against the direction of slip that mode shows."""
-    against = np.maximum(-course.mode[1] * course.after("x_dot"), 0.0)
-    return Residual(against, course.mode[1] != 0.0, course.speed_scale, "m/s")
-
-
 def never_past_rest(course: Course) -> Residual:
     """How far the velocity passes zero inside a step that reports no transition."""
     chosen = course.slip

@@ -1,19 +1,8 @@
-"""The invariant of stick, (1): x constant, force within break-away, friction holds the balance."""
+"""The invariant of stick, (1): the force on a resting mass stays within break-away."""
 
 import numpy as np
 
 from stickslip_verification.judge.metrics.course import SLACK, Course, Residual
-
-
-def position_held(course: Course) -> Residual:
-    """How far the mass moves in a stick."""
-    return Residual(course.change("x"), course.stick, course.length_scale, "m")
-
-
-def at_rest(course: Course) -> Residual:
-    """Velocity in a stick."""
-    rests = course.mode[1] == 0.0
-    return Residual(course.after("x_dot"), rests, course.speed_scale, "m/s")
 
 
 def within_break_away(course: Course) -> Residual:
@@ -23,11 +12,4 @@ def within_break_away(course: Course) -> Residual:
     threshold, rate = course.static_friction(course.age)
     slack = SLACK * (np.abs(spring) + np.abs(push) + threshold) + rate * course.dating
     excess = np.maximum(np.abs(spring + push) - threshold - slack, 0.0)
-    return Residual(excess, course.mode[1] == 0.0, course.force_scale, "N")
-
-
-def friction_balances(course: Course) -> Residual:
-    """Sum of F, F_ext and friction on a resting mass."""
-    force = course.settings["k"] * course.after("z") + course.settings["F_ext"]
-    left = course.after("F_friction") + force
-    return Residual(left, course.mode[1] == 0.0, course.force_scale, "N")
+    return Residual(excess, course.rests, course.force_scale, "N")
