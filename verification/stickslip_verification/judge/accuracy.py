@@ -88,12 +88,8 @@ class Deviation:
 class Ruler:
     """Measures the delta of runs of one case.
 
-    Attributes
-    ----------
-    exact
-        The exact motion.
-    spreads
-        How far each output moves when the data are off by `OFF`, from `drive.nearby`.
+    ``spreads``, from `drive.nearby`: how far each output of ``exact`` moves when the data are off
+    by `OFF`.
     """
 
     exact: Exact
@@ -238,16 +234,9 @@ def _deltas(error: Series, columns: Series, limit: float) -> Series:
 class Matched:
     """The honest solvers that an FMU is most like.
 
-    Attributes
-    ----------
-    solver
-        Name of the nearest one.
-    factor
-        The deltas of the FMU over its.
-    expected
-        By case, the largest delta that those matched have there, times their factors.
-    alike
-        All that are matched, with their factors.
+    ``solver`` is the nearest one, ``factor`` the deltas of the FMU over its; ``alike`` are all that
+    are matched with their factors, ``expected`` is the largest delta that they have in each case
+    times these.
     """
 
     solver: str
@@ -257,15 +246,7 @@ class Matched:
 
 
 def matched(deltas: Mapping[str, float], family: Mapping[str, Mapping[str, float]]) -> Matched:
-    """Match the deltas of an FMU with those of honest solvers, one free factor each.
-
-    Parameters
-    ----------
-    deltas
-        By case.
-    family
-        Deltas by solver and case; those of the cases of `deltas` are used.
-    """
+    """Match deltas by case with those of a family by solver and case, one free factor each."""
     cases = list(deltas)
     if not cases:
         return Matched(next(iter(family)), 1.0, {}, {})

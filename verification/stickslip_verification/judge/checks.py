@@ -14,7 +14,7 @@ import numpy as np
 from stickslip_verification.drive import convergence
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
-from stickslip_verification.judge.band import Band, Mask
+from stickslip_verification.judge.band import Band
 from stickslip_verification.judge.contract import Contract
 from stickslip_verification.judge.metrics import METRICS, Course, MissingOutputError, Residual
 from stickslip_verification.model.formulas import FORMULAS
@@ -438,7 +438,10 @@ def judge_run(
     if {n: s.shape for n, s in first.items()} != {n: s.shape for n, s in second.items()}:
         return replace(empty, failure="the runs have other outputs, or other numbers of samples")
     if invariant.tolerance is None:
-        differing = {name: int(np.sum(~_equal(first[name], second[name]))) for name in first}
+        differing = {
+            name: int(np.sum((one != second[name]) & ~(np.isnan(one) & np.isnan(second[name]))))
+            for name, one in first.items()
+        }
         total = sum(differing.values())
         named = next((f", {name} first" for name, count in differing.items() if count), "")
         return compared(empty, 0.0, total, total, quantity=f"values that differ{named}")
@@ -491,7 +494,3 @@ def _same_motion(
         results.append(compared(named, expected[place], got[place], found[place]))
     nothing = replace(empty, error=0.0, passed=True)
     return max(results, key=lambda each: each.error or 0.0, default=nothing)
-
-
-def _equal(a: Series, b: Series) -> Mask:
-    return np.asarray((a == b) | (np.isnan(a) & np.isnan(b)))

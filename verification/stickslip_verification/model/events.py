@@ -19,18 +19,8 @@ class Transition(StrEnum):
 class Event:
     """A transition between stick and slip.
 
-    Attributes
-    ----------
-    time
-        When it happened [s].
-    kind
-        Stick to slip, slip to stick, or slip to slip the other way.
-    mode
-        The mode from then on: -1 slips backward, 0 sticks, +1 slips forward.
-    x
-        Position of the mass at that time [m].
-    z
-        Spring extension at that time [m].
+    ``time`` [s]; ``mode`` from then on: -1 slips backward, 0 sticks, +1 slips forward; position
+    ``x`` of the mass and extension ``z`` of the spring [m] at that time.
     """
 
     time: float
@@ -47,19 +37,10 @@ def events_between(samples: NDArray[np.void], v: float) -> tuple[tuple[Event, ..
     dates up to two transitions in an interval exactly. The mass does not move while it sticks and
     the pulled end moves at constant speed, so the place of each follows without interpolation.
 
-    Parameters
-    ----------
-    samples
-        Structured array, shape (n,), with ``time`` and the outputs ``mode``, ``n_slips``,
-        ``t_event``, ``t_stick``, ``t_slip``, ``delta_x``, ``x``, ``x_pull``.
-    v
-        Velocity of the pulled end [m/s].
-
-    Returns
-    -------
-    tuple of Event, int
-        The transitions in order of time, and the number of intervals that hold more than two or
-        cannot be told for such an interval just before.
+    ``samples``, shape (n,), are structured: ``time`` and the outputs ``mode``, ``n_slips``,
+    ``t_event``, ``t_stick``, ``t_slip``, ``delta_x``, ``x``, ``x_pull``; `v` is the velocity of the
+    pulled end [m/s]. The second value is the number of intervals that hold more than two
+    transitions, or cannot be told for such an interval just before.
     """
     first = samples[0]
     # What an unseen or an unfinished slip began from: the first sample.

@@ -12,30 +12,12 @@ from stickslip_verification.model.units import spelled
 from stickslip_verification.truth.parameters import PARAMETERS, Parameter
 
 
-def outputs_in(unit: str) -> tuple[str, ...]:
-    """Return the names of the outputs in this unit that are not discrete."""
-    return tuple(each.name for each in OUTPUTS if each.unit == unit and not each.discrete)
-
-
-LENGTHS = outputs_in("m")
-SPEEDS = outputs_in("m/s")
-FORCES = outputs_in("N")
-TIMES = outputs_in("s")
-ENERGIES = outputs_in("J")
-
-
 @dataclass(frozen=True)
 class Symmetry:
     """A change of everything that is set, under which the motion is the same but for factors.
 
-    Attributes
-    ----------
-    name
-        What is changed, in words.
-    mass, pace
-        Factors on the units of mass and time; ``pace`` is also that on the lengths of steps.
-    mirrored
-        Whether what is directed changes its sign.
+    ``mass`` and ``pace`` are the factors on the units of mass and time; ``pace`` is also that on
+    the lengths of steps. ``mirrored``: what is directed changes its sign.
     """
 
     name: str

@@ -137,8 +137,8 @@ class Motion:
 class ObservedOrder:
     """How an error of the reference falls with its tolerance.
 
-    ``orders[i]`` is the slope of log error over log tolerance between the levels ``i`` and
-    ``i + 1``; ``expected`` is the order that the method promises.
+    ``orders[i]`` is the slope of log error over log tolerance from level ``i`` to ``i + 1``;
+    ``expected`` is the order that the method promises.
     """
 
     case: str
@@ -278,14 +278,9 @@ class Verdict:
         That FMU and reference agree, that the reference is right, or that calls are answered as
         they should be, makes no FMU green.
         """
-        return any(
-            r.verdict == Outcome.PASS
-            and r.case
-            and r.decides
-            and r.side == "fmu"
-            and r.truth in (Kind.CLOSED_FORM, Kind.INVARIANT)
-            for r in self.checks
-        )
+        of_fmu = [r for r in self.checks if r.case and r.decides and r.side == "fmu"]
+        truths = (Kind.CLOSED_FORM, Kind.INVARIANT)
+        return any(r.verdict == Outcome.PASS and r.truth in truths for r in of_fmu)
 
     @property
     def contract_decides(self) -> bool:

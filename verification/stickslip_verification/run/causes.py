@@ -129,17 +129,19 @@ def _creep(shown: Shown) -> float | None:
 def _models() -> Iterator[tuple[str, Callable[[Case], Run]]]:
     """Yield in words what models do instead, with what solves them."""
     for words, alter in _altered():
-        yield words, partial(_solve_altered, alter=alter)
+        yield words, partial(_solve, alter=alter)
     for words, acceleration in STRUCTURES.items():
         yield words, partial(_solve, acceleration=acceleration)
 
 
-def _solve_altered(case: Case, alter: Callable[[Case], Case]) -> Run:
-    return _SOLVER.run(alter(case))
-
-
-def _solve(case: Case, acceleration: Acceleration) -> Run:
-    return Slider(_SOLVER, case, acceleration).run()
+def _solve(
+    case: Case,
+    alter: Callable[[Case], Case] | None = None,
+    acceleration: Acceleration | None = None,
+) -> Run:
+    if acceleration is not None:
+        return Slider(_SOLVER, case, acceleration).run()
+    return _SOLVER.run(case if alter is None else alter(case))
 
 
 def _altered() -> Iterator[tuple[str, Callable[[Case], Case]]]:

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_verification.model import symmetries
+from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth import friction_law
@@ -26,16 +26,8 @@ class MissingOutputError(LookupError):
 class Residual:
     """By how much an invariant is missed, step by step.
 
-    Attributes
-    ----------
-    values
-        The residual of each step in `unit`, shape ``(n,)``; zero where the invariant holds.
-    where
-        The steps that the invariant is about, shape ``(n,)``.
-    scale
-        What the residual is measured against, in `unit`, above zero.
-    unit
-        In the spelling of the interface.
+    ``values`` in ``unit`` are zero where the invariant holds, ``where`` are the steps that it is
+    about, both of shape ``(n,)``; ``scale``, above zero, is what the residual is measured against.
     """
 
     values: Series
@@ -54,21 +46,11 @@ class Residual:
 
 @dataclass(frozen=True)
 class Course:
-    """The run of one side.
+    """The run of one side, `record`, with the exact motion at the same points.
 
     Every array has one entry per communication step, shape ``(n,)``. An output is taken at the
-    end of the step by `after` and at its beginning by `before`.
-
-    Attributes
-    ----------
-    case
-        The case that was run.
-    record
-        What the side gave.
-    exact
-        What the exact motion gives at the same points.
-    event_times
-        Exact times of the transitions [s].
+    end of the step by `after` and at its beginning by `before`. ``event_times`` are the exact times
+    of the transitions [s].
     """
 
     case: Case
@@ -144,10 +126,7 @@ class Course:
         return any(np.any(self.settings.get(name, 0.0)) for name in ("tau_s", "B"))
 
     def static_friction(self, age: Series | None) -> tuple[Series, Series]:
-        """Return mu_s N [N] at these ages [s] of a stick, and its rate [N/s]: (1), (19).
-
-        None, the age where static friction does not grow, stands for any.
-        """
+        """Return mu_s N [N] and its rate [N/s], (1), (19), at any age [s] where `age` is None."""
         s = self.settings
         if age is None:
             return s["mu_s"] * self.normal_force, np.zeros(self.h.size)
@@ -195,8 +174,7 @@ class Course:
     def eventless(self) -> Mask:
         """Steps in which the side reports no transition, nor changes its mode.
 
-        Of a side that reports neither the time of the last transition nor the number of slips,
-        those in which the exact motion has none.
+        Where it does not report them: those in which the exact motion has none.
         """
         same = self.mode[0] == self.mode[1]
         reports = [name for name in ("t_event", "n_slips") if name in self.record.outputs]
@@ -275,26 +253,20 @@ class Course:
         exact, s = self.exact.outputs, self.settings
         stored = 0.5 * s["k"] * exact["z"] ** 2 + 0.5 * s["m"] * exact["x_dot"] ** 2
         pushed = np.max(np.abs(s["F_ext"])) * np.max(np.abs(exact["x"]))
-        sums = (np.max(np.abs(exact[name])) for name in symmetries.ENERGIES)
+        sums = (np.max(np.abs(exact[name])) for name in ("W_pull", "W_k", "Q_friction"))
         return float(max(np.max(stored), pushed, *sums))
 
     def scale_of(self, output: str) -> float:
-        """Return what an output is measured against where it may be zero, in its unit.
-
-        That is the largest of its kind in play: of lengths, speeds, forces, energies, or the
-        length of the run.
-        """
-        kinds = (
-            (symmetries.LENGTHS, self.swing_length),
-            (symmetries.SPEEDS, self.swing_speed),
-            (symmetries.FORCES, self.force_scale),
-            (symmetries.ENERGIES, self.energy_scale),
-            (symmetries.TIMES, self.case.stop_time),
-        )
-        for names, scale in kinds:
-            if output in names:
-                return scale
-        return float(np.max(np.abs(self.exact.outputs[output]))) or 1.0
+        """Return the largest in play of the kind of an output: what it is measured against."""
+        kinds = {
+            "m": self.swing_length,
+            "m/s": self.swing_speed,
+            "N": self.force_scale,
+            "J": self.energy_scale,
+            "s": self.case.stop_time,
+        }
+        largest = float(np.max(np.abs(self.exact.outputs[output]))) or 1.0
+        return kinds.get(QUANTITIES[output].unit, largest)
 
     @cached_property
     def swing_length(self) -> float:
