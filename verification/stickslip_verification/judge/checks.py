@@ -20,7 +20,7 @@ from stickslip_verification.judge.metrics import METRICS, Course, MissingOutputE
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.model.run import Run, Series
-from stickslip_verification.model.verdict import CheckResult, Klass, Measure, ObservedOrder
+from stickslip_verification.model.verdict import CheckResult, Kind, Klass, Measure, ObservedOrder
 from stickslip_verification.suite.cases import At, Case, Check
 from stickslip_verification.suite.invariants import (
     Agreement,
@@ -73,7 +73,7 @@ def of_check(case: Case, check: Check, contract: Contract) -> CheckResult:
         check=check.id,
         quantity=check.quantity,
         unit=check.unit,
-        truth=check.truth.kind,
+        truth=Kind.CLOSED_FORM,
         side=contract.side,
         tolerance=check.tolerance[contract.column],
         because=check.because[contract.column],
@@ -183,8 +183,8 @@ def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Ru
         chosen = places(check.at, exact)
         samples = extract(check.quantity, exact.record, exact.start)
         expected, scale = samples[chosen], float(np.max(np.abs(samples)))
-        if check.truth.formula is not None:
-            expected = np.full(len(chosen), float(FORMULAS[check.truth.formula](exact.start)))
+        if check.formula:
+            expected = np.full(len(chosen), float(FORMULAS[check.formula](exact.start)))
     except Exception as error:
         return replace(empty, failure=f"the truth cannot be computed: {error}")
     if not np.all(np.isfinite(expected)):
@@ -315,7 +315,7 @@ def judge_residual(
 def agreeing(invariant: Agreement, case: Case) -> Check | None:
     """Find the check of a case whose tolerances say how far FMU and reference may differ."""
     for check in case.checks:
-        everywhere = check.at.kind == "every_point" and check.truth.formula is None
+        everywhere = check.at.kind == "every_point" and not check.formula
         if check.quantity == invariant.quantity and everywhere:
             return check
     return None

@@ -134,10 +134,10 @@ def _names(
     quantities |= {agreement.quantity for agreement in invariants.agreements}
     quantities |= {order.quantity for order in invariants.orders}
     # What the designers' slip time is held against is the difference, not the formula itself.
-    formulas = {check.truth.formula for check in checks} | {"half_period"}
+    formulas = {check.formula for check in checks if check.formula} | {"half_period"}
     families: tuple[tuple[str, Collection[str], set[str]], ...] = (
         ("quantity", QUANTITIES, quantities),
-        ("formula", FORMULAS, {name for name in formulas if name}),
+        ("formula", FORMULAS, formulas),
         ("metric", METRICS, {invariant.metric for invariant in invariants.residuals}),
         ("run", RUNS, {invariant.run for invariant in invariants.runs}),
         ("probe", PROBES, {invariant.probe for invariant in invariants.probes}),
@@ -158,9 +158,7 @@ def _names(
     if THEORY.is_file():
         text = THEORY.read_text(encoding="utf-8")
         numbers = {int(n) for n in re.findall(r"\\tag\{(\d+)\}", text)}
-        sources = [
-            (f"{case.id} / {of.id}", of.truth.source) for case in cases for of in case.checks
-        ]
+        sources = [(f"{case.id} / {of.id}", of.source) for case in cases for of in case.checks]
         sources += [(invariant.id, invariant.source) for invariant in invariants]
         for name, source in sources:
             if source not in numbers:

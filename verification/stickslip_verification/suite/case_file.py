@@ -25,8 +25,8 @@ from stickslip_verification.model.data_file import (
 )
 from stickslip_verification.model.formulas import CYCLE, FORMULAS
 from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES, QUANTITIES
-from stickslip_verification.model.verdict import Kind, Klass, Measure
-from stickslip_verification.suite.cases import At, Case, Check, Truth, follow
+from stickslip_verification.model.verdict import Klass, Measure
+from stickslip_verification.suite.cases import At, Case, Check, follow
 from stickslip_verification.suite.experiment import Experiment, communication_steps
 from stickslip_verification.suite.invariants import invariant_ids
 from stickslip_verification.suite.tolerances import Facts, Rules, Tolerance, facts_of
@@ -258,11 +258,12 @@ def _with_own(file: DataFile, rules: Rules, own: OwnTolerances) -> Rules:
     rules = replace(rules, own_conditioning=own.conditioning)
     if own.fmu is None:
         return rules
-    rule, _ = rules.fmu_course()
+    rule, because = rules.fmu_course()
     if own.because is None and own.fmu > rule:
         reason = f"{own.fmu} is looser than the rules' {rule} and needs a reason: because"
         raise file.refusal(reason, "tolerances", "fmu")
-    return replace(rules, own_fmu=(own.fmu, own.because or rules.tighter(own.fmu)))
+    tighter = f"{own.fmu:g}, tighter than the rules' {rule:g}: {because}"
+    return replace(rules, own_fmu=(own.fmu, own.because or tighter))
 
 
 def _courses(file: DataFile, written: CaseFile) -> list[str]:
@@ -288,7 +289,7 @@ def _checks(
             raise file.refusal(f"{reason}one the exact motion counts", *place)
     checks = list(_cycle(file, written.cycle, rules)) if written.cycle else []
     checks += [
-        _check(f"{name}-course", name, "", written.courses_at, rules.course(name))
+        Check.of(f"{name}-course", name, "", written.courses_at, rules.course(name))
         for name in courses
     ]
     for n, entry in enumerate(written.checks):
@@ -297,25 +298,10 @@ def _checks(
         if taken is not None:
             raise file.refusal(f"{entry.id!r} is taken by {taken}", "checks", n, "id")
         tolerance = _tolerance(file, n, entry, rules)
-        checks.append(_check(entry.id, entry.quantity, entry.formula, entry.at, tolerance))
+        checks.append(Check.of(entry.id, entry.quantity, entry.formula, entry.at, tolerance))
     if not checks:
         raise file.refusal("it checks nothing: no courses, no cycle, no checks")
     return tuple(checks)
-
-
-def _check(name: str, quantity: str, formula: str, at: At, tolerance: Tolerance | None) -> Check:
-    assert tolerance is not None, formula
-    equation = (FORMULAS[formula] if formula else QUANTITIES[quantity]).equation
-    return Check(
-        id=name,
-        quantity=quantity,
-        unit=QUANTITIES[quantity].unit,
-        truth=Truth(Kind.CLOSED_FORM, equation, formula or None),
-        at=at,
-        measure=tolerance.measure,
-        tolerance=tolerance.allowed,
-        because=tolerance.because,
-    )
 
 
 def _cycle(file: DataFile, cycle: CycleEntry, rules: Rules) -> Iterator[Check]:
@@ -326,14 +312,15 @@ def _cycle(file: DataFile, cycle: CycleEntry, rules: Rules) -> Iterator[Check]:
     if not rules.lambda_:
         raise file.refusal("without a gap and a pull there is no cycle", "cycle")
     damped = rules.values[0]["c"] > 0.0
-    formulas = {name: pair[damped] for name, pair in CYCLE.items() if pair[damped]}
+    formulas = {name: formula for name, pair in CYCLE.items() if (formula := pair[damped])}
     for n, name in enumerate(formulas if cycle.only is None else cycle.only):
         if name not in formulas:
             reason = f"{name!r} has no formula in the {'damped' if damped else 'undamped'} cycle; "
             there = f"these have: {', '.join(formulas)}"
             raise file.refusal(reason + there, "cycle", "only", n)
-        formula = formulas[name] or ""
-        yield _check(f"{name}-exact", name, formula, cycle.at, rules.formula(formula))
+        tolerance = rules.formula(formulas[name])
+        assert tolerance is not None, name
+        yield Check.of(f"{name}-exact", name, formulas[name], cycle.at, tolerance)
 
 
 def _tolerance(file: DataFile, n: int, entry: CheckEntry, rules: Rules) -> Tolerance:

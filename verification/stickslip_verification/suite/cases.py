@@ -1,13 +1,16 @@
 """Verification cases: an experiment, and what is checked on it."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 from stickslip_verification import truth
-from stickslip_verification.model.verdict import CaseGroup, Kind, Klass, Measure
+from stickslip_verification.model.formulas import FORMULAS
+from stickslip_verification.model.quantities import QUANTITIES
+from stickslip_verification.model.verdict import CaseGroup, Klass, Measure
 from stickslip_verification.suite.experiment import CommunicationStep, points
-from stickslip_verification.suite.tolerances import Facts
+from stickslip_verification.suite.tolerances import Facts, Tolerance
 from stickslip_verification.truth.named import COULOMB_NAME
 from stickslip_verification.truth.parameters import Parameter, complete
 
@@ -28,34 +31,37 @@ class At:
 
 
 @dataclass(frozen=True)
-class Truth:
-    """Where the expected value comes from.
-
-    ``kind`` is the class of truth, ``source`` the equation number in docs/theory.md, ``formula`` a
-    name in `FORMULAS`, or None for the exact motion in high precision.
-    """
-
-    kind: Kind
-    source: int
-    formula: str | None
-
-
-@dataclass(frozen=True)
 class Check:
     """One comparison, judged on each side with that side's tolerance.
 
-    ``measure`` is relative (of the expected value), of_scale (of the largest magnitude that the
-    exact motion gives this quantity at any communication point) or absolute (in ``unit``).
+    ``formula`` is a name in `FORMULAS`, or "" for the exact motion in high precision. ``measure``
+    is relative (of the expected value), of_scale (of the largest magnitude that the exact motion
+    gives this quantity at any communication point) or absolute (in ``unit``).
     """
 
     id: str
     quantity: str
-    unit: str
-    truth: Truth
+    formula: str
     at: At
     measure: Measure
     tolerance: Mapping[str, float]
     because: Mapping[str, str]
+
+    @classmethod
+    def of(cls, name: str, quantity: str, formula: str, at: At, tolerance: Tolerance) -> Self:
+        """Return a check with what the rules or its case allow."""
+        allowed = (tolerance.measure, tolerance.allowed, tolerance.because)
+        return cls(name, quantity, formula, at, *allowed)
+
+    @property
+    def unit(self) -> str:
+        """The SI unit of the quantity."""
+        return QUANTITIES[self.quantity].unit
+
+    @property
+    def source(self) -> int:
+        """Number of the equation in docs/theory.md."""
+        return (FORMULAS[self.formula] if self.formula else QUANTITIES[self.quantity]).equation
 
 
 @dataclass(frozen=True)
@@ -117,7 +123,7 @@ class Case:
 
 def follow(
     parameters: Mapping[str, float],
-    steps: Iterable[CommunicationStep],
+    steps: Sequence[CommunicationStep],
     law: str = COULOMB_NAME,
     *,
     in_doubles: bool = False,
@@ -126,7 +132,6 @@ def follow(
 
     Quick and `in_doubles` where it is for planning alone.
     """
-    taken = [truth.Step(step.h, dict(step.changes)) for step in steps]
     friction = truth.friction_law(law)
     digits = None if in_doubles else friction.digits
-    return truth.run(parameters, taken, law=friction, digits=digits)
+    return truth.run(parameters, steps, law=friction, digits=digits)

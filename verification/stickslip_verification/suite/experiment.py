@@ -4,7 +4,6 @@ import itertools
 import math
 import random
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from pydantic import Field
@@ -18,6 +17,7 @@ from stickslip_verification.model.data_file import (
     Positive,
     Written,
 )
+from stickslip_verification.truth import Step
 
 SAME_POINT = 1e-9
 """A change is at a communication point if it is within this fraction of the mean step: the sum of
@@ -31,12 +31,8 @@ MOST_STEPS = 1_000_000
 """More steps than any case needs; beyond it the memory would go before the patience."""
 
 
-@dataclass(frozen=True)
-class CommunicationStep:
-    """One step of ``h`` [s]; ``changes`` (name to value, SI) are set just before it."""
-
-    h: float
-    changes: Mapping[str, float]
+CommunicationStep = Step
+"""One step of ``h`` [s]; ``changes`` (name to value, SI) are set just before it."""
 
 
 def points(lengths: Iterable[float]) -> tuple[float, ...]:

@@ -34,6 +34,7 @@ PLAIN = "plain"
 STICK, FORWARD, BACKWARD = "stick", "forward slip", "backward slip"
 REVERSED = "slip after a reversal"
 PHASES = (STICK, FORWARD, BACKWARD, REVERSED)
+_OF_MODE = {0: STICK, 1: FORWARD, -1: BACKWARD}
 
 UNDAMPED, BELOW, CRITICAL, ABOVE = "c = 0", "below critical", "critical", "above critical"
 DAMPINGS = (UNDAMPED, BELOW, CRITICAL, ABOVE)
@@ -196,7 +197,7 @@ def _draw(seed: int, number: int, counts: Mapping[Cell, int], scope: Scope) -> R
         checks=(),
         file=Path(__file__),
     )
-    return RandomSequence(case, tuple(plan.cells(course)))
+    return RandomSequence(case, tuple(plan.cells))
 
 
 class _Plan:
@@ -207,15 +208,12 @@ class _Plan:
         self._counts = Counter(counts)
         self._scope = scope
         drawn = self._start()
-        self._values = {
-            name: drawn.get(name, start) if name in scope.settable else start
-            for name, start in START_VALUES.items()
-        }
+        self._values = {**START_VALUES, **{n: drawn[n] for n in drawn if n in scope.settable}}
         self._m = self._values["m"]
         self.parameters = dict(self._values)
         self.steps: list[CommunicationStep] = []
         self._pending: dict[str, float] = {}
-        self._made: list[tuple[float, str]] = []
+        self._made: list[tuple[float, list[Cell]]] = []
         self._now = 0.0
         if draw.random() < 0.3:
             self._set_late()
@@ -236,43 +234,33 @@ class _Plan:
         self._counts[cell] += 1
         kind, phase, damping = cell
         self._advance(cells[cell])
-        self._made.append((self._now, kind))
         self._pending = self._changed(kind, phase, damping)
         self._values |= self._pending
+        rows = [kind]
+        rows += [ABOVE_ONE] if self._values["mu_s"] > 1.0 else []
+        rows += [UNPULLED] if self._values["v"] == 0.0 else []
+        damping = _damping(self._values)
+        self._made.append((self._now, [Cell(row, phase, damping) for row in rows]))
 
     def finish(self) -> truth.Run:
         """Let the last change act, and return the course of the whole in doubles."""
         spans = self._spans()
         if spans:
             self._advance(self._draw.choice(spans))
-        return self._course(self.steps)
-
-    def cells(self, course: truth.Run) -> Iterator[Cell]:
-        """Yield what happens in the sequence."""
-        spans = list(_spans(course))
-        values = dict(self.parameters)
+        else:
+            self._made = self._made[:-1]
+        course = truth.run(self.parameters, self.steps, digits=None)
         first = self._made[0][0] if self._made else self._now
-        start = values | dict(self.steps[0].changes)
-        for row, there in (
-            (LOADED, start["load"] != 0.0 and start["F_ext"] != 0.0),
-            (MOVING, start["x_dot_start"] != 0.0),
-        ):
-            if there:
-                for span in spans:
-                    if span.start < first:
-                        yield Cell(row, span.phase, _damping(start))
-        now, made = 0.0, dict(self._made)
-        for step in self.steps:
-            values |= step.changes
-            # The moments of changes are sums of the same steps.
-            if now in made:
-                phase = next(s.phase for s in reversed(spans) if s.start < now)
-                rows = [made[now]]
-                rows += [ABOVE_ONE] if values["mu_s"] > 1.0 else []
-                rows += [UNPULLED] if values["v"] == 0.0 else []
-                for row in rows:
-                    yield Cell(row, phase, _damping(values))
-            now += step.h
+        start = {**self.parameters, **self.steps[0].changes}
+        self.cells = [
+            Cell(row, span.phase, _damping(start))
+            for row, names in _AT_START.items()
+            if all(start[name] != 0.0 for name in names)
+            for span in _spans(course)
+            if span.start < first
+        ]
+        self.cells += [cell for _, cells in self._made for cell in cells]
+        return course
 
     def _start(self) -> dict[str, float]:
         draw = self._draw
@@ -337,15 +325,11 @@ class _Plan:
         # A heavily damped slip is slow: c/k is its time.
         slow = self._values["c"] * self._w / self._values["k"]
         ahead = min(_HORIZON * max(1.0, slow), _FARTHEST) / self._w
-        course = self._course([*self.steps, CommunicationStep(ahead, self._pending)])
+        steps = [*self.steps, CommunicationStep(ahead, self._pending)]
+        course = truth.run(self.parameters, steps, digits=None)
         shortest = 3.0 * _NEAREST / self._w
         spans = (span._replace(start=max(span.start, self._now)) for span in _spans(course))
         return [span for span in spans if span.stop - span.start > shortest]
-
-    def _course(self, steps: Sequence[CommunicationStep]) -> truth.Run:
-        return truth.run(
-            self.parameters, [truth.Step(s.h, dict(s.changes)) for s in steps], digits=None
-        )
 
     @property
     def _w(self) -> float:
@@ -442,34 +426,27 @@ class _Plan:
 
 def _spans(course: truth.Run) -> Iterator[_Span]:
     """Yield the phases of a course."""
-    stop = float(course.times[-1])
     events = course.events
-    began_at_rest = not events or events[0].kind == "break-away"
-    mode = course.samples[0]["mode"] if not events else course.initial["mode"]
-    phase = STICK if began_at_rest and (events or not mode) else _slip(mode)
+    mode = (course.initial if events else course.samples[0])["mode"]
+    phase = STICK if events and events[0].kind == "break-away" else _OF_MODE[mode]
     start = 0.0
     for event in events:
         if event.time > start:
             yield _Span(start, float(event.time), phase)
         start = float(event.time)
-        phase = {"re-stick": STICK, "reversal": REVERSED}.get(event.kind, _slip(event.mode))
-    yield _Span(start, stop, phase)
+        phase = REVERSED if event.kind == "reversal" else _OF_MODE[event.mode]
+    yield _Span(start, float(course.times[-1]), phase)
 
 
 def well_decided(course: truth.Run) -> bool:
-    """Tell whether a numerical solution decides each event of a course as the exact motion does."""
-    return bool(course.margin >= _SMALLEST_MARGIN) and not _crept_out(course)
+    """Tell whether a numerical solution decides each event of a course as the exact motion does.
 
-
-def _crept_out(course: truth.Run) -> bool:
-    """Whether a slip has become so slow that only rounding decides when it ends."""
+    Not where a slip becomes so slow that only rounding decides when it ends.
+    """
     fastest = max(abs(sample["x_dot"]) for sample in course.samples)
-    slowest = _SMALLEST_MARGIN * fastest
-    return any(sample["mode"] and abs(sample["x_dot"]) < slowest for sample in course.samples)
-
-
-def _slip(mode: int) -> str:
-    return FORWARD if mode > 0 else BACKWARD
+    slips = (abs(sample["x_dot"]) for sample in course.samples if sample["mode"])
+    slowest = min(slips, default=math.inf)
+    return bool(min(course.margin, slowest / fastest if fastest else 1.0) >= _SMALLEST_MARGIN)
 
 
 def _damping(values: Mapping[str, float]) -> str:

@@ -29,17 +29,11 @@ docs/theory.md (17)."""
 INTEGRATION = 1e-9
 """What a careful integration may lose in a slip, before conditioning."""
 
-SUM = 1e-12
-"""A sum of v h: one rounding of 1e-16 for each of some thousand steps."""
-
-PRODUCT = 1e-15
-"""A product of two or three doubles: a few roundings of 1e-16."""
-
-PRODUCTS = frozenset({"F_s", "mu_k_used"})
-"""Outputs that are such a product, or a parameter itself."""
-
 NOTHING = 1e-30
 """A magnitude [SI] below it is zero in the exact motion, which carries 50 digits."""
+
+ZERO = "zero throughout by the rules: nothing is computed"
+"""Reason of an output that is zero in the exact motion."""
 
 
 @model(frozen=True, config=WRITTEN)
@@ -82,6 +76,28 @@ class Tolerance:
     allowed: Mapping[str, float]
     because: Mapping[str, str]
 
+    @staticmethod
+    def of(measure: Measure, *sides: tuple[float, str]) -> "Tolerance":
+        """Return that of numbers and reasons: the FMU's and the reference's, or one for both."""
+        both = {"fmu": sides[0], "reference": sides[-1]}
+        return Tolerance(
+            measure,
+            {side: allowed for side, (allowed, _) in both.items()},
+            {side: reason for side, (_, reason) in both.items()},
+        )
+
+
+_POINTS = "a count or a state: no communication point lies within the solver's error of an event"
+_PRODUCT = Tolerance.of(
+    Measure.OF_SCALE, (1e-15, "a product of two or three doubles, no integration: a few roundings")
+)
+_COURSES = {
+    "F_s": _PRODUCT,
+    "mu_k_used": _PRODUCT,
+    "x_pull": Tolerance.of(Measure.OF_SCALE, (1e-12, "a sum of v h: one rounding of 1e-16 a step")),
+}
+"""Of outputs that are not integrated."""
+
 
 @dataclass(frozen=True)
 class Rules:
@@ -113,12 +129,8 @@ class Rules:
 
         When both are known to a rounding, their difference is known to this times it.
         """
-        ratios = [1.0]
-        for value in self.values:
-            gap = self.law.spread(value)
-            if gap > 0.0:
-                ratios.append(value["mu_s"] / gap)
-        return max(ratios)
+        gaps = ((value["mu_s"], self.law.spread(value)) for value in self.values)
+        return max([1.0, *(mu_s / gap for mu_s, gap in gaps if gap > 0.0)])
 
     @property
     def conditioning(self) -> float:
@@ -133,31 +145,33 @@ class Rules:
     def course(self, quantity: str) -> Tolerance:
         """Return a quantity's tolerance against the exact motion at any communication point."""
         if QUANTITIES[quantity].discrete:
-            near = "a count or a state: no communication point lies within {} of an event"
-            reasons = near.format("rounding"), near.format("the solver's error")
-            return _tolerance(Measure.ABSOLUTE, (0.0, 0.0), reasons)
+            return Tolerance.of(Measure.ABSOLUTE, (0.0, _POINTS))
         if quantity == "W_k" and len({value["k"] for value in self.values}) == 1:
-            return _alike(
-                Measure.ABSOLUTE, 0.0, "the stiffness never changes, so nothing is ever added"
+            reason = "the stiffness never changes, so nothing is ever added"
+            return Tolerance.of(Measure.ABSOLUTE, (0.0, reason))
+        (start, *changed) = self.values
+        no_gap = self.law.spread(start) == 0.0 or _normal_force(start) == 0.0
+        undamped = self.law is COULOMB and start["c"] == 0.0 and not changed
+        if quantity == "spring_drop" and no_gap and undamped:
+            # A relief of 2 Delta = 0, (7), is held against the extension.
+            w = math.sqrt(start["k"] / start["m"])
+            extension = start["mu_s"] * _normal_force(start) / start["k"] + abs(start["v"]) / w
+            of_it = f"of the extension of {1e3 * extension:.2g} mm"
+            return Tolerance.of(
+                Measure.ABSOLUTE,
+                *(
+                    (rounded_up(part * extension), f"without a gap no relief: {part:g} {of_it}")
+                    for part in (ROUNDING, INTEGRATION)
+                ),
             )
-        if quantity == "spring_drop" and self._relieves_nothing:
-            return self._no_relief()
         if quantity in self.facts.zero:
-            return _alike(Measure.ABSOLUTE, 0.0, ZERO)
-        if quantity in PRODUCTS and not (quantity == "F_s" and self.grows):
-            return _alike(Measure.OF_SCALE, PRODUCT, _PRODUCT)
-        if quantity == "x_pull":
-            once = "a sum of v h: rounding of one addition a {}"
-            reasons = once.format("step"), once.format("phase")
-            return _tolerance(Measure.OF_SCALE, (SUM, SUM), reasons)
+            return Tolerance.of(Measure.ABSOLUTE, (0.0, ZERO))
+        if quantity in _COURSES and not (quantity == "F_s" and self.grows):
+            return _COURSES[quantity]
         slips = max(self.facts.slips, 1)
-        reference = (
-            rounded_up(INTEGRATION * self.conditioning * slips),
-            f"integration, 1e-9 a slip, times {self._conditioning_in_words()}, "
-            f"times {slips} slip{'s' if slips > 1 else ''}",
-        )
-        fmu = self.own_fmu or self.fmu_course()
-        return _tolerance(Measure.OF_SCALE, (fmu[0], reference[0]), (fmu[1], reference[1]))
+        allowed = rounded_up(INTEGRATION * self.conditioning * slips)
+        reason = f"integration, 1e-9, times slips ({slips}) and {self._amplified}"
+        return Tolerance.of(Measure.OF_SCALE, self.own_fmu or self.fmu_course(), (allowed, reason))
 
     def fmu_course(self) -> tuple[float, str]:
         """Return the rule's tolerance of the exact block's courses, and its reason."""
@@ -167,56 +181,33 @@ class Rules:
                 "the bound for any input sequence: rounding of a restart at each change or "
                 "reversal, 1e-15, times what a shallow re-stick may amplify it"
             )
-        return undisturbed, (
-            "rounding, 1e-12 of the largest value, as an undisturbed arc is moved along and not "
-            f"rebuilt, times {self._conditioning_in_words()}"
-        )
-
-    def tighter(self, fmu: float) -> str:
-        """Return the reason of a tolerance of the exact block's courses below the rule's."""
-        rule, reason = self.fmu_course()
-        return f"held to {fmu:g}, tighter than the rule's {rule:g}: {reason}"
+        return undisturbed, f"rounding along undisturbed arcs, 1e-12, times {self._amplified}"
 
     def formula(self, name: str) -> Tolerance | None:
         """Return the tolerance of a value against a closed form; None if no rule gives one."""
         power = FORMULAS[name].sensitivity
         if name == "break_away_force":
-            return _alike(Measure.RELATIVE, PRODUCT, _PRODUCT)
+            return Tolerance(Measure.RELATIVE, _PRODUCT.allowed, _PRODUCT.because)
         if power is None or (power and not self.lambda_):
             return None
         factor = 1.0 + self.lambda_**-power if power else 1.0
-        enters = {
-            0: "once",
-            1: f"the slip time 1 + 1/lambda = {factor:.3g} times",
-            2: f"1 + 1/lambda^2 = {factor:.3g} times",
-        }[power]
-        words = self._conditioning_in_words()
-        return _tolerance(
+        return Tolerance.of(
             Measure.RELATIVE,
             (
                 rounded_up(ROUNDING * self.conditioning),
-                rounded_up(INTEGRATION * self.conditioning * factor),
+                f"rounding, 1e-12, times {self._amplified}; no step enters",
             ),
             (
-                f"rounding, 1e-12, times {words}; no step enters",
-                f"integration, 1e-9, times {words}; an error of state enters {enters}",
+                rounded_up(INTEGRATION * self.conditioning * factor),
+                f"integration, 1e-9, times {self._amplified} and the sensitivity to an error of "
+                f"state, {factor:.3g}",
             ),
         )
 
-    def _conditioning_in_words(self) -> str:
-        if self.own_conditioning is not None:
-            return (
-                f"the conditioning {self.own_conditioning:.3g} that the case states "
-                f"(of the narrowest gap: {self.narrowest:.3g})"
-            )
-        if all(self.law.spread(value) <= 0.0 for value in self.values):
-            return "the conditioning 1, as there is no gap"
-        several = len({(value["mu_s"], value["mu_k"]) for value in self.values}) > 1
-        least = "mu_k" if self.law is COULOMB else "the least mu in slip"
-        return (
-            f"the conditioning mu_s/(mu_s - {least}) = {self.narrowest:.3g}"
-            f"{' of the narrowest gap' if several else ''}"
-        )
+    @property
+    def _amplified(self) -> str:
+        of = "that the case states" if self.own_conditioning is not None else "of the narrowest gap"
+        return f"the conditioning {of}, {self.conditioning:.3g}"
 
     @property
     def lambda_(self) -> float:
@@ -227,33 +218,6 @@ class Rules:
         w = math.sqrt(value["k"] / value["m"])
         return w * self.law.spread(value) * _normal_force(value) / (value["k"] * abs(value["v"]))
 
-    @property
-    def _relieves_nothing(self) -> bool:
-        (start, *changed) = self.values
-        no_gap = self.law.spread(start) == 0.0 or _normal_force(start) == 0.0
-        return self.law is COULOMB and no_gap and start["c"] == 0.0 and not changed
-
-    def _no_relief(self) -> Tolerance:
-        """Hold a relief of 2 Delta = 0 against the extension, (7): break-away and overshoot v/w."""
-        value = self.values[0]
-        load_up = value["mu_s"] * _normal_force(value) / value["k"]
-        extension = load_up + abs(value["v"]) * math.sqrt(value["m"] / value["k"])
-        of_it = f"of the extension of {1e3 * extension:.2g} mm"
-        return _tolerance(
-            Measure.ABSOLUTE,
-            (rounded_up(ROUNDING * extension), rounded_up(INTEGRATION * extension)),
-            (
-                f"without a gap nothing is relieved: rounding, 1e-12, {of_it}",
-                f"without a gap nothing is relieved: integration, 1e-9, {of_it}",
-            ),
-        )
-
-
-ZERO = "zero throughout by the rules: nothing is computed"
-"""Reason of an output that is zero in the exact motion."""
-
-_PRODUCT = "a product of two or three doubles, no integration: a few roundings"
-
 
 def rounded_up(value: float) -> float:
     """Round a tolerance up to two digits; what is beyond the ninth is rounding of its factors."""
@@ -263,16 +227,3 @@ def rounded_up(value: float) -> float:
 
 def _normal_force(value: Mapping[str, float]) -> float:
     return value["m"] * value["g"] + value["load"]
-
-
-def _tolerance(
-    measure: Measure, allowed: tuple[float, float], reasons: tuple[str, str]
-) -> Tolerance:
-    sides = ("fmu", "reference")
-    return Tolerance(
-        measure, dict(zip(sides, allowed, strict=True)), dict(zip(sides, reasons, strict=True))
-    )
-
-
-def _alike(measure: Measure, allowed: float, reason: str) -> Tolerance:
-    return _tolerance(measure, (allowed, allowed), (reason, reason))
