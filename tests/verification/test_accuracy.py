@@ -42,7 +42,7 @@ def ruler(name: str) -> Ruler:
 
 
 def others(but: str) -> Mapping[str, Mapping[str, float]]:
-    return {name: of for name, of in load_family().items() if name != but}
+    return {name: of for name, of in load_family(SOLVERS).items() if name != but}
 
 
 def farthest(runs: Mapping[str, Run], but: str = "") -> float:
@@ -79,7 +79,10 @@ def test_the_data_of_the_family_are_what_its_solvers_have() -> None:
     for solver in ("semi-implicit Euler, 1 ms", "Runge-Kutta, 10 in a step", "RK45, 0.001"):
         for name, run in runs_of(SOLVERS[solver]).items():
             delta = ruler(name).deviation(run).delta
-            assert delta == pytest.approx(load_family()[solver][name], rel=0.3), (solver, name)
+            assert delta == pytest.approx(load_family(SOLVERS)[solver][name], rel=0.3), (
+                solver,
+                name,
+            )
 
 
 Slide = type[solvers.Slider]

@@ -37,7 +37,7 @@ LAST = r"slips = 31(?s:(.*))stop_time = 10.0"
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('id = "default"', 'id = "other"', "default.toml: its id is 'other', not the name"),
+        ("^", 'id = "other"\n', "default.toml: its id is 'other', not the name"),
         (REFERENCE, 'reference = "so"', r"default / [\w-]+: because.reference: 'so' says too"),
         (REFERENCE, 'reference = "Tuned until it passes"', "because.reference: 'tuned' is no"),
         ("slips = 31", "slips = 30", "default: motion.slips = 30; it is 31$"),
@@ -105,6 +105,6 @@ def test_a_flaw_in_invariants_and_faults_is_found(
 def test_two_of_a_name_and_a_broken_file_do_not_hide_each_other(tmp_path: Path) -> None:
     (tmp_path / "broken.toml").write_text("id = =\n", encoding="utf-8")
     findings(tmp_path)
-    found = findings(tmp_path, name="b.toml")
+    found = findings(tmp_path, "^", 'id = "default"\n', name="b.toml")
     assert "default: 2 cases have this id" in found
     assert any(each.startswith(f"{tmp_path / 'broken.toml'}: line 1") for each in found)

@@ -85,7 +85,7 @@ class Solution:
             solver: {
                 case: of[case] if case in of else self._honest(solver, case) for case in deltas
             }
-            for solver, of in load_family().items()
+            for solver, of in load_family(SOLVERS).items()
         }
         return matched(deltas, family)
 

@@ -121,11 +121,11 @@ Courses = Annotated[
 ]
 
 
-@dataclass(frozen=True, config=WRITTEN)
+@dataclass(frozen=True, kw_only=True, config=WRITTEN)
 class CaseFile(Written):
     """A verification case of the stick-slip block."""
 
-    id: Id
+    id: Annotated[Id, Field(description="absent: the name of the file")] = ""
     title: Text
     about: Prose
     experiment: Experiment
@@ -186,6 +186,7 @@ def load_case(path: Path) -> Case:
     A file that states nothing of the exact motion (``motion``) costs the time to follow it.
     """
     file = DataFile(path, CaseError)
+    file.data.setdefault("id", path.stem)
     written: CaseFile = file.read(CaseFile)
     own = _own_parameters(file, written)
     steps = communication_steps(file, written.experiment)

@@ -1,7 +1,7 @@
 """How accurate honest solvers are in each case: data, made by `run.family`."""
 
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,11 +19,8 @@ def long_cases() -> Collection[str]:
     return frozenset(_data()["long"])
 
 
-@cache
-def load_family() -> Mapping[str, Mapping[str, float]]:
-    """Return delta by solver and case, see `judge.accuracy`."""
-    data = _data()
-    return {
-        solver: {case: float(row[n]) for case, row in data["deltas"].items()}
-        for n, solver in enumerate(data["solvers"])
-    }
+def load_family(solvers: Iterable[str]) -> Mapping[str, Mapping[str, float]]:
+    """Return delta by solver, of the names in order, and case; see `judge.accuracy`."""
+    deltas: Mapping[str, list[float]] = _data()["deltas"]
+    columns = zip(solvers, zip(*deltas.values(), strict=True), strict=True)
+    return {solver: dict(zip(deltas, column, strict=True)) for solver, column in columns}

@@ -7,9 +7,10 @@ it.
 
 import ast
 import fnmatch
+import symtable
 import textwrap
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
@@ -76,37 +77,26 @@ class Override(Written):
         ``module.name`` or ``module.Class.name`` in the packed source, or ``master.`` and one of
         `HOOKS`. A module is named by the end of its dotted name, as much of it as is unique.
     code
-        Python that defines the last name of the target anew, or "".
-    value
-        A Python expression for its new value, or "". One of the two is there; in both
-        ``original`` is what they replace.
+        Python that defines the last name of the target anew; ``original`` is what it replaces.
     """
 
-    SOME: ClassVar = ("code", "value")
-    EXCLUDES: ClassVar = {"code": ("value",)}
-
     target: Annotated[str, Field(pattern=_TARGET)]
-    code: str = ""
-    value: str = ""
+    code: str
 
     def __post_init__(self) -> None:
         """Refuse what is no Python 3.8, or does not define what it replaces."""
         if self.module == MASTER and self.path not in HOOKS:
             raise ValueError(f"no such call of the master; there are {', '.join(HOOKS)}")
-        if self.module == MASTER and not self.code:
-            raise ValueError("a call of the master is replaced by code")
-        text, mode = (self.code, "exec") if self.code else (f"({self.value}\n)", "eval")
         try:
-            tree = parsed(text, mode=mode, feature_version=PYTHON)
+            parsed(self.code, feature_version=PYTHON)
             # What a syntax tree may hold, and a module or a function may not.
-            for whole, how in ((text, mode), (self.function("made"), "exec")):
-                compile(whole, self.target, how)
+            for text in (self.code, self.function("made")):
+                compile(text, self.target, "exec")
         except SyntaxError as error:
-            # A value ends in a line of its own, which the file does not have.
-            line = min(error.lineno or 1, max(1, len((self.code or self.value).splitlines())))
-            raise ValueError(f"line {line} is not Python 3.8: {error.msg}") from None
+            raise ValueError(f"line {error.lineno or 1} is not Python 3.8: {error.msg}") from None
         last = self.path.rpartition(".")[2]
-        if isinstance(tree, ast.Module) and last not in bindings(tree.body):
+        bound = symtable.symtable(self.code, self.target, "exec").get_symbols()
+        if not any(s.get_name() == last and (s.is_assigned() or s.is_imported()) for s in bound):
             raise ValueError(f"does not define {last}")
 
     @property
@@ -122,8 +112,7 @@ class Override(Written):
 
     def function(self, name: str) -> str:
         """Return the text of a function of this name from ``original`` to what replaces it."""
-        last = self.path.rpartition(".")[2]
-        made = f"{self.code.strip()}\nreturn {last}" if self.code else f"return (\n{self.value}\n)"
+        made = f"{self.code.strip()}\nreturn {self.path.rpartition('.')[2]}"
         return f"def {name}(original):\n{textwrap.indent(made, '    ')}\n"
 
 
@@ -222,26 +211,3 @@ def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> lis
     if not chosen:
         raise MutantError(files, "", f"no planted fault matches {pattern or '*'!r}")
     return sorted(chosen, key=lambda mutant: mutant.id)
-
-
-def bindings(body: Sequence[ast.stmt]) -> dict[str, ast.stmt]:
-    """Return the names that statements bind, with the statement that binds each first."""
-    found: dict[str, ast.stmt] = {}
-    for statement in body:
-        names: list[str] = []
-        match statement:
-            case ast.FunctionDef(name=name) | ast.ClassDef(name=name):
-                names = [name]
-            case ast.Assign(targets=targets):
-                nodes = [node for target in targets for node in ast.walk(target)]
-                stored = [
-                    node for node in nodes if isinstance(getattr(node, "ctx", None), ast.Store)
-                ]
-                names = [node.id for node in stored if isinstance(node, ast.Name)]
-            case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr()):
-                names = [name]
-            case ast.Import(names=aliases) | ast.ImportFrom(names=aliases):
-                names = [alias.asname or alias.name for alias in aliases]
-        for name in names:
-            found.setdefault(name, statement)
-    return found
