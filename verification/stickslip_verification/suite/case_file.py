@@ -1,7 +1,7 @@
 """Files of cases: read into `CaseFile`, and made into a `Case` with the tolerances of the rules."""
 
 import fnmatch
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
@@ -228,15 +228,11 @@ def _values(
     """Return all values in force at the start and after each change."""
     table = {each.name: each for each in (*PARAMETERS, *own)}
     moving = CHANGEABLE | changeable(own)
-    settings: list[tuple[Mapping[str, float], tuple[str | int, ...], Collection[str]]] = [
-        (written.parameters, ("parameters",), table.keys())
-    ]
-    settings += [
-        (change.set, ("experiment", "changes", n, "set"), moving)
-        for n, change in enumerate(written.experiment.changes)
-    ]
     values: list[Mapping[str, float]] = []
-    for setting, place, allowed in settings:
+    changes = (change.set for change in written.experiment.changes)
+    for n, setting in enumerate((written.parameters, *changes)):
+        place = ("experiment", "changes", n - 1, "set") if n else ("parameters",)
+        allowed = moving if n else table.keys()
         for name, value in setting.items():
             if name not in allowed:
                 raise file.refusal(f"cannot be set; there are {', '.join(allowed)}", *place, name)

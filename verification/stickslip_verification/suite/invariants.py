@@ -166,10 +166,8 @@ class Invariants(Written):
 
     def only(self, names: Collection[str]) -> Invariants:
         """Return those of these ids."""
-        families = {family: getattr(self, family) for family in self.SOME}
-        return Invariants(
-            **{name: [each for each in of if each.id in names] for name, of in families.items()}
-        )
+        families = ((family, getattr(self, family)) for family in self.SOME)
+        return Invariants(**{name: [i for i in of if i.id in names] for name, of in families})
 
     def of_laws(self, laws: Collection[str]) -> Invariants:
         """Return those that hold for one of these friction laws."""

@@ -151,11 +151,10 @@ def draw_sequences(
     half as many again.
     """
     counts: Counter[Cell] = Counter()
-    wanted = [cell for cell in CELLS if scope.hindrance(cell) is None]
+    reachable = [cell for cell in CELLS if scope.hindrance(cell) is None]
     drawn: list[RandomSequence] = []
-    for number in range(count + count // 2):
-        filled = count < COUNT or all(counts[cell] for cell in wanted)
-        if number >= count and filled:
+    for number in range(count + count // 2 if count >= COUNT else count):
+        if number >= count and all(counts[cell] for cell in reachable):
             break
         sequence = _draw(seed, number, counts, scope)
         counts.update(sequence.cells)
@@ -165,13 +164,9 @@ def draw_sequences(
 
 def tried(cases: Sequence[Case], manners: Sequence[Manner]) -> list[tuple[Case, Manner]]:
     """Return which sequence is run in which manner: each plainly, and in one of the others."""
-    plain = [manner for manner in manners if manner.manner == PLAIN]
-    others = [manner for manner in manners if manner.manner != PLAIN]
-    pairs = [(case, manner) for manner in plain for case in cases]
-    if others:
-        turns = itertools.cycle(others)
-        pairs += list(zip(cases, turns, strict=False))
-    return pairs
+    plain = [(case, manner) for manner in manners if manner.manner == PLAIN for case in cases]
+    others = itertools.cycle([manner for manner in manners if manner.manner != PLAIN])
+    return [*plain, *zip(cases, others, strict=False)]
 
 
 def coverage(sequences: Iterable[RandomSequence]) -> Counter[Cell]:
@@ -293,7 +288,7 @@ class _Plan:
         return values
 
     def _set_late(self) -> None:
-        """Start with other values, set the wanted ones between initialization and first step."""
+        """Start with other values, set the drawn ones between initialization and first step."""
         weight = self._m * self._values["g"]
         late = {
             "v": -2.0 * self._values["v"],
@@ -369,12 +364,9 @@ class _Plan:
         if kind == _BALANCED:
             # Exact in doubles where all values are on a grid, as now and then they are.
             coefficient = values["mu_s" if phase == STICK else "mu_k"]
-            way = -1.0 if phase == BACKWARD else 1.0
             more = _on_grid(weight * draw.uniform(0.1, 1.0))
-            new = {
-                "load": values["load"] + more,
-                "F_ext": values["F_ext"] + way * coefficient * more,
-            }
+            along = -more if phase == BACKWARD else more
+            new = {"load": values["load"] + more, "F_ext": values["F_ext"] + coefficient * along}
         if kind in _TO_ZERO:
             new[_TO_ZERO[kind]] = 0.0
         gap = _log_uniform(draw, 0.05, 0.8)
