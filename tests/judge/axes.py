@@ -16,6 +16,7 @@ import math
 from bisect import bisect
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -54,13 +55,15 @@ class Seen:
     """What a start settles to: "unsettled" where nothing lasted, or a stick came now and then only.
 
     The amplitude is half the range of the table's velocity over the feed; frequency [Hz] of swings;
-    jump [m], period and stick [s] are means. Sticks that never repeat have `repeats` False.
+    jump [m], period and stick [s] are means, `longest` is the longest jump: longer and shorter ones
+    may take turns. Sticks that never repeat have `repeats` False.
     """
 
     kind: Literal["even", "swings", "sticks", "unsettled"]
     amplitude: float = 0.0
     frequency: float = math.nan
     jump: float = math.nan
+    longest: float = math.nan
     period: float = math.nan
     reverses: bool = False
     t_stick: float = math.nan
@@ -337,7 +340,9 @@ class Motion:
             return seen
         (t_0, x_0, _), (t_1, x_1, _) = self.slipped[0], self.slipped[-1]
         t_stick = sum(age for _, _, age in self.slipped[1:]) / n
-        return replace(seen, jump=(x_1 - x_0) / n, period=(t_1 - t_0) / n, t_stick=t_stick)
+        longest = max(end[1] - begin[1] for begin, end in pairwise(self.slipped))
+        seen = replace(seen, jump=(x_1 - x_0) / n, longest=longest)
+        return replace(seen, period=(t_1 - t_0) / n, t_stick=t_stick)
 
 
 def _filter(one: Tables, T_s: float) -> tuple[list[float], list[float]]:
