@@ -15,6 +15,8 @@ from tests.judge.draws import axis, write
 STARTS: tuple[Start, ...] = ("rest", "jumps", "near")
 AMPLITUDE = 0.03
 """Of a swing, relative: a swing that is modulated, looked at for other times by both sides."""
+FREQUENCY = 0.01
+"""Of a swing, relative: as the amplitude."""
 JUMP = 0.03
 """Of a jump, relative: samples cut the sticks of a servo axis unevenly."""
 
@@ -36,9 +38,11 @@ def disagreements(number: int, folder: Path) -> list[str]:
         wrong += [f"{feed}: {end}" for end in ends.values() if not _said(end, said.kinds)]
         for end in ends.values():
             if end.kind == "swings" and not any(
-                abs(swing.amplitude / end.amplitude - 1.0) < AMPLITUDE for swing in said.swings
+                abs(swing.amplitude / end.amplitude - 1.0) < AMPLITUDE
+                and abs(swing.frequency / end.frequency - 1.0) < FREQUENCY
+                for swing in said.swings
             ):
-                wrong.append(f"{feed}: swings by {end.amplitude:.3g}, said {said.swings}")
+                wrong.append(f"{feed}: {end}, said {said.swings}")
         jump = 0.0 if said.stick_slip is None else said.stick_slip.jump
         rest = ends["rest"]
         compared = jump > 0.0 and rest.kind == "sticks" and rest.repeats

@@ -263,10 +263,14 @@ class Courses:
         return False
 
     def _swing(self, run: list[Extreme]) -> Swinging:
-        """Return the swing of the last extremes; of one that is not even, its whole range."""
-        last = run[-_LAST:]
-        frequency = 0.5 * (len(last) - 1) / (last[-1].time - last[0].time)
-        return Swinging(0.5 * _height(last) / self._feed, frequency)
+        """Return the swing of the last extremes; of one that is not even, its whole range.
+
+        A period is from a rise past the feed to the next: not each extreme of a swing lies beyond.
+        """
+        rises = [peak.time for dip, peak in pairwise(run) if dip.speed < self._feed < peak.speed]
+        last = rises[-_LAST // 2 :]
+        frequency = (len(last) - 1) / (last[-1] - last[0]) if len(last) > 1 else math.nan
+        return Swinging(0.5 * _height(run[-_LAST:]) / self._feed, frequency)
 
     def _settling(self, events: list[Extreme]) -> float:
         """Return the time from the first break-away until the speed stays near the feed [s]."""

@@ -116,8 +116,8 @@ class System:
         filters = LAST + 1 + waiting
         command = filters + 2 * len(self.drive.filters)
         self.growth = _growth(axis)
-        self.fully = axis.F_s - (axis.F_s - axis.F_k) * (axis.friction.tau_s > 0.0)
-        self.fully += float(self.growth[1].sum())
+        fresh = axis.F_k if axis.friction.tau_s > 0.0 else axis.F_s
+        self.fully = fresh + float(self.growth[1].sum())
         grown = command + 3 + len(self.growth[0])
         self.layout = Layout(
             LAST + 1, filters, command, command + 1, command + 2, slice(command + 3, grown), grown
