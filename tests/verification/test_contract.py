@@ -99,7 +99,7 @@ def test_a_person_chooses_before_the_names_file_and_that_before_the_description(
 def test_tolerances_and_what_decides_follow_from_the_contract(fmu_path: Path, silent: Path) -> None:
     case = [named("one-step")]
     exact, physics, _ = verdicts = [
-        verify(path, case, contract=contract, fresh_processes=False, jobs=1)  # type: ignore[arg-type]
+        verify(path, case, contract=contract, long_probes=False, jobs=1)  # type: ignore[arg-type]
         for path, contract in ((fmu_path, None), (silent, None), (silent, "exact"))
     ]
     assert [verdict.contract.name for verdict in verdicts] == ["exact", "physics", "exact"]
@@ -124,13 +124,13 @@ def test_start_values_are_promised_by_the_exact_contract_alone(
     (gravity,) = load_mutants("constant-standard-gravity")
     planted = plant(fmu_path, gravity, tmp_path)
     for contract, passes in ((None, False), ("physics", True)):
-        verdict = verify(planted, [case], contract=contract, fresh_processes=False, jobs=1)  # type: ignore[arg-type]
+        verdict = verify(planted, [case], contract=contract, long_probes=False, jobs=1)  # type: ignore[arg-type]
         assert verdict.passed is passes
 
 
 def test_faults_are_planted_where_the_source_is(silent: Path) -> None:
     faults, case = load_mutants("constant-g"), [named("default")]
-    verdict = verify(silent, case, mutants=faults, contract="exact", fresh_processes=False, jobs=1)
+    verdict = verify(silent, case, mutants=faults, contract="exact", long_probes=False, jobs=1)
     assert verdict.kills is not None
     assert verdict.kills.rows[0].caught
     with pytest.raises(FmuError, match="which this FMU does not carry; faults in the calls can"):

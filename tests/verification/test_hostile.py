@@ -187,7 +187,7 @@ def test_a_daemon_ends_when_the_suite_is_killed(tmp_path: Path) -> None:
 def test_an_fmu_that_hangs_everywhere_costs_its_budget_and_keeps_what_was_finished() -> None:
     cases = [named(name) for name in ("one-step", "default", "heavy", "reversals", "tuned")]
     limits = Limits(budget=6.0)
-    options: dict[str, Any] = {"jobs": 2, "limits": limits, "fresh_processes": False}
+    options: dict[str, Any] = {"jobs": 2, "limits": limits, "long_probes": False}
     verdict = verify(misbehaving("hang").path, cases, contract="exact", **options)
     ends = {r.case: r for r in verdict.checks if r.check == "runs-to-the-end" and r.side == "fmu"}
     assert ends["one-step"].passed

@@ -22,7 +22,7 @@ from tests.makers import SLIDER, SLIDER_3, Foreign, altered, edited, misbehaving
 
 INVARIANTS = {invariant.id: invariant for invariant in load_invariants().probes}
 MEMORY = ("memory-of-steps", "memory-of-states", "memory-of-instances")
-DEAR = {"environment", "environment-to-the-bit", *MEMORY}
+DEAR = {"environment", "environment-to-the-bit", "keeps-its-cycle", *MEMORY}
 
 
 def asked(invariant: str, file: FmuFile, **others: Any) -> list[str]:

@@ -29,11 +29,11 @@ TRIED = [named(name) for name in ("one-step", "tuned", "reversals", "damped-cycl
 
 @cache
 def on_ours() -> Verdict:
-    return verify(built("python-2"), TRIED, sequences=12, fresh_processes=False, jobs=1)
+    return verify(built("python-2"), TRIED, sequences=12, long_probes=False, jobs=1)
 
 
 def judged(fmu: Foreign, *cases: str, **more: Any) -> Verdict:
-    tried, usual = list(map(named, cases)), {"fresh_processes": False, "jobs": 1}
+    tried, usual = list(map(named, cases)), {"long_probes": False, "jobs": 1}
     return verify(fmu.path, tried, names=fmu.names, **{**usual, **more})
 
 
@@ -71,7 +71,7 @@ def is_left_out(probe: str) -> bool:
 def test_a_probe_in_a_fresh_process_is_left_out_unless_a_fault_foretells_it(fmu_path: Path) -> None:
     leak = load_mutants("memory-of-instances")
     options: dict[str, Any] = {"mutants": leak, "whole_matrix": False}
-    verdict = verify(fmu_path, TRIED[:1], fresh_processes=False, jobs=1, **options)
+    verdict = verify(fmu_path, TRIED[:1], long_probes=False, jobs=1, **options)
     left_out = {each.id for each in load_invariants().probes} - {r.check for r in verdict.checks}
     assert len(left_out) == len(list(filter(is_left_out, left_out))) == 8
     assert verdict.kills is not None
@@ -80,7 +80,7 @@ def test_a_probe_in_a_fresh_process_is_left_out_unless_a_fault_foretells_it(fmu_
 
 def test_two_processes_give_the_same_as_one_and_tell_their_progress(fmu_path: Path) -> None:
     told: list[tuple[str, int, int]] = []
-    options: dict[str, Any] = {"sequences": 12, "fresh_processes": False, "jobs": 2}
+    options: dict[str, Any] = {"sequences": 12, "long_probes": False, "jobs": 2}
     two = verify(fmu_path, TRIED, lambda *each: told.append(each), **options)
     assert two.checks == on_ours().checks
     assert {what.rpartition(": ")[2] for what, _, _ in told} >= {case.id for case in TRIED}

@@ -140,7 +140,7 @@ def test_the_verdict_is_packed_into_our_fmu_alone(
     assert digest in report
     assert "one-step" in report
     # An FMU that changed after it was judged gets no evidence.
-    verdict = judge(own, some, fresh_processes=False)
+    verdict = judge(own, some, long_probes=False)
     write_without_the_jump(fmu_path, own)
     before = own.read_bytes()
     with pytest.raises(CommandError, match="it changed while it was judged"):

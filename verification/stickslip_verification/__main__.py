@@ -54,7 +54,7 @@ def _planted(chosen: argparse.Namespace) -> Verdict:
         cases,
         jobs=chosen.jobs,
         sequences=0 if chosen.cases else COUNT,
-        fresh_processes=not chosen.cases,
+        long_probes=not chosen.cases,
         mutants=faults,
         whole_matrix=chosen.whole,
     )

@@ -12,7 +12,7 @@ from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.law import fitting, law_of
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import carries_source
-from stickslip_verification.drive.probes.table import IN_A_FRESH_PROCESS, OF_NUMERICAL
+from stickslip_verification.drive.probes.table import LONG, OF_NUMERICAL
 from stickslip_verification.drive.stepping import can_run, may_change, require_law
 from stickslip_verification.judge.contract import CONTRACTS, Wanted, chosen_contract
 from stickslip_verification.model.verdict import Klass, Motion, Question, Table, Verdict
@@ -62,7 +62,7 @@ def verify(
     time_limit: float = workers.TIME_LIMIT,
     sequences: int = 0,
     seed: int = SEED,
-    fresh_processes: bool = True,
+    long_probes: bool = True,
     limits: workers.Limits = workers.USUAL,
     mutants: Sequence[Mutant] = (),
     whole_matrix: bool = True,
@@ -95,10 +95,10 @@ def verify(
     sequences, seed
         How many random sequences are tried as well, and which ones; `suite.sequences.COUNT` fill
         the table of what can happen.
-    fresh_processes
-        Whether the FMU is asked what takes a fresh process: the probes of memory, of a serialized
-        state and of the environment. Planted faults are tried on those that one of them foretells
-        in any case.
+    long_probes
+        Whether the FMU meets the probes that take long: of memory, of a serialized state and of
+        the environment in fresh processes, and a long run. Planted faults are tried on those that
+        one of them foretells in any case.
     mutants, whole_matrix
         Faults to plant, as far as they are of the FMU's friction law, to try the suite itself, and
         whether each is tried on every check or on what it foretells alone. Those that change the
@@ -163,10 +163,10 @@ def verify(
     if not held_to.numerical:
         invariants = _without(invariants, OF_NUMERICAL)
     tried = of_faults = invariants
-    if not fresh_processes:
+    if not long_probes:
         foretold = {check for mutant in mutants for check in mutant.detected_by}
-        tried = _without(invariants, IN_A_FRESH_PROCESS)
-        of_faults = _without(invariants, IN_A_FRESH_PROCESS, but=foretold)
+        tried = _without(invariants, LONG)
+        of_faults = _without(invariants, LONG, but=foretold)
     jobs = workers.jobs_here() if jobs is None else jobs
     apply_to = applying if held_to.numerical else None
     baseline = compute(cases, invariants, jobs, progress, numerical=apply_to)

@@ -154,7 +154,7 @@ def verify(
         limits=limits,
         sequences=_count_of(sequences, cases),
         seed=seed,
-        fresh_processes=cases is None or Path(cases).is_dir(),
+        long_probes=cases is None or Path(cases).is_dir(),
         within=share,
         full=full or sequences is not None,
     )

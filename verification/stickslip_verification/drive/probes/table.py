@@ -34,12 +34,12 @@ _PROBES: tuple[Probe, ...] = (
 PROBES = {probe.__name__: probe for probe in _PROBES}
 """What an invariant can name as ``probe``."""
 
-IN_A_FRESH_PROCESS = frozenset(
+OF_NUMERICAL = frozenset({calls.keeps_its_cycle.__name__})
+"""The probes of numerical solutions; the exact block meets long cases in their stead."""
+
+LONG = OF_NUMERICAL | {
     name
     for name, probe in PROBES.items()
     if probe.__module__ in (environments.__name__, memory.__name__)
-)
-"""The probes that start a process of their own, each half a second and more."""
-
-OF_NUMERICAL = frozenset({calls.keeps_its_cycle.__name__})
-"""The probes of numerical solutions; the exact block meets long cases in their stead."""
+}
+"""The probes that take long: a long run, or a process of their own, half a second and more."""
