@@ -73,6 +73,12 @@ def test_of_what_is_no_block_nothing_is_set(tmp_path: Path) -> None:
     assert "# Nothing in it is like mu_k: no stick-slip block" in text
 
 
+def test_abbreviations_without_a_seam_are_read(tmp_path: Path) -> None:
+    names = {"m": "m", "k": "k_spring", "mu_s": "mus", "mu_k": "muk", "v": "vpull", "x": "pos"}
+    text = begun(tmp_path, *[BLOCK[o]._replace(name=n, unit="") for o, n in names.items()])
+    assert tomllib.loads(text) == names
+
+
 def test_words_of_the_description_decide_where_names_say_nothing(tmp_path: Path) -> None:
     text = begun(
         tmp_path,

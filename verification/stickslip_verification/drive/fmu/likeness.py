@@ -39,9 +39,10 @@ _CONCEPTS: Final[Mapping[str, set[str]]] = {
     word: {concept for concept, words in _TABLES["concepts"].items() if word in words.split()}
     for word in " ".join(_TABLES["concepts"].values()).split()
 }
+_LONG: Final = "|".join(word for word in _CONCEPTS if len(word) > 3)
 _WORD: Final = re.compile(
     "|".join(
-        word if len(word) > 3 else rf"\b{word}\b"
+        word if len(word) > 3 else rf"\b{word}(?:\b|(?={_LONG}))"
         for word in sorted(_CONCEPTS, key=len, reverse=True)
     )
 )
