@@ -46,7 +46,7 @@ _HEAD: Final = """\
 _NO_BLOCK: Final = "Nothing in it is like {}: no stick-slip block by its names, so nothing is set."
 _SEEN_SO: Final = "What is marked as seen moved so in a trial run."
 _NOT_SEEN: Final = (
-    "Words and units alone: a trial run failed, or did not move as a block does (SI units are taken "
+    "Words and units alone: a trial run failed, or did not move as a block does (SI is taken "
     "where none is declared)."
 )
 
