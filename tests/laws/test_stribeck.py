@@ -8,7 +8,7 @@ import pytest
 
 from stickslip_verification import truth
 from tests.fmu.blocks import outputs
-from tests.laws.stribeck import SPEC, make_block
+from tests.laws.stribeck import SPEC, curve, make_block
 
 W = math.sqrt(1000.0)
 LEINE = {"m": 1.0, "g": 1.0, "k": 1.0, "mu_s": 1.0, "mu_k": 0.0, "shape": 2, "v_s": 1.0 / 3.0}
@@ -57,6 +57,19 @@ def test_stable_sliding_is_kept_for_ever_at_once(own: dict[str, float]) -> None:
     found = outputs(block)
     assert found["x_dot"] == pytest.approx(0.03, rel=1e-14)
     assert found["F"] == pytest.approx(force, rel=1e-14)
+
+
+@pytest.mark.parametrize(("off", "slips"), [(0.0, 0), (2.0**-64, 3)])
+def test_steady_sliding_on_a_falling_line_is_left_by_the_last_digit_of_the_spring(
+    off: float, slips: int
+) -> None:
+    values = {**curve([(0.0, 0.5), (0.125, 0.25)]), "m": 1.0, "g": 8.0, "k": 8192.0, "v": 0.0625}
+    block = make_block(**values, x_dot_start=0.0625, z_start=3 / 8192 + off)
+    block.advance(0.0, 10.0)
+    found = outputs(block)
+    assert found["n_slips"] >= slips
+    assert abs(found["x_dot"]) < 0.5
+    assert slips or (found["x"], found["x_dot"]) == (0.625, 0.0625)
 
 
 def test_a_stop_that_grazes_is_decided_to_a_relative_1e_12() -> None:

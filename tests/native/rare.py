@@ -36,7 +36,8 @@ RARE: dict[str, list[tuple[Any, ...]]] = {"coulomb": [
     *((_CURVE | {"x_dot_start": 0.125, "v": v, "z_start": z}, 0.5)
       for z, v in ((0.2, 0.2), (0.25, 0.125), (0.25, 0.2), (0.3, 0.2))),
     # On a falling line: steady, a swing that grows, no damping in all.
-    (_STIFF | {"x_dot_start": 0.0625}, 0.5, {"v": 0.06}, 1.0),
+    (_STIFF | {"x_dot_start": 0.0625}, 100.0, {"v": 0.06}, 1.0),
+    (_STIFF | {"x_dot_start": 0.0625, "z_start": nextafter(3 / 8192, 1.0)}, 100.0),
     (_STIFF | {"x_dot_start": 0.0625001}, 5.0),
     (_STIFF | {"c": 16.0, "x_dot_start": 0.03125}, 0.5, 10.0),
     # By a rounding: a pull above a line's end, changes before the end of a slip.

@@ -17,7 +17,7 @@ from ...numerics.quadrature import integral
 from ...numerics.roots import falling_zero
 from ..coulomb.arcs import SlipArc
 from ..coulomb.oscillator import Oscillator
-from ..law import Start
+from ..law import Motion, Start
 
 # Panels of the quadrature hold a growth or decay by exp(4) at most, at most so many of them.
 _PANEL = 4.0
@@ -66,13 +66,7 @@ class BandSlip(SlipArc):
     kinetic
         Friction at standstill [N].
     band
-        The band.
-
-    Attributes
-    ----------
-    leaves
-        +1 where the arc ends at the band's upper end, -1 at the lower one, 0 where it comes to
-        rest or never ends.
+        The band; ``leaves`` is +1 where the arc ends at its upper end, -1 at its lower one, else 0.
     """
 
     def __init__(
@@ -89,6 +83,7 @@ class BandSlip(SlipArc):
         self._band = band
         self._base = net
         self.leaves = _SETTLES
+        self._steady = False
         net = net - mode * band.rise
         scale = abs(v) + abs(x_dot) + abs(net) / (oscillator.m * oscillator.quickest)
         self._floor = 0.0
@@ -104,6 +99,13 @@ class BandSlip(SlipArc):
         """Where the arc starts."""
         return Start(self.mode, self.z_start, self.x_dot_start, self._base)
 
+    def state(self, tau: float) -> Motion:
+        """Return the motion at `tau`; where it is exactly steady, rounding does not grow."""
+        if not self._steady:
+            return super().state(tau)
+        growth, x_dot, _, friction = super().state(0.0)
+        return growth, x_dot, x_dot * tau, friction
+
     @property
     def exit_speed(self) -> float:
         """The speed at which the next arc of the same slip starts [m/s], just beyond."""
@@ -117,16 +119,8 @@ class BandSlip(SlipArc):
 
     def extreme_velocity(self, tau: float) -> float:
         """Return the velocity of largest magnitude up to `tau` [m/s]: at an end or an extreme."""
-        largest = self.x_dot_start
-        last = self.state(tau)[1]
-        if abs(last) > abs(largest):
-            largest = last
-        for time in self._extremes(tau):
-            if time < tau:
-                extreme = self.state(time)[1]
-                if abs(extreme) > abs(largest):
-                    largest = extreme
-        return largest
+        times = [tau, *(time for time in self._extremes(tau) if time < tau)]
+        return max(self.x_dot_start, *(self.state(time)[1] for time in times), key=abs)
 
     def heat(self, tau: float, displacement: float) -> float:
         """Return the heat of friction and damping up to `tau` [J]: docs/theory.md (15).
@@ -191,6 +185,7 @@ class BandSlip(SlipArc):
         if start == 0.0 and self.mode * self._acceleration < 0.0:
             return 0.0
         if start > 0.0 and rise == 0.0:
+            self._steady = self._oscillator.c < 0.0
             return math.inf
         growth = -self._oscillator.slow
         most = _MOST_GROWTH / growth if growth > 0.0 else sys.float_info.max
@@ -248,7 +243,10 @@ class BandSlip(SlipArc):
         yield first
         yield first + half
         pull = self.mode * self.v
+        # Where rounding hides the swing beside the pull, by its own terms.
+        step, impulse, _ = oscillator.responses(first)
         swing = abs(self._speed(first)[0] - pull)
+        swing = swing or abs(self._acceleration * impulse - self._z_dot * (1.0 - step))
         if a >= 0.0 or swing == 0.0:
             return
         # Turns until the swing reaches an end of the band, whichever is nearer to the pull.

@@ -67,7 +67,12 @@ static bool next_extreme(const struct arc *arc, struct extremes *walk, double *t
     }
     if (step == 2) {
         const double pull = arc->mode * slip->v;
-        const double swing = fabs(speed_at(arc, walk->first) - pull);
+        double swing = fabs(speed_at(arc, walk->first) - pull);
+        if (swing == 0.0) {
+            /* Where rounding hides it beside the pull, by its own terms. */
+            const struct responses at = oscillator_responses(oscillator, walk->first);
+            swing = fabs(slip->acceleration * at.impulse - slip->z_dot * (1.0 - at.step));
+        }
         if (a >= 0.0 || swing == 0.0) return false;
         /* Turns until the swing reaches an end of the band, whichever is nearer to the pull. */
         const double above = band->high - pull;
@@ -139,7 +144,10 @@ static double find_end(struct arc *arc)
     /* Where the acceleration is 0 its rate decides. */
     const double rise = arc->mode * (slip->acceleration != 0.0 ? slip->acceleration : slip->fade);
     if (start == 0.0 && arc->mode * slip->acceleration < 0.0) return 0.0;
-    if (start > 0.0 && rise == 0.0) return HUGE_VAL;
+    if (start > 0.0 && rise == 0.0) {
+        arc->of.band.steady = slip->oscillator.c < 0.0;
+        return HUGE_VAL;
+    }
     const double growth = -slip->oscillator.slow;
     const double most = growth > 0.0 ? MOST_GROWTH / growth : DBL_MAX;
     struct extremes walk = {.before = HUGE_VAL};
@@ -171,6 +179,7 @@ void band_slip_make(const struct oscillator *oscillator, double v, double z, dou
     slip->band = *band;
     slip->base = net;
     slip->leaves = 0;
+    slip->steady = false;
     slip->floor = band->low > 0.0 ? band->low - SLACK * (band->low + scale) : 0.0;
     slip->ceiling =
         band->high < HUGE_VAL ? band->high + SLACK * (band->high + scale) : HUGE_VAL;
@@ -195,16 +204,25 @@ static void band_slip_start(const struct arc *arc, struct start *start)
     start->force = arc->of.band.base;
 }
 
+/* Where it is exactly steady, rounding does not grow. */
+static struct motion band_slip_state(const struct arc *arc, double tau)
+{
+    if (!arc->of.band.steady) return coulomb_slip_state(arc, tau);
+    struct motion motion = coulomb_slip_state(arc, 0.0);
+    motion.displacement = motion.x_dot * tau;
+    return motion;
+}
+
 /* At an end or an extreme. */
 static double band_slip_extreme_velocity(const struct arc *arc, double tau)
 {
     double largest = arc->x_dot_start, time;
-    const double last = coulomb_slip_state(arc, tau).x_dot;
+    const double last = band_slip_state(arc, tau).x_dot;
     if (fabs(last) > fabs(largest)) largest = last;
     struct extremes walk = {.before = tau};
     while (next_extreme(arc, &walk, &time)) {
         if (!(time < tau)) continue;
-        const double extreme = coulomb_slip_state(arc, time).x_dot;
+        const double extreme = band_slip_state(arc, time).x_dot;
         if (fabs(extreme) > fabs(largest)) largest = extreme;
     }
     return largest;
@@ -276,7 +294,7 @@ static double band_slip_heat(const struct arc *arc, double tau, double displacem
 
 const struct arc_functions BAND_SLIP_FUNCTIONS = {
     .start = band_slip_start,
-    .state = coulomb_slip_state,
+    .state = band_slip_state,
     .end = coulomb_slip_end,
     .pull_work = coulomb_slip_pull_work,
     .heat = band_slip_heat,

@@ -31,6 +31,7 @@ struct band_slip {
     double base;           /* net force at the start with the friction at standstill [N] */
     double floor, ceiling; /* the ends of the band, widened by rounding [m/s] */
     int leaves; /* +1 where the arc ends at the upper end, -1 at the lower one, else 0 */
+    bool steady; /* whether the slip is exactly steady on a falling line, and so stays */
 };
 
 /* A product of two powers of q, by their positions: 0 is q itself, then come the products. */
