@@ -79,7 +79,7 @@ class Solver:
     `band` [m/s] takes a smaller speed for none: it stops there, and static friction acts till it is
     exceeded (the switch model, Leine et al. 1998). Without a method it locates events and adapts
     the steps of `adapts` to the tolerance `rtol`, absolute `atol` (in SI units), by default small
-    against the motion.
+    against the motion; it is `bold` if it tries all that is left of a communication step first.
     """
 
     method: Method | None = None
@@ -91,6 +91,7 @@ class Solver:
     rtol: float = 0.0
     atol: float = 0.0
     adapts: str = "RK45"
+    bold: bool = False
 
     def run(self, case: Case) -> Run:
         """Run a case; the outputs are `SHARES`."""
@@ -130,6 +131,8 @@ def _family() -> Iterator[tuple[str, Solver]]:
         for rtol in tolerances:
             solver = Solver(rtol=rtol, atol=rtol if absolute else 0.0, adapts=adapts)
             yield f"{adapts}, {rtol:g}{' absolute' if absolute else ''}", solver
+    for rtol in (1e-3, 1e-4, 1e-6):
+        yield f"RK45, {rtol:g}, whole steps first", Solver(rtol=rtol, bold=True)
     for band in (1e-4, 1e-5, 1e-6):
         solver = Solver(_runge_kutta, step=1e-4, band=band)
         yield f"switch model, {1e3 * band:g} mm/s", solver
@@ -326,6 +329,7 @@ class Slider:
             atol=self.solver.atol or [1e-3 * rtol * size for size in sizes],
             method=self.solver.adapts,
             events=velocity,
+            first_step=left if self.solver.bold else None,
         )
         self.z, self.u, way = map(float, solution.y[:, -1])
         self.x += way
