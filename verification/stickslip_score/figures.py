@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -320,8 +320,7 @@ def _noises(
 ) -> tuple[dict[str, float], bool]:
     """Return the noise of the positions [m] by column, and whether the columns share it.
 
-    Coarse samples scatter for the motion as well. None of it is left in the difference of two
-    positions, which has the noise of both, unless one was made from the other.
+    Coarse samples scatter for the motion as well, but not the difference of two positions.
     """
     stick = 1.0 / solution.w if math.isinf(solution.t_slip) else solution.relief / solution.v
     step = float(t[-1] - t[0]) / (t.size - 1)
@@ -357,7 +356,7 @@ def _alike(y: Floats, digits: float, noise: float) -> bool:
 def _compared(
     since: Floats, extension: Floats, z: Floats, digits: float, noises: Mapping[str, float]
 ) -> tuple[float, str]:
-    """Return how far F/k wanders off v t - x slowly [m], and why they contradict each other if so.
+    """Return how far F/k drifts off v t - x [m], and why they contradict each other if so.
 
     A zero that drifts follows time; another stiffness follows the spring, a delay its rate.
     """
@@ -393,10 +392,7 @@ def _compared(
 
 
 def _part_of(apart: Floats, signal: Floats, least: float) -> tuple[float, float, float]:
-    """Return the part of a signal in a difference, five deviations of it, and the rms of the rest.
-
-    A signal of a smaller rms than `least` has no part.
-    """
+    """Part of a signal, of rms `least` or more, in a difference; 5 deviations of it; rest's rms."""
     power = float(signal @ signal)
     share = float(signal @ apart) / power if power > least**2 * apart.size else 0.0
     rms = math.sqrt(float(np.mean((apart - share * signal) ** 2)))
@@ -404,21 +400,19 @@ def _part_of(apart: Floats, signal: Floats, least: float) -> tuple[float, float,
 
 
 def _noise(t: Floats, s: Floats, digits: float) -> float:
-    """Return the standard deviation of the noise of a signal, in its unit; 0 where none is seen.
+    """Return the standard deviation of the noise of a signal; 0 where none is seen.
 
     Only what has the signs and sizes of noise is noise; scatter of the size of the digits is none.
-    Noise much smaller than what third differences hold of the motion, where the samples are coarse,
-    is not seen.
     """
     quiet = _quiet_differences(t, s)
     sigma = _rms(quiet)
     # Rounding alone scatters by 1/sqrt(3) of half a unit.
     if not sigma > 0.7 * digits:
         return 0.0
-    seen = (quiet[:, 1:] != 0.0) & (quiet[:, :-1] != 0.0)
-    if np.count_nonzero(seen) < _PAIRS:
+    pairs = quiet[:, 1:] * quiet[:, :-1]
+    if np.count_nonzero(pairs) < _PAIRS:
         return 0.0
-    turns = np.mean((quiet[:, 1:] * quiet[:, :-1])[seen] < 0.0)
+    turns = np.mean(pairs[pairs != 0.0] < 0.0)
     size = np.abs(quiet)
     large = np.quantile(size, 0.95)
     spread = np.mean((size > 0.25 * large) & (size < 0.75 * large))
@@ -440,8 +434,7 @@ def _rms(s: Floats) -> float:
 def _quiet_differences(t: Floats, s: Floats) -> Floats:
     """Return third divided differences in windows without motion, each of the noise's variance.
 
-    Shape (windows, `_WINDOW`). A third difference vanishes for a parabola, so that a motion which
-    the samples resolve leaves little in it, and rest and creep nothing.
+    Shape (windows, `_WINDOW`). A motion that the samples resolve leaves little in them.
     """
     last = t.size - _WINDOW - 3
     count = min(_WINDOWS, 1 + last // 2)
@@ -580,7 +573,6 @@ def _stick(
 
 
 def _slope(t: Floats, y: Floats, a: int, b: int) -> float:
-    """Return the mean velocity between two samples [m/s]; 0 where they are one."""
     return float((y[b] - y[a]) / (t[b] - t[a])) if b > a else 0.0
 
 
@@ -656,14 +648,14 @@ def figures_of(sticks: Sequence[Stick], allowed: float) -> Figures:
 
 
 def _level_resolution(stick: Stick) -> float:
-    """Return how far the level may be off: a creeping mass has one but for half its creep [m]."""
+    """How far the level may be off [m]: by half the creep."""
     if stick.rests or not (stick.begin and stick.end and stick.creep):
         return 0.0
     return 0.25 * abs(stick.creep) * (stick.end.low - stick.begin.high)
 
 
 def _between(begin: Event | None, end: Event | None) -> tuple[float, float]:
-    """Return the middle and half the width of what lies between two events; never below 0."""
+    """Middle and half the width of the time between two events, never below 0."""
     assert begin is not None
     assert end is not None
     least, most = max(end.low - begin.high, 0.0), max(end.high - begin.low, 0.0)
@@ -677,15 +669,8 @@ def _mean(bounds: Iterable[tuple[float, float]]) -> tuple[float, float]:
 
 def _mean_period(sticks: Sequence[Stick | None]) -> tuple[float, float]:
     """Return the mean period: the events inside an unbroken chain of cycles cancel."""
-    total = half = 0.0
-    count = 0
-    chain: list[Event] = []
-    for stick in [*sticks, None]:
-        if stick is not None and stick.end is not None:
-            chain.append(stick.end)
-            continue
-        if len(chain) > 1:
-            middle, width = _between(chain[0], chain[-1])
-            total, half, count = total + middle, half + width, count + len(chain) - 1
-        chain = []
-    return total / count, half / count
+    ends = (stick.end if stick else None for stick in sticks)
+    chains = [list(chain) for is_seen, chain in groupby(ends, bool) if is_seen]
+    spans = [_between(chain[0], chain[-1]) for chain in chains if len(chain) > 1]
+    count = sum(len(chain) - 1 for chain in chains)
+    return sum(middle for middle, _ in spans) / count, sum(half for _, half in spans) / count

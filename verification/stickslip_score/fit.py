@@ -94,9 +94,8 @@ class Fit:
     def figures(self, end: float) -> Figures:
         """Return the figures of the solution, of cycles and slips that are over at `end` [s].
 
-        The resolution carries the digits of the samples through the least squares, twice: the sum
-        that bounds it is linear in D, and a sample may be off by as much as the fit was allowed.
-        With noise it carries `_DEVIATIONS` standard deviations of the free numbers besides.
+        The resolution carries twice the digits of the samples, which the fit may share out, and
+        `_DEVIATIONS` standard deviations of the free numbers.
         """
         values = self.solution.figures()
         if math.isnan(values["period"]):
@@ -124,7 +123,6 @@ class Fit:
         return [dict(zip(free, column.tolist(), strict=True)) for column in columns]
 
     def _reach(self, move: Mapping[str, float], quantity: str) -> float:
-        """Return how far a figure goes when numbers of the solution move either way."""
         middle = self.solution.figures()[quantity]
         shown = []
         for sign in (-1.0, 1.0):
@@ -154,9 +152,8 @@ class Part:
         return min(fits, key=lambda fit: fit.rms)
 
     def fit(self, *free: str, starts: Iterable[float] = ()) -> Fit:
-        """Fit break-away, offset and the numbers named in `free` by least squares.
+        """Fit break-away, offset and the numbers in `free` of D, w, zeta by least squares.
 
-        `free` are of D, w, zeta; where D is not, zeta moves it: the drag of the way is part of it.
         The search starts from the break-aways `starts` [s], by default promising ones.
         """
         some, more = self._thinned(_ENOUGH), self._thinned(_MOST)
@@ -185,8 +182,7 @@ class Part:
     def _starts(self) -> list[float]:
         """Return the break-aways from which to search, the most promising first.
 
-        Few samples that mostly rest tell a break-away by those in a slip alone, and the search does
-        not find its way from one of them to another.
+        With few samples the search does not find its way from one in a slip to another.
         """
         some = self._thinned(_ENOUGH_TO_START)
         few = some.t.size <= _FEW
@@ -299,7 +295,6 @@ def _with(solution: Solution, numbers: Mapping[str, float]) -> Solution:
 
 
 def _half_range(r: Floats) -> float:
-    """Return the largest distance from the middle of the distances."""
     return 0.5 * float(np.ptp(r))
 
 
@@ -313,8 +308,7 @@ def _by_cycle(t: Floats, r: Floats, after: Floats, period: float) -> tuple[bool,
     """Tell whether distances repeat from cycle to cycle, and wander by more than their scatter.
 
     `after` are times since the first break-away [s]. Means over parts of each cycle scatter about
-    their mean over all cycles; that mean scatters less by the number of cycles, unless it is a
-    shape. Too few cycles count as repeating and not wandering.
+    their mean over all cycles, and that one by less, unless it is a shape.
     """
     number = np.floor(after / period)
     seen = number >= 0.0
@@ -363,8 +357,7 @@ def fit_slide(motion: Motion, solution: Solution) -> Slide | None:
     """Fit an arc of sliding to all samples; None where that arc is none of the block's.
 
     The arc is linear in its steady extension and in the extension and its rate at the first sample,
-    docs/theory.md (3). The block's slides go forward. One that begins at rest begins with a spring
-    that is stretched to break-away or farther.
+    docs/theory.md (3). It goes forward, and from rest begins at break-away or farther.
     """
     after = motion.t - motion.t[0]
     by_extension, by_rate = solution.response(after)
@@ -397,14 +390,10 @@ class Rest:
     last: int
 
     def window(self, motion: Motion, solution: Solution) -> tuple[float, float] | None:
-        """Return between which times the mass breaks away [s]; None where it rests on.
-
-        A sample out of the rest comes after the break-away; one still in it comes at most so long
-        after as the slip needs for what the digits show. The band of a rest is `VISIBLE` wide, and
-        so may be the distance of its level from the true one.
-        """
+        """Return between which times the mass breaks away [s]; None where it rests on."""
         if self.last + 1 >= motion.t.size:
             return None
+        # The band of a rest is `VISIBLE` wide, and so may its level be off.
         hidden = solution.time_to_move(2.0 * VISIBLE * motion.allowed)
         return float(motion.t[self.last]) - hidden, float(motion.t[self.last + 1])
 
@@ -432,11 +421,8 @@ def fits_of(motion: Motion, phases: Phases, solution: Solution) -> dict[str, Fit
     """Fit the exact solution, one coefficient, a free gap, gap and mass, damping.
 
     A curve on the exact solution is fitted by the free gap besides; one that lies on a solution
-    with another gap by no other mass. A curve may start in a slip that no break-away began, or its
-    samples may pass over its first cycle, so that the second turn of the spring may serve as well
-    as the first, and cycles may have gone before. A curve that shows no turn, or hides its turns in
-    noise, is searched whole. Where no cycle exists, the spring need not turn, and the rests of the
-    mass tell the break-away.
+    with another gap by no other mass. Where no cycle exists, the rests of the mass tell the
+    break-away.
     """
     if math.isinf(solution.t_slip):
         return _fits_without_cycle(motion, solution)
@@ -489,10 +475,7 @@ def fits_of(motion: Motion, phases: Phases, solution: Solution) -> dict[str, Fit
 
 
 def _alternatives(motion: Motion, phases: Phases, solution: Solution) -> Iterator[list[Part]]:
-    """Give parts of the curve with the solution as it may have begun there, the likeliest first.
-
-    Noise may show turns where the spring has none, so that the whole comes first there.
-    """
+    """Yield parts of the curve and the solution that may begin there, the likeliest first."""
     before = replace(solution, continued=True)
     period = solution.figures()["period"]
     begin, end = float(motion.t[0]), float(motion.t[-1])
@@ -502,6 +485,7 @@ def _alternatives(motion: Motion, phases: Phases, solution: Solution) -> Iterato
         _part(motion, solution, 0, (begin, min(first_turn + period, end))),
     ]
     cut = [[part] for way in (solution, before) for part in _parts(motion, phases, way)]
+    # Noise may show turns where the spring has none.
     yield from [whole, *cut] if motion.noise else [*cut, whole]
 
 
