@@ -16,9 +16,9 @@ from stickslip_verification.truth.parameters import (
     Number,
     Numbers,
     Parameter,
-    root_tolerance,
 )
 from stickslip_verification.truth.series import Series
+from stickslip_verification.truth.zeros import safeguarded_zero
 
 
 class Fall(NamedTuple):
@@ -339,10 +339,7 @@ class Slip:
             self.decided_after = self.duration
 
     def _margin_of_creep(self) -> None:
-        """Set the margin of an over-damped slip with the pull at rest.
-
-        Such a slip stops if its slow part points backward and creeps on for ever if forward.
-        """
+        """Set the margin of an over-damped slip at V = 0, which creeps if its slow part does."""
         if self._V != 0 or self.speed == 0:
             return
         n = self._numbers
@@ -362,36 +359,21 @@ class Slip:
         return before, start + length
 
     def _falling_zero(self, low: Number, high: Number) -> Number:
-        """Return the zero of the speed in (low, high], where it falls from > 0 to <= 0.
+        """Return the zero of the speed in (low, high], where it falls from > 0 to <= 0, by Halley.
 
-        Halley's step, cut to bisection where it leaves the bracket or does not halve the last:
-        so it ends whatever the speed does, at a grazing stop too. Inside the bracket the speed has
-        no extreme, so a step that has become small has found the zero. Small is meant beside t
-        and, where the zero lies at the very start for all the digits there are, beside the
-        bracket.
+        Inside the bracket the speed has no extreme, so a small step has found the zero.
         """
         n = self._numbers
         damping, stiffness = n.c / n.m, n.k / n.m
-        tolerance = root_tolerance(self._context)
-        t = (low + high) / 2
-        last = high - low
-        negligible = tolerance * tolerance * last
-        while True:
+
+        def speed(t: Number) -> tuple[bool, Number | None]:
             rho, rate = self._velocity.at(t)
             p = self._V + rho
-            if p > 0:
-                low = t
-            else:
-                high = t
             curvature = -damping * rate - stiffness * rho
             slope = 2 * rate * rate - p * curvature
-            step = -2 * p * rate / slope if rate and slope else high - low
-            if abs(step) > tolerance * t and (not (low < t + step < high) or 2 * abs(step) > last):
-                step = (low + high) / 2 - t
-            t += step
-            last = abs(step)
-            if last <= tolerance * t or last <= negligible:
-                return t
+            return p <= 0, -2 * p * rate / slope if rate and slope else None
+
+        return safeguarded_zero(self._context, speed, low, high)
 
     def motion(self, t: Number) -> tuple[Number, Number]:
         """Return speed s x_dot [m/s] and distance s (x - x_0) [m] at the time t [s] from here."""

@@ -34,10 +34,6 @@ class March:
 
     Parameters
     ----------
-    context, numbers
-        High-precision context and the parameters in it.
-    friction
-        What the friction law gives.
     direction
         s = +1 or -1.
     speed
@@ -49,8 +45,6 @@ class March:
 
     Attributes
     ----------
-    speed
-        As given [m/s].
     duration
         Time from the start to the end of the slip [s]; None if `reach` has met no end yet.
     end_acceleration
