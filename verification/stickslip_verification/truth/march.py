@@ -21,12 +21,8 @@ _TOUCH_BITS = 44
 """A turn of u within 2^44 roundings of the largest speed from zero counts as zero: rounding of
 some hundred pieces, amplified; see `docs/theory.md (5)` for a slip that touches zero."""
 
-_OVERLAP_BITS = 20
-"""Turns are looked for up to 2^-20 of a piece beyond its end, so that none falls between two."""
-
-
-_KNOT_BITS = 16
-"""A piece that ends within 2^16 roundings of the largest speed from a knot ends on it."""
+_OVERLAP_BITS = 20  # turns are looked for up to 2^-20 of a piece beyond its end: none is missed
+_KNOT_BITS = 16  # a piece that ends within 2^16 roundings of the largest speed from a knot is on it
 
 
 class March:

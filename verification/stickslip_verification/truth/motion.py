@@ -220,7 +220,7 @@ class Motion:
         self._arc = Stick(wait, max(-way, zero), way)
 
     def _begin_stick(self, time: Number) -> None:
-        self._meter.begin_stick(time)
+        self._meter.stick_start = time
         self._born = time
 
     def _aged(self, stick: Stick) -> Stick:
