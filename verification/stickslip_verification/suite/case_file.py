@@ -47,11 +47,8 @@ class CaseError(DataError):
     """A case file cannot be used."""
 
 
-EVERYWHERE = "every_point"
-
-
 def _at(entry: Any) -> Any:
-    if entry in ("end", EVERYWHERE):
+    if entry in ("end", "every_point"):
         return At(entry)
     if isinstance(entry, dict) and len(entry) == 1:
         ((kind, number),) = entry.items()
@@ -136,7 +133,7 @@ class CaseFile(Written):
         Mapping[str, Number], Field(description="set before the start; absent: the default")
     ] = field(default_factory=dict)
     courses: Courses = tuple(GROUPS)
-    courses_at: Annotated[Where, Field(description="end, or absent: every_point")] = At(EVERYWHERE)
+    courses_at: Annotated[Where, Field(description="end; absent: every_point")] = At("every_point")
     cycle: CycleEntry | None = None
     motion: Annotated[
         Facts | None, Field(description="of the exact motion; absent: it is followed at loading")
@@ -293,7 +290,7 @@ def _check(name: str, quantity: str, formula: str, at: At, tolerance: Tolerance)
 
 
 def _cycle(file: DataFile, cycle: CycleEntry, rules: Rules) -> Iterator[Check]:
-    if cycle.at.kind == EVERYWHERE:
+    if cycle.at.kind == "every_point":
         reason = "a cycle has no value at every point: end, { cycle = n } or { event = n }"
         raise file.refusal(reason, "cycle", "at")
     if not rules.lambda_:
@@ -312,8 +309,7 @@ def _cycle(file: DataFile, cycle: CycleEntry, rules: Rules) -> Iterator[Check]:
 
 def _tolerance(file: DataFile, n: int, entry: CheckEntry, rules: Rules) -> Tolerance:
     quantity, own = QUANTITIES[entry.quantity], entry.tolerance
-    if entry.formula and FORMULAS[entry.formula].unit != quantity.unit:
-        unit = FORMULAS[entry.formula].unit
+    if entry.formula and (unit := FORMULAS[entry.formula].unit) != quantity.unit:
         reason = f"{entry.formula} is in {unit!r}, {quantity.name} in {quantity.unit!r}"
         raise file.refusal(reason, "checks", n, "formula")
     rule = rules.formula(entry.formula) if entry.formula else None
@@ -326,7 +322,7 @@ def _tolerance(file: DataFile, n: int, entry: CheckEntry, rules: Rules) -> Toler
         of = f"no rule gives {entry.formula or quantity.name} a tolerance"
         reason = f"{of}: state it here, and the reasons in because"
         raise file.refusal(reason, "checks", n)
-    if rule.measure == Measure.RELATIVE and entry.at.kind == EVERYWHERE:
+    if rule.measure == Measure.RELATIVE and entry.at.kind == "every_point":
         reason = "relative makes no sense over all points, where a value may cross zero: of_scale"
         raise file.refusal(reason, "checks", n, "tolerance", "measure")
     if quantity.discrete and (rule.measure != Measure.ABSOLUTE or any(rule.tolerance.values())):

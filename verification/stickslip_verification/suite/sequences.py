@@ -208,9 +208,8 @@ class _Plan:
         self._advance(cells[cell])
         self._pending = self._changed(kind, phase, damping)
         self._values |= self._pending
-        rows = [kind]
-        rows += [ABOVE_ONE] if self._values["mu_s"] > 1.0 else []
-        rows += [UNPULLED] if self._values["v"] == 0.0 else []
+        is_so = {ABOVE_ONE: self._values["mu_s"] > 1.0, UNPULLED: self._values["v"] == 0.0}
+        rows = [kind, *(row for row in is_so if is_so[row])]
         damping = _damping(self._values)
         self._made.append((self._now, [Cell(row, phase, damping) for row in rows]))
 
@@ -306,7 +305,7 @@ class _Plan:
         if "c" in names:
             return DAMPINGS
         if names == ("k",) and self._values["c"] > 0.0:
-            return [each for each in DAMPINGS[1:] if self._frequencies(each) is not None]
+            return [damping for damping in DAMPINGS[1:] if self._frequencies(damping)]
         return (_damping(self._values),)
 
     def _changed(self, kind: str, phase: str, damping: str) -> dict[str, float]:
