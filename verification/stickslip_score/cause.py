@@ -58,25 +58,19 @@ _UNITS = {
 """Units of x and F whose numbers are this factor too large."""
 _SAMPLES_OF_A_CYCLE = 6  # fewer do not tell the phases of a curve on no known solution
 
-_NO_GAP = 0.25
-"""Of the exact gap: a curve that shows less has lost the difference of static and kinetic friction.
-A solver with fixed steps only widens it, a smoothed friction narrows it and creeps besides."""
+_NO_GAP = 0.25  # of the exact gap: a curve that shows less has one coefficient; steps only widen it
 _TYPED = 1e-5  # relative: nobody types a parameter so finely; usual solvers are off by more
 _LOOSE = 1e-2  # relative: error of an event by the loosest solvers, at a tolerance of 1e-3
 _MARGIN = 20.0  # of Schwarz's criterion: odds of 20,000 to one
 _CLEAR = 100.0  # how much more a solution explains than it leaves, where solver errors are left
 _SEEN_STEPS = 0.05  # of a sample step: lateness that is one of a fixed step
-_EULER = 2.0
-"""How much each slip of an explicit method of first order gains in it, pi/2 w h of the gap, and
-a part for the slips that begin and end between steps."""
+_EULER = 2.0  # gain of a slip by explicit steps: pi/2 w h of the gap, more for its ends
 _FOLLOWS, _CLOSELY = 0.2, 0.05
 """Of the scatter of latenesses: what of it does not follow from the one before, in fixed steps. By
 a tolerance latenesses scatter anyhow, and twice as much is left. Few or small ones may follow by
 chance, and must do so closely."""
 _FEW, _FINE = 3, 0.01  # latenesses that are few; of a sample step: how far small ones differ
-_LATE_STEPS = 2.0
-"""Sample steps of motion by which fixed steps can set a slide off: the break-away is late by up to
-one, and a method of first order is ahead or behind by up to another."""
+_LATE_STEPS = 2.0  # by which fixed steps can set a slide off: a late break-away, first order
 _SAME_FORCE = 1e-6  # of the highest spring force: nearer, a break-away force is the same
 _DEVIATIONS, _SURE, _OFFSETS = 3.0, 3.5, 5.0
 """Standard deviations of noise to which a number is said to be known; beyond which it is another;
@@ -86,9 +80,7 @@ _LOST_PEAK = 0.99  # of the exact fall of the spring in a slip: less lost the st
 _HIDES = 0.25  # of the swing: a gap known no better than this may be none
 _TELLS_NOISE = 40  # fewer samples do not tell noise, unless the mass rests to its digits
 _SEES_SLIPS = 0.5  # radians between samples up to which each slip, of pi or more, has six
-_EVEN = 0.02
-"""How alike creep must be early and late in stick to be no friction's. The force that drives a
-smoothed friction changes by the factor mu_s/(2 mu_k - mu_s) meanwhile."""
+_EVEN = 0.02  # how alike creep is early and late in stick where no smoothed friction makes it
 _HIGHS_OF_A_DRIFT = 4  # turns of the spring, and times their scatter, from which a drift is one
 
 _ALTERNATING, _LEAST_ALTERNATING = 20_000, 40  # samples searched for alternating friction
@@ -115,8 +107,7 @@ class Cause(StrEnum):
     OTHER = "other"
 
 
-Judgement = tuple[Cause, str]
-"""The cause, and the sentence that says why."""
+Judgement = tuple[Cause, str]  # the cause, and the sentence that says why
 
 
 @dataclass(frozen=True)
@@ -393,7 +384,7 @@ def _cause(e: Evidence) -> Judgement:
     if e.exact is None and not e.chatters and (judged := _sliding(e)):
         return judged
     if e.lies_on("one coefficient"):
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+        return _one_coefficient(e)
     if e.chatters:
         return Cause.FIXED_STEP, "the solver chatters in stick: steps cross friction's sign change"
     if not e.motion.measured and e.motion.t.size < _TELLS_NOISE and not e.motion.rests():
@@ -402,10 +393,7 @@ def _cause(e: Evidence) -> Judgement:
         return judged
     if explained_by_drift(e.fits):
         worst = si(e.p["k"] * e.fits["drift"].worst, "N")
-        return (
-            Cause.OTHER,
-            f"the zero of the force sensor drifts; else the curve is exact to {worst}",
-        )
+        return Cause.OTHER, f"the zero of the force sensor drifts; else F is exact to {worst}"
     loading = [stick for stick in e.phases.sticks if stick.samples > 1]
     creeping = [stick for stick in loading if not stick.rests and stick.creep]
     # A mass that creeps in few of its sticks is disturbed.
@@ -417,7 +405,6 @@ def _cause(e: Evidence) -> Judgement:
 
 
 def _on_no_solution(e: Evidence, creeping: list[Stick]) -> Judgement:
-    """Judge a curve that lies on no solution by the signatures of causes."""
     gap = e.fits.get("gap")
     lasts = float(e.motion.t[-1] - e.motion.t[0])
     if e.motion.measured and e.phases.only_rests and lasts > e.solution.relief / e.solution.v:
@@ -429,7 +416,7 @@ def _on_no_solution(e: Evidence, creeping: list[Stick]) -> Judgement:
         return _slow_noise(e, gap)
     paces = [stick.late_over_early for stick in creeping]
     pace = float(np.median([ratio for ratio in paces if not math.isnan(ratio)] or [math.nan]))
-    if creeping and e.motion.columns == {"F"} and abs(pace - 1.0) < _EVEN:
+    if creeping and e.motion.noises.keys() == {"F"} and abs(pace - 1.0) < _EVEN:
         due = e.p["k"] * e.solution.v
         seen = due - e.p["k"] * float(np.median([stick.creep or 0.0 for stick in creeping]))
         rises = f"in stick the spring force rises at {seen:.4g} N/s, where k v is {due:.4g} N/s"
@@ -444,7 +431,7 @@ def _on_no_solution(e: Evidence, creeping: list[Stick]) -> Judgement:
         left = f"{si(e.fits[near].rms, 'm')} rms, more than the {_noise_in_words(e)}"
         return Cause.OTHER, f"{_NO_CAUSE}: the nearest fit, {near}, leaves {left}"
     if e.seen_gap < _NO_GAP * e.solution.D:
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+        return _one_coefficient(e)
     if e.exact is None:
         return Cause.OTHER, "no cycle exists at these parameters, yet the curve sticks and slips"
     if not e.figures.jumps:
@@ -467,7 +454,6 @@ def _on_the_exact_solution(e: Evidence) -> Judgement:
 
 
 def _exact(e: Evidence) -> Judgement:
-    """Judge a curve on the exact solution by the spring force at its break-away."""
     fitted, motion, v = e.fits["exact"], e.motion, e.solution.v
     shift = float(np.median(motion.z - (v * (motion.t - motion.t[0]) - motion.y)))
     extension = v * (fitted.t_break - float(motion.t[0])) - fitted.offset + shift
@@ -479,7 +465,7 @@ def _exact(e: Evidence) -> Judgement:
         when = max(step, when + _DEVIATIONS * fitted.deviation("t_break"))
     digits = 4.0 * motion.digits + motion.z_allowed + v * when
     digits += _OFFSETS * motion.noise / math.sqrt(motion.t.size)
-    absolute = "F" in motion.columns
+    absolute = "F" in motion.noises
     if absolute and abs(extension - e.break_away) > digits + _SAME_FORCE * e.highest:
         seen, due = e.p["k"] * extension, e.p["k"] * e.break_away
         return Cause.OTHER, (
@@ -524,13 +510,12 @@ def _percent(ratio: float) -> str:
 def _another_block(e: Evidence) -> Judgement | None:
     """Judge a curve on the solution of another block, chosen by Schwarz's criterion, or on none."""
     lying = [name for name in ("gap", "damping", "gap and mass") if e.lies_on(name)]
-    likely = {name: -e.fits[name].criterion(e.motion.digits) for name in lying}
-    lying.sort(key=lambda name: -likely[name])
     if not lying:
         return None
-    name = lying[0]
+    unlikely = {name: e.fits[name].criterion for name in lying}
+    name, *others = sorted(lying, key=lambda name: unlikely[name])
     cause, sentence = _block(e, name)
-    rivals = [other for other in lying[1:] if likely[name] - likely[other] < _MARGIN]
+    rivals = [other for other in others if unlikely[other] - unlikely[name] < _MARGIN]
     if cause is not Cause.OTHER or e.exact is None or not rivals:
         return cause, sentence
     causes = "; or ".join([sentence, *(_named(e, other)[1] for other in rivals)])
@@ -558,7 +543,7 @@ def _named(e: Evidence, name: str) -> Judgement:
             return Cause.OTHER, f"{_NO_CAUSE}: slips gain energy, as with c = {c:.3g} N s/m {steps}"
         number = f"c = {c:.4g} N s/m instead of {e.p['c']:.4g}"
     elif fitted.D < _NO_GAP * e.solution.D:
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+        return _one_coefficient(e)
     if name == "gap and mass":
         number = f"k/m is {_percent((fitted.w / e.solution.w) ** 2)}, for this k {number}"
     solver = ", or of a solver off by as much" if e.motion.measured else ""
@@ -607,11 +592,9 @@ def _another_speed(e: Evidence) -> Judgement | None:
     return Cause.OTHER, f"{advances}, the pulled end at {si(v, 'm/s')}"
 
 
-def _one_coefficient(e: Evidence) -> str:
-    return (
-        "one friction coefficient: the spring shows a gap between break-away and kinetic friction "
-        f"of {si(e.seen_gap, 'm')} instead of {si(e.solution.D, 'm')}"
-    )
+def _one_coefficient(e: Evidence) -> Judgement:
+    gap = f"a gap of {si(e.seen_gap, 'm')} instead of {si(e.solution.D, 'm')}"
+    return Cause.SINGLE_COEFFICIENT, f"one friction coefficient: the spring shows {gap}"
 
 
 def _creeping(e: Evidence, creeping: list[Stick]) -> Judgement:
@@ -628,7 +611,6 @@ def _creeping(e: Evidence, creeping: list[Stick]) -> Judgement:
 
 
 def _without_a_slip(e: Evidence) -> Judgement:
-    """Judge a curve in which the spring does not turn."""
     resting = [stick for stick in e.phases.sticks if stick.rests]
     if resting:
         return _resting(e, e.highest if resting[-1].end is None else math.inf)
@@ -640,7 +622,7 @@ def _without_a_slip(e: Evidence) -> Judgement:
 def _resting(e: Evidence, highest: float) -> Judgement:
     """Judge a mass that rests by the highest extension [m] that the spring can have meanwhile."""
     reached = float(np.max(e.motion.z))
-    if "F" in e.motion.columns and reached > highest + 4.0 * e.motion.allowed:
+    if "F" in e.motion.noises and reached > highest + 4.0 * e.motion.allowed:
         force, most = (si(e.p["k"] * extension, "N") for extension in (reached, e.break_away))
         beyond = f"although the spring force reaches {force}, above the break-away force {most}"
         return Cause.OTHER, f"the mass rests {beyond}"
@@ -664,24 +646,24 @@ def _of_a_solver(e: Evidence, exact: Mapping[str, float]) -> Judgement:
     off = float(np.max(np.abs(np.array(jumps) / exact["delta_x"] - 1.0)))
     left = min(fit.rms for fit in e.fits.values()) / swing if e.fits else 0.0
     error = e.figures.values["delta_x"][0] - exact["delta_x"]
-    sentence = (
-        f"jumps are off by {'+' if error >= 0 else '−'}{si(abs(error), 'm')} on average, and "
-    )
-    sentence += f"differ by up to {si(float(np.ptp(jumps)), 'm')}"
+    sign, differ = "+" if error >= 0 else "−", si(float(np.ptp(jumps)), "m")
+    sentence = f"jumps are off by {sign}{si(abs(error), 'm')} and differ by up to {differ}"
     if _in_steps(e, late):
         least = si(float(np.ptp(late)), "s")
-        return Cause.FIXED_STEP, f"fixed steps: events wait {least} or more for one; {sentence}"
+        return (
+            Cause.FIXED_STEP,
+            f"fixed steps: events wait for steps of {least} or more; {sentence}",
+        )
     for name in ("gap", "damping", "gap and mass"):
         if name in e.fits and e.fits[name].rms * _CLEAR < min(_shift(e, name), _LOOSE) * swing:
             cause, named = _named(e, name)
             return cause, f"{named}, to a solver tolerance of {_power_of_ten(left)}"
+    alike = off < 0.1 * _LOOSE or np.std(late) < 0.5 * np.ptp([0, *late])
     if off < left / _CLEAR:
         if left < 0.1 * _LOOSE:
             filtered = f"slips are off by {si(left * swing, 'm')} rms: interpolated or filtered"
             return Cause.EXACT, f"jumps and times at rest are the exact ones; {filtered}"
-    elif max(off, left) < _LOOSE and (
-        off < 0.1 * _LOOSE or np.std(late) < 0.5 * np.ptp([0, *late])
-    ):
+    elif alike and max(off, left) < _LOOSE:
         return _tolerance(max(off, left))
     nearest = f"the samples are off the nearest fit by {si(left * swing, 'm')} rms"
     return Cause.OTHER, f"{_NO_CAUSE}: {sentence}, and {nearest}"
@@ -699,10 +681,8 @@ def _in_steps(e: Evidence, late: Floats) -> bool:
         return False
     if late.size <= 2:
         return float(np.min(late)) > _SEEN_STEPS * step
-    damped = e.fits.get("damping")
-    solution = e.solution
-    if damped and damped.solution.zeta < solution.zeta:
-        solution = damped.solution
+    damped = e.fits["damping"].solution if "damping" in e.fits else e.solution
+    solution = min(e.solution, damped, key=lambda solution: solution.zeta)
     lacking = late[1:] + _next_late(solution) * late[:-1]
     fine, few = float(np.ptp(late)) <= _FINE * step, late.size == _FEW
     if fine and few:
@@ -741,7 +721,7 @@ def _sliding(e: Evidence) -> Judgement | None:
         # A slip that has just begun stays within the digits, while the spring is pulled on.
         hidden = e.solution.time_to_move(4.0 * e.motion.allowed)
         return _resting(e, e.break_away + e.solution.v * hidden)
-    nearest = min(e.fits.values(), key=lambda fit: fit.excess)
+    nearest = min(e.fits.values(), key=lambda fit: fit.worst)
     begin = float(t[0])
     before = nearest.t_break - float(t[rest.first])
     lost = before - float(t[rest.last] - t[rest.first])
@@ -758,28 +738,20 @@ def _sliding(e: Evidence) -> Judgement | None:
     return None if e.motion.measured else _late_slide(e, rest, nearest, late)
 
 
-_ONE_COEFFICIENT = (
-    Cause.SINGLE_COEFFICIENT,
-    "one friction coefficient: the mass leaves its rest as without a gap to kinetic friction",
-)
+_ONE_COEFFICIENT = Cause.SINGLE_COEFFICIENT, "one friction coefficient: a slide without a gap"
 
 
 def _exact_slide(e: Evidence, slide: Slide) -> Judgement:
-    """Judge a curve on the arc of sliding by the spring force to which it tends."""
     due = e.break_away - e.solution.D
     digits = 2.0 * slide.spread + e.motion.z_allowed
-    if "F" in e.motion.columns and abs(slide.z_steady - due) > digits:
+    if "F" in e.motion.noises and abs(slide.z_steady - due) > digits:
         tends = f"{e.p['k'] * slide.z_steady:.6g} N instead of {e.p['k'] * due:.6g} N"
-        return (
-            Cause.OTHER,
-            f"the spring force tends to {tends}: another force acts, or mu_k is wrong",
-        )
+        return Cause.OTHER, f"the spring force tends to {tends}: another force acts, or mu_k is off"
     worst = si(slide.worst, "m")
     return Cause.EXACT, f"{_NO_CYCLE}, and the curve slides as the exact solution does, to {worst}"
 
 
 def _another_slide(e: Evidence) -> Judgement:
-    """Judge a curve that breaks away and slides as with another gap."""
     ratio = e.gap_ratio(e.fits["gap"].solution.D)
     if ratio < _NO_GAP:
         return _ONE_COEFFICIENT
@@ -787,7 +759,6 @@ def _another_slide(e: Evidence) -> Judgement:
 
 
 def _late_slide(e: Evidence, rest: Rest, nearest: Fit, late: float) -> Judgement | None:
-    """Judge a slide whose break-away is late [s] by parts of a sample step."""
     w, v, step = e.solution.w, e.solution.v, e.motion.widest_step
     off = nearest.worst * w / v
     if abs(late / step) < _SEEN_STEPS and off < _LOOSE:
@@ -801,7 +772,6 @@ def _late_slide(e: Evidence, rest: Rest, nearest: Fit, late: float) -> Judgement
 
 
 def _findings(e: Evidence) -> list[str]:
-    """Return what else was seen, one sentence each."""
     seen = [] if e.exact else [_NO_CYCLE]
     if not e.figures.cycles:
         seen.append("the curve shows no complete cycle, from one break-away to the next")
@@ -825,22 +795,15 @@ def _findings(e: Evidence) -> list[str]:
 def _moving_at_rest(e: Evidence, x_dot: Floats) -> list[str]:
     """Report a velocity column that is not 0 where the position rests beyond doubt."""
     t = e.motion.t
-    begin, end = float(t[0]), float(t[-1])
+    inner = np.zeros(t.size, dtype=bool)
     if math.isinf(e.solution.t_slip):
         window = rests_of(e.motion)[0].window(e.motion, e.solution)
-        rests = [(begin, end if window is None else window[0])]
+        inner = (t > t[0]) & (t < (window[0] if window else t[-1]))
     else:
-        rests = [
-            (stick.begin.high if stick.begin else begin, stick.end.low if stick.end else end)
-            for stick in e.phases.sticks
-            if stick.rests
-        ]
-    inner = np.zeros(t.size, dtype=bool)
-    for begin, end in rests:
-        inner |= (t > begin) & (t < end)
-    if not inner.any():
-        return []
-    moving = float(np.median(np.abs(x_dot[inner])))
+        for stick in (stick for stick in e.phases.sticks if stick.rests):
+            begin = stick.begin.high if stick.begin else t[0]
+            inner |= (t > begin) & (t < (stick.end.low if stick.end else t[-1]))
+    moving = float(np.median(np.abs(x_dot[inner]))) if inner.any() else 0.0
     if moving <= 1e-6 * e.solution.v + 2.0 * e.motion.x_dot_allowed:
         return []
     return [f"the velocity column shows {si(moving, 'm/s')} where the position rests"]

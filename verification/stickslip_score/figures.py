@@ -43,16 +43,14 @@ _LINE = 0.1  # of the swing: noise of a smoothed motion below which its turns st
 
 _WINDOW, _WINDOWS, _LEAST_WINDOWS = 4, 2000, 3  # third differences in a window; windows in a record
 _QUIET, _QUARTILE, _OUTLIER = 0.25, 0.31, 8.0
-"""Part of the windows taken for quiet at first; the mean square that this part of the windows of
-independent noise stays below, of the noise's own; and the mean square, in units of the quiet
-windows' mean, above which a window holds motion."""
+"""Part of the windows taken for quiet at first; the mean square that this part of independent noise
+stays below, of its own; the mean square, of the quiet windows', above which one holds motion."""
 _TURNS = (0.35, 0.95)
 """Share of neighbouring third differences of opposite sign in noise. Independent noise has
 acos(-3/4)/pi = 0.77, a smooth motion hardly any, one that alternates from sample to sample 1."""
 _SPREAD = 0.2
-"""Least share of third differences that lie between a quarter and three quarters of the largest
-twentieth. Gaussian noise has 0.48; the acceleration of a solver that chatters has two values, and
-its differences three, of two sizes."""
+"""Least share of third differences between a quarter and three quarters of the largest twentieth.
+Gaussian noise has 0.48; those of a solver that chatters have two sizes."""
 _PAIRS = 20  # neighbouring differences below which signs tell nothing
 
 _DEEP = 0.4  # of the deepest fall of the spring: a turn of the cycle, and no ripple of a solver
@@ -198,10 +196,9 @@ class Motion:
     y: Floats  # position along the pull [m]
     z: Floats  # spring extension [m], up to a constant where F is not in the curve
     x_dot: Floats | None  # velocity along the pull [m/s]
-    columns: frozenset[str]  # of the curve: x, F
     source: str  # the column from which y was taken
     digits: float  # how far y may be from the truth for the digits of the file [m]
-    noises: Mapping[str, float]  # standard deviation by column [m]; 0 where it was computed
+    noises: Mapping[str, float]  # standard deviation by column x, F [m]; 0 where it was computed
     shared: bool  # whether x and F have the same noise, as where one was made from the other
     x_dot_allowed: float  # how far x_dot may be off for its digits [m/s]
     z_allowed: float  # how far z may be off for digits, noise and drift of F [m]; 0 without F
@@ -252,12 +249,13 @@ class Motion:
         count = max(1, math.ceil(min(enough, longest, self.t.size / 4.0)))
         if count == 1:
             return self
-        some = slice(None, None, max(1, count // 2))
+        some = slice(None, None, count // 2)
+        y, z = (uniform_filter1d(s, count, mode="nearest")[some] for s in (self.y, self.z))
         return replace(
             self,
             t=self.t[some],
-            y=uniform_filter1d(self.y, count, mode="nearest")[some],
-            z=uniform_filter1d(self.z, count, mode="nearest")[some],
+            y=y,
+            z=z,
             x_dot=None if self.x_dot is None else self.x_dot[some],
             noises={**self.noises, self.source: self.noise / math.sqrt(count)},
             blur=0.5 * count * self.step,
@@ -303,7 +301,6 @@ def motion_of(curve: Curve, p: Mapping[str, float], solution: Solution) -> Motio
         y=positions[source],
         z=z,
         x_dot=None if curve.x_dot is None else sign * curve.x_dot,
-        columns=frozenset(positions),
         source=source,
         digits=max(digits[source], 1e-300),
         noises=noises,

@@ -31,7 +31,7 @@ _WHITE, _WHITE_OF_FEW = 1.1, 3.0
 """A residual is noise where its rms is at most 1.1 times its scatter from sample to sample, and
 3/sqrt(n) more for n samples, of which the scatter is known to 1/sqrt(n) about."""
 _ENOUGH_TO_START, _ENOUGH, _MOST = 1000, 3000, 10_000  # samples of start, search and result
-_CORRELATED = 8192  # neighbouring samples of a residual whose correlation is looked at
+_CORRELATED = 8192  # neighbouring samples of a residual that show its correlation
 _FEW, _FROM_EACH = 150, 16  # samples up to which the search starts anew from so many places
 _SEEDS, _MOST_SEEDS = 41, 4000
 _WIDE, _FINE = 0.6, 0.02
@@ -61,7 +61,7 @@ class Fit:
     t_break: float  # first break-away [s]
     offset: float  # position of the mass before it [m]
     noisy: bool  # whether the samples have noise
-    excess: float  # `worst` in units of what the digits allow
+    digits: float  # how far a sample may be off for its digits [m]
     worst: float  # largest distance of a sample from the solution [m]
     rms: float  # root mean square of the distances [m]
     white: bool  # whether the distances are noise, each sample's independent of the next one's
@@ -73,17 +73,18 @@ class Fit:
     @property
     def by_digits(self) -> bool:
         """Whether all samples lie on the solution, to their digits."""
-        rounded = self.rms / _ROUNDED <= self.worst / self.excess if self.excess else True
-        return self.excess <= _EXCESS or (rounded and self.excess <= _FLIPS)
+        is_rounded = self.rms <= _ROUNDED * self.digits
+        return self.worst <= (_FLIPS if is_rounded else _EXCESS) * self.digits
 
     @property
     def lies(self) -> bool:
         """Whether all samples lie on the solution, to their digits or their noise."""
         return self.by_digits or (self.noisy and self.white)
 
-    def criterion(self, digits: float) -> float:
-        """Return Schwarz's information criterion, with the digits of the samples [m] as noise."""
-        power = math.log(self.rms**2 + digits**2)
+    @property
+    def criterion(self) -> float:
+        """Schwarz's information criterion, with the digits of the samples as noise."""
+        power = math.log(self.rms**2 + self.digits**2)
         return self.samples * power + len(self.spread) * math.log(self.samples)
 
     def deviation(self, name: str) -> float:
@@ -172,8 +173,7 @@ class Part:
         if more.t.size == self.t.size or not fit.by_digits:
             return fit
         # So many samples tell noise; that all lie on the solution, only all of them do.
-        worst = _half_range(self._residual(best))
-        return replace(fit, excess=worst / self.digits, worst=worst, samples=self.t.size)
+        return replace(fit, worst=_half_range(self._residual(best)), samples=self.t.size)
 
     def _thinned(self, most: int) -> Part:
         stride = -(-self.t.size // most)
@@ -272,7 +272,7 @@ class Part:
             t_break=numbers["t_break"],
             offset=float(np.mean(self.y - best.position(after))),
             noisy=self.noisy,
-            excess=_half_range(r) / self.digits,
+            digits=self.digits,
             worst=_half_range(r),
             rms=rms,
             white=_is_white(self.t, r) and not wanders,
@@ -407,9 +407,7 @@ def rests_of(motion: Motion) -> tuple[Rest, ...]:
     return (begin, longest) if longest.first > begin.last else (begin,)
 
 
-Fits = Mapping[str, Fit]
-"""Fits by what is free or other: exact, one coefficient, gap, gap and mass, damping, drift, gap and
-drift."""
+Fits = Mapping[str, Fit]  # by what is free: gap, gap and mass, damping, ... or exact
 
 
 def explained_by_drift(fits: Fits) -> bool:
@@ -435,8 +433,7 @@ def fits_of(motion: Motion, phases: Phases, solution: Solution) -> dict[str, Fit
         # Noise hides a slip too many at either end, so that the nearer one is right.
         exact, part = min(pairs, key=lambda pair: pair[0].rms)
         if exact.lies:
-            gap = part.fit("D", starts=[exact.t_break])
-            fits = {"exact": exact, "gap": gap}
+            fits = {"exact": exact, "gap": (gap := part.fit("D", starts=[exact.t_break]))}
             if motion.noise and abs(gap.solution.D - solution.D) > _DEVIATIONS * gap.deviation("D"):
                 fits["damping"] = part.fit("zeta", starts=[exact.t_break])
             return fits
@@ -463,7 +460,7 @@ def fits_of(motion: Motion, phases: Phases, solution: Solution) -> dict[str, Fit
     if other:
         seeds += _seed(solution, period, "w", 0.5 * w, 2.0 * w)
         fits["gap and mass"] = part.nearest(seeds, "D", "w")
-    if motion.columns == {"F"} and not any(fit.lies for fit in fits.values()):
+    if motion.noises.keys() == {"F"} and not any(fit.lies for fit in fits.values()):
         # The zero of the sensor may drift.
         cycles = float(part.t[-1] - part.t[0]) / solution.figures()["period"]
         drifts = max(1, min(_DRIFTS, math.floor(_DRIFTS_IN_A_CYCLE * cycles)))
@@ -489,15 +486,9 @@ def _alternatives(motion: Motion, phases: Phases, solution: Solution) -> Iterato
     yield from [whole, *cut] if motion.noise else [*cut, whole]
 
 
-def _part(
-    motion: Motion,
-    solution: Solution,
-    first: int,
-    window: tuple[float, float],
-    coarse: bool = False,
-) -> Part:
+def _part(motion: Motion, solution: Solution, first: int, window: tuple[float, float]) -> Part:
     t, y, noisy = motion.t[first:], motion.y[first:], motion.noise > 0.0
-    return Part(t, y, motion.digits, noisy, solution, window, coarse)
+    return Part(t, y, motion.digits, noisy, solution, window)
 
 
 def _fits_without_cycle(motion: Motion, solution: Solution) -> dict[str, Fit]:
@@ -513,10 +504,8 @@ def _fits_without_cycle(motion: Motion, solution: Solution) -> dict[str, Fit]:
         exact = parts[0].fit()
         if exact.lies:
             # Noise may hide another gap.
-            fits = {"exact": exact}
-            return fits | (
-                {"gap": parts[0].fit("D", starts=[exact.t_break])} if motion.noise else {}
-            )
+            gaps = {"gap": parts[0].fit("D", starts=[exact.t_break])} if motion.noise else {}
+            return {"exact": exact, **gaps}
         gap = min((part.fit("D") for part in parts), key=lambda fit: fit.rms)
         new = {"exact": exact, "one coefficient": parts[1].fit(), "gap": gap}
         fits |= {n: fit for n, fit in new.items() if n not in fits or fit.rms < fits[n].rms}
@@ -534,17 +523,13 @@ def _parts(motion: Motion, phases: Phases, solution: Solution) -> list[Part]:
         high = max(int(np.searchsorted(motion.t, phases.high_times[index])), 1)
         arc = 1.5 * math.atan2(solution.v, solution.w * solution.D) / solution.w
         begin = float(motion.t[high - 1]) - arc - 2.0 * motion.blur - period * coarse
-        # From when on the mass rests before this turn.
-        rested = [
-            stick.begin.high
-            for stick in phases.sticks
-            if stick.z_high == phases.highs[index] and stick.rests and stick.begin
-        ]
+        before = (stick for stick in phases.sticks if stick.z_high == phases.highs[index])
+        rested = [stick.begin.high for stick in before if stick.rests and stick.begin]
         first = int(np.searchsorted(motion.t, max([begin, *rested[:1]])))
         if motion.t.size - first < LEAST_SAMPLES:
             continue
         window = (begin, float(motion.t[min(high + 1, motion.t.size - 1)]) + motion.blur)
-        parts.append(_part(motion, solution, first, window, coarse))
+        parts.append(replace(_part(motion, solution, first, window), coarse=coarse))
     return parts
 
 

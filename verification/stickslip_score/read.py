@@ -264,10 +264,8 @@ def _cells(line: str, separator: str) -> list[str]:
         raise CurveError(f"cannot be split into cells: {error}") from None
 
 
-Columns = Mapping[str, tuple[int, float]]
-"""Where the column of a quantity stands, and its unit in SI."""
-Rows = Sequence[tuple[int, str]]
-"""Lines with their numbers in the file."""
+Columns = Mapping[str, tuple[int, float]]  # place of the column of a quantity, its unit in SI
+Rows = Sequence[tuple[int, str]]  # lines with their numbers in the file
 
 
 def _columns(header: Sequence[str], names: Mapping[str, str]) -> Columns:
