@@ -109,10 +109,7 @@ def follow(
     *,
     in_doubles: bool = False,
 ) -> truth.Run:
-    """Follow the exact motion under a friction law through communication steps.
-
-    Quick and `in_doubles` where it is for planning alone.
-    """
+    """Follow the exact motion through communication steps; in doubles for planning alone."""
     friction = truth.friction_law(law)
     digits = None if in_doubles else friction.digits
     return truth.run(parameters, steps, law=friction, digits=digits)

@@ -127,9 +127,9 @@ def _lengths(file: DataFile, experiment: Experiment) -> Sequence[float]:
     if steps.fixed is not None:
         return [shortest] * max(1, round(count))
     draw = random.Random(steps.seed)
-    marks = [change.time for change in experiment.changes]
+    marks = (0.0, *(change.time for change in experiment.changes), stop_time)
     lengths: list[float] = []
-    for begin, end in zip((0.0, *marks), (*marks, stop_time), strict=True):
+    for begin, end in itertools.pairwise(marks):
         marked = [begin]
         while (left := end - marked[-1]) > 0.0:
             h = shortest * ratio ** draw.random()

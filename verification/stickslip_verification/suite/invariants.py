@@ -155,7 +155,7 @@ class Invariants(Written):
 
     def of_laws(self, laws: Collection[str]) -> Invariants:
         """Return those that hold for one of these friction laws."""
-        return self.only({each.id for each in self if any(each.holds_for(law) for law in laws)})
+        return self.only({each.id for each in self if any(map(each.holds_for, laws))})
 
 
 def load_invariants(folder: Path = FOLDER) -> Invariants:

@@ -52,9 +52,7 @@ CHANGES: Mapping[str, tuple[str, ...]] = {
 }
 """Names of the changes, and what each of them sets."""
 
-_BALANCED = "load and F_ext that cancel"
-"""The change by which the force beyond friction stays what it was, in slip or at break-away."""
-
+_BALANCED = "load and F_ext that cancel"  # the force beyond friction stays, in slip or break-away
 _TO_ZERO = {"v to 0": "v", "F_ext to 0": "F_ext"}
 
 LOADED = "load and F_ext from the start"
