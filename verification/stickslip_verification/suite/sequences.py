@@ -206,8 +206,8 @@ class _Plan:
         self._advance(cells[cell])
         self._pending = self._changed(kind, phase, damping)
         self._values |= self._pending
-        is_so = {ABOVE_ONE: self._values["mu_s"] > 1.0, UNPULLED: self._values["v"] == 0.0}
-        rows = [kind, *(row for row in is_so if is_so[row])]
+        extra = {ABOVE_ONE: self._values["mu_s"] > 1.0, UNPULLED: self._values["v"] == 0.0}
+        rows = [kind, *(row for row, applies in extra.items() if applies)]
         damping = _damping(self._values)
         self._made.append((self._now, [Cell(row, phase, damping) for row in rows]))
 
