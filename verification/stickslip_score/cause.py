@@ -152,6 +152,7 @@ def as_json(score: Score) -> dict[str, Any]:
 class Evidence:
     """All that is known of a curve when it is judged."""
 
+    curve: Curve
     p: Mapping[str, float]  # all parameters, SI
     exact: Mapping[str, float] | None  # figures of a forward pull; None where no cycle exists
     solution: Solution  # the exact one
@@ -240,7 +241,7 @@ def _score(curve: Curve, p: Mapping[str, float]) -> Score:
     motion, phases, fits = _look(motion.with_noise(0.0) if chatters else motion, solution)
     slide = None if exact else fit_slide(motion, solution)
     figures = _figures(motion, phases, fits, slide, solution)
-    evidence = Evidence(p, exact, solution, motion, phases, figures, fits, chatters, slide)
+    evidence = Evidence(curve, p, exact, solution, motion, phases, figures, fits, chatters, slide)
     cause, explanation = _cause(evidence)
     against = f"the mass is pulled against the given v: judged with v = {p['v']:g} m/s"
     compared = {}
@@ -789,7 +790,7 @@ def _findings(e: Evidence) -> list[str]:
             seen.append(f"{name} has a noise of {si(noise, unit)} rms")
     if e.motion.shared and e.motion.noise:
         seen.append("x and F share their noise: one was made from the other")
-    return seen if e.motion.x_dot is None else [*seen, *_moving_at_rest(e, e.motion.x_dot)]
+    return seen if e.curve.x_dot is None else [*seen, *_moving_at_rest(e, e.curve.x_dot)]
 
 
 def _moving_at_rest(e: Evidence, x_dot: Floats) -> list[str]:
@@ -804,6 +805,6 @@ def _moving_at_rest(e: Evidence, x_dot: Floats) -> list[str]:
             begin = stick.begin.high if stick.begin else t[0]
             inner |= (t > begin) & (t < (stick.end.low if stick.end else t[-1]))
     moving = float(np.median(np.abs(x_dot[inner]))) if inner.any() else 0.0
-    if moving <= 1e-6 * e.solution.v + 2.0 * e.motion.x_dot_allowed:
+    if moving <= 1e-6 * e.solution.v + 2.0 * e.curve.x_dot_rounding:
         return []
     return [f"the velocity column shows {si(moving, 'm/s')} where the position rests"]

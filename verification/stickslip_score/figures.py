@@ -195,12 +195,10 @@ class Motion:
     t: Floats  # [s]
     y: Floats  # position along the pull [m]
     z: Floats  # spring extension [m], up to a constant where F is not in the curve
-    x_dot: Floats | None  # velocity along the pull [m/s]
     source: str  # the column from which y was taken
     digits: float  # how far y may be from the truth for the digits of the file [m]
     noises: Mapping[str, float]  # standard deviation by column x, F [m]; 0 where it was computed
     shared: bool  # whether x and F have the same noise, as where one was made from the other
-    x_dot_allowed: float  # how far x_dot may be off for its digits [m/s]
     z_allowed: float  # how far z may be off for digits, noise and drift of F [m]; 0 without F
     drift: float  # slow part of F - k (v t - x), from its lowest to its highest [N]
     mismatch: str  # why x and F do not belong together with this k; empty where they do
@@ -249,14 +247,13 @@ class Motion:
         count = max(1, math.ceil(min(enough, longest, self.t.size / 4.0)))
         if count == 1:
             return self
+        y, z = (uniform_filter1d(s, count, mode="nearest") for s in (self.y, self.z))
         some = slice(None, None, count // 2)
-        y, z = (uniform_filter1d(s, count, mode="nearest")[some] for s in (self.y, self.z))
         return replace(
             self,
             t=self.t[some],
-            y=y,
-            z=z,
-            x_dot=None if self.x_dot is None else self.x_dot[some],
+            y=y[some],
+            z=z[some],
             noises={**self.noises, self.source: self.noise / math.sqrt(count)},
             blur=0.5 * count * self.step,
         )
@@ -300,12 +297,10 @@ def motion_of(curve: Curve, p: Mapping[str, float], solution: Solution) -> Motio
         t=curve.t,
         y=positions[source],
         z=z,
-        x_dot=None if curve.x_dot is None else sign * curve.x_dot,
         source=source,
         digits=max(digits[source], 1e-300),
         noises=noises,
         shared=shared,
-        x_dot_allowed=curve.x_dot_rounding,
         z_allowed=z_allowed,
         drift=k * drift,
         mismatch=mismatch,
