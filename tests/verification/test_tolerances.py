@@ -67,7 +67,7 @@ def test_the_narrowest_gap_of_the_whole_run_conditions(rule: Rules, conditioning
 )
 def test_what_a_course_may_lose(rule: Rules, quantity: str, fmu: float, reference: float) -> None:
     tolerance = rule.course(quantity)
-    assert tolerance.allowed == {"fmu": fmu, "reference": reference}
+    assert tolerance.tolerance == {"fmu": fmu, "reference": reference}
     of_scale = fmu > 0.0 and quantity != "spring_drop"
     assert tolerance.measure == ("of_scale" if of_scale else "absolute")
 
@@ -81,8 +81,8 @@ def test_an_error_of_state_enters_a_formula_by_its_power_of_lambda(name: str, po
     enters = 1.0 + fast.lambda_**-power if power else 1.0
     tolerance = fast.formula(name)
     assert tolerance is not None
-    assert tolerance.allowed["fmu"] == 2.5e-12, "no step enters the block's arcs"
-    assert 2.5e-9 * enters <= tolerance.allowed["reference"] <= 1.05 * 2.5e-9 * enters
+    assert tolerance.tolerance["fmu"] == 2.5e-12, "no step enters the block's arcs"
+    assert 2.5e-9 * enters <= tolerance.tolerance["reference"] <= 1.05 * 2.5e-9 * enters
 
 
 def test_what_cancels_or_lacks_a_gap_or_a_pull_has_no_rule() -> None:

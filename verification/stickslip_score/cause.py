@@ -58,25 +58,19 @@ _UNITS = {
 """Units of x and F whose numbers are this factor too large."""
 _SAMPLES_OF_A_CYCLE = 6  # fewer do not tell the phases of a curve on no known solution
 
-_NO_GAP = 0.25
-"""Of the exact gap: a curve that shows less has lost the difference of static and kinetic friction.
-A solver with fixed steps only widens it, a smoothed friction narrows it and creeps besides."""
+_NO_GAP = 0.25  # of the exact gap: a curve that shows less has one coefficient; steps only widen it
 _TYPED = 1e-5  # relative: nobody types a parameter so finely; usual solvers are off by more
 _LOOSE = 1e-2  # relative: error of an event by the loosest solvers, at a tolerance of 1e-3
 _MARGIN = 20.0  # of Schwarz's criterion: odds of 20,000 to one
 _CLEAR = 100.0  # how much more a solution explains than it leaves, where solver errors are left
 _SEEN_STEPS = 0.05  # of a sample step: lateness that is one of a fixed step
-_EULER = 2.0
-"""How much each slip of an explicit method of first order gains in it, pi/2 w h of the gap, and
-a part for the slips that begin and end between steps."""
+_EULER = 2.0  # gain of a slip by explicit steps: pi/2 w h of the gap, more for its ends
 _FOLLOWS, _CLOSELY = 0.2, 0.05
 """Of the scatter of latenesses: what of it does not follow from the one before, in fixed steps. By
 a tolerance latenesses scatter anyhow, and twice as much is left. Few or small ones may follow by
 chance, and must do so closely."""
 _FEW, _FINE = 3, 0.01  # latenesses that are few; of a sample step: how far small ones differ
-_LATE_STEPS = 2.0
-"""Sample steps of motion by which fixed steps can set a slide off: the break-away is late by up to
-one, and a method of first order is ahead or behind by up to another."""
+_LATE_STEPS = 2.0  # by which fixed steps can set a slide off: a late break-away, first order
 _SAME_FORCE = 1e-6  # of the highest spring force: nearer, a break-away force is the same
 _DEVIATIONS, _SURE, _OFFSETS = 3.0, 3.5, 5.0
 """Standard deviations of noise to which a number is said to be known; beyond which it is another;
@@ -86,9 +80,7 @@ _LOST_PEAK = 0.99  # of the exact fall of the spring in a slip: less lost the st
 _HIDES = 0.25  # of the swing: a gap known no better than this may be none
 _TELLS_NOISE = 40  # fewer samples do not tell noise, unless the mass rests to its digits
 _SEES_SLIPS = 0.5  # radians between samples up to which each slip, of pi or more, has six
-_EVEN = 0.02
-"""How alike creep must be early and late in stick to be no friction's. The force that drives a
-smoothed friction changes by the factor mu_s/(2 mu_k - mu_s) meanwhile."""
+_EVEN = 0.02  # how alike creep is early and late in stick where no smoothed friction makes it
 _HIGHS_OF_A_DRIFT = 4  # turns of the spring, and times their scatter, from which a drift is one
 
 _ALTERNATING, _LEAST_ALTERNATING = 20_000, 40  # samples searched for alternating friction
@@ -115,8 +107,7 @@ class Cause(StrEnum):
     OTHER = "other"
 
 
-Judgement = tuple[Cause, str]
-"""The cause, and the sentence that says why."""
+Judgement = tuple[Cause, str]  # the cause, and the sentence that says why
 
 
 @dataclass(frozen=True)
@@ -150,17 +141,18 @@ class Score:
 
 def as_json(score: Score) -> dict[str, Any]:
     """Return the score as what JSON can hold; null where a figure is missing."""
-    units = {"period": "s", "t_stick": "s", "t_slip": "s", "delta_x": "m"}
     fields = asdict(score)
     noise = {"x": fields.pop("x_noise"), "F": fields.pop("F_noise")}
-    unit = {**units, "noise": {"x": "m", "F": "N"}}
-    return {**fields, "findings": list(score.findings), "noise": noise, "unit": unit}
+    unit = {"period": "s", "t_stick": "s", "t_slip": "s", "delta_x": "m"}
+    units = {**unit, "noise": {"x": "m", "F": "N"}}
+    return {**fields, "findings": list(score.findings), "noise": noise, "unit": units}
 
 
 @dataclass(frozen=True)
 class Evidence:
     """All that is known of a curve when it is judged."""
 
+    curve: Curve
     p: Mapping[str, float]  # all parameters, SI
     exact: Mapping[str, float] | None  # figures of a forward pull; None where no cycle exists
     solution: Solution  # the exact one
@@ -205,11 +197,10 @@ class Evidence:
 def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
     """Judge a curve against the exact steady cycle, docs/theory.md (7) to (10), (13).
 
-    The noise of the columns is estimated first. The figures are means over all complete cycles,
-    which begin and end with a break-away, so that the first load-up is none. Where all samples lie
-    on the solution of a block with some gap, to their digits or their noise, they are read off that
-    one; else each event is known between two samples. Resolutions follow from digits, noise and
-    sampling. A v of the wrong sign is turned, and a finding says so.
+    The figures are means over all complete cycles, from break-away to break-away. Where all samples
+    lie on the solution of a block with some gap, to their digits or their noise, they are read off
+    that one; else each event is known between two samples. A v of the wrong sign is turned, and a
+    finding says so.
 
     Parameters
     ----------
@@ -250,7 +241,7 @@ def _score(curve: Curve, p: Mapping[str, float]) -> Score:
     motion, phases, fits = _look(motion.with_noise(0.0) if chatters else motion, solution)
     slide = None if exact else fit_slide(motion, solution)
     figures = _figures(motion, phases, fits, slide, solution)
-    evidence = Evidence(p, exact, solution, motion, phases, figures, fits, chatters, slide)
+    evidence = Evidence(curve, p, exact, solution, motion, phases, figures, fits, chatters, slide)
     cause, explanation = _cause(evidence)
     against = f"the mass is pulled against the given v: judged with v = {p['v']:g} m/s"
     compared = {}
@@ -278,11 +269,7 @@ def _normal(p: Mapping[str, float]) -> float:
 
 
 def _is_turned(curve: Curve, p: Mapping[str, float], exact: Mapping[str, float] | None) -> bool:
-    """Tell whether the pull goes against v; refuse x or F that are a power of 1000 off.
-
-    The mass advances with the pulled end, and the spring drags it forward. The way of the mass in a
-    slip is the spring's and a little more.
-    """
+    """Tell whether the pull goes against v; refuse x or F that are a power of 1000 off."""
     duration, v = float(curve.t[-1] - curve.t[0]), p["v"]
     if curve.x is not None:
         # From the first tenth of the samples to the last, over nine tenths of them.
@@ -308,11 +295,10 @@ def _is_turned(curve: Curve, p: Mapping[str, float], exact: Mapping[str, float] 
 
 
 def _chatters(motion: Motion, solution: Solution, p: Mapping[str, float]) -> bool:
-    """Tell whether each sample is a step of a solver that chatters.
+    """Tell whether each sample is a step of a solver with friction by the sign of the velocity.
 
-    A solver with fixed steps and friction by the sign of the velocity never finds the mass at rest.
-    In stick it is driven by full friction now one way, now the other, so that the friction force
-    that its samples imply has two values and none between; noise has all of them.
+    In stick full friction drives it now one way, now the other, so that the friction force that its
+    samples imply has two values and none between; noise has all of them.
     """
     t, y, z = (column[:_ALTERNATING] for column in (motion.t, motion.y, motion.z))
     steps = np.diff(t)
@@ -338,10 +324,9 @@ def _chatters(motion: Motion, solution: Solution, p: Mapping[str, float]) -> boo
 
 
 def _look(motion: Motion, solution: Solution) -> tuple[Motion, Phases, dict[str, Fit]]:
-    """Return the motion, with noise where it has some, its phases and fits.
+    """Return the motion with its noise, its phases and fits.
 
-    Samples that do not resolve the oscillation scatter for the motion as well, so that noise is
-    told by how they lie about the exact solution.
+    Coarse samples scatter for the motion as well: there the fits show the noise.
     """
 
     def seen(motion: Motion) -> tuple[Motion, Phases, dict[str, Fit]]:
@@ -393,10 +378,6 @@ def _figures(
 
 
 def _cause(e: Evidence) -> Judgement:
-    """Return the most likely cause, and the sentence that says what was seen.
-
-    No solver is named for a record with noise.
-    """
     if e.motion.mismatch:
         return Cause.OTHER, e.motion.mismatch
     if e.lies_on("exact"):
@@ -404,19 +385,16 @@ def _cause(e: Evidence) -> Judgement:
     if e.exact is None and not e.chatters and (judged := _sliding(e)):
         return judged
     if e.lies_on("one coefficient"):
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+        return _one_coefficient(e)
     if e.chatters:
-        chatter = "the solver chatters in stick: each step passes over the sign change of friction"
-        return Cause.FIXED_STEP, chatter
+        return Cause.FIXED_STEP, "the solver chatters in stick: steps cross friction's sign change"
     if not e.motion.measured and e.motion.t.size < _TELLS_NOISE and not e.motion.rests():
         return Cause.NOISY, _TOO_FEW.format(e.motion.t.size)
     if judged := _another_block(e):
         return judged
     if explained_by_drift(e.fits):
-        return Cause.OTHER, (
-            "the samples lie on the exact solution, to "
-            f"{si(e.p['k'] * e.fits['drift'].worst, 'N')}, but the zero of the force sensor drifts"
-        )
+        worst = si(e.p["k"] * e.fits["drift"].worst, "N")
+        return Cause.OTHER, f"the zero of the force sensor drifts; else F is exact to {worst}"
     loading = [stick for stick in e.phases.sticks if stick.samples > 1]
     creeping = [stick for stick in loading if not stick.rests and stick.creep]
     # A mass that creeps in few of its sticks is disturbed.
@@ -428,26 +406,22 @@ def _cause(e: Evidence) -> Judgement:
 
 
 def _on_no_solution(e: Evidence, creeping: list[Stick]) -> Judgement:
-    """Judge a curve that lies on no solution by the signatures of causes."""
     gap = e.fits.get("gap")
     lasts = float(e.motion.t[-1] - e.motion.t[0])
     if e.motion.measured and e.phases.only_rests and lasts > e.solution.relief / e.solution.v:
-        return Cause.NOISY, (
-            f"the {_noise_in_words(e)}, hides the motion: a jump of "
-            f"{si(e.solution.figures()['delta_x'], 'm')} is due"
-        )
+        jump = si(e.solution.figures()["delta_x"], "m")
+        return Cause.NOISY, f"the {_noise_in_words(e)}, hides the motion: a jump of {jump} is due"
     if e.motion.measured and not e.fits:
         return _without_a_slip(e)
     if e.motion.measured and gap and not gap.repeats:
         return _slow_noise(e, gap)
     paces = [stick.late_over_early for stick in creeping]
     pace = float(np.median([ratio for ratio in paces if not math.isnan(ratio)] or [math.nan]))
-    if creeping and e.motion.columns == {"F"} and abs(pace - 1.0) < _EVEN:
-        seen = e.solution.v - float(np.median([stick.creep or 0.0 for stick in creeping]))
-        return Cause.OTHER, (
-            f"in stick the spring force rises at {e.p['k'] * seen:.4g} N/s, where k v is "
-            f"{e.p['k'] * e.solution.v:.4g} N/s"
-        )
+    if creeping and e.motion.noises.keys() == {"F"} and abs(pace - 1.0) < _EVEN:
+        due = e.p["k"] * e.solution.v
+        seen = due - e.p["k"] * float(np.median([stick.creep or 0.0 for stick in creeping]))
+        rises = f"in stick the spring force rises at {seen:.4g} N/s, where k v is {due:.4g} N/s"
+        return Cause.OTHER, rises
     # What a filter leaves of a slip dies out, while creep grows with the force or turns with it.
     if creeping and not 0.0 < pace < 1.0 - _EVEN:
         return _creeping(e, creeping)
@@ -455,12 +429,10 @@ def _on_no_solution(e: Evidence, creeping: list[Stick]) -> Judgement:
         return _without_a_slip(e)
     if e.motion.measured:
         near = min(e.fits, key=lambda name: e.fits[name].rms)
-        return Cause.OTHER, (
-            f"{_NO_CAUSE}: the nearest fit, {near}, leaves {si(e.fits[near].rms, 'm')} rms, more "
-            f"than the {_noise_in_words(e)}"
-        )
+        left = f"{si(e.fits[near].rms, 'm')} rms, more than the {_noise_in_words(e)}"
+        return Cause.OTHER, f"{_NO_CAUSE}: the nearest fit, {near}, leaves {left}"
     if e.seen_gap < _NO_GAP * e.solution.D:
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+        return _one_coefficient(e)
     if e.exact is None:
         return Cause.OTHER, "no cycle exists at these parameters, yet the curve sticks and slips"
     if not e.figures.jumps:
@@ -474,18 +446,15 @@ def _on_the_exact_solution(e: Evidence) -> Judgement:
     gap = e.fits["gap"]
     known, off = _known(e, gap), abs(gap.solution.D - e.solution.D)
     if not known < _HIDES or off > _SURE / _DEVIATIONS * known * e.solution.swing():
-        return _another_block(e) or _gap(e, gap)
+        return _another_block(e) or _block(e, "gap")
     cause, sentence = _exact(e)
     if cause is Cause.EXACT:
-        sentence = (
-            f"all {e.motion.t.size} samples lie on the exact solution, to the "
-            f"{_noise_in_words(e)}; the gap of (mu_s - mu_k) N is known to {100.0 * known:.2g} %"
-        )
+        sentence = f"all {e.motion.t.size} samples lie on the exact solution, to the "
+        sentence += f"{_noise_in_words(e)}; (mu_s - mu_k) N is known to {100.0 * known:.2g} %"
     return cause, sentence
 
 
 def _exact(e: Evidence) -> Judgement:
-    """Judge a curve on the exact solution by the spring force at its break-away."""
     fitted, motion, v = e.fits["exact"], e.motion, e.solution.v
     shift = float(np.median(motion.z - (v * (motion.t - motion.t[0]) - motion.y)))
     extension = v * (fitted.t_break - float(motion.t[0])) - fitted.offset + shift
@@ -497,12 +466,12 @@ def _exact(e: Evidence) -> Judgement:
         when = max(step, when + _DEVIATIONS * fitted.deviation("t_break"))
     digits = 4.0 * motion.digits + motion.z_allowed + v * when
     digits += _OFFSETS * motion.noise / math.sqrt(motion.t.size)
-    absolute = "F" in motion.columns
+    absolute = "F" in motion.noises
     if absolute and abs(extension - e.break_away) > digits + _SAME_FORCE * e.highest:
         seen, due = e.p["k"] * extension, e.p["k"] * e.break_away
         return Cause.OTHER, (
-            f"the motion is the exact one, but the spring force at break-away is {seen:.6g} N "
-            f"instead of {due:.6g} N: another force acts, or both coefficients are shifted"
+            f"the motion is exact, but the spring force at break-away is {seen:.6g} N instead of "
+            f"{due:.6g} N: another force acts, or both coefficients are shifted"
         )
     no_cycle = f"{_NO_CYCLE}; " if e.exact is None else ""
     lie = f"all {motion.t.size} samples lie on the exact solution, to {si(fitted.worst, 'm')}"
@@ -524,10 +493,8 @@ def _known(e: Evidence, gap: Fit) -> float:
 
 
 def _tolerance(off: float) -> Judgement:
-    return Cause.SOLVER_TOLERANCE, (
-        f"solver tolerance, {_power_of_ten(off)}: the curve is off the exact solution by about "
-        "this part"
-    )
+    part = _power_of_ten(off)
+    return Cause.SOLVER_TOLERANCE, f"solver tolerance, {part}: the curve is off by about this part"
 
 
 def _power_of_ten(part: float) -> str:
@@ -542,23 +509,14 @@ def _percent(ratio: float) -> str:
 
 
 def _another_block(e: Evidence) -> Judgement | None:
-    """Judge a curve that lies on the solution of another block; None where it lies on none.
-
-    Schwarz's criterion chooses between solutions that noise allows, if by a clear margin.
-    """
+    """Judge a curve on the solution of another block, chosen by Schwarz's criterion, or on none."""
     lying = [name for name in ("gap", "damping", "gap and mass") if e.lies_on(name)]
-    likely = {name: -e.fits[name].criterion(e.motion.digits) for name in lying}
-    lying.sort(key=lambda name: -likely[name])
     if not lying:
         return None
-    name = lying[0]
-    if name == "gap":
-        cause, sentence = _gap(e, e.fits["gap"])
-    elif _shift(e, name) < _TYPED and not e.motion.measured:
-        return _tolerance(_shift(e, name))
-    else:
-        cause, sentence = _named(e, name)
-    rivals = [other for other in lying[1:] if likely[name] - likely[other] < _MARGIN]
+    unlikely = {name: e.fits[name].criterion for name in lying}
+    name, *others = sorted(lying, key=lambda name: unlikely[name])
+    cause, sentence = _block(e, name)
+    rivals = [other for other in others if unlikely[other] - unlikely[name] < _MARGIN]
     if cause is not Cause.OTHER or e.exact is None or not rivals:
         return cause, sentence
     causes = "; or ".join([sentence, *(_named(e, other)[1] for other in rivals)])
@@ -582,50 +540,44 @@ def _named(e: Evidence, name: str) -> Judgement:
     if name == "damping":
         c = 2.0 * fitted.zeta * e.p["m"] * fitted.w
         if c < 0.0:
-            return Cause.OTHER, (
-                f"{_NO_CAUSE}: slips gain energy, as with c = {c:.3g} N s/m or in explicit steps "
-                f"of about {si(-c / e.p['k'], 's')}"
-            )
+            steps = f"or in explicit steps of about {si(-c / e.p['k'], 's')}"
+            return Cause.OTHER, f"{_NO_CAUSE}: slips gain energy, as with c = {c:.3g} N s/m {steps}"
         number = f"c = {c:.4g} N s/m instead of {e.p['c']:.4g}"
     elif fitted.D < _NO_GAP * e.solution.D:
-        return Cause.SINGLE_COEFFICIENT, _one_coefficient(e)
+        return _one_coefficient(e)
     if name == "gap and mass":
         number = f"k/m is {_percent((fitted.w / e.solution.w) ** 2)}, for this k {number}"
     solver = ", or of a solver off by as much" if e.motion.measured else ""
     return Cause.OTHER, f"the curve is a clean stick-slip motion of another block{solver}: {number}"
 
 
-def _gap(e: Evidence, gap: Fit) -> Judgement:
-    known = _known(e, gap)
-    if e.motion.measured and not known < _HIDES:
+def _block(e: Evidence, name: str) -> Judgement:
+    """Judge a curve on the solution of a block with another gap, damping or mass."""
+    is_gap, measured, known = name == "gap", e.motion.measured, 0.0
+    if is_gap and measured and not (known := _known(e, e.fits["gap"])) < _HIDES:
         return Cause.NOISY, (
             f"the {_noise_in_words(e)}, hides whether static friction is larger than kinetic: "
             f"their gap is known to {100.0 * known:.2g} % of the swing; a noise "
             f"{known / (0.4 * _HIDES):.2g} times smaller would tell"
         )
-    if e.exact is None:
-        cause, sentence = _another_slide(e)
-    elif not e.motion.measured and _shift(e, "gap") < _TYPED:
-        return _tolerance(_shift(e, "gap"))
-    else:
-        cause, sentence = _named(e, "gap")
-    if e.motion.measured:
-        sentence = f"{sentence}; noise and digits leave {100.0 * known:.2g} % open"
+    slides = is_gap and e.exact is None
+    if not (slides or measured) and _shift(e, name) < _TYPED:
+        return _tolerance(_shift(e, name))
+    cause, sentence = _another_slide(e) if slides else _named(e, name)
+    if is_gap and measured:
+        sentence += f"; noise and digits leave {100.0 * known:.2g} % open"
     return cause, sentence
 
 
 def _slow_noise(e: Evidence, gap: Fit) -> Judgement:
     """Judge a curve that is off the solution by what is not alike from cycle to cycle."""
     known, shift = _known(e, gap), abs(gap.solution.D - e.solution.D)
-    off = (
-        f"the samples are off the exact solution by {si(gap.rms, 'm')} rms, unlike from cycle to "
-        f"cycle, and the {_noise_in_words(e)} from sample to sample"
-    )
+    off = f"samples are off by {si(gap.rms, 'm')} rms, unlike from cycle to cycle, and the "
+    off += f"{_noise_in_words(e)} from sample to sample"
     if shift > _SURE / _DEVIATIONS * known * e.solution.swing():
         ratio = _percent(e.gap_ratio(gap.solution.D))
         return Cause.OTHER, f"{_NO_CAUSE}: (mu_s - mu_k) N is {ratio} on average, and {off}"
-    exact = f"(mu_s - mu_k) N is the exact one within {100.0 * known:.2g} %"
-    return Cause.NOISY, f"{off}: slow noise hides a cause below that; {exact}"
+    return Cause.NOISY, f"{off}: slow noise; (mu_s - mu_k) N is exact within {100.0 * known:.2g} %"
 
 
 def _another_speed(e: Evidence) -> Judgement | None:
@@ -637,36 +589,29 @@ def _another_speed(e: Evidence) -> Judgement | None:
     scatter = float(np.ptp(highs - drift * times)) + v * e.motion.widest_step
     if abs(drift) * float(times[-1] - times[0]) < _HIGHS_OF_A_DRIFT * scatter:
         return None
-    return Cause.OTHER, (
-        f"the mass advances at {si(v - drift, 'm/s')} on average, the pulled end at {si(v, 'm/s')}"
-    )
+    advances = f"the mass advances at {si(v - drift, 'm/s')} on average"
+    return Cause.OTHER, f"{advances}, the pulled end at {si(v, 'm/s')}"
 
 
-def _one_coefficient(e: Evidence) -> str:
-    return (
-        "one friction coefficient: the spring shows a gap between break-away and kinetic friction "
-        f"of {si(e.seen_gap, 'm')} instead of {si(e.solution.D, 'm')}"
-    )
+def _one_coefficient(e: Evidence) -> Judgement:
+    gap = f"a gap of {si(e.seen_gap, 'm')} instead of {si(e.solution.D, 'm')}"
+    return Cause.SINGLE_COEFFICIENT, f"one friction coefficient: the spring shows {gap}"
 
 
 def _creeping(e: Evidence, creeping: list[Stick]) -> Judgement:
     creep = si(float(np.median([abs(stick.creep or 0.0) for stick in creeping])), "m/s")
     if e.motion.measured:
         near = si(min(fit.rms for fit in e.fits.values()), "m")
-        return Cause.OTHER, (
-            f"the mass creeps at {creep}; it is off the exact solution by {near} rms, and the "
-            f"{_noise_in_words(e)}"
-        )
+        away = f"it is off the exact solution by {near} rms, and the {_noise_in_words(e)}"
+        return Cause.OTHER, f"the mass creeps at {creep}; {away}"
     creeps = f"regularised friction: the stick phase creeps at {creep}"
     share = e.phases.fall / (2.0 * e.solution.swing()) if e.phases.highs.size else 0.0
     if e.exact and share < _LOST_PEAK:
-        fall = f"the spring falls by {100.0 * share:.3g} % of what it should"
-        creeps = f"{creeps}; the static peak is lost: {fall}"
+        creeps += f"; the static peak is lost: the spring falls by {100.0 * share:.3g} % of its due"
     return Cause.REGULARISED, creeps
 
 
 def _without_a_slip(e: Evidence) -> Judgement:
-    """Judge a curve in which the spring does not turn."""
     resting = [stick for stick in e.phases.sticks if stick.rests]
     if resting:
         return _resting(e, e.highest if resting[-1].end is None else math.inf)
@@ -678,20 +623,18 @@ def _without_a_slip(e: Evidence) -> Judgement:
 def _resting(e: Evidence, highest: float) -> Judgement:
     """Judge a mass that rests by the highest extension [m] that the spring can have meanwhile."""
     reached = float(np.max(e.motion.z))
-    if "F" in e.motion.columns and reached > highest + 4.0 * e.motion.allowed:
-        return Cause.OTHER, (
-            f"the mass rests although the spring force reaches {si(e.p['k'] * reached, 'N')}, "
-            f"above the break-away force {si(e.p['k'] * e.break_away, 'N')}"
-        )
+    if "F" in e.motion.noises and reached > highest + 4.0 * e.motion.allowed:
+        force, most = (si(e.p["k"] * extension, "N") for extension in (reached, e.break_away))
+        beyond = f"although the spring force reaches {force}, above the break-away force {most}"
+        return Cause.OTHER, f"the mass rests {beyond}"
     return Cause.EXACT, "the mass rests as far as the curve goes: it shows no break-away to judge"
 
 
 def _of_a_solver(e: Evidence, exact: Mapping[str, float]) -> Judgement:
     """Judge a computed curve that rests in stick, and whose slips no solution fits to its digits.
 
-    Events that wait for the next step are late by none to one; one that is late by tau widens the
-    spring by v tau, takes as long from the next stick, and so makes the next one late by less. A
-    solver's tolerance makes slips that are alike, and off by as little as their arcs are.
+    Events that wait for the next step are late by up to one, and differ. A solver's tolerance makes
+    slips that are alike, and off by as little as their arcs are.
     """
     jumps, swing = e.figures.jumps, e.solution.swing()
 
@@ -704,33 +647,27 @@ def _of_a_solver(e: Evidence, exact: Mapping[str, float]) -> Judgement:
     off = float(np.max(np.abs(np.array(jumps) / exact["delta_x"] - 1.0)))
     left = min(fit.rms for fit in e.fits.values()) / swing if e.fits else 0.0
     error = e.figures.values["delta_x"][0] - exact["delta_x"]
-    sentence = (
-        f"the jump is {'+' if error >= 0 else '−'}{si(abs(error), 'm')} from the exact one, and "
-        f"jumps differ by up to {si(float(np.ptp(jumps)), 'm')}"
-    )
+    sign, differ = "+" if error >= 0 else "−", si(float(np.ptp(jumps)), "m")
+    sentence = f"jumps are off by {sign}{si(abs(error), 'm')} and differ by up to {differ}"
     if _in_steps(e, late):
-        return Cause.FIXED_STEP, (
-            "fixed steps: events wait for the next step, as from steps of "
-            f"{si(float(np.ptp(late)), 's')} or more; {sentence}"
+        least = si(float(np.ptp(late)), "s")
+        return (
+            Cause.FIXED_STEP,
+            f"fixed steps: events wait for steps of {least} or more; {sentence}",
         )
     for name in ("gap", "damping", "gap and mass"):
         if name in e.fits and e.fits[name].rms * _CLEAR < min(_shift(e, name), _LOOSE) * swing:
             cause, named = _named(e, name)
             return cause, f"{named}, to a solver tolerance of {_power_of_ten(left)}"
+    alike = off < 0.1 * _LOOSE or np.std(late) < 0.5 * np.ptp([0, *late])
     if off < left / _CLEAR:
         if left < 0.1 * _LOOSE:
-            return Cause.EXACT, (
-                "jumps and times at rest are the exact ones; the samples of slips are off by "
-                f"{si(left * swing, 'm')} rms: interpolated or filtered"
-            )
-    elif max(off, left) < _LOOSE and (
-        off < 0.1 * _LOOSE or np.std(late) < 0.5 * np.ptp([0, *late])
-    ):
+            filtered = f"slips are off by {si(left * swing, 'm')} rms: interpolated or filtered"
+            return Cause.EXACT, f"jumps and times at rest are the exact ones; {filtered}"
+    elif alike and max(off, left) < _LOOSE:
         return _tolerance(max(off, left))
-    return Cause.OTHER, (
-        f"{_NO_CAUSE}: {sentence}, and the samples are off the nearest fit by "
-        f"{si(left * swing, 'm')} rms"
-    )
+    nearest = f"the samples are off the nearest fit by {si(left * swing, 'm')} rms"
+    return Cause.OTHER, f"{_NO_CAUSE}: {sentence}, and {nearest}"
 
 
 def _in_steps(e: Evidence, late: Floats) -> bool:
@@ -745,10 +682,8 @@ def _in_steps(e: Evidence, late: Floats) -> bool:
         return False
     if late.size <= 2:
         return float(np.min(late)) > _SEEN_STEPS * step
-    damped = e.fits.get("damping")
-    solution = e.solution
-    if damped and damped.solution.zeta < solution.zeta:
-        solution = damped.solution
+    damped = e.fits["damping"].solution if "damping" in e.fits else e.solution
+    solution = min(e.solution, damped, key=lambda solution: solution.zeta)
     lacking = late[1:] + _next_late(solution) * late[:-1]
     fine, few = float(np.ptp(late)) <= _FINE * step, late.size == _FEW
     if fine and few:
@@ -764,10 +699,7 @@ def _apart(times: Floats, step: float = math.inf) -> float:
 
 
 def _next_late(solution: Solution) -> float:
-    """Return by how much earlier a break-away makes the next one due that is late by 1 [-].
-
-    (lambda^2 - 1)/(lambda^2 + 1) without damping.
-    """
+    """Advance of the next break-away per lateness; undamped (lambda^2 - 1)/(lambda^2 + 1)."""
     longer, D = 1e-6 * (solution.D + solution.v / solution.w), solution.D
     periods = [replace(solution, D=gap).figures()["period"] for gap in (D, D + longer)]
     return solution.v * (periods[1] - periods[0]) / longer - 1.0
@@ -776,9 +708,8 @@ def _next_late(solution: Solution) -> float:
 def _sliding(e: Evidence) -> Judgement | None:
     """Judge a curve at parameters without a cycle; None where neither rest nor slide.
 
-    The exact mass rests, breaks away once and slides for ever, and may do so slower than half the
-    pulled end's speed for as long as damping takes: slowness alone is no creep. Creep is motion
-    before the break-away of the solution that comes nearest.
+    A damped slide may long be slow, so that creep is motion before the break-away of the nearest
+    solution.
     """
     if e.slide is not None and e.slide.lies:
         return _exact_slide(e, e.slide)
@@ -791,7 +722,7 @@ def _sliding(e: Evidence) -> Judgement | None:
         # A slip that has just begun stays within the digits, while the spring is pulled on.
         hidden = e.solution.time_to_move(4.0 * e.motion.allowed)
         return _resting(e, e.break_away + e.solution.v * hidden)
-    nearest = min(e.fits.values(), key=lambda fit: fit.excess)
+    nearest = min(e.fits.values(), key=lambda fit: fit.worst)
     begin = float(t[0])
     before = nearest.t_break - float(t[rest.first])
     lost = before - float(t[rest.last] - t[rest.first])
@@ -808,27 +739,20 @@ def _sliding(e: Evidence) -> Judgement | None:
     return None if e.motion.measured else _late_slide(e, rest, nearest, late)
 
 
-_ONE_COEFFICIENT = (
-    Cause.SINGLE_COEFFICIENT,
-    "one friction coefficient: the mass leaves its rest as without a gap to kinetic friction",
-)
+_ONE_COEFFICIENT = Cause.SINGLE_COEFFICIENT, "one friction coefficient: a slide without a gap"
 
 
 def _exact_slide(e: Evidence, slide: Slide) -> Judgement:
-    """Judge a curve on the arc of sliding by the spring force to which it tends."""
     due = e.break_away - e.solution.D
     digits = 2.0 * slide.spread + e.motion.z_allowed
-    if "F" in e.motion.columns and abs(slide.z_steady - due) > digits:
-        return Cause.OTHER, (
-            f"the spring force tends to {e.p['k'] * slide.z_steady:.6g} N instead of "
-            f"{e.p['k'] * due:.6g} N: another force acts, or mu_k is wrong"
-        )
+    if "F" in e.motion.noises and abs(slide.z_steady - due) > digits:
+        tends = f"{e.p['k'] * slide.z_steady:.6g} N instead of {e.p['k'] * due:.6g} N"
+        return Cause.OTHER, f"the spring force tends to {tends}: another force acts, or mu_k is off"
     worst = si(slide.worst, "m")
     return Cause.EXACT, f"{_NO_CYCLE}, and the curve slides as the exact solution does, to {worst}"
 
 
 def _another_slide(e: Evidence) -> Judgement:
-    """Judge a curve that breaks away and slides as with another gap."""
     ratio = e.gap_ratio(e.fits["gap"].solution.D)
     if ratio < _NO_GAP:
         return _ONE_COEFFICIENT
@@ -836,7 +760,6 @@ def _another_slide(e: Evidence) -> Judgement:
 
 
 def _late_slide(e: Evidence, rest: Rest, nearest: Fit, late: float) -> Judgement | None:
-    """Judge a slide whose break-away is late [s] by parts of a sample step."""
     w, v, step = e.solution.w, e.solution.v, e.motion.widest_step
     off = nearest.worst * w / v
     if abs(late / step) < _SEEN_STEPS and off < _LOOSE:
@@ -845,14 +768,11 @@ def _late_slide(e: Evidence, rest: Rest, nearest: Fit, late: float) -> Judgement
     rests = rest.last > rest.first
     if not e.lies_on("gap") and (not rests or nearest.worst > _LATE_STEPS * step * top_speed):
         return None
-    return Cause.FIXED_STEP, (
-        f"fixed steps: a break-away late by {abs(late / step):.2g} sample steps explains the "
-        f"motion to {si(nearest.worst, 'm')}"
-    )
+    reason = f"a break-away late by {abs(late / step):.2g} sample steps explains the motion"
+    return Cause.FIXED_STEP, f"fixed steps: {reason} to {si(nearest.worst, 'm')}"
 
 
 def _findings(e: Evidence) -> list[str]:
-    """Return what else was seen, one sentence each."""
     seen = [] if e.exact else [_NO_CYCLE]
     if not e.figures.cycles:
         seen.append("the curve shows no complete cycle, from one break-away to the next")
@@ -861,10 +781,8 @@ def _findings(e: Evidence) -> list[str]:
     step = e.motion.widest_step
     if e.exact and 2.0 * step > e.exact["t_slip"]:
         doubt = ": is t in ms?" if step > e.exact["period"] else ""
-        seen.append(
-            f"coarse samples: up to {si(step, 's')} apart, where a slip takes "
-            f"{si(e.exact['t_slip'], 's')}{doubt}"
-        )
+        slip = f"where a slip takes {si(e.exact['t_slip'], 's')}{doubt}"
+        seen.append(f"coarse samples: up to {si(step, 's')} apart, {slip}")
     if e.motion.drift:
         seen.append(f"F drifts by {si(e.motion.drift, 'N')} against k (v t - x)")
     for name, unit, size in (("x", "m", 1.0), ("F", "N", e.p["k"])):
@@ -872,28 +790,21 @@ def _findings(e: Evidence) -> list[str]:
             seen.append(f"{name} has a noise of {si(noise, unit)} rms")
     if e.motion.shared and e.motion.noise:
         seen.append("x and F share their noise: one was made from the other")
-    return seen if e.motion.x_dot is None else [*seen, *_moving_at_rest(e, e.motion.x_dot)]
+    return seen if e.curve.x_dot is None else [*seen, *_moving_at_rest(e, e.curve.x_dot)]
 
 
 def _moving_at_rest(e: Evidence, x_dot: Floats) -> list[str]:
     """Report a velocity column that is not 0 where the position rests beyond doubt."""
     t = e.motion.t
-    begin, end = float(t[0]), float(t[-1])
+    inner = np.zeros(t.size, dtype=bool)
     if math.isinf(e.solution.t_slip):
         window = rests_of(e.motion)[0].window(e.motion, e.solution)
-        rests = [(begin, end if window is None else window[0])]
+        inner = (t > t[0]) & (t < (window[0] if window else t[-1]))
     else:
-        rests = [
-            (stick.begin.high if stick.begin else begin, stick.end.low if stick.end else end)
-            for stick in e.phases.sticks
-            if stick.rests
-        ]
-    inner = np.zeros(t.size, dtype=bool)
-    for begin, end in rests:
-        inner |= (t > begin) & (t < end)
-    if not inner.any():
-        return []
-    moving = float(np.median(np.abs(x_dot[inner])))
-    if moving <= 1e-6 * e.solution.v + 2.0 * e.motion.x_dot_allowed:
+        for stick in (stick for stick in e.phases.sticks if stick.rests):
+            begin = stick.begin.high if stick.begin else t[0]
+            inner |= (t > begin) & (t < (stick.end.low if stick.end else t[-1]))
+    moving = float(np.median(np.abs(x_dot[inner]))) if inner.any() else 0.0
+    if moving <= 1e-6 * e.solution.v + 2.0 * e.curve.x_dot_rounding:
         return []
     return [f"the velocity column shows {si(moving, 'm/s')} where the position rests"]

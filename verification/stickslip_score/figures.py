@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -43,16 +43,14 @@ _LINE = 0.1  # of the swing: noise of a smoothed motion below which its turns st
 
 _WINDOW, _WINDOWS, _LEAST_WINDOWS = 4, 2000, 3  # third differences in a window; windows in a record
 _QUIET, _QUARTILE, _OUTLIER = 0.25, 0.31, 8.0
-"""Part of the windows taken for quiet at first; the mean square that this part of the windows of
-independent noise stays below, of the noise's own; and the mean square, in units of the quiet
-windows' mean, above which a window holds motion."""
+"""Part of the windows taken for quiet at first; the mean square that this part of independent noise
+stays below, of its own; the mean square, of the quiet windows', above which one holds motion."""
 _TURNS = (0.35, 0.95)
 """Share of neighbouring third differences of opposite sign in noise. Independent noise has
 acos(-3/4)/pi = 0.77, a smooth motion hardly any, one that alternates from sample to sample 1."""
 _SPREAD = 0.2
-"""Least share of third differences that lie between a quarter and three quarters of the largest
-twentieth. Gaussian noise has 0.48; the acceleration of a solver that chatters has two values, and
-its differences three, of two sizes."""
+"""Least share of third differences between a quarter and three quarters of the largest twentieth.
+Gaussian noise has 0.48; those of a solver that chatters have two sizes."""
 _PAIRS = 20  # neighbouring differences below which signs tell nothing
 
 _DEEP = 0.4  # of the deepest fall of the spring: a turn of the cycle, and no ripple of a solver
@@ -197,13 +195,10 @@ class Motion:
     t: Floats  # [s]
     y: Floats  # position along the pull [m]
     z: Floats  # spring extension [m], up to a constant where F is not in the curve
-    x_dot: Floats | None  # velocity along the pull [m/s]
-    columns: frozenset[str]  # of the curve: x, F
     source: str  # the column from which y was taken
     digits: float  # how far y may be from the truth for the digits of the file [m]
-    noises: Mapping[str, float]  # standard deviation by column [m]; 0 where it was computed
+    noises: Mapping[str, float]  # standard deviation by column x, F [m]; 0 where it was computed
     shared: bool  # whether x and F have the same noise, as where one was made from the other
-    x_dot_allowed: float  # how far x_dot may be off for its digits [m/s]
     z_allowed: float  # how far z may be off for digits, noise and drift of F [m]; 0 without F
     drift: float  # slow part of F - k (v t - x), from its lowest to its highest [N]
     mismatch: str  # why x and F do not belong together with this k; empty where they do
@@ -252,13 +247,13 @@ class Motion:
         count = max(1, math.ceil(min(enough, longest, self.t.size / 4.0)))
         if count == 1:
             return self
-        some = slice(None, None, max(1, count // 2))
+        y, z = (uniform_filter1d(s, count, mode="nearest") for s in (self.y, self.z))
+        some = slice(None, None, count // 2)
         return replace(
             self,
             t=self.t[some],
-            y=uniform_filter1d(self.y, count, mode="nearest")[some],
-            z=uniform_filter1d(self.z, count, mode="nearest")[some],
-            x_dot=None if self.x_dot is None else self.x_dot[some],
+            y=y[some],
+            z=z[some],
             noises={**self.noises, self.source: self.noise / math.sqrt(count)},
             blur=0.5 * count * self.step,
         )
@@ -302,13 +297,10 @@ def motion_of(curve: Curve, p: Mapping[str, float], solution: Solution) -> Motio
         t=curve.t,
         y=positions[source],
         z=z,
-        x_dot=None if curve.x_dot is None else sign * curve.x_dot,
-        columns=frozenset(positions),
         source=source,
         digits=max(digits[source], 1e-300),
         noises=noises,
         shared=shared,
-        x_dot_allowed=curve.x_dot_rounding,
         z_allowed=z_allowed,
         drift=k * drift,
         mismatch=mismatch,
@@ -320,8 +312,7 @@ def _noises(
 ) -> tuple[dict[str, float], bool]:
     """Return the noise of the positions [m] by column, and whether the columns share it.
 
-    Coarse samples scatter for the motion as well. None of it is left in the difference of two
-    positions, which has the noise of both, unless one was made from the other.
+    Coarse samples scatter for the motion as well, but not the difference of two positions.
     """
     stick = 1.0 / solution.w if math.isinf(solution.t_slip) else solution.relief / solution.v
     step = float(t[-1] - t[0]) / (t.size - 1)
@@ -357,7 +348,7 @@ def _alike(y: Floats, digits: float, noise: float) -> bool:
 def _compared(
     since: Floats, extension: Floats, z: Floats, digits: float, noises: Mapping[str, float]
 ) -> tuple[float, str]:
-    """Return how far F/k wanders off v t - x slowly [m], and why they contradict each other if so.
+    """Return how far F/k drifts off v t - x [m], and why they contradict each other if so.
 
     A zero that drifts follows time; another stiffness follows the spring, a delay its rate.
     """
@@ -393,10 +384,7 @@ def _compared(
 
 
 def _part_of(apart: Floats, signal: Floats, least: float) -> tuple[float, float, float]:
-    """Return the part of a signal in a difference, five deviations of it, and the rms of the rest.
-
-    A signal of a smaller rms than `least` has no part.
-    """
+    """Part of a signal, of rms `least` or more, in a difference; 5 deviations of it; rest's rms."""
     power = float(signal @ signal)
     share = float(signal @ apart) / power if power > least**2 * apart.size else 0.0
     rms = math.sqrt(float(np.mean((apart - share * signal) ** 2)))
@@ -404,21 +392,19 @@ def _part_of(apart: Floats, signal: Floats, least: float) -> tuple[float, float,
 
 
 def _noise(t: Floats, s: Floats, digits: float) -> float:
-    """Return the standard deviation of the noise of a signal, in its unit; 0 where none is seen.
+    """Return the standard deviation of the noise of a signal; 0 where none is seen.
 
     Only what has the signs and sizes of noise is noise; scatter of the size of the digits is none.
-    Noise much smaller than what third differences hold of the motion, where the samples are coarse,
-    is not seen.
     """
     quiet = _quiet_differences(t, s)
     sigma = _rms(quiet)
     # Rounding alone scatters by 1/sqrt(3) of half a unit.
     if not sigma > 0.7 * digits:
         return 0.0
-    seen = (quiet[:, 1:] != 0.0) & (quiet[:, :-1] != 0.0)
-    if np.count_nonzero(seen) < _PAIRS:
+    pairs = quiet[:, 1:] * quiet[:, :-1]
+    if np.count_nonzero(pairs) < _PAIRS:
         return 0.0
-    turns = np.mean((quiet[:, 1:] * quiet[:, :-1])[seen] < 0.0)
+    turns = np.mean(pairs[pairs != 0.0] < 0.0)
     size = np.abs(quiet)
     large = np.quantile(size, 0.95)
     spread = np.mean((size > 0.25 * large) & (size < 0.75 * large))
@@ -440,8 +426,7 @@ def _rms(s: Floats) -> float:
 def _quiet_differences(t: Floats, s: Floats) -> Floats:
     """Return third divided differences in windows without motion, each of the noise's variance.
 
-    Shape (windows, `_WINDOW`). A third difference vanishes for a parabola, so that a motion which
-    the samples resolve leaves little in it, and rest and creep nothing.
+    Shape (windows, `_WINDOW`). A motion that the samples resolve leaves little in them.
     """
     last = t.size - _WINDOW - 3
     count = min(_WINDOWS, 1 + last // 2)
@@ -580,7 +565,6 @@ def _stick(
 
 
 def _slope(t: Floats, y: Floats, a: int, b: int) -> float:
-    """Return the mean velocity between two samples [m/s]; 0 where they are one."""
     return float((y[b] - y[a]) / (t[b] - t[a])) if b > a else 0.0
 
 
@@ -656,14 +640,14 @@ def figures_of(sticks: Sequence[Stick], allowed: float) -> Figures:
 
 
 def _level_resolution(stick: Stick) -> float:
-    """Return how far the level may be off: a creeping mass has one but for half its creep [m]."""
+    """How far the level may be off [m]: by half the creep."""
     if stick.rests or not (stick.begin and stick.end and stick.creep):
         return 0.0
     return 0.25 * abs(stick.creep) * (stick.end.low - stick.begin.high)
 
 
 def _between(begin: Event | None, end: Event | None) -> tuple[float, float]:
-    """Return the middle and half the width of what lies between two events; never below 0."""
+    """Middle and half the width of the time between two events, never below 0."""
     assert begin is not None
     assert end is not None
     least, most = max(end.low - begin.high, 0.0), max(end.high - begin.low, 0.0)
@@ -677,15 +661,8 @@ def _mean(bounds: Iterable[tuple[float, float]]) -> tuple[float, float]:
 
 def _mean_period(sticks: Sequence[Stick | None]) -> tuple[float, float]:
     """Return the mean period: the events inside an unbroken chain of cycles cancel."""
-    total = half = 0.0
-    count = 0
-    chain: list[Event] = []
-    for stick in [*sticks, None]:
-        if stick is not None and stick.end is not None:
-            chain.append(stick.end)
-            continue
-        if len(chain) > 1:
-            middle, width = _between(chain[0], chain[-1])
-            total, half, count = total + middle, half + width, count + len(chain) - 1
-        chain = []
-    return total / count, half / count
+    ends = (stick.end if stick else None for stick in sticks)
+    chains = [list(chain) for is_seen, chain in groupby(ends, bool) if is_seen]
+    spans = [_between(chain[0], chain[-1]) for chain in chains if len(chain) > 1]
+    count = sum(len(chain) - 1 for chain in chains)
+    return sum(middle for middle, _ in spans) / count, sum(half for _, half in spans) / count

@@ -31,7 +31,7 @@ _WHITE, _WHITE_OF_FEW = 1.1, 3.0
 """A residual is noise where its rms is at most 1.1 times its scatter from sample to sample, and
 3/sqrt(n) more for n samples, of which the scatter is known to 1/sqrt(n) about."""
 _ENOUGH_TO_START, _ENOUGH, _MOST = 1000, 3000, 10_000  # samples of start, search and result
-_CORRELATED = 8192  # neighbouring samples of a residual whose correlation is looked at
+_CORRELATED = 8192  # neighbouring samples of a residual that show its correlation
 _FEW, _FROM_EACH = 150, 16  # samples up to which the search starts anew from so many places
 _SEEDS, _MOST_SEEDS = 41, 4000
 _WIDE, _FINE = 0.6, 0.02
@@ -61,7 +61,7 @@ class Fit:
     t_break: float  # first break-away [s]
     offset: float  # position of the mass before it [m]
     noisy: bool  # whether the samples have noise
-    excess: float  # `worst` in units of what the digits allow
+    digits: float  # how far a sample may be off for its digits [m]
     worst: float  # largest distance of a sample from the solution [m]
     rms: float  # root mean square of the distances [m]
     white: bool  # whether the distances are noise, each sample's independent of the next one's
@@ -73,17 +73,18 @@ class Fit:
     @property
     def by_digits(self) -> bool:
         """Whether all samples lie on the solution, to their digits."""
-        rounded = self.rms / _ROUNDED <= self.worst / self.excess if self.excess else True
-        return self.excess <= _EXCESS or (rounded and self.excess <= _FLIPS)
+        is_rounded = self.rms <= _ROUNDED * self.digits
+        return self.worst <= (_FLIPS if is_rounded else _EXCESS) * self.digits
 
     @property
     def lies(self) -> bool:
         """Whether all samples lie on the solution, to their digits or their noise."""
         return self.by_digits or (self.noisy and self.white)
 
-    def criterion(self, digits: float) -> float:
-        """Return Schwarz's information criterion, with the digits of the samples [m] as noise."""
-        power = math.log(self.rms**2 + digits**2)
+    @property
+    def criterion(self) -> float:
+        """Schwarz's information criterion, with the digits of the samples as noise."""
+        power = math.log(self.rms**2 + self.digits**2)
         return self.samples * power + len(self.spread) * math.log(self.samples)
 
     def deviation(self, name: str) -> float:
@@ -94,9 +95,8 @@ class Fit:
     def figures(self, end: float) -> Figures:
         """Return the figures of the solution, of cycles and slips that are over at `end` [s].
 
-        The resolution carries the digits of the samples through the least squares, twice: the sum
-        that bounds it is linear in D, and a sample may be off by as much as the fit was allowed.
-        With noise it carries `_DEVIATIONS` standard deviations of the free numbers besides.
+        The resolution carries twice the digits of the samples, which the fit may share out, and
+        `_DEVIATIONS` standard deviations of the free numbers.
         """
         values = self.solution.figures()
         if math.isnan(values["period"]):
@@ -124,7 +124,6 @@ class Fit:
         return [dict(zip(free, column.tolist(), strict=True)) for column in columns]
 
     def _reach(self, move: Mapping[str, float], quantity: str) -> float:
-        """Return how far a figure goes when numbers of the solution move either way."""
         middle = self.solution.figures()[quantity]
         shown = []
         for sign in (-1.0, 1.0):
@@ -154,9 +153,8 @@ class Part:
         return min(fits, key=lambda fit: fit.rms)
 
     def fit(self, *free: str, starts: Iterable[float] = ()) -> Fit:
-        """Fit break-away, offset and the numbers named in `free` by least squares.
+        """Fit break-away, offset and the numbers in `free` of D, w, zeta by least squares.
 
-        `free` are of D, w, zeta; where D is not, zeta moves it: the drag of the way is part of it.
         The search starts from the break-aways `starts` [s], by default promising ones.
         """
         some, more = self._thinned(_ENOUGH), self._thinned(_MOST)
@@ -175,8 +173,7 @@ class Part:
         if more.t.size == self.t.size or not fit.by_digits:
             return fit
         # So many samples tell noise; that all lie on the solution, only all of them do.
-        worst = _half_range(self._residual(best))
-        return replace(fit, excess=worst / self.digits, worst=worst, samples=self.t.size)
+        return replace(fit, worst=_half_range(self._residual(best)), samples=self.t.size)
 
     def _thinned(self, most: int) -> Part:
         stride = -(-self.t.size // most)
@@ -185,8 +182,7 @@ class Part:
     def _starts(self) -> list[float]:
         """Return the break-aways from which to search, the most promising first.
 
-        Few samples that mostly rest tell a break-away by those in a slip alone, and the search does
-        not find its way from one of them to another.
+        With few samples the search does not find its way from one in a slip to another.
         """
         some = self._thinned(_ENOUGH_TO_START)
         few = some.t.size <= _FEW
@@ -276,7 +272,7 @@ class Part:
             t_break=numbers["t_break"],
             offset=float(np.mean(self.y - best.position(after))),
             noisy=self.noisy,
-            excess=_half_range(r) / self.digits,
+            digits=self.digits,
             worst=_half_range(r),
             rms=rms,
             white=_is_white(self.t, r) and not wanders,
@@ -299,7 +295,6 @@ def _with(solution: Solution, numbers: Mapping[str, float]) -> Solution:
 
 
 def _half_range(r: Floats) -> float:
-    """Return the largest distance from the middle of the distances."""
     return 0.5 * float(np.ptp(r))
 
 
@@ -313,8 +308,7 @@ def _by_cycle(t: Floats, r: Floats, after: Floats, period: float) -> tuple[bool,
     """Tell whether distances repeat from cycle to cycle, and wander by more than their scatter.
 
     `after` are times since the first break-away [s]. Means over parts of each cycle scatter about
-    their mean over all cycles; that mean scatters less by the number of cycles, unless it is a
-    shape. Too few cycles count as repeating and not wandering.
+    their mean over all cycles, and that one by less, unless it is a shape.
     """
     number = np.floor(after / period)
     seen = number >= 0.0
@@ -363,8 +357,7 @@ def fit_slide(motion: Motion, solution: Solution) -> Slide | None:
     """Fit an arc of sliding to all samples; None where that arc is none of the block's.
 
     The arc is linear in its steady extension and in the extension and its rate at the first sample,
-    docs/theory.md (3). The block's slides go forward. One that begins at rest begins with a spring
-    that is stretched to break-away or farther.
+    docs/theory.md (3). It goes forward, and from rest begins at break-away or farther.
     """
     after = motion.t - motion.t[0]
     by_extension, by_rate = solution.response(after)
@@ -397,14 +390,10 @@ class Rest:
     last: int
 
     def window(self, motion: Motion, solution: Solution) -> tuple[float, float] | None:
-        """Return between which times the mass breaks away [s]; None where it rests on.
-
-        A sample out of the rest comes after the break-away; one still in it comes at most so long
-        after as the slip needs for what the digits show. The band of a rest is `VISIBLE` wide, and
-        so may be the distance of its level from the true one.
-        """
+        """Return between which times the mass breaks away [s]; None where it rests on."""
         if self.last + 1 >= motion.t.size:
             return None
+        # The band of a rest is `VISIBLE` wide, and so may its level be off.
         hidden = solution.time_to_move(2.0 * VISIBLE * motion.allowed)
         return float(motion.t[self.last]) - hidden, float(motion.t[self.last + 1])
 
@@ -418,9 +407,7 @@ def rests_of(motion: Motion) -> tuple[Rest, ...]:
     return (begin, longest) if longest.first > begin.last else (begin,)
 
 
-Fits = Mapping[str, Fit]
-"""Fits by what is free or other: exact, one coefficient, gap, gap and mass, damping, drift, gap and
-drift."""
+Fits = Mapping[str, Fit]  # by what is free: gap, gap and mass, damping, ... or exact
 
 
 def explained_by_drift(fits: Fits) -> bool:
@@ -432,11 +419,8 @@ def fits_of(motion: Motion, phases: Phases, solution: Solution) -> dict[str, Fit
     """Fit the exact solution, one coefficient, a free gap, gap and mass, damping.
 
     A curve on the exact solution is fitted by the free gap besides; one that lies on a solution
-    with another gap by no other mass. A curve may start in a slip that no break-away began, or its
-    samples may pass over its first cycle, so that the second turn of the spring may serve as well
-    as the first, and cycles may have gone before. A curve that shows no turn, or hides its turns in
-    noise, is searched whole. Where no cycle exists, the spring need not turn, and the rests of the
-    mass tell the break-away.
+    with another gap by no other mass. Where no cycle exists, the rests of the mass tell the
+    break-away.
     """
     if math.isinf(solution.t_slip):
         return _fits_without_cycle(motion, solution)
@@ -449,8 +433,7 @@ def fits_of(motion: Motion, phases: Phases, solution: Solution) -> dict[str, Fit
         # Noise hides a slip too many at either end, so that the nearer one is right.
         exact, part = min(pairs, key=lambda pair: pair[0].rms)
         if exact.lies:
-            gap = part.fit("D", starts=[exact.t_break])
-            fits = {"exact": exact, "gap": gap}
+            fits = {"exact": exact, "gap": (gap := part.fit("D", starts=[exact.t_break]))}
             if motion.noise and abs(gap.solution.D - solution.D) > _DEVIATIONS * gap.deviation("D"):
                 fits["damping"] = part.fit("zeta", starts=[exact.t_break])
             return fits
@@ -477,7 +460,7 @@ def fits_of(motion: Motion, phases: Phases, solution: Solution) -> dict[str, Fit
     if other:
         seeds += _seed(solution, period, "w", 0.5 * w, 2.0 * w)
         fits["gap and mass"] = part.nearest(seeds, "D", "w")
-    if motion.columns == {"F"} and not any(fit.lies for fit in fits.values()):
+    if motion.noises.keys() == {"F"} and not any(fit.lies for fit in fits.values()):
         # The zero of the sensor may drift.
         cycles = float(part.t[-1] - part.t[0]) / solution.figures()["period"]
         drifts = max(1, min(_DRIFTS, math.floor(_DRIFTS_IN_A_CYCLE * cycles)))
@@ -489,10 +472,7 @@ def fits_of(motion: Motion, phases: Phases, solution: Solution) -> dict[str, Fit
 
 
 def _alternatives(motion: Motion, phases: Phases, solution: Solution) -> Iterator[list[Part]]:
-    """Give parts of the curve with the solution as it may have begun there, the likeliest first.
-
-    Noise may show turns where the spring has none, so that the whole comes first there.
-    """
+    """Yield parts of the curve and the solution that may begin there, the likeliest first."""
     before = replace(solution, continued=True)
     period = solution.figures()["period"]
     begin, end = float(motion.t[0]), float(motion.t[-1])
@@ -502,18 +482,13 @@ def _alternatives(motion: Motion, phases: Phases, solution: Solution) -> Iterato
         _part(motion, solution, 0, (begin, min(first_turn + period, end))),
     ]
     cut = [[part] for way in (solution, before) for part in _parts(motion, phases, way)]
+    # Noise may show turns where the spring has none.
     yield from [whole, *cut] if motion.noise else [*cut, whole]
 
 
-def _part(
-    motion: Motion,
-    solution: Solution,
-    first: int,
-    window: tuple[float, float],
-    coarse: bool = False,
-) -> Part:
+def _part(motion: Motion, solution: Solution, first: int, window: tuple[float, float]) -> Part:
     t, y, noisy = motion.t[first:], motion.y[first:], motion.noise > 0.0
-    return Part(t, y, motion.digits, noisy, solution, window, coarse)
+    return Part(t, y, motion.digits, noisy, solution, window)
 
 
 def _fits_without_cycle(motion: Motion, solution: Solution) -> dict[str, Fit]:
@@ -529,10 +504,8 @@ def _fits_without_cycle(motion: Motion, solution: Solution) -> dict[str, Fit]:
         exact = parts[0].fit()
         if exact.lies:
             # Noise may hide another gap.
-            fits = {"exact": exact}
-            return fits | (
-                {"gap": parts[0].fit("D", starts=[exact.t_break])} if motion.noise else {}
-            )
+            gaps = {"gap": parts[0].fit("D", starts=[exact.t_break])} if motion.noise else {}
+            return {"exact": exact, **gaps}
         gap = min((part.fit("D") for part in parts), key=lambda fit: fit.rms)
         new = {"exact": exact, "one coefficient": parts[1].fit(), "gap": gap}
         fits |= {n: fit for n, fit in new.items() if n not in fits or fit.rms < fits[n].rms}
@@ -550,17 +523,13 @@ def _parts(motion: Motion, phases: Phases, solution: Solution) -> list[Part]:
         high = max(int(np.searchsorted(motion.t, phases.high_times[index])), 1)
         arc = 1.5 * math.atan2(solution.v, solution.w * solution.D) / solution.w
         begin = float(motion.t[high - 1]) - arc - 2.0 * motion.blur - period * coarse
-        # From when on the mass rests before this turn.
-        rested = [
-            stick.begin.high
-            for stick in phases.sticks
-            if stick.z_high == phases.highs[index] and stick.rests and stick.begin
-        ]
+        before = (stick for stick in phases.sticks if stick.z_high == phases.highs[index])
+        rested = [stick.begin.high for stick in before if stick.rests and stick.begin]
         first = int(np.searchsorted(motion.t, max([begin, *rested[:1]])))
         if motion.t.size - first < LEAST_SAMPLES:
             continue
         window = (begin, float(motion.t[min(high + 1, motion.t.size - 1)]) + motion.blur)
-        parts.append(_part(motion, solution, first, window, coarse))
+        parts.append(replace(_part(motion, solution, first, window), coarse=coarse))
     return parts
 
 

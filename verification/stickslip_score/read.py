@@ -40,30 +40,16 @@ _FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6}
 class _Quantity(NamedTuple):
     meaning: str
     units: Mapping[str, float]  # in SI; a column without a unit is in SI
-    plain: str  # names in order of preference, in their case
-    others: str  # names in any case
+    plain: str  # names in order of preference, in their case; else in any
+    others: str  # more names in any case
 
 
+_X_DOTS = "xdot dx dxdt v_mass v_m vel velocity speed der(s) mass.v"
 _QUANTITIES = {
-    "t": _Quantity("time", _TIMES, "time t Time", "time t zeit"),
-    "x": _Quantity(
-        "position",
-        _LENGTHS,
-        "x X position",
-        "x s pos position x_mass mass_x displacement weg",
-    ),
-    "x_dot": _Quantity(
-        "velocity",
-        _SPEEDS,
-        "x_dot der(x)",
-        "x_dot xdot dx dxdt v_mass v_m vel velocity speed der(x) der(s) mass.v",
-    ),
-    "F": _Quantity(
-        "spring force",
-        _FORCES,
-        "F F_spring spring_force",
-        "f force f_spring spring_force springforce f_c kraft",
-    ),
+    "t": _Quantity("time", _TIMES, "time t Time", "zeit"),
+    "x": _Quantity("position", _LENGTHS, "x X position", "s pos x_mass mass_x displacement weg"),
+    "x_dot": _Quantity("velocity", _SPEEDS, "x_dot der(x)", _X_DOTS),
+    "F": _Quantity("force", _FORCES, "F F_spring spring_force", "force springforce f_c kraft"),
 }
 
 
@@ -135,10 +121,9 @@ def _with_rounding(columns: Mapping[str, Floats], units: Mapping[str, float]) ->
 def half_unit(column: Floats) -> float:
     """Return half a unit in the last digit of the numbers of a column, at their largest.
 
-    Numbers are printed to so many digits or to so many decimals. The shortest text of each tells
-    both; the coarser of the two is what was printed. Numbers that single precision holds exactly
-    carry no more than its 24 bits. Counts of an encoder or converter times its step carry no more
-    than the step, whatever was printed.
+    The shortest text of each number shows digits and decimals; the coarser of the two is what was
+    printed. Single precision carries no more than its 24 bits, counts of an encoder or converter no
+    more than its step, whatever was printed.
     """
     finite = column[np.isfinite(column) & (column != 0.0)]
     if not finite.size:
@@ -157,10 +142,9 @@ def half_unit(column: Floats) -> float:
 
 
 def _count_step(column: Floats) -> float:
-    """Return the step of which all moves from sample to sample are multiples, by Euclid's division.
+    """Return the common divisor of all moves from sample to sample, by Euclid's division.
 
-    Moves of any size have a step of the size of their rounding. Returns 0 for a column that never
-    stays where it is: that of an even motion has one step as well.
+    0 for a column that never stays where it is: that of an even motion has one step as well.
     """
     starts = np.linspace(0, max(column.size - _RUN, 0), _RUNS).astype(np.int64)
     moves = np.concatenate([np.abs(np.diff(column[i : i + _RUN])) for i in starts])
@@ -179,10 +163,9 @@ def _count_step(column: Floats) -> float:
 
 
 def _half_unit_of_time(t: Floats) -> float:
-    """Return half a unit in the last digit of times; an even grid of round numbers has none.
+    """As `half_unit`; an even grid of round numbers has none.
 
-    Steps of 0.1 s are written with one digit and hit to the last bit, while steps of 1/60 s
-    written with five digits scatter about their grid by half a unit.
+    Steps of 0.1 s hit their grid to the last bit; 1/60 s, written with five digits, scatters.
     """
     scatter = float(np.max(np.abs(t - np.linspace(t[0], t[-1], t.size))))
     printed = half_unit(t)
@@ -226,7 +209,7 @@ def read_curve(path: Path | str, names: Mapping[str, str] | None = None) -> Curv
 
 
 def _read(file: Path, names: Mapping[str, str]) -> Curve:
-    text, encoding = _text(file)
+    text = _text(file)
     header_line = _WITH_CELLS.search(text)
     if header_line is None:
         raise CurveError("is empty")
@@ -243,14 +226,8 @@ def _read(file: Path, names: Mapping[str, str]) -> Curve:
     # Every line has as many cells as the header, and no cell a quote or a comma of its own.
     if '"' not in text and (separator == "," or "," not in text):
         with suppress(ValueError, IndexError):
-            table = np.loadtxt(
-                file,
-                delimiter=separator,
-                usecols=needed,
-                skiprows=above,
-                encoding=encoding,
-                ndmin=2,
-            )
+            rows = text[header_line.end() :].split("\n")
+            table = np.loadtxt(rows, delimiter=separator, usecols=needed, ndmin=2)
             cells = text.count(separator, header_line.end()) + len(table)
             if cells != len(table) * len(header) or not np.isfinite(table).all():
                 table = None
@@ -264,18 +241,18 @@ def _read(file: Path, names: Mapping[str, str]) -> Curve:
     return _with_rounding(printed, {quantity: unit for quantity, (_, unit) in columns.items()})
 
 
-def _text(file: Path) -> tuple[str, str]:
-    """Return text and encoding of a file; units such as µm may come in the letters of Windows."""
+def _text(file: Path) -> str:
     with file.open("rb") as content:
         is_utf_16 = content.read(2) in (b"\xff\xfe", b"\xfe\xff")
+    # Units such as µm may come in the letters of Windows.
     for encoding in ("utf-16",) if is_utf_16 else ("utf-8-sig", "latin-1"):
         with suppress(UnicodeError):
-            return file.read_text(encoding), encoding
+            return file.read_text(encoding)
     raise CurveError("is no text file")
 
 
 def _rows(text: str, above: int) -> Rows:
-    """Return the lines with cells below line `above`, with their numbers."""
+    """Lines with cells below line `above`."""
     lines = enumerate(text.split("\n"), 1)
     return [(n, line) for n, line in lines if n > above and line.lstrip()[:1] not in ("", "#")]
 
@@ -287,14 +264,11 @@ def _cells(line: str, separator: str) -> list[str]:
         raise CurveError(f"cannot be split into cells: {error}") from None
 
 
-Columns = Mapping[str, tuple[int, float]]
-"""Where the column of a quantity stands, and its unit in SI."""
-Rows = Sequence[tuple[int, str]]
-"""Lines with their numbers in the file."""
+Columns = Mapping[str, tuple[int, float]]  # place of the column of a quantity, its unit in SI
+Rows = Sequence[tuple[int, str]]  # lines with their numbers in the file
 
 
 def _columns(header: Sequence[str], names: Mapping[str, str]) -> Columns:
-    """Find the columns of t, x, x_dot and F in a header line."""
     if not any(math.isnan(_number(cell.replace(",", "."))) for cell in header if cell):
         raise CurveError("has no header line: its first line holds numbers only")
     columns = {}
@@ -315,7 +289,6 @@ def _columns(header: Sequence[str], names: Mapping[str, str]) -> Columns:
 
 
 def _number(text: str) -> float:
-    """Return the number that a text is; NaN where it is none."""
     try:
         return float(text)
     except ValueError:
@@ -332,10 +305,9 @@ def _split(cell: str) -> tuple[str, str]:
 
 
 def _named(name: str, header: Sequence[str]) -> tuple[int, str]:
-    """Return the column that a person named, and the text that tells its unit.
+    """Return the column that a person named, and the text that has its unit.
 
-    It is named by its whole text, by its name, by either in any case, or by its name with the
-    unit that the header lacks.
+    Whole text or name in its case, either in any case, or the name with the unit it lacks.
     """
     bare = [_split(cell)[0] for cell in header]
     ways = [(cells, name, fold, "") for fold in (str, str.casefold) for cells in (header, bare)]
@@ -356,7 +328,7 @@ def _guess(quantity: _Quantity, header: Sequence[str]) -> int | None:
     for name in quantity.plain.split():
         if names.count(name) == 1:
             return names.index(name)
-    others = quantity.others.split()
+    others = f"{quantity.plain} {quantity.others}".casefold().split()
     # ``mass.s`` is the s of a mass.
     matches = [i for i, name in enumerate(names) if name.casefold() in others] or [
         i for i, name in enumerate(names) if name.rpartition(".")[2].casefold() in others
@@ -403,10 +375,7 @@ def _table(rows: Rows, separator: str, header: Sequence[str], needed: Sequence[i
 
 
 def _has_decimal_commas(texts: Sequence[Sequence[str]], numbers: Sequence[int]) -> bool:
-    """Tell whether commas in the cells are decimal; refuse where they may separate thousands.
-
-    The first comma that cannot stand before three digits of a thousand tells for the whole file.
-    """
+    """Tell whether commas in the cells are decimal; refuse where all may separate thousands."""
     cells = [(n, text) for n, row in zip(numbers, texts, strict=True) for text in row]
     commas = [(number, text) for number, text in cells if "," in text]
     if not commas:

@@ -17,6 +17,7 @@ from stickslip_verification.model.data_file import (
     DataFile,
     Id,
     Number,
+    Place,
     Prose,
     Text,
     Written,
@@ -40,7 +41,6 @@ from stickslip_verification.truth.parameters import (
 )
 
 CASES_FOLDER = Path(__file__).parent / "cases"
-SIDES = ("fmu", "reference")
 
 
 class CaseError(DataError):
@@ -48,7 +48,6 @@ class CaseError(DataError):
 
 
 def _at(entry: Any) -> Any:
-    """Read ``"end"``, ``"every_point"``, ``{ cycle = n }`` or ``{ event = n }``."""
     if entry in ("end", "every_point"):
         return At(entry)
     if isinstance(entry, dict) and len(entry) == 1:
@@ -75,15 +74,13 @@ class OwnTolerances(Written):
 
     NEEDS: ClassVar = {"because": ("fmu",)}
 
-    conditioning: Annotated[
-        Number | None, Field(ge=1.0, description="below that of the narrowest gap")
-    ] = None
-    fmu: Annotated[Amount | None, Field(description="of the exact block's courses, of scale")] = (
-        None
+    conditioning: Number | None = Field(
+        default=None, ge=1.0, description="below that of the narrowest gap"
     )
-    because: Annotated[
-        Prose | None, Field(description="the reason, where it is looser than the rules")
-    ] = None
+    fmu: Amount | None = Field(default=None, description="of the exact block's courses, of scale")
+    because: Prose | None = Field(
+        default=None, description="the reason, where it is looser than the rules"
+    )
 
 
 @dataclass(frozen=True, config=WRITTEN)
@@ -105,13 +102,11 @@ class CheckEntry(Written):
     quantity: Annotated[str, known("quantity", QUANTITIES)]
     at: Where
     formula: Annotated[
-        str,
-        known("formula", FORMULAS),
-        Field(description="a named closed form; absent: the exact motion at 50 digits"),
+        str, known("formula", FORMULAS), Field(description="absent: the exact motion at 50 digits")
     ] = ""
     tolerance: OwnTolerance | None = None
     because: Annotated[
-        Mapping[str, Prose], keyed(*SIDES), Field(description="reasons of its own tolerance")
+        Mapping[str, Prose], keyed("fmu", "reference"), Field(description="of its own tolerance")
     ] = field(default_factory=dict)
 
 
@@ -138,9 +133,7 @@ class CaseFile(Written):
         Mapping[str, Number], Field(description="set before the start; absent: the default")
     ] = field(default_factory=dict)
     courses: Courses = tuple(GROUPS)
-    courses_at: Annotated[Where, Field(description="end, or absent: every_point")] = At(
-        "every_point"
-    )
+    courses_at: Annotated[Where, Field(description="end; absent: every_point")] = At("every_point")
     cycle: CycleEntry | None = None
     motion: Annotated[
         Facts | None, Field(description="of the exact motion; absent: it is followed at loading")
@@ -168,12 +161,9 @@ def load_cases(pattern: str | None = None, folder: Path | None = None) -> list[C
     if not folder.is_dir():
         raise CaseError(folder, "", "no such folder of cases")
     cases: dict[str, Case] = {}
-    for file in sorted(folder.glob("*.toml")):
-        case = load_case(file)
-        if case.id in cases:
-            reason = f"{case.id!r} is taken by {cases[case.id].file.name}"
-            raise CaseError(file, "id", reason)
-        cases[case.id] = case
+    for case in map(load_case, sorted(folder.glob("*.toml"))):
+        if (other := cases.setdefault(case.id, case)) is not case:
+            raise CaseError(case.file, "id", f"{case.id!r} is taken by {other.file.name}")
     chosen = [c for c in cases.values() if pattern is None or fnmatch.fnmatchcase(c.id, pattern)]
     if not chosen:
         raise CaseError(folder, "", f"no case matches {pattern or '*.toml'!r}")
@@ -192,9 +182,8 @@ def load_case(path: Path) -> Case:
     steps = communication_steps(file, written.experiment)
     values = _values(file, written, own)
     courses = _courses(file, written)
-    unknown = sorted(written.motion.zero - set(courses)) if written.motion else ()
-    if unknown:
-        raise file.refusal(f"{unknown[0]!r} is none of the courses", "motion", "zero")
+    for unknown in sorted(written.motion.zero - set(courses)) if written.motion else ():
+        raise file.refusal(f"{unknown!r} is none of the courses", "motion", "zero")
     facts = written.motion or facts_of(follow(written.parameters, steps, written.law))
     rules = Rules(values, facts, law=truth.friction_law(written.law))
     return Case(
@@ -213,12 +202,12 @@ def load_case(path: Path) -> Case:
 
 
 def _own_parameters(file: DataFile, written: CaseFile) -> tuple[Parameter, ...]:
-    """Return the own parameters of a case's friction law; of Coulomb's where the case names one."""
     try:
         own = tuple(truth.friction_law(written.law).parameters)
     except ValueError as error:
         raise file.refusal(str(error), "law") from None
     named = {*written.parameters, *(name for c in written.experiment.changes for name in c.set)}
+    # An FMU need not have those of Coulomb's law.
     return () if written.law == COULOMB_NAME and not named & {each.name for each in own} else own
 
 
@@ -248,8 +237,7 @@ def _values(
 
 
 def _with_own(file: DataFile, rules: Rules, own: OwnTolerances) -> Rules:
-    """Put what the file states in place of the rules."""
-    if own.conditioning is not None and own.conditioning > rules.narrowest * (1.0 + 1e-9):
+    if (own.conditioning or 0.0) > rules.narrowest * (1.0 + 1e-9):
         reason = f"{own.conditioning} is above that of the narrowest gap, {rules.narrowest:.3g}"
         raise file.refusal(reason, "tolerances", "conditioning")
     rules = replace(rules, own_conditioning=own.conditioning)
@@ -277,32 +265,31 @@ def _courses(file: DataFile, written: CaseFile) -> list[str]:
 def _checks(
     file: DataFile, written: CaseFile, courses: Sequence[str], rules: Rules
 ) -> tuple[Check, ...]:
-    """Return the checks of a case: formulas of the cycle, courses, and those written out."""
     if written.law != COULOMB_NAME or rules.grows:
-        with_formula = [n for n, entry in enumerate(written.checks) if entry.formula]
-        if written.cycle or with_formula:
-            place = ("cycle",) if written.cycle else ("checks", with_formula[0], "formula")
+        places: list[Place] = [("cycle",)] if written.cycle else []
+        places += [("checks", n, "formula") for n, c in enumerate(written.checks) if c.formula]
+        for place in places:
             reason = "the formulas are those of Coulomb's law with constant coefficients; without "
             raise file.refusal(f"{reason}one the exact motion counts", *place)
     checks = list(_cycle(file, written.cycle, rules)) if written.cycle else []
-    checks += [
-        Check.of(f"{name}-course", name, "", written.courses_at, rules.course(name))
-        for name in courses
-    ]
+    at = written.courses_at
+    checks += [_check(f"{name}-course", name, "", at, rules.course(name)) for name in courses]
     for n, entry in enumerate(written.checks):
-        taken = "another check" if any(entry.id == check.id for check in checks) else None
-        taken = "an invariant" if entry.id in invariant_ids() else taken
-        if taken is not None:
-            raise file.refusal(f"{entry.id!r} is taken by {taken}", "checks", n, "id")
+        if entry.id in invariant_ids() | {check.id for check in checks}:
+            reason = f"{entry.id!r} is taken by another check or an invariant"
+            raise file.refusal(reason, "checks", n, "id")
         tolerance = _tolerance(file, n, entry, rules)
-        checks.append(Check.of(entry.id, entry.quantity, entry.formula, entry.at, tolerance))
+        checks.append(_check(entry.id, entry.quantity, entry.formula, entry.at, tolerance))
     if not checks:
         raise file.refusal("it checks nothing: no courses, no cycle, no checks")
     return tuple(checks)
 
 
+def _check(name: str, quantity: str, formula: str, at: At, tolerance: Tolerance) -> Check:
+    return Check(**vars(tolerance), id=name, quantity=quantity, formula=formula, at=at)
+
+
 def _cycle(file: DataFile, cycle: CycleEntry, rules: Rules) -> Iterator[Check]:
-    """Yield the checks of the steady cycle against its formulas."""
     if cycle.at.kind == "every_point":
         reason = "a cycle has no value at every point: end, { cycle = n } or { event = n }"
         raise file.refusal(reason, "cycle", "at")
@@ -317,14 +304,12 @@ def _cycle(file: DataFile, cycle: CycleEntry, rules: Rules) -> Iterator[Check]:
             raise file.refusal(reason + there, "cycle", "only", n)
         tolerance = rules.formula(formulas[name])
         assert tolerance is not None, name
-        yield Check.of(f"{name}-exact", name, formulas[name], cycle.at, tolerance)
+        yield _check(f"{name}-exact", name, formulas[name], cycle.at, tolerance)
 
 
 def _tolerance(file: DataFile, n: int, entry: CheckEntry, rules: Rules) -> Tolerance:
-    """Return the tolerance of a check that a case spells out."""
     quantity, own = QUANTITIES[entry.quantity], entry.tolerance
-    if entry.formula and FORMULAS[entry.formula].unit != quantity.unit:
-        unit = FORMULAS[entry.formula].unit
+    if entry.formula and (unit := FORMULAS[entry.formula].unit) != quantity.unit:
         reason = f"{entry.formula} is in {unit!r}, {quantity.name} in {quantity.unit!r}"
         raise file.refusal(reason, "checks", n, "formula")
     rule = rules.formula(entry.formula) if entry.formula else None
@@ -340,7 +325,7 @@ def _tolerance(file: DataFile, n: int, entry: CheckEntry, rules: Rules) -> Toler
     if rule.measure == Measure.RELATIVE and entry.at.kind == "every_point":
         reason = "relative makes no sense over all points, where a value may cross zero: of_scale"
         raise file.refusal(reason, "checks", n, "tolerance", "measure")
-    if quantity.discrete and (rule.measure != Measure.ABSOLUTE or any(rule.allowed.values())):
+    if quantity.discrete and (rule.measure != Measure.ABSOLUTE or any(rule.tolerance.values())):
         reason = f"{quantity.name} is discrete: measure absolute, tolerance 0 on both sides"
         raise file.refusal(reason, "checks", n, "tolerance")
     return rule

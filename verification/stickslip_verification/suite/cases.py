@@ -3,12 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
 
 from stickslip_verification import truth
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
-from stickslip_verification.model.verdict import CaseGroup, Klass, Measure
+from stickslip_verification.model.verdict import CaseGroup, Klass
 from stickslip_verification.suite.experiment import CommunicationStep, points
 from stickslip_verification.suite.tolerances import Facts, Tolerance
 from stickslip_verification.truth.named import COULOMB_NAME
@@ -31,27 +30,13 @@ class At:
 
 
 @dataclass(frozen=True)
-class Check:
-    """One comparison, judged on each side with that side's tolerance.
-
-    ``formula`` is a name in `FORMULAS`, or "" for the exact motion in high precision. ``measure``
-    is relative (of the expected value), of_scale (of the largest magnitude that the exact motion
-    gives this quantity at any communication point) or absolute (in ``unit``).
-    """
+class Check(Tolerance):
+    """One comparison, judged on each side with that side's tolerance."""
 
     id: str
     quantity: str
-    formula: str
+    formula: str  # a name in `FORMULAS`, or "" for the exact motion in high precision
     at: At
-    measure: Measure
-    tolerance: Mapping[str, float]
-    because: Mapping[str, str]
-
-    @classmethod
-    def of(cls, name: str, quantity: str, formula: str, at: At, tolerance: Tolerance) -> Self:
-        """Return a check with what the rules or its case allow."""
-        allowed = (tolerance.measure, tolerance.allowed, tolerance.because)
-        return cls(name, quantity, formula, at, *allowed)
 
     @property
     def unit(self) -> str:
@@ -68,23 +53,19 @@ class Check:
 class Case:
     """One motion and what is checked on it.
 
-    ``parameters`` holds only what the case sets (SI); everything else stays at the default of
-    each side, so that the defaults are verified too. ``klass`` is contract where what happens is
-    our convention and not physics, such as the clamp. ``facts`` is what the file states of the
-    exact motion, None where it leaves that to the loading. ``law`` is the name of the friction law,
-    ``own`` its own parameters; those of Coulomb's law only in a case that names one of them, since
-    an FMU need not have them.
+    ``own`` are the friction law's own parameters; those of Coulomb's law only in a case that names
+    one of them, since an FMU need not have them.
     """
 
     id: str
     title: str
     about: str
-    parameters: Mapping[str, float]
+    parameters: Mapping[str, float]  # set by the case [SI]; the others verify the defaults
     steps: tuple[CommunicationStep, ...]
     checks: tuple[Check, ...]
     file: Path
-    klass: Klass = Klass.PHYSICS
-    facts: Facts | None = None
+    klass: Klass = Klass.PHYSICS  # contract where what happens is a convention, as the clamp
+    facts: Facts | None = None  # as the file states them; None: the exact motion is followed
     law: str = COULOMB_NAME
     own: tuple[Parameter, ...] = ()
 
@@ -128,10 +109,7 @@ def follow(
     *,
     in_doubles: bool = False,
 ) -> truth.Run:
-    """Follow the exact motion under a friction law through communication steps.
-
-    Quick and `in_doubles` where it is for planning alone.
-    """
+    """Follow the exact motion through communication steps; in doubles for planning alone."""
     friction = truth.friction_law(law)
     digits = None if in_doubles else friction.digits
     return truth.run(parameters, steps, law=friction, digits=digits)

@@ -24,7 +24,7 @@ class Meaning:
 def of_quantities() -> Mapping[str, Meaning]:
     """Return the meaning of each quantity that a check of a case can be about."""
     entries = tomllib.loads(FILE.read_text(encoding="utf-8"))
-    return {name: Meaning(entry["means"], entry["look"]) for name, entry in entries.items()}
+    return {name: Meaning(**entry) for name, entry in entries.items()}
 
 
 def meanings(cases: Iterable[Case], invariants: Invariants) -> dict[str, Meaning]:

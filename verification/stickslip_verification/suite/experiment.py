@@ -19,17 +19,9 @@ from stickslip_verification.model.data_file import (
 )
 from stickslip_verification.truth import Step
 
-SAME_POINT = 1e-9
-"""A change is at a communication point if it is within this fraction of the mean step: the sum of
-many steps differs from the number written in the file by rounding, never by that much."""
-
-
-SHORTEST_PART = 1e-15
-"""A drawn step below this part of the whole would not move the sum of the steps."""
-
-MOST_STEPS = 1_000_000
-"""More steps than any case needs; beyond it the memory would go before the patience."""
-
+_SAME_POINT = 1e-9  # of the mean step: how far rounding may move the sum of many steps
+_SHORTEST_PART = 1e-15  # of the stop time: a drawn step below it would not move the sum of steps
+MOST_STEPS = 1_000_000  # more than any case needs, and than the memory holds
 
 CommunicationStep = Step
 """One step of ``h`` [s]; ``changes`` (name to value, SI) are set just before it."""
@@ -100,7 +92,7 @@ def communication_steps(file: DataFile, experiment: Experiment) -> tuple[Communi
             raise file.refusal("the changes are not in the order of time", *place)
     lengths = _lengths(file, experiment)
     ends = points(lengths)
-    near = SAME_POINT * stop_time / len(lengths)
+    near = _SAME_POINT * stop_time / len(lengths)
     if abs(ends[-1] - stop_time) > near:
         reason = f"the steps end at {ends[-1]}, not at stop_time {stop_time}"
         raise file.refusal(reason, "experiment", "steps")
@@ -118,33 +110,29 @@ def _lengths(file: DataFile, experiment: Experiment) -> Sequence[float]:
     steps, stop_time = experiment.steps, experiment.stop_time
     if steps.list:
         return steps.list
-    if steps.fixed is not None:
-        _check_count(file, stop_time / steps.fixed)
-        return [steps.fixed] * max(1, round(stop_time / steps.fixed))
-    assert steps.shortest is not None
-    assert steps.longest is not None
-    shortest, ratio = steps.shortest, steps.longest / steps.shortest
+    shortest, longest = steps.shortest or steps.fixed, steps.longest or steps.fixed
+    assert shortest is not None
+    assert longest is not None
+    ratio = longest / shortest
+    place = ("experiment", "steps", "shortest")
     if ratio < 1.0:
-        reason = f"{shortest} is above longest {steps.longest}"
-        raise file.refusal(reason, "experiment", "steps", "shortest")
-    if not (shortest > SHORTEST_PART * stop_time and ratio < math.inf):
-        reason = f"{shortest} is lost beside stop_time {stop_time} or longest {steps.longest}"
-        raise file.refusal(reason, "experiment", "steps", "shortest")
+        raise file.refusal(f"{shortest} is above longest {longest}", *place)
+    if steps.fixed is None and not (shortest > _SHORTEST_PART * stop_time and ratio < math.inf):
+        reason = f"{shortest} is lost beside stop_time {stop_time} or longest {longest}"
+        raise file.refusal(reason, *place)
     spread = math.log(ratio)
-    _check_count(file, stop_time / ((steps.longest - shortest) / spread if spread else shortest))
+    count = stop_time / ((longest - shortest) / spread if spread else shortest)
+    if count > MOST_STEPS:
+        raise file.refusal(f"{count:.3g} steps; {MOST_STEPS} are too many", "experiment", "steps")
+    if steps.fixed is not None:
+        return [shortest] * max(1, round(count))
     draw = random.Random(steps.seed)
-    marks = [change.time for change in experiment.changes]
+    marks = (0.0, *(change.time for change in experiment.changes), stop_time)
     lengths: list[float] = []
-    for begin, end in zip((0.0, *marks), (*marks, stop_time), strict=True):
+    for begin, end in itertools.pairwise(marks):
         marked = [begin]
         while (left := end - marked[-1]) > 0.0:
             h = shortest * ratio ** draw.random()
             marked.append(end if h >= left else marked[-1] + h)
         lengths += [b - a for a, b in itertools.pairwise(marked)]
     return lengths
-
-
-def _check_count(file: DataFile, count: float) -> None:
-    if count > MOST_STEPS:
-        reason = f"{count:.3g} steps; {MOST_STEPS} are too many"
-        raise file.refusal(reason, "experiment", "steps")

@@ -39,12 +39,8 @@ Hook = tuple[str, str]
 HOOKS = ("get", "set", "step", "reset")
 """Calls of the master that a fault can replace. Variables by the suite's names, values in SI."""
 
-MASTER = "master"
-"""In place of a module: the override replaces a call that the suite makes to an instance."""
-
-PYTHON = (3, 8)
-"""The oldest Python that loads the FMU, and so every fault."""
-
+MASTER = "master"  # in place of a module: the override replaces a call to an instance
+_PYTHON = (3, 8)  # the oldest that loads the FMU, and so every fault
 
 # CPython 3.11 counts the depth of its parser for all threads at once, and faults are planted in
 # several: without the lock `ast.parse` now and then ends in a SystemError.
@@ -71,13 +67,9 @@ _TARGET = rf"^{_PART}(\.{_PART})*(\._?[A-Z][A-Za-z0-9_]*)?(\.[A-Za-z_][A-Za-z0-9
 class Override(Written):
     """One replacement of what a name stands for.
 
-    Attributes
-    ----------
-    target
-        ``module.name`` or ``module.Class.name`` in the packed source, or ``master.`` and one of
-        `HOOKS`. A module is named by the end of its dotted name, as much of it as is unique.
-    code
-        Python that defines the last name of the target anew; ``original`` is what it replaces.
+    ``target`` is ``module.name`` or ``module.Class.name`` in the packed source, a module by the end
+    of its dotted name, or ``master.`` and one of `HOOKS`. ``code`` is Python that defines the last
+    name of the target anew; ``original`` is what it replaces.
     """
 
     target: Annotated[str, Field(pattern=_TARGET)]
@@ -88,7 +80,7 @@ class Override(Written):
         if self.module == MASTER and self.path not in HOOKS:
             raise ValueError(f"no such call of the master; there are {', '.join(HOOKS)}")
         try:
-            parsed(self.code, feature_version=PYTHON)
+            parsed(self.code, feature_version=_PYTHON)
             # What a syntax tree may hold, and a module or a function may not.
             for text in (self.code, self.function("made")):
                 compile(text, self.target, "exec")
@@ -135,28 +127,17 @@ class Substitution(Written):
 
 @dataclass(frozen=True, kw_only=True, config=WRITTEN)
 class Mutant(Written):
-    """A fault to plant in the stick-slip FMU.
+    """A fault to plant in the stick-slip FMU; at least one check of ``detected_by`` must fail.
 
-    Attributes
-    ----------
-    id, about
-        Its name, and what is wrong in the world's words, and where people make it.
-    law
-        The name of the friction law whose FMU it is for.
-    detected_by
-        The checks that fit the fault; at least one of them must fail.
-    additions
-        Modules that join the packed source, each from a file beside the description. They are made
-        first, then the ``substitutions``, then the ``overrides``, each in their order.
-    file
-        The description.
+    ``additions`` are modules that join the packed source, each from a file in the folder of the
+    description. They are made first, then the ``substitutions``, then the ``overrides``.
     """
 
     SOME: ClassVar = ("overrides", "substitutions")
 
     id: Id = ""
-    about: Prose
-    law: Text = COULOMB_NAME
+    about: Annotated[Prose, Field(description="what is wrong, and where people make it")]
+    law: Annotated[Text, Field(description="name of the FMU's friction law")] = COULOMB_NAME
     detected_by: Annotated[tuple[Text, ...], Field(min_length=1)]
     additions: Mapping[Annotated[str, Field(pattern=f"^{_MODULE}$")], Text] = field(
         default_factory=dict
@@ -200,9 +181,8 @@ def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> lis
     for path in sorted(files.glob("*.toml")) if files.is_dir() else [files]:
         file = DataFile(path, MutantError)
         for mutant in file.read(FaultFile):
-            if mutant.id in mutants:
-                reason = f"{mutants[mutant.id].file.name} has a fault of this id"
-                raise file.refusal(reason, mutant.id)
+            if other := mutants.get(mutant.id):
+                raise file.refusal(f"{other.file.name} has a fault of this id", mutant.id)
             for module, source in mutant.additions.items():
                 if not (path.parent / source).is_file():
                     raise file.refusal(f"{source}: no such file", mutant.id, "additions", module)

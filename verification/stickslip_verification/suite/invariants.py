@@ -38,33 +38,17 @@ class InvariantError(DataError):
 
 @dataclass(frozen=True, kw_only=True, config=WRITTEN)
 class Invariant(Written):
-    """One statement that is tried on every case, or once.
-
-    Attributes
-    ----------
-    id, title
-        Its name, and the statement in words.
-    kind, klass
-        Kind of truth, and physics or contract.
-    source
-        Equation number in docs/theory.md.
-    means, look
-        What it means when it fails, and where to look then.
-    laws
-        Names of the friction laws that it holds for; empty: all.
-    stays
-        Why it stays although it detects no planted fault, or "".
-    """
+    """One statement that is tried on every case, or once."""
 
     id: Id = ""
-    title: Text
+    title: Annotated[Text, Field(description="the statement")]
     kind: Kind = Kind.INVARIANT
     klass: Annotated[Klass, Field(validation_alias="class")] = Klass.PHYSICS
     source: Equation
-    means: Text
-    look: Text
-    laws: tuple[Text, ...] = ()
-    stays: str = ""
+    means: Annotated[Text, Field(description="the meaning of its failure")]
+    look: Annotated[Text, Field(description="where the bug is likely")]
+    laws: Annotated[tuple[Text, ...], Field(description="friction laws; empty: all")] = ()
+    stays: Annotated[str, Field(description="reason to stay though it detects no fault")] = ""
 
     def holds_for(self, law: str) -> bool:
         """Whether it holds for the friction law of this name."""
@@ -171,7 +155,7 @@ class Invariants(Written):
 
     def of_laws(self, laws: Collection[str]) -> Invariants:
         """Return those that hold for one of these friction laws."""
-        return self.only({each.id for each in self if any(each.holds_for(law) for law in laws)})
+        return self.only({each.id for each in self if any(map(each.holds_for, laws))})
 
 
 def load_invariants(folder: Path = FOLDER) -> Invariants:
@@ -183,16 +167,16 @@ def load_invariants(folder: Path = FOLDER) -> Invariants:
         A file is broken, or two invariants share an id.
     """
     families: dict[str, list[Any]] = {family: [] for family in Invariants.SOME}
-    seen: dict[str, str] = {}
+    files: dict[str, Path] = {}
     for path in sorted(folder.glob("*.toml")):
         file = DataFile(path, InvariantError)
         written = file.read(Invariants)
         for family, invariants in families.items():
             for invariant in getattr(written, family):
-                if invariant.id in seen:
-                    reason = f"{seen[invariant.id]} has an invariant of this id"
+                if first := files.get(invariant.id):
+                    reason = f"{first.name} has an invariant of this id"
                     raise file.refusal(reason, family, invariant.id)
-                seen[invariant.id] = path.name
+                files[invariant.id] = path
                 invariants.append(invariant)
     return Invariants(**families)
 
@@ -201,6 +185,5 @@ def load_invariants(folder: Path = FOLDER) -> Invariants:
 def invariant_ids() -> frozenset[str]:
     """Return the ids of the suite's invariants, and those of the results that they give."""
     invariants = load_invariants()
-    return frozenset(
-        {each.id for each in invariants} | {f"{each.id}-asymptotic" for each in invariants.orders}
-    )
+    asymptotic = {f"{order.id}-asymptotic" for order in invariants.orders}
+    return frozenset({invariant.id for invariant in invariants} | asymptotic)

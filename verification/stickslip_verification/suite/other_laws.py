@@ -17,24 +17,19 @@ SHARE = 8
 """Of the sequences of Coulomb's law every eighth is tried under another one, whose exact motion is
 marched and not in closed form."""
 
-_MOST_POINTS = 5
-"""Points of a drawn friction curve, at most."""
-
-_ATTEMPTS = 10
-"""Draws of growing friction for one sequence, until rounding decides no event of its motion."""
+_MOST_POINTS = 5  # of a drawn friction curve
+_ATTEMPTS = 10  # draws of growing friction for one sequence, until rounding decides no event
 
 
 def under_law(cases: Sequence[Case], law: str, seed: int) -> list[Case]:
     """Return every `SHARE`th of these cases under the friction law of this name."""
-    parameters = tuple(truth.friction_law(law).parameters)
+    own = tuple(truth.friction_law(law).parameters)
+    drawn = (
+        (case, _DRAWS[law](Random(f"{law} {seed} {case.id}"), case)) for case in cases[::SHARE]
+    )
     return [
-        replace(
-            case,
-            parameters={**case.parameters, **_DRAWS[law](Random(f"{law} {seed} {case.id}"), case)},
-            law=law,
-            own=parameters,
-        )
-        for case in cases[::SHARE]
+        replace(case, parameters={**case.parameters, **new}, law=law, own=own)
+        for case, new in drawn
     ]
 
 

@@ -17,19 +17,14 @@ from random import Random
 from typing import NamedTuple
 
 from stickslip_verification import truth
-from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.cases import Case, follow
 from stickslip_verification.suite.experiment import CommunicationStep
 from stickslip_verification.suite.invariants import Manner
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
 
-SEED = 1
-"""The seed of the sequences that run by default."""
-
-COUNT = 320
-"""How many sequences run by default."""
-
-PLAIN = "plain"
-"""The manner that every sequence is run in."""
+SEED = 1  # of the sequences that run by default
+COUNT = 320  # sequences that run by default
+PLAIN = "plain"  # the manner that every sequence is run in
 
 STICK, FORWARD, BACKWARD = "stick", "forward slip", "backward slip"
 REVERSED = "slip after a reversal"
@@ -57,9 +52,7 @@ CHANGES: Mapping[str, tuple[str, ...]] = {
 }
 """Names of the changes, and what each of them sets."""
 
-_BALANCED = "load and F_ext that cancel"
-"""The change by which the force beyond friction stays what it was, in slip or at break-away."""
-
+_BALANCED = "load and F_ext that cancel"  # the force beyond friction stays, in slip or break-away
 _TO_ZERO = {"v to 0": "v", "F_ext to 0": "F_ext"}
 
 LOADED = "load and F_ext from the start"
@@ -70,21 +63,10 @@ _AT_START = {LOADED: frozenset({"load", "F_ext"}), MOVING: frozenset({"x_dot_sta
 ROWS = (*CHANGES, LOADED, MOVING, ABOVE_ONE, UNPULLED)
 """What `coverage` counts, apart from phase and damping."""
 
-_SMALLEST_MARGIN = 1e-6
-"""A sequence that comes nearer to another course, relative, is drawn anew, so that a numerical
-solution decides each of them as the exact motion does: see `truth.Run.margin`."""
-
-_NEAREST = 0.02
-"""No change comes nearer to an event than this part of 1/w."""
-
-_HORIZON = 12.0
-"""How far the next change is looked for, in units of 1/w: two swings."""
-
-_FARTHEST = 60.0
-"""The same of a heavily damped slip, at most."""
-
-_SLOWEST, _QUICKEST = 20.0, 150.0
-"""Bounds of the angular frequency [rad/s], of the order of the default's 32."""
+_SMALLEST_MARGIN = 1e-6  # `truth.Run.margin` below which a sequence is drawn anew
+_NEAREST = 0.02  # of 1/w: no change comes nearer to an event
+_HORIZON, _FARTHEST = 12.0, 60.0  # of 1/w: where the next change is; heavily damped, at most
+_SLOWEST, _QUICKEST = 20.0, 150.0  # angular frequency [rad/s]; the default's is 32
 
 _GRID = 16.0
 """Angular frequencies are multiples of 1/16 and masses of 1/64, so that k = m w^2 and the critical
@@ -101,28 +83,23 @@ class Cell(NamedTuple):
 
 @dataclass(frozen=True)
 class RandomSequence:
-    """A random motion.
+    """A random motion."""
 
-    ``case`` is its setting, without checks; ``cells`` is what happens in it, once for each time.
-    """
-
-    case: Case
-    cells: tuple[Cell, ...]
+    case: Case  # without checks
+    cells: tuple[Cell, ...]  # what happens in it, once for each time
 
 
 class _Span(NamedTuple):
-    """A phase of a motion from `start` to `stop` [s]."""
-
-    start: float
-    stop: float
+    start: float  # [s]
+    stop: float  # [s]
     phase: str
 
 
 class Scope(NamedTuple):
-    """What may be set: parameters and inputs at the start, and those that may change on the way."""
+    """The parameters and inputs that an FMU lets be set."""
 
-    settable: frozenset[str]
-    changeable: frozenset[str]
+    settable: frozenset[str]  # at the start
+    changeable: frozenset[str]  # on the way
 
     def hindrance(self, cell: Cell) -> str | None:
         """Return why a cell cannot be reached, or None if it can."""
@@ -156,9 +133,8 @@ def draw_sequences(
     for number in range(count + count // 2 if count >= COUNT else count):
         if number >= count and all(counts[cell] for cell in reachable):
             break
-        sequence = _draw(seed, number, counts, scope)
-        counts.update(sequence.cells)
-        drawn.append(sequence)
+        drawn.append(_draw(seed, number, counts, scope))
+        counts.update(drawn[-1].cells)
     return drawn
 
 
@@ -180,8 +156,7 @@ def _draw(seed: int, number: int, counts: Mapping[Cell, int], scope: Scope) -> R
         plan = _Plan(draw, counts, scope)
         for _ in range(draw.randint(4, 7)):
             plan.add_change()
-        course = plan.finish()
-        if well_decided(course):
+        if well_decided(plan.finish()):
             break
     case = Case(
         id=f"sequence-{number:03d}",
@@ -231,20 +206,18 @@ class _Plan:
         self._advance(cells[cell])
         self._pending = self._changed(kind, phase, damping)
         self._values |= self._pending
-        rows = [kind]
-        rows += [ABOVE_ONE] if self._values["mu_s"] > 1.0 else []
-        rows += [UNPULLED] if self._values["v"] == 0.0 else []
+        extra = {ABOVE_ONE: self._values["mu_s"] > 1.0, UNPULLED: self._values["v"] == 0.0}
+        rows = [kind, *(row for row, applies in extra.items() if applies)]
         damping = _damping(self._values)
         self._made.append((self._now, [Cell(row, phase, damping) for row in rows]))
 
     def finish(self) -> truth.Run:
-        """Let the last change act, and return the course of the whole in doubles."""
         spans = self._spans()
         if spans:
             self._advance(self._draw.choice(spans))
         else:
             self._made = self._made[:-1]
-        course = truth.run(self.parameters, self.steps, digits=None)
+        course = follow(self.parameters, self.steps, in_doubles=True)
         first = self._made[0][0] if self._made else self._now
         start = {**self.parameters, **self.steps[0].changes}
         self.cells = [
@@ -262,9 +235,7 @@ class _Plan:
         m = draw.randint(8, 640) / 64.0
         w = _on_grid(draw.uniform(_SLOWEST, _QUICKEST))
         g = draw.choice((9.81, _on_grid(draw.uniform(1.0, 20.0)), draw.uniform(1.0, 20.0)))
-        mu_s = (
-            _log_uniform(draw, 1.05, 2.0) if draw.random() < 0.3 else _log_uniform(draw, 0.1, 1.0)
-        )
+        mu_s = _log_uniform(draw, *((1.05, 2.0) if draw.random() < 0.3 else (0.1, 1.0)))
         mu_k = mu_s * (1.0 - _log_uniform(draw, 0.05, 1.0))
         if draw.random() < 0.5:
             mu_s = _on_grid(mu_s, 64.0)
@@ -288,7 +259,7 @@ class _Plan:
         return values
 
     def _set_late(self) -> None:
-        """Start with other values, set the drawn ones between initialization and first step."""
+        """Start with other values, set the drawn ones after initialization."""
         weight = self._m * self._values["g"]
         late = {
             "v": -2.0 * self._values["v"],
@@ -308,12 +279,10 @@ class _Plan:
         moment = draw.uniform(max(span.start, self._now) + edge, span.stop - edge)
         cuts = sorted(draw.uniform(self._now, moment) for _ in range(draw.choice((0, 0, 1, 3))))
         for end in (*cuts, moment):
-            h = end - self._now
-            if h <= 0.0:
-                continue
-            self.steps.append(CommunicationStep(h, self._pending))
-            self._pending = {}
-            self._now += h
+            if (h := end - self._now) > 0.0:
+                self.steps.append(CommunicationStep(h, self._pending))
+                self._pending = {}
+                self._now += h
 
     def _spans(self) -> list[_Span]:
         """Return the phases of the next moments that are long enough for a change."""
@@ -321,7 +290,7 @@ class _Plan:
         slow = self._values["c"] * self._w / self._values["k"]
         ahead = min(_HORIZON * max(1.0, slow), _FARTHEST) / self._w
         steps = [*self.steps, CommunicationStep(ahead, self._pending)]
-        course = truth.run(self.parameters, steps, digits=None)
+        course = follow(self.parameters, steps, in_doubles=True)
         shortest = 3.0 * _NEAREST / self._w
         spans = (span._replace(start=max(span.start, self._now)) for span in _spans(course))
         return [span for span in spans if span.stop - span.start > shortest]
@@ -331,15 +300,13 @@ class _Plan:
         return math.sqrt(self._values["k"] / self._m)
 
     def _dampings(self, names: Collection[str]) -> Iterable[str]:
-        """Return the dampings that a change of these can bring about."""
         if "c" in names:
             return DAMPINGS
         if names == ("k",) and self._values["c"] > 0.0:
-            return [each for each in DAMPINGS[1:] if self._frequencies(each) is not None]
+            return [damping for damping in DAMPINGS[1:] if self._frequencies(damping)]
         return (_damping(self._values),)
 
     def _changed(self, kind: str, phase: str, damping: str) -> dict[str, float]:
-        """Draw the values of a change."""
         draw, values, names = self._draw, self._values, CHANGES[kind]
         if not names:
             return {name: values[name] for name in sorted(CHANGEABLE & self._scope.changeable)}
@@ -401,10 +368,7 @@ class _Plan:
         return 2.0 * m * _on_grid(ratio * w)
 
     def _frequencies(self, damping: str) -> tuple[float, float] | None:
-        """Return the bounds of the angular frequency [rad/s] at which c gives a damping.
-
-        None where it would be too slow or too quick.
-        """
+        """Return the bounds of the angular frequency [rad/s] at which c gives a damping, if any."""
         critical = self._values["c"] / (2.0 * self._m)
         lowest, highest = {
             UNDAMPED: (_SLOWEST, _QUICKEST),
@@ -417,7 +381,6 @@ class _Plan:
 
 
 def _spans(course: truth.Run) -> Iterator[_Span]:
-    """Yield the phases of a course."""
     events = course.events
     mode = (course.initial if events else course.samples[0])["mode"]
     phase = STICK if events and events[0].kind == "break-away" else _OF_MODE[mode]

@@ -5,10 +5,12 @@ docs/theory.md, "Tolerances of the suite", states the same rules for people.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, Decimal
 from functools import cached_property
+from typing import Annotated
 
+from pydantic import Field
 from pydantic.dataclasses import dataclass as model
 
 from stickslip_verification.model.data_file import WRITTEN, Count, Written
@@ -23,14 +25,10 @@ roundings of 1e-16 along its arcs, and another mathematical library."""
 
 DISTURBED = 1e-10
 """What the exact block may lose under any sequence of inputs, as a part of the value: a change or a
-reversal starts an arc from a rounded state, which a shallow re-stick amplifies,
-docs/theory.md (17)."""
+reversal starts an arc from a rounded state, which a shallow re-stick amplifies, (17)."""
 
-INTEGRATION = 1e-9
-"""What a careful integration may lose in a slip, before conditioning."""
-
-NOTHING = 1e-30
-"""A magnitude [SI] below it is zero in the exact motion, which carries 50 digits."""
+INTEGRATION = 1e-9  # what a careful integration may lose in a slip, before conditioning
+NOTHING = 1e-30  # magnitude [SI] below which the exact motion, of 50 digits, is zero
 
 ZERO = "zero throughout by the rules: nothing is computed"
 """Reason of an output that is zero in the exact motion."""
@@ -38,53 +36,41 @@ ZERO = "zero throughout by the rules: nothing is computed"
 
 @model(frozen=True, config=WRITTEN)
 class Facts(Written):
-    """What the tolerances of a case take from its exact motion.
+    """What the tolerances of a case take from its exact motion."""
 
-    Attributes
-    ----------
-    slips
-        Completed slips; one that is under way at the end may be counted too.
-    reversals
-        Slips that turn into a slip the other way.
-    zero
-        Outputs that are zero at every communication point.
-    """
-
-    slips: Count
-    reversals: Count = 0
-    zero: frozenset[str] = frozenset()
+    slips: Annotated[Count, Field(description="completed; one under way at the end may count")]
+    reversals: Annotated[Count, Field(description="slips that turn into one the other way")] = 0
+    zero: Annotated[frozenset[str], Field(description="outputs that stay zero")] = frozenset()
 
 
 def facts_of(run: Run) -> Facts:
     """Take the facts from an exact motion."""
+    sizes = {name: max(abs(sample[name]) for sample in run.samples) for name in run.initial}
     return Facts(
         slips=int(run.samples[-1]["n_slips"]),
         reversals=sum(event.kind == "reversal" for event in run.events),
-        zero=frozenset(
-            name
-            for name in run.initial
-            if all(abs(sample[name]) < NOTHING for sample in run.samples)
-        ),
+        zero=frozenset(name for name, size in sizes.items() if size < NOTHING),
     )
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What a check allows each side, by which measure, and why; see `cases.Check`."""
+    """What a check allows each side, and why.
+
+    ``measure`` is relative (of the expected value), of_scale (of the largest magnitude that the
+    exact motion gives this quantity at any communication point) or absolute (in the unit).
+    """
 
     measure: Measure
-    allowed: Mapping[str, float]
+    tolerance: Mapping[str, float]
     because: Mapping[str, str]
 
     @staticmethod
     def of(measure: Measure, *sides: tuple[float, str]) -> "Tolerance":
         """Return that of numbers and reasons: the FMU's and the reference's, or one for both."""
-        both = {"fmu": sides[0], "reference": sides[-1]}
-        return Tolerance(
-            measure,
-            {side: allowed for side, (allowed, _) in both.items()},
-            {side: reason for side, (_, reason) in both.items()},
-        )
+        (fmu, fmu_reason), (reference, reason) = sides[0], sides[-1]
+        allowed = {"fmu": fmu, "reference": reference}
+        return Tolerance(measure, allowed, {"fmu": fmu_reason, "reference": reason})
 
 
 _POINTS = "a count or a state: no communication point lies within the solver's error of an event"
@@ -101,26 +87,12 @@ _COURSES = {
 
 @dataclass(frozen=True)
 class Rules:
-    """The rules, applied to one case.
+    """The rules, applied to one case."""
 
-    Attributes
-    ----------
-    values
-        All values in force: at the start, and after each change (SI).
-    facts
-        What happens in the exact motion.
-    own_conditioning
-        The conditioning, where it is not that of the narrowest gap.
-    own_fmu
-        Tolerance and reason of the exact block's courses, where they are not the rule's.
-    law
-        The friction law: what the relief of a slip comes from.
-    """
-
-    values: tuple[Mapping[str, float], ...]
+    values: tuple[Mapping[str, float], ...]  # all in force at the start, and after each change [SI]
     facts: Facts
-    own_conditioning: float | None = None
-    own_fmu: tuple[float, str] | None = None
+    own_conditioning: float | None = None  # where it is not that of the narrowest gap
+    own_fmu: tuple[float, str] | None = None  # tolerance of the exact block's courses, its reason
     law: FrictionLaw = COULOMB
 
     @cached_property
@@ -157,13 +129,9 @@ class Rules:
             w = math.sqrt(start["k"] / start["m"])
             extension = start["mu_s"] * _normal_force(start) / start["k"] + abs(start["v"]) / w
             of_it = f"of the extension of {1e3 * extension:.2g} mm"
-            return Tolerance.of(
-                Measure.ABSOLUTE,
-                *(
-                    (rounded_up(part * extension), f"without a gap no relief: {part:g} {of_it}")
-                    for part in (ROUNDING, INTEGRATION)
-                ),
-            )
+            bounds = {part: rounded_up(part * extension) for part in (ROUNDING, INTEGRATION)}
+            sides = [(b, f"without a gap no relief: {p:g} {of_it}") for p, b in bounds.items()]
+            return Tolerance.of(Measure.ABSOLUTE, *sides)
         if quantity in self.facts.zero:
             return Tolerance.of(Measure.ABSOLUTE, (0.0, ZERO))
         if quantity in _COURSES and not (quantity == "F_s" and self.grows):
@@ -177,30 +145,27 @@ class Rules:
         """Return the rule's tolerance of the exact block's courses, and its reason."""
         undisturbed = rounded_up(ROUNDING * self.conditioning)
         if (len(self.values) > 1 or self.facts.reversals) and undisturbed < DISTURBED:
-            return DISTURBED, (
-                "the bound for any input sequence: rounding of a restart at each change or "
-                "reversal, 1e-15, times what a shallow re-stick may amplify it"
-            )
+            restart = "rounding of a restart at each change or reversal, 1e-15"
+            reason = f"{restart}, times what a shallow re-stick may amplify it"
+            return DISTURBED, f"the bound for any input sequence: {reason}"
         return undisturbed, f"rounding along undisturbed arcs, 1e-12, times {self._amplified}"
 
     def formula(self, name: str) -> Tolerance | None:
         """Return the tolerance of a value against a closed form; None if no rule gives one."""
         power = FORMULAS[name].sensitivity
         if name == "break_away_force":
-            return Tolerance(Measure.RELATIVE, _PRODUCT.allowed, _PRODUCT.because)
+            return replace(_PRODUCT, measure=Measure.RELATIVE)
         if power is None or (power and not self.lambda_):
             return None
         factor = 1.0 + self.lambda_**-power if power else 1.0
+        fmu = f"rounding, 1e-12, times {self._amplified}; no step enters"
+        integration = f"integration, 1e-9, times {self._amplified} and the sensitivity to an error"
         return Tolerance.of(
             Measure.RELATIVE,
-            (
-                rounded_up(ROUNDING * self.conditioning),
-                f"rounding, 1e-12, times {self._amplified}; no step enters",
-            ),
+            (rounded_up(ROUNDING * self.conditioning), fmu),
             (
                 rounded_up(INTEGRATION * self.conditioning * factor),
-                f"integration, 1e-9, times {self._amplified} and the sensitivity to an error of "
-                f"state, {factor:.3g}",
+                f"{integration} of state, {factor:.3g}",
             ),
         )
 

@@ -16,22 +16,22 @@ from stickslip_verification.truth.parameters import (
     Number,
     Numbers,
     Parameter,
-    root_tolerance,
 )
 from stickslip_verification.truth.series import Series
+from stickslip_verification.truth.zeros import safeguarded_zero
 
 
-class Fall(NamedTuple):
-    """The first stretch of time with falling velocity; `stop` is None where it never turns."""
+class _Fall(NamedTuple):
+    """The first stretch of time with falling velocity."""
 
     start: Number
-    stop: Number | None
+    stop: Number | None  # None where it never turns
 
 
-class RelativeVelocity(Protocol):
+class _RelativeVelocity(Protocol):
     """rho = speed of the mass less that of the pulled end: a free oscillation, (3)."""
 
-    fall: Fall | None
+    fall: _Fall | None
     """The first fall from time 0 on; None if rho only rises, or rests."""
 
     rise_end: Number | None
@@ -44,7 +44,7 @@ class RelativeVelocity(Protocol):
         """Return the integral of rho^2 over time, from 0 to t [m2/s]; damped motion only."""
 
 
-class Oscillation:
+class _Oscillation:
     """zeta < 1: a sinusoid that decays, or does not. docs/theory.md (3), (5)."""
 
     def __init__(
@@ -58,20 +58,19 @@ class Oscillation:
         self._sine = (a_0 + alpha * rho_0) / omega
         self._rate_cosine = a_0
         self._rate_sine = -(alpha * a_0 + self._w2 * rho_0) / omega
-        self.fall: Fall | None = None
+        self.fall: _Fall | None = None
         self.rise_end: Number | None = None
         if rho_0 == 0 and a_0 == 0:
             return
         self.phase = context.atan2(a_0, -self._rate_sine)
         pi = context.pi
-        self.fall = Fall(
+        self.fall = _Fall(
             start=self.phase / omega if self.phase > 0 else context.zero,
             stop=(self.phase + pi) / omega,
         )
         self.rise_end = (self.phase if self.phase > 0 else self.phase + 2 * pi) / omega
 
     def at(self, t: Number) -> tuple[Number, Number]:
-        """Return rho [m/s] and its rate [m/s2] at the time t [s] after the start."""
         cosine, sine = self._context.cos_sin(self._omega * t)
         rho = self._cosine * cosine + self._sine * sine
         rate = self._rate_cosine * cosine + self._rate_sine * sine
@@ -86,7 +85,6 @@ class Oscillation:
         return start * self._context.exp(-self._alpha * t) / self._context.sqrt(self._w2)
 
     def square_integral(self, t: Number) -> Number:
-        """Return the integral of rho^2 over time, from 0 to t [m2/s]; alpha > 0."""
         alpha, omega = self._alpha, self._omega
         decay = self._context.exp(-2 * alpha * t)
         cosine, sine = self._context.cos_sin(2 * omega * t)
@@ -97,7 +95,7 @@ class Oscillation:
         return (A * A + B * B) / 2 * mean + (A * A - B * B) / 2 * cosine_part + A * B * sine_part
 
 
-class CriticalDecay:
+class _CriticalDecay:
     """zeta = 1: one rate, an exponential times a straight line. docs/theory.md (3), (5)."""
 
     def __init__(self, context: Context, alpha: Number, rho_0: Number, a_0: Number) -> None:
@@ -109,13 +107,11 @@ class CriticalDecay:
         self.fall, self.rise_end = _single_turn(context, turn, rho_0, a_0)
 
     def at(self, t: Number) -> tuple[Number, Number]:
-        """Return rho [m/s] and its rate [m/s2] at the time t [s] after the start."""
         decay = self._context.exp(-self._alpha * t)
         line = self._rho_0 + self._slope * t
         return decay * line, decay * (self._slope - self._alpha * line)
 
     def square_integral(self, t: Number) -> Number:
-        """Return the integral of rho^2 over time, from 0 to t [m2/s]."""
         rate = 2 * self._alpha
         decay = self._context.exp(-rate * t)
         zeroth = (1 - decay) / rate
@@ -125,7 +121,7 @@ class CriticalDecay:
         return A * A * zeroth + 2 * A * B * first + B * B * second
 
 
-class TwoDecays:
+class _TwoDecays:
     """zeta > 1: a fast and a slow exponential. docs/theory.md (3), (5)."""
 
     def __init__(
@@ -146,13 +142,11 @@ class TwoDecays:
         self.fall, self.rise_end = _single_turn(context, turn, rho_0, a_0)
 
     def at(self, t: Number) -> tuple[Number, Number]:
-        """Return rho [m/s] and its rate [m/s2] at the time t [s] after the start."""
         fast = self._A_fast * self._context.exp(-self._fast * t)
         slow = self._A_slow * self._context.exp(-self._slow * t)
         return fast + slow, -self._fast * fast - self._slow * slow
 
     def square_integral(self, t: Number) -> Number:
-        """Return the integral of rho^2 over time, from 0 to t [m2/s]."""
         total = self._context.zero
         for amplitude, rate in (
             (self._A_fast * self._A_fast, 2 * self._fast),
@@ -165,12 +159,12 @@ class TwoDecays:
 
 def _single_turn(
     context: Context, turn: Number, rho_0: Number, a_0: Number
-) -> tuple[Fall | None, Number | None]:
+) -> tuple[_Fall | None, Number | None]:
     """Return the fall and the maximum of a motion with one extreme, at `turn` if that is > 0."""
     rises = a_0 > 0 or (a_0 == 0 and rho_0 <= 0)
     if turn > 0:
-        return (Fall(turn, None), turn) if rises else (Fall(context.zero, turn), None)
-    return (None if rises else Fall(context.zero, None)), None
+        return (_Fall(turn, None), turn) if rises else (_Fall(context.zero, turn), None)
+    return (None if rises else _Fall(context.zero, None)), None
 
 
 class Slip:
@@ -178,8 +172,6 @@ class Slip:
 
     Parameters
     ----------
-    context, numbers
-        High-precision context and the parameters in it.
     direction
         s = +1 or -1.
     speed
@@ -189,8 +181,6 @@ class Slip:
 
     Attributes
     ----------
-    speed
-        As given [m/s].
     duration
         Time from here to the end of the slip [s]; None if it never ends. docs/theory.md (5).
     end_acceleration
@@ -262,17 +252,17 @@ class Slip:
         """Return nothing: the law has no state of its own."""
         return ()
 
-    def _relative_velocity(self) -> RelativeVelocity:
+    def _relative_velocity(self) -> _RelativeVelocity:
         context, n = self._context, self._numbers
         alpha = n.c / (2 * n.m)
         # 4 m^2 (w^2 - alpha^2), whose sign is exact: products of doubles fit the context.
         discriminant = 4 * n.k * n.m - n.c * n.c
         root = context.sqrt(abs(discriminant)) / (2 * n.m)
         if discriminant > 0:
-            return Oscillation(context, alpha, root, self._rho_0, self._acceleration)
+            return _Oscillation(context, alpha, root, self._rho_0, self._acceleration)
         if discriminant == 0:
-            return CriticalDecay(context, alpha, self._rho_0, self._acceleration)
-        return TwoDecays(context, alpha, root, n.k / n.m, self._rho_0, self._acceleration)
+            return _CriticalDecay(context, alpha, self._rho_0, self._acceleration)
+        return _TwoDecays(context, alpha, root, n.k / n.m, self._rho_0, self._acceleration)
 
     def _end_undamped(self) -> None:
         """Set the end of a slip without damping in closed form, docs/theory.md (5), zeta = 0."""
@@ -317,7 +307,7 @@ class Slip:
                 return
             bracket = self._bracket_endless_fall(fall.start)
         else:
-            if isinstance(self._velocity, Oscillation):
+            if isinstance(self._velocity, _Oscillation):
                 swing = self._velocity.extreme(fall.stop)
                 lowest = self._V - swing
                 decided_by_structure = self._V <= 0
@@ -339,10 +329,7 @@ class Slip:
             self.decided_after = self.duration
 
     def _margin_of_creep(self) -> None:
-        """Set the margin of an over-damped slip with the pull at rest.
-
-        Such a slip stops if its slow part points backward and creeps on for ever if forward.
-        """
+        """Set the margin of an over-damped slip at V = 0, which creeps if its slow part does."""
         if self._V != 0 or self.speed == 0:
             return
         n = self._numbers
@@ -362,36 +349,21 @@ class Slip:
         return before, start + length
 
     def _falling_zero(self, low: Number, high: Number) -> Number:
-        """Return the zero of the speed in (low, high], where it falls from > 0 to <= 0.
+        """Return the zero of the speed in (low, high], where it falls from > 0 to <= 0, by Halley.
 
-        Halley's step, cut to bisection where it leaves the bracket or does not halve the last:
-        so it ends whatever the speed does, at a grazing stop too. Inside the bracket the speed has
-        no extreme, so a step that has become small has found the zero. Small is meant beside t
-        and, where the zero lies at the very start for all the digits there are, beside the
-        bracket.
+        Inside the bracket the speed has no extreme, so a small step has found the zero.
         """
         n = self._numbers
         damping, stiffness = n.c / n.m, n.k / n.m
-        tolerance = root_tolerance(self._context)
-        t = (low + high) / 2
-        last = high - low
-        negligible = tolerance * tolerance * last
-        while True:
+
+        def speed(t: Number) -> tuple[bool, Number | None]:
             rho, rate = self._velocity.at(t)
             p = self._V + rho
-            if p > 0:
-                low = t
-            else:
-                high = t
             curvature = -damping * rate - stiffness * rho
             slope = 2 * rate * rate - p * curvature
-            step = -2 * p * rate / slope if rate and slope else high - low
-            if abs(step) > tolerance * t and (not (low < t + step < high) or 2 * abs(step) > last):
-                step = (low + high) / 2 - t
-            t += step
-            last = abs(step)
-            if last <= tolerance * t or last <= negligible:
-                return t
+            return p <= 0, -2 * p * rate / slope if rate and slope else None
+
+        return safeguarded_zero(self._context, speed, low, high)
 
     def motion(self, t: Number) -> tuple[Number, Number]:
         """Return speed s x_dot [m/s] and distance s (x - x_0) [m] at the time t [s] from here."""

@@ -22,14 +22,10 @@ from stickslip_verification.truth.parameters import (
 
 @dataclass(frozen=True)
 class Step:
-    """One communication step.
+    """One communication step; inputs and tunable parameters act from its start on."""
 
-    h [s] > 0; changes: inputs (v, load, F_ext) and tunable parameters (k, c, mu_s, mu_k) by name,
-    SI, that act from the start of this step on.
-    """
-
-    h: float
-    changes: Mapping[str, float] = field(default_factory=dict)
+    h: float  # [s], > 0
+    changes: Mapping[str, float] = field(default_factory=dict)  # by name [SI]
 
 
 @dataclass(frozen=True)
@@ -41,10 +37,8 @@ class Run:
     initial
         Every output at the start, after the rest test there, by name.
     samples
-        Every output at the end of each step, by name: x, x_dot, x_pull, z, F, F_friction, F_s,
-        sticking, mode, delta_x, spring_drop, t_stick, t_slip, T, f, x_dot_peak, n_slips, t_event,
-        W_pull, W_k, Q_friction, mu_k_used. High-precision numbers in SI; mode and n_slips are
-        int, sticking is bool.
+        Every output of the block at the end of each step, by name. High-precision numbers in SI;
+        mode and n_slips are int, sticking is bool.
     times
         The times of the samples [s], start_time plus the exact sum of the steps.
     events
@@ -115,11 +109,9 @@ def run(
         if not (math.isfinite(step.h) and step.h > 0.0):
             raise ValueError(f"h = {step.h} is outside h > 0")
         if step.changes:
-            fixed = sorted(set(step.changes) - may_change)
-            if fixed:
-                raise ValueError(
-                    f"{', '.join(fixed)} cannot change in a run; {sorted(may_change)} can"
-                )
+            if fixed := sorted(set(step.changes) - may_change):
+                names = ", ".join(fixed)
+                raise ValueError(f"{names} cannot change in a run; {sorted(may_change)} can")
             values = complete({**values, **step.changes}, law.parameters)
             law.check(values)
             motion.change({name: values[name] for name in step.changes})

@@ -26,35 +26,27 @@ class Slip(Protocol):
 
     def reach(self, t: Number) -> None:
         """Follow the slip up to the time `t` [s], or to its end if that is earlier."""
-        ...
 
     def stays(self, changed: Numbers, t: Number) -> bool:
         """Return whether the slip under way at `t` is the same with `changed` numbers."""
-        ...
 
     def decision(self, t: Number) -> Number | None:
         """Return how clearly the slip has ended or gone on up to `t`; None if nothing decided."""
-        ...
 
     def motion(self, t: Number) -> tuple[Number, Number]:
         """Return speed s x_dot [m/s] and distance s (x - x_0) [m] at `t`."""
-        ...
 
     def dry_friction(self, t: Number) -> Number:
         """Return the friction [N] against the slip at `t`, viscous damping not included."""
-        ...
 
     def state(self, t: Number) -> tuple[Number, ...]:
         """Return the friction law's own state at `t`."""
-        ...
 
     def work_and_heat(self, t: Number, speed: Number, distance: Number) -> tuple[Number, Number]:
         """Return work done by the pulled end and heat [J] from the start to `t`."""
-        ...
 
     def top_speed(self, t: Number) -> Number:
         """Return the largest speed [m/s] between the start and `t`."""
-        ...
 
 
 class FrictionLaw:

@@ -21,12 +21,8 @@ _TOUCH_BITS = 44
 """A turn of u within 2^44 roundings of the largest speed from zero counts as zero: rounding of
 some hundred pieces, amplified; see `docs/theory.md (5)` for a slip that touches zero."""
 
-_OVERLAP_BITS = 20
-"""Turns are looked for up to 2^-20 of a piece beyond its end, so that none falls between two."""
-
-
-_KNOT_BITS = 16
-"""A piece that ends within 2^16 roundings of the largest speed from a knot ends on it."""
+_OVERLAP_BITS = 20  # turns are looked for up to 2^-20 of a piece beyond its end: none is missed
+_KNOT_BITS = 16  # a piece that ends within 2^16 roundings of the largest speed from a knot is on it
 
 
 class March:
@@ -34,10 +30,6 @@ class March:
 
     Parameters
     ----------
-    context, numbers
-        High-precision context and the parameters in it.
-    friction
-        What the friction law gives.
     direction
         s = +1 or -1.
     speed
@@ -49,8 +41,6 @@ class March:
 
     Attributes
     ----------
-    speed
-        As given [m/s].
     duration
         Time from the start to the end of the slip [s]; None if `reach` has met no end yet.
     end_acceleration

@@ -17,17 +17,9 @@ class Meter:
 
     def __init__(self, context: Context, start_time: Number) -> None:
         zero = context.zero
-        self.readings: dict[str, Number] = {
-            "delta_x": zero,
-            "spring_drop": zero,
-            "t_stick": zero,
-            "t_slip": zero,
-            "T": zero,
-            "f": zero,
-            "x_dot_peak": zero,
-            "n_slips": 0,
-            "t_event": start_time,
-        }
+        names = ("delta_x", "spring_drop", "t_stick", "t_slip", "T", "f", "x_dot_peak")
+        self.readings: dict[str, Number] = dict.fromkeys(names, zero)
+        self.readings |= {"n_slips": 0, "t_event": start_time}
         self._zero = zero
         self.stick_start = start_time
         self._last_break_away: Number | None = None
@@ -46,8 +38,7 @@ class Meter:
         self.readings["t_stick"] = time - self.stick_start
         if self._last_break_away is not None:
             T = time - self._last_break_away
-            self.readings["T"] = T
-            self.readings["f"] = 1 / T
+            self.readings |= {"T": T, "f": 1 / T}
         self._last_break_away = time
         self.readings["t_event"] = time
 
@@ -66,7 +57,3 @@ class Meter:
         self.readings["n_slips"] += 1
         self.readings["t_event"] = time
         self._slip_start = None
-
-    def begin_stick(self, time: Number) -> None:
-        """Mark where a stick begins: time [s]."""
-        self.stick_start = time

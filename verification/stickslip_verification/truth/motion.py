@@ -21,54 +21,29 @@ from stickslip_verification.truth.zeros import bracketed_zero
 
 @dataclass(frozen=True)
 class Event:
-    """A transition of the mass.
+    """A transition of the mass."""
 
-    time [s]; kind "break-away", "re-stick" or "reversal"; mode after it: s, or 0 for stick;
-    x [m] and z [m] of mass and spring.
-    """
-
-    time: Number
-    kind: str
-    mode: int
-    x: Number
-    z: Number
+    time: Number  # [s]
+    kind: str  # "break-away", "re-stick" or "reversal"
+    mode: int  # after it: s, or 0 for stick
+    x: Number  # of the mass [m]
+    z: Number  # of the spring [m]
 
 
 @dataclass(frozen=True)
 class Stick:
-    """A stick with all inputs and parameters constant.
+    """A stick with all inputs and parameters constant."""
 
-    wait [s]: time from here to break-away, None if there is none; overload [N]: by how much the
-    force exceeds F_s at that break-away, above 0 only within the rest test's rounding slack;
-    way [N]: what the force lacks to break-away here, below 0 only within that slack.
-    """
-
-    wait: Number | None
-    overload: Number
-    way: Number
+    wait: Number | None  # time from here to break-away [s], None if there is none
+    overload: Number  # of the force beyond F_s at that break-away [N], within the slack
+    way: Number  # what the force lacks to break-away here [N], below 0 only within the slack
 
 
 class Motion:
-    """The state of one run, carried along its arcs.
-
-    Parameters
-    ----------
-    context
-        High-precision context.
-    values
-        All parameters as doubles.
-    start_time
-        Time of the start [s].
-    law
-        The friction law.
-    """
+    """The state of one run, carried along its arcs; `values` are all parameters."""
 
     def __init__(
-        self,
-        context: Context,
-        values: Mapping[str, float],
-        start_time: float,
-        law: FrictionLaw,
+        self, context: Context, values: Mapping[str, float], start_time: float, law: FrictionLaw
     ) -> None:
         self._context = context
         self._law = law
@@ -228,7 +203,7 @@ class Motion:
             self._mode = direction
             self._meter.begin_slip(self._arc_start, direction, self._x, self._z)
             self._undone = self._undone or from_stick
-            self._slip_from_rest((abs(A) - self._sliding()) / n.m)
+            self._slip((abs(A) - self._sliding()) / n.m)
             return
         if self._mode != 0 and not self._undone:
             # A reversal at this very instant that the change takes back: rest begins here.
@@ -245,17 +220,15 @@ class Motion:
         self._arc = Stick(wait, max(-way, zero), way)
 
     def _begin_stick(self, time: Number) -> None:
-        """Let a fresh stick begin, of age 0."""
-        self._meter.begin_stick(time)
+        self._meter.stick_start = time
         self._born = time
 
     def _aged(self, stick: Stick) -> Stick:
         """Return a stick with the time to break-away of a force that grows with the age.
 
         That force is concave in the age and the load is linear, so what the load lacks has one
-        zero after the beginning, and is negative after it; a break-away after the present time is
-        not looked for. Where it lacks nothing at the beginning but the force grows faster than the
-        load, the mass sticks on until that later zero.
+        zero after the beginning, and is negative after it. Where it lacks nothing at the beginning
+        but the force grows faster than the load, the mass sticks on until that zero.
         """
         if not self._law.ages(self._n) or stick.wait is None:
             return stick
@@ -276,18 +249,14 @@ class Motion:
         wait = bracketed_zero(self._context, lacking, stick.wait, elapsed)
         return Stick(wait, stick.overload, stick.way)
 
-    def _slip_from_rest(self, acceleration: Number) -> None:
-        """Begin a slip at rest with s x_ddot = `acceleration` [m/s2]."""
-        self._slip(self._context.zero, acceleration)
-
     def _slip_on(self, speed: Number) -> None:
-        """Begin an arc of a slip that is under way at `speed` [m/s]."""
         n = self._n
         force = self._mode * (n.k * self._z + n.F_ext) - self._sliding(speed) - n.c * speed
-        self._slip(speed, force / n.m)
+        self._slip(force / n.m, speed)
 
-    def _slip(self, speed: Number, acceleration: Number) -> None:
-        """Begin an arc of slip with s x_dot = `speed` [m/s], s x_ddot = `acceleration` [m/s2]."""
+    def _slip(self, acceleration: Number, speed: Number | None = None) -> None:
+        """Begin an arc of slip with s x_ddot = `acceleration` [m/s2], by default from rest."""
+        speed = self._context.zero if speed is None else speed
         self._arc = self._law.slip(
             self._context, self._n, self._mode, speed, acceleration, self._state
         )
@@ -320,10 +289,9 @@ class Motion:
         self._z = (self._mode * (F_s + overload) - n.F_ext) / n.k
         self._meter.begin_slip(time, self._mode, self._x, self._z)
         self._break_away_done()
-        self._slip_from_rest((self._law.gap(n, F_s, self._sliding()) + overload) / n.m)
+        self._slip((self._law.gap(n, F_s, self._sliding()) + overload) / n.m)
 
     def _break_away_done(self) -> None:
-        """Record a break-away at the start of the present arc."""
         self._undone = False
         self._meter.break_away(self._arc_start)
         self._record("break-away")
@@ -345,7 +313,7 @@ class Motion:
             self._mode = -direction
             self._meter.begin_slip(time, self._mode, self._x, self._z)
             self._record("reversal")
-            self._slip_from_rest((backward - F_k) / n.m)
+            self._slip((backward - F_k) / n.m)
             return
         self._mode = 0
         self._begin_stick(time)

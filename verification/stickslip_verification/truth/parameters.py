@@ -23,7 +23,7 @@ Context: TypeAlias = Any
 
 
 class Kind(StrEnum):
-    """When a parameter may be set."""
+    """When a parameter may be set: before a run only, or between two steps as well."""
 
     FIXED = "fixed"
     TUNABLE = "tunable"
@@ -32,36 +32,16 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter or input of the model, or a parameter of a friction law's own.
-
-    Attributes
-    ----------
-    name
-        Its symbol.
-    unit
-        SI unit, "1" where it has none.
-    start
-        Its value where none is given.
-    kind
-        Fixed: set before a run only. Tunable parameters and inputs may change between two steps.
-    low
-        Its lower bound; None without one.
-    strict
-        Whether the bound itself is excluded.
-    directed
-        Whether it changes its sign in the mirror image of a run.
-    chosen
-        Whether it is a choice, such as a number of points, and no datum that may be a little off.
-    """
+    """A parameter or input of the model, or a parameter of a friction law's own."""
 
     name: str
-    unit: str
+    unit: str  # SI, "1" where it has none
     start: float
     kind: Kind
-    low: float | None = None
-    strict: bool = False
-    directed: bool = False
-    chosen: bool = False
+    low: float | None = None  # its lower bound
+    strict: bool = False  # whether the bound itself is excluded
+    directed: bool = False  # whether it changes its sign in the mirror image of a run
+    chosen: bool = False  # whether it is a choice, and no datum that may be a little off
 
     def check(self, value: float) -> None:
         """Raise a ValueError with name, value and range if `value` is no finite number in range."""
@@ -115,8 +95,6 @@ _ROOT_BITS = 30
 @functools.cache
 def high_precision(digits: int) -> Context:
     """Return the context that carries `digits` decimal digits and the guard digits.
-
-    Runs of the same `digits` share it, so their results mix; the global precision is left alone.
 
     Raises
     ------
@@ -176,50 +154,40 @@ def used_mu_k(mu_s: float, mu_k: float) -> float:
 
 @dataclass(frozen=True)
 class Numbers:
-    """The parameters of one arc as exact numbers, with the forces that follow from them.
-
-    m [kg], k [N/m], c [N.s/m], v [m/s], F_ext [N] as given; mu_k [1] after the clamp;
-    N [N] normal force; F_s [N] static friction mu_s N; F_k [N] kinetic friction mu_k N;
-    gap [N] F_s - F_k, zero exactly where the two coefficients are equal or N is zero;
-    own: the friction law's own parameters by name [SI].
-    """
+    """The parameters of one arc as exact numbers [SI], with the forces that follow from them."""
 
     m: Number
     k: Number
     c: Number
     v: Number
     F_ext: Number
-    mu_k: Number
-    N: Number
-    F_s: Number
-    F_k: Number
-    gap: Number
-    own: Mapping[str, Number] = field(default_factory=dict)
+    mu_k: Number  # after the clamp
+    N: Number  # normal force
+    F_s: Number  # mu_s N
+    F_k: Number  # mu_k N
+    gap: Number  # F_s - F_k, zero exactly where the two coefficients are equal or N is zero
+    own: Mapping[str, Number] = field(default_factory=dict)  # the friction law's own parameters
 
 
 def exact(context: Context, values: Mapping[str, float]) -> Numbers:
     """Return `values` (all of them, as from `complete`) as exact numbers of `context`."""
-    exact_values = {name: context.mpf(value) for name, value in values.items()}
-    mu_s = exact_values["mu_s"]
+    numbers = {name: context.mpf(value) for name, value in values.items()}
+    mu_s = numbers["mu_s"]
     mu_k = context.mpf(used_mu_k(values["mu_s"], values["mu_k"]))
-    weight = exact_values["m"] * exact_values["g"]
-    N = weight + exact_values["load"]
+    weight = numbers["m"] * numbers["g"]
+    N = weight + numbers["load"]
     # load = -m g can be said in doubles only to a rounding of the product: it means N = 0.
     rounding = weight * context.ldexp(1, -53)
     if rounding >= N:
         N = context.zero
     return Numbers(
-        m=exact_values["m"],
-        k=exact_values["k"],
-        c=exact_values["c"],
-        v=exact_values["v"],
-        F_ext=exact_values["F_ext"],
+        **{name: numbers[name] for name in ("m", "k", "c", "v", "F_ext")},
         mu_k=mu_k,
         N=N,
         F_s=mu_s * N,
         F_k=mu_k * N,
         gap=(mu_s - mu_k) * N,
-        own={name: each for name, each in exact_values.items() if name not in START_VALUES},
+        own={name: number for name, number in numbers.items() if name not in START_VALUES},
     )
 
 

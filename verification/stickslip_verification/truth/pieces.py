@@ -31,22 +31,14 @@ from stickslip_verification.truth.parameters import Context, Number, Numbers
 from stickslip_verification.truth.series import Series, derivative, integral, value_at
 from stickslip_verification.truth.zeros import bracketed_zero
 
-_ROUNDING_BITS = 16
-"""A series is cut where its last eighth is below 2^16 roundings of its largest term."""
-
-_LENGTH_BITS = 0.05
-"""The length of a piece is known to 2^0.05: it is the shorter side that is taken."""
-
+_ROUNDING_BITS = 16  # a series is cut where its last eighth is below 2^16 of its roundings
+_LENGTH_BITS = 0.05  # the length of a piece is known to 2^0.05, of which the shorter side counts
 _DEFECT_BITS = 30
 """The equation of motion must hold to 2^30 roundings at the end of a piece: the derivative of a
-series of order 80 is known to some thousand times less than the series, and a half of the piece is
-tried where it does not hold."""
+series of order 80 is known to some thousand times less than the series."""
 
-_LONGEST = 8
-"""Longest piece in units of 1/w, for series that end after a few terms; in sigma as it is."""
-
-_MOST_HALVINGS = 40
-"""A piece that is still wrong at 1e-12 of the length that its series promise meets a kink."""
+_LONGEST = 8  # a piece, of 1/w, for series that end after a few terms; in sigma as it is
+_MOST_HALVINGS = 40  # a piece still wrong at 1e-12 of the length of its series meets a kink
 
 
 class NearRest(NamedTuple):
@@ -64,26 +56,16 @@ class NearRest(NamedTuple):
 class Friction:
     """What a friction law gives a march, under constant parameters.
 
-    Attributes
-    ----------
-    force
-        Takes the series of the speed [m/s], those of the own state and the number of the band
-        between knots; returns the series of the friction [N].
-    rates
-        Takes the first two; returns the series of the rates of the own state.
-    signed
-        Whether the law has no stick: then u may change its sign, and does not end the slip.
-    knots
-        Rising speeds > 0 [m/s] at which the friction has a corner.
-    near_rest
-        Where the friction has no Taylor series at u = 0; the law has no own state then.
+    ``force`` takes the series of the speed [m/s], those of the own state and the number of the band
+    between knots, and returns the friction [N]; ``rates`` takes the first two and returns the rates
+    of the own state.
     """
 
     force: Callable[[Series, Sequence[Series], int], Series]
     rates: Callable[[Series, Sequence[Series]], Sequence[Series]]
-    signed: bool = False
-    knots: Sequence[Number] = ()
-    near_rest: NearRest | None = None
+    signed: bool = False  # whether the law has no stick: then u may change its sign
+    knots: Sequence[Number] = ()  # rising speeds > 0 [m/s] at which the friction has a corner
+    near_rest: NearRest | None = None  # where it has no Taylor series at u = 0, and no own state
 
 
 class Start(NamedTuple):

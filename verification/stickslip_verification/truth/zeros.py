@@ -71,30 +71,46 @@ def bracketed_zero(
 ) -> Number:
     """Return the zero of a function that changes its sign between `low` and `high`.
 
-    Newton's step, cut to bisection where it leaves the bracket or does not halve the last one.
-
     Parameters
     ----------
     function
         Gives value and derivative. What it gives at `low` and `high` themselves is not looked at
         but for the sign at `high`.
     """
-    tolerance = root_tolerance(context)
     above = sign(function(high)[0])
-    if above == 0:
-        return high
+
+    def newton(t: Number) -> tuple[bool, Number | None]:
+        value, slope = function(t)
+        return sign(value) == above, -value / slope if slope else None if value else value
+
+    return safeguarded_zero(context, newton, low, high) if above else high
+
+
+def safeguarded_zero(
+    context: Context,
+    function: Callable[[Number], tuple[bool, Number | None]],
+    low: Number,
+    high: Number,
+) -> Number:
+    """Return the zero between `low` and `high`, by steps cut to bisection.
+
+    A step is cut where it leaves the bracket or does not halve the last one, so that it ends
+    whatever the function does. A step is small beside t, or beside the bracket where the zero lies
+    at its very start.
+
+    Parameters
+    ----------
+    function
+        Whether the zero lies at t or before, and the step to it; None where there is none.
+    """
+    tolerance = root_tolerance(context)
     t = (low + high) / 2
     last = high - low
     negligible = tolerance * tolerance * last
     while True:
-        value, slope = function(t)
-        if value == 0:
-            return t
-        if sign(value) == above:
-            high = t
-        else:
-            low = t
-        step = -value / slope if slope else high - low
+        is_before, step = function(t)
+        low, high = (low, t) if is_before else (t, high)
+        step = high - low if step is None else step
         near = abs(step) <= tolerance * abs(t)
         if not near and (not (low < t + step < high) or 2 * abs(step) > last):
             step = (low + high) / 2 - t
