@@ -15,18 +15,9 @@ from stickslip_verification.suite.tolerances import Facts, facts_of
 
 @dataclass(frozen=True)
 class Exact:
-    """The exact motion of a case.
+    """The exact motion of a case: its samples, rounded to double once, and its transitions.
 
-    Attributes
-    ----------
-    record
-        Its samples, rounded to double once.
-    start
-        Every value at the start, the defaults included (SI).
-    events
-        Its transitions.
-    facts
-        What the tolerances take from it.
+    ``start`` has every value at the start (SI), ``facts`` is what the tolerances take from it.
     """
 
     record: Run
@@ -47,14 +38,8 @@ def exact_motion(case: Case) -> Exact:
         record=record_of(case, run),
         start=case.start,
         events=[
-            Event(
-                float(each.time),
-                Transition(each.kind),
-                each.mode,
-                float(each.x),
-                float(each.z),
-            )
-            for each in run.events
+            Event(float(e.time), Transition(e.kind), e.mode, float(e.x), float(e.z))
+            for e in run.events
         ],
         facts=facts_of(run),
     )

@@ -27,8 +27,7 @@ T = TypeVar("T")
 def kept(function: Callable[..., T], case: Case, *arguments: Any) -> T:
     """Return `function(case, *arguments)`, or its result from earlier in this session.
 
-    An earlier result counts if the motion that the case describes and the other arguments are what
-    they were. Of a friction law from elsewhere, whose source is not looked at, nothing is kept.
+    Of a friction law from elsewhere, whose source is not looked at, nothing is kept.
     """
     folder = os.environ.get(FOLDER)
     if not folder or case.law not in BUILT_IN:

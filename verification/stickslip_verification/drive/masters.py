@@ -32,7 +32,7 @@ from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.experiment import CommunicationStep
 
 AfterStep = Callable[[float], bool]
-"""Called with the time since the start [s] after each step; a true answer ends the run there."""
+"""Called with the time since the start [s] after each step; True ends the run there."""
 
 _PIECES = (0.3, 0.45)
 """Parts of a step that it is cut into, the rest being the last."""
@@ -54,19 +54,11 @@ _TINY = 1e-9
 
 
 class Master:
-    """One run of an FMU through a setting.
+    """One run of an FMU through a setting; the first of its ``instances`` runs the case.
 
-    Attributes
-    ----------
-    names
-        What is read: all outputs that the FMU has, if nobody says otherwise.
-    start, values, seed
-        Start values of the case, these with what was changed so far, and what decides orders and
-        cuts: the same for the same case.
-    instances
-        The first runs the case.
-    number, next
-        The step that comes next.
+    ``names`` are read, by default all outputs that the FMU has. ``start`` are the start values of
+    the case, ``values`` these with what was changed so far; the case's ``seed`` decides orders and
+    cuts. ``number`` and ``next`` are the step that comes next.
     """
 
     next: CommunicationStep
@@ -168,10 +160,9 @@ class Master:
                 time += after - before
 
     def others(self, *, changeable: bool = False) -> dict[str, float]:
-        """Return values some of which are unlike the case's; of what may change on the way alone.
+        """Return values of which some are unlike the case's; of what may change on the way alone.
 
-        Each is unlike or as the case has it, so that what is made from several values meets some
-        that are the same.
+        Some are as the case has them, for what the FMU makes from several values.
         """
         start, draw = self.start, Random(f"other than {self.seed}")
         values = {
@@ -197,16 +188,10 @@ class Master:
 class Way:
     """A way of calling: what it does otherwise than the plain one.
 
-    Attributes
-    ----------
-    begin, set, step, read
-        Called in place of the master's own.
-    setting, back
-        From an FMU and a case to what is run, and from its run to what is to equal the plain one.
-    reads, reads_start
-        Whether outputs are read after each step, and after the initialization.
-    states, written
-        Whether states are set, and whether they are written as bytes.
+    ``begin``, ``set``, ``step``, ``read`` are called in place of the master's own. ``setting`` says
+    what is run, ``back`` makes of the run what is to equal the plain one. ``reads`` and
+    ``reads_start`` say whether outputs are read after each step, and after the initialization;
+    ``states`` and ``written`` whether states are set, and whether they are written as bytes.
     """
 
     begin: Callable[[Master], None] = Master.begin
@@ -293,7 +278,6 @@ def _set_back_at_marks(m: Master) -> None:
 
 
 def _begin_both(m: Master, **changes: float) -> None:
-    """Begin with another instance too, with other values."""
     m.begin()
     m.instances[1].start({**m.setting.parameters, **changes})
     m.read(m.instances[1])
@@ -324,6 +308,9 @@ def _step_other_before(m: Master) -> None:
         m.go(m.instances[1], m.number - 1, m.number)
     m.set()
 
+
+run_case = Way()
+"""Drives a fresh instance of an FMU through a case, plainly."""
 
 RUNS: Mapping[str, Way] = {
     "mirror": _symmetric(MIRROR),
@@ -403,10 +390,7 @@ def _set_singly(m: Master, values: Mapping[str, float]) -> None:
 
 
 def _set_back(m: Master) -> None:
-    """Take states before and after a set, go on otherwise, and set the state back.
-
-    Many states exist at once, and they are set in another order than they were taken in.
-    """
+    """Take states before and after a set, go on otherwise, and set them back in another order."""
     instance, h, time = m.instance, m.next.h, m.time
     before = instance.get_state()
     m.set()
@@ -430,10 +414,7 @@ def _begin_far_apart(m: Master) -> None:
 
 
 def _carry_over(m: Master) -> None:
-    """Carry the state as bytes into another instance, which has run through something else.
-
-    It is written when the instance that it is of has gone on.
-    """
+    """Carry a state, written when its instance has gone on, into one that ran something else."""
     m.set()
     state = m.instance.get_state()
     m.instance.set(m.others(changeable=True))
@@ -491,8 +472,3 @@ def run(fmu: FmuFile, setting: Setting, after_step: AfterStep | None = None) -> 
     the run early.
     """
     return Master(fmu, setting).run(after_step)
-
-
-def run_case(fmu: FmuFile, case: Case) -> Run:
-    """Drive a fresh instance of an FMU through a case; raises as `setting_of` and `run` do."""
-    return run(fmu, setting_of(fmu, case))

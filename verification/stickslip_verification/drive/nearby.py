@@ -21,11 +21,9 @@ from stickslip_verification.truth.named import COULOMB_NAME
 OFF = tuple(10.0**decade for decade in range(-9, 0))
 """By how much the data are off, as a part of each."""
 
-MOTIONS = 8
-"""How many motions near the exact one are followed for each; of a friction law that is marched by
-series, whose motions take a hundred times as long, `FEW`, and for each second of the parts."""
-FEW = 3
-
+MOTIONS, FEW = 8, 3
+"""How many motions near the exact one are followed for each; and how many of a friction law that is
+marched by series, which takes a hundred times as long, for each second of the parts."""
 
 PART = 1e-4
 """By how much a parameter is larger for its changes."""
@@ -35,10 +33,9 @@ def spreads(case: Case) -> dict[str, Series]:
     """Return how far each output lies from the exact motion when the data are off by `OFF`.
 
     Shape ``(len(OFF), n)`` each, in the unit of the output; the largest of a few motions whose data
-    are off up or down, and of those with data less off. At every change the new values are off
-    anew. A force of the part of the largest one in play is added to F_ext, a speed to a pull at
-    rest, and a damper to none, so that neither a balance of forces nor a velocity that just touches
-    zero is met exactly.
+    are off up or down, and of those with data less off. A force is added to F_ext, a speed to a
+    pull at rest, and a damper to none, so that neither a balance of forces nor a velocity that just
+    touches zero is met exactly.
     """
     plain = _follow(case, case.start, [step.changes for step in case.steps])
     force = max(float(np.max(np.abs(plain.outputs[name]))) for name in ("F", "F_s"))

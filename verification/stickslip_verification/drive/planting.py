@@ -30,17 +30,10 @@ _ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
 def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     """Make the FMU with the fault planted, the same bytes at every call, and return its file.
 
-    That is `destination` if it ends in .fmu, or ``<id>.fmu`` in it; folders are made. A fault in
-    the calls of the master changes no FMU: there `fmu` itself is returned.
-
-    Raises
-    ------
-    MutantError
-        The FMU carries no packed source, or the fault does not fit it: a file to change is not
-        there, a file to add is, a substitution does not match exactly once, or what comes out is
-        not Python. That the target of an override is gone shows when the FMU is loaded.
-    OSError
-        The mutant cannot be written.
+    That is `destination` if it ends in .fmu, or ``<id>.fmu`` in it; a fault in the calls of the
+    master changes no FMU, and `fmu` itself is returned. `MutantError` if the FMU carries no packed
+    source, or the fault does not fit it; that the target of an override is gone shows when the FMU
+    is loaded. `OSError` if the mutant cannot be written.
     """
     if not mutant.changes_the_fmu:
         return fmu

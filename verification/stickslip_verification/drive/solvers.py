@@ -75,11 +75,10 @@ class Solver:
     """A slider: a method with steps of `step` [s], or `parts` of each communication step.
 
     It finds out at the end of a step what has happened in it, or has the events `located`. One that
-    is `late` breaks away by the forces at the end of a step, and not at its beginning. One with a
-    `band` [m/s] takes a smaller speed for none: it stops there, and static friction acts till it is
-    exceeded (the switch model, Leine et al. 1998). Without a method it locates events and adapts
-    the steps of `adapts` to the tolerance `rtol`, absolute `atol` (in SI units), by default small
-    against the motion.
+    is `late` breaks away by the forces at the end of a step. One with a `band` [m/s] takes a
+    smaller speed for none, and static friction acts till it is exceeded (the switch model, Leine et
+    al. 1998). Without a method SciPy's `adapts` locates events at the tolerance `rtol`, absolute
+    `atol` (SI), by default small against the motion.
     """
 
     method: Method | None = None

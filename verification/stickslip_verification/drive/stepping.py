@@ -21,16 +21,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Setting:
-    """What an FMU is driven through (SI).
+    """What an FMU is driven through: values by the suite's names set before the start (SI), steps.
 
-    Attributes
-    ----------
-    parameters
-        Parameters and inputs set before the start, by the suite's names.
-    steps
-        Communication steps; the changes of each are set before it.
-    start_time
-        Time of the start [s].
+    The changes of a step are set before it; ``start_time`` is in s.
     """
 
     parameters: Mapping[str, float]
@@ -47,8 +40,8 @@ def setting_of(fmu: FmuFile, case: Case) -> Setting:
     """Return the setting of a case for this FMU.
 
     Where the FMU's own start values are tried (`FmuFile.own_starts`), only what the case names is
-    set. Elsewhere all values are set, since the FMU's may differ. `NotApplicableError` if it lacks
-    a variable that the case gives another value than our default, or cannot change one on the way.
+    set. `NotApplicableError` if it lacks a variable that the case gives another value than our
+    default, or cannot change one on the way.
     """
     require_law(fmu, case)
     if fmu.own_starts:
@@ -70,11 +63,7 @@ def can_run(fmu: FmuFile, case: Case) -> bool:
 
 
 def require_law(fmu: FmuFile, case: Case) -> None:
-    """Raise `FmuError` if an FMU lacks a parameter of the friction law of a case.
-
-    Coulomb's law counts without its own parameters too: a case that gives one of them another value
-    than the start is then not applicable.
-    """
+    """Raise `FmuError` if an FMU lacks a parameter of the friction law of a case, not Coulomb's."""
     if case.law == COULOMB_NAME:
         fmu.look_for(case.own, optional=True)
         return
@@ -88,10 +77,7 @@ def require_law(fmu: FmuFile, case: Case) -> None:
 
 
 def lacking(fmu: FmuFile, values: Mapping[str, float], own: Sequence[Parameter] = ()) -> list[str]:
-    """Return the names that an FMU has no variable for and whose value is not our default.
-
-    `own` are a friction law's parameters among them.
-    """
+    """Return the names that an FMU has no variable for and whose value is not our default."""
     starts = {**START_VALUES, **{each.name: each.start for each in own}}
     return [n for n in values if not fmu.has(n) and values[n] != starts[n]]
 

@@ -58,11 +58,10 @@ DIRECTED: Final = {each.name for each in PARAMETERS if each.directed} | {
 def trial(
     fmu: Path, fitting: Sequence[Variable], guesses: Sequence[Sequence[Variable]]
 ) -> dict[Variable, int]:
-    """Run an FMU in processes of its own; tell with which sign a variable is ours, or 0 if not.
+    """Run an FMU in processes of its own; return with which sign a variable is ours, or 0 if not.
 
-    What stays unknown is left out: all if the FMU fails or does not move as a block. `fitting` are
-    variables of the FMU as each of ours that they may be, `guesses` what the parameters may be, the
-    likeliest first.
+    What stays unknown is left out. `fitting` are variables of the FMU as each of ours that they may
+    be, `guesses` what the parameters may be, the likeliest first.
     """
     nothing = NameMap(dict.fromkeys(UNITS, Target(NOT_THERE)))
     with workers.Pool(workers.jobs_here(), fmu=fmu, names=nothing, limits=_LIMITS) as pool:

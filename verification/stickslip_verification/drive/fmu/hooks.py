@@ -43,6 +43,8 @@ class Hooked(FmuInstance):
 
 def hooked(face: type[FmuInstance], hooks: Sequence[Hook]) -> type[FmuInstance]:
     """Return the class of the instances that these hooks act on, one laid over the other."""
+    if not hooks:
+        return face
     made = type("Hooked", (Hooked, face), {})
     for name, code in hooks:
         space: dict[str, Any] = {"original": getattr(made, name)}

@@ -60,9 +60,8 @@ class NameMap:
 def load_names(file: Path, own: Iterable[Parameter] = ()) -> NameMap:
     """Read a names file: ``x = "mass.s"`` or ``x = { name = "mass.s", unit = "mm", sign = -1 }``.
 
-    The entries stand at the top of the TOML file or in a table ``[names]``. An empty name says that
-    the FMU has no such variable. The file may name the parameters of a friction law, `own`, too.
-    `NamesError` if it cannot be read, is not TOML, or holds something that is no entry.
+    The entries stand at the top of the TOML file or in a table ``[names]``, those of the parameters
+    of a friction law, `own`, too. `NamesError` if it cannot be read or holds something else.
     """
     source = DataFile(file, NamesError)
     place = ["names"] if isinstance(source.data.get("names"), dict) else []

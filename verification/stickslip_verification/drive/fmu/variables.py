@@ -17,19 +17,8 @@ READABLE = frozenset({"output", "local", "calculatedParameter"})
 class Variable:
     """A variable of the FMU that is one of ours.
 
-    Attributes
-    ----------
-    name, their_name
-        Ours and the FMU's.
-    reference, kind, causality, variability
-        As the FMU declares them.
-    unit
-        The unit of its numbers, as the names file or else the FMU spells it; None if neither does,
-        and SI is assumed.
-    start
-        Its start value in SI, None if the FMU gives none.
-    conversion
-        From its numbers to ours in SI.
+    ``unit`` is that of its numbers, as the names file or else the FMU spells it, None where SI is
+    assumed; ``start`` is in SI; ``conversion`` makes its numbers ours in SI.
     """
 
     name: str
@@ -48,10 +37,9 @@ def collect(
 ) -> dict[str, Variable]:
     """Find variables of ours, `wanted` names with their units, in a model description.
 
-    A name that the map leaves out is looked for as it is, and counts only if the FMU declares it as
-    what it is to us: one that we set as parameter or input, one that we read as output. `FmuError`,
-    beginning with `label`, for mapped names that the FMU does not have, a variable of the wrong
-    sort, a unit that is unknown or of another dimension.
+    A name that the map leaves out is looked for as it is, and counts only if it `looks_like` ours.
+    `FmuError`, beginning with `label`, for mapped names that the FMU does not have, a variable of
+    the wrong sort, a unit that is unknown or of another dimension.
     """
     theirs, targets = description.declared, names.targets
     taken = {ours: each.name for ours, each in targets.items() if each.name != NOT_THERE}

@@ -6,7 +6,8 @@ asks for the same bits.
 
 import math
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import chain
 from typing import Any
 
@@ -28,17 +29,13 @@ from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.truth.parameters import complete
 
 Call = Mapping[str, Any]
-"""One call of a master.
-
-``{ set = { name = value } }`` sets variables in one call, in this order (SI). ``{ start = time }``
-initializes at a start time [s]. ``{ step = h }`` makes a step of h [s], with ``times`` so many.
-"""
+"""One call of a master: ``{ set = { name = value } }`` sets variables (SI), ``{ start = time }``
+initializes at a start time [s], ``{ step = h }`` makes a step of h [s], with ``times`` so many."""
 
 Row = Mapping[str, float]
 """Outputs at one time, by name (SI)."""
 
 _MOST_COMPLAINTS = 3
-"""Outputs that a complaint names; more would not help to find the fault."""
 
 _ALIKE = 0.05
 """Difference of mean and of deviation, as a part of the deviation: what the points' places in the
@@ -55,18 +52,14 @@ class Caller:
         self.instance = instance
         self.names = available(fmu, OUTPUT_NAMES)
         self.start = 0.0
-        self._steps: list[float] = []
+        self.steps: list[float] = []
         self._read = instance.reader(self.names)
         instance.set(defaults(fmu))
 
     @property
     def since(self) -> float:
         """Time since the start [s]."""
-        return math.fsum(self._steps)
-
-    def resume(self, since: float) -> None:
-        """Go on at a time since the start [s], from a state that was set."""
-        self._steps = [since]
+        return math.fsum(self.steps)
 
     def play(self, calls: Iterable[Call]) -> list[Row]:
         """Play calls; return the outputs after each step."""
@@ -80,7 +73,7 @@ class Caller:
             else:
                 for _ in range(call.get("times", 1)):
                     self.instance.step(self.start + self.since, call["step"])
-                    self._steps.append(call["step"])
+                    self.steps.append(call["step"])
                     rows.append(self.row())
         return rows
 
@@ -89,11 +82,18 @@ class Caller:
         return dict(zip(self.names, self._read(), strict=True))
 
 
-def played(fmu: FmuFile, calls: Iterable[Call], then: Iterable[Call]) -> tuple[Caller, list[Row]]:
-    """Play calls on an instance of its own; return the outputs after the steps of `then`."""
+@contextmanager
+def calling(fmu: FmuFile, calls: Iterable[Call]) -> Iterator[Caller]:
+    """Give a caller that has played these calls on an instance of its own."""
     with fmu.instantiate() as instance:
         caller = Caller(fmu, instance)
         caller.play(calls)
+        yield caller
+
+
+def played(fmu: FmuFile, calls: Iterable[Call], then: Iterable[Call]) -> tuple[Caller, list[Row]]:
+    """Play calls on an instance of its own; return the outputs after the steps of `then`."""
+    with calling(fmu, calls) as caller:
         return caller, caller.play(then)
 
 
@@ -116,18 +116,16 @@ def same_motion(
     may_refuse: bool = False,
     ignored: Sequence[str] = (),
 ) -> list[str]:
-    """Complain if `calls` and `like`, played on an instance each, do not lead to the same motion.
+    """Complain if `calls` and `like` do not lead to the same outputs after the steps of `then`.
 
-    The outputs after the steps of `then`, which follows either, are compared, but for those that
-    are `ignored`. If the start times differ, `t_event` may count from 0 or from the start; it is
-    not compared bit for bit then. The FMU `may_refuse` calls that its own convention excludes.
+    If the start times differ, `t_event` may count from 0 or from the start; it is not compared bit
+    for bit then. The FMU `may_refuse` calls that its own convention excludes.
     """
     check_playable(fmu, chain(calls, then))
     check_playable(fmu, chain(like, then))
     need_instances(fmu)
     other, expected = played(fmu, like, then)
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
+    with calling(fmu, ()) as caller:
         try:
             caller.play(calls)
         except FmuError as error:
@@ -154,9 +152,7 @@ def gives(
     names = available(fmu, outputs)
     if not names:
         need(fmu, outputs)
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        caller.play(calls)
+    with calling(fmu, calls) as caller:
         row = caller.row()
     return [
         f"{name} is {row[name]!r}, not {outputs[name]!r}"
@@ -204,9 +200,7 @@ def starts_at(fmu: FmuFile, time: float) -> list[str]:
     """Complain if `t_event` does not count from the start time [s]."""
     need(fmu, ["t_event"])
     first = time + float(formulas.first_load_up(complete({})))
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        caller.play([{"start": time}])
+    with calling(fmu, [{"start": time}]) as caller:
         begin = caller.row()["t_event"]
         rows = caller.play([{"step": 0.001, "times": 300}])
     if fmu.fmi_version == "3.0":
@@ -230,10 +224,9 @@ def keeps_its_cycle(
 ) -> list[str]:
     """Complain if the elongation of the spring is another one at the end of a long run.
 
-    Its `parameters` (SI) differ from our defaults. Of `count` steps of `step` [s] a `window` is
-    compared at the beginning and at the end. After `seconds` of the processor, or twice as much of
-    the clock, it ends with fewer. `NotApplicableError` if the FMU lacks a parameter, is too slow
-    for a run that is long, or diverges from the beginning.
+    Of `count` steps of `step` [s] a `window` is compared at the beginning and at the end. After
+    `seconds` of the processor, or twice as much of the clock, it ends with fewer.
+    `NotApplicableError` if the FMU is too slow for a long run, or diverges from the beginning.
     """
     need(fmu, lacking(fmu, parameters))
     values = {**defaults(fmu), **parameters}
@@ -276,8 +269,7 @@ def differences(
 ) -> list[str]:
     """Return where two motions differ, a line for each of the first outputs that do.
 
-    What is discrete must be equal; within no tolerance all must, NaN to NaN. The largest value in a
-    unit is that of any row. Outputs that are `ignored` are not compared.
+    What is discrete must be equal; without a tolerance all must, NaN to NaN.
     """
     scales = {} if tolerance is None else _scales(chain(got, expected))
     complaints = []

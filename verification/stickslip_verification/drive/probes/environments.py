@@ -1,6 +1,5 @@
 """Probes that go on in a fresh process: from the bytes of a state, or in another environment."""
 
-import contextlib
 import os
 import tempfile
 import time
@@ -10,11 +9,10 @@ from itertools import chain
 from pathlib import Path
 
 from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.probes.calls import (
     Call,
-    Caller,
     Row,
+    calling,
     check_playable,
     differences,
     played,
@@ -43,10 +41,8 @@ def state_in_a_fresh_process(
     """
     need_ability(_serializes(fmu), "serialize its state")
     check_playable(fmu, chain(calls, then))
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        caller.play(calls)
-        state = instance.written(instance.get_state()), caller.since
+    with calling(fmu, calls) as caller:
+        state = caller.instance.written(caller.instance.get_state()), caller.since
         expected = caller.play(then)
     begin: Sequence[Call] = [{"start": caller.start}]
     return _compared(fmu, begin, then, expected, tolerance, environment, state=state)
@@ -61,10 +57,9 @@ def elsewhere(
 ) -> list[str]:
     """Complain if the FMU moves otherwise in a fresh process with another environment.
 
-    There its working folder changes, see `_played`, and between `calls` and `then` its state is
-    serialized and taken up again, if it can. All environments act at once. Only where the motion
-    differs, they are tried one by one, to find the one that matters. The outputs after the steps of
-    `then` are compared; `tolerance` is as in `same_motion`.
+    The outputs after the steps of `then` are compared; `tolerance` is as in `same_motion`. All
+    environments act at once, with the working folders of `_played`. Only where the motion differs,
+    they are tried one by one, to find the one that matters.
     """
     last = time.monotonic() + _PATIENCE
     check_playable(fmu, chain(calls, then))
@@ -99,7 +94,7 @@ def _compared(
     folders: bool = False,
 ) -> list[str]:
     """Have calls played in a fresh process, and say where the rows are not those expected."""
-    play = partial(_played, fmu.path.absolute(), fmu.names, calls, then, state, folders)
+    play = partial(_played, fmu, calls, then, state, folders)
     answer = in_fresh_process(play, environment=environment, elsewhere=folders)
     if answer.value is None:
         return [answer.failure or "no answer"]
@@ -107,8 +102,7 @@ def _compared(
 
 
 def _played(
-    path: Path,
-    names: NameMap,
+    fmu: FmuFile,
     calls: Sequence[Call],
     then: Sequence[Call],
     state: tuple[bytes, float] | None,
@@ -120,8 +114,7 @@ def _played(
     one. If the working folder changes, it is an empty one at the instantiation, at `calls` one that
     cannot be written to, at `then` one that was deleted.
     """
-    with contextlib.closing(FmuFile(path, names)) as fmu, fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
+    with calling(fmu, ()) as caller:
         if folders:
             folder = Path(tempfile.mkdtemp(dir=Path.cwd()))
             folder.chmod(0o555)
@@ -130,10 +123,10 @@ def _played(
         caller.play(calls)
         if state is not None:
             written, since = state
-            instance.restore(written)
-            caller.resume(since)
+            caller.instance.restore(written)
+            caller.steps = [since]
         elif _serializes(fmu):
-            instance.restore(instance.written(instance.get_state()))
+            caller.instance.restore(caller.instance.written(caller.instance.get_state()))
         if folders:
             with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as deleted:
                 os.chdir(deleted)
