@@ -16,8 +16,11 @@ import numpy as np
 from stickslip_verification.drive.fmu.archive import FmuFile, available
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.instance import FmuInstance
+from stickslip_verification.drive.masters import Master
 from stickslip_verification.drive.stepping import (
+    CommunicationStep,
     NotApplicableError,
+    Setting,
     defaults,
     lacking,
     need,
@@ -231,20 +234,14 @@ def keeps_its_cycle(
     need(fmu, lacking(fmu, parameters))
     values = {**defaults(fmu), **parameters}
     name = "x" if fmu.has("x") else "F"
-    seen, end, last_call = [], time.process_time() + seconds, time.monotonic() + 2.0 * seconds
-    with fmu.instantiate() as instance:
-        instance.start({name: value for name, value in values.items() if fmu.has(name)})
-        read = instance.reader([name])
-        for number in range(count):
-            instance.step(number * step, step)
-            seen.append(read()[0])
-            if number % 1000 == 0:
-                instance.messages.clear()
-                if time.process_time() > end or time.monotonic() > last_call:
-                    break
-    if len(seen) < 4 * window:
-        raise NotApplicableError(f"{len(seen)} steps in {seconds:g} s are too few for a long run")
-    shown = np.array(seen)
+    end, last_call = time.process_time() + seconds, time.monotonic() + 2.0 * seconds
+    start = {name: value for name, value in values.items() if fmu.has(name)}
+    master = Master(fmu, Setting(start, [CommunicationStep(step, {})] * count))
+    master.names = [name]
+    run = master.run(lambda _: time.process_time() > end or time.monotonic() > last_call)
+    shown = run.outputs[name]
+    if shown.size < 4 * window:
+        raise NotApplicableError(f"{shown.size} steps in {seconds:g} s are too few for a long run")
     if name == "x":
         shown = values["v"] * step * np.arange(1, shown.size + 1) - shown
     first, last = shown[window : 2 * window], shown[-window:]
