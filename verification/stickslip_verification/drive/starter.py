@@ -22,8 +22,15 @@ from stickslip_verification.drive import workers
 from stickslip_verification.drive.fmu.archive import REQUIRED
 from stickslip_verification.drive.fmu.description import Declared, read_description, shown
 from stickslip_verification.drive.fmu.likeness import MEANINGS, WHOLE, candidate, likeness, words
-from stickslip_verification.drive.fmu.names import INPUT_UNITS, NOT_THERE, UNITS, NameMap, Target
-from stickslip_verification.drive.fmu.variables import Variable, looks_like
+from stickslip_verification.drive.fmu.names import (
+    INPUT_UNITS,
+    NOT_THERE,
+    UNITS,
+    NameMap,
+    Target,
+    Variable,
+    looks_like,
+)
 from stickslip_verification.drive.stepping import CommunicationStep, Setting
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.run import Run, Series

@@ -17,13 +17,12 @@ from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
-from stickslip_verification.drive import convergence, nearby
+from stickslip_verification.drive import convergence
+from stickslip_verification.drive import exact as motions
 from stickslip_verification.drive.answer import Answer, answer_of
-from stickslip_verification.drive.exact import exact_motion
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
-from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.fmu.variables import Variable
+from stickslip_verification.drive.fmu.names import NameMap, Variable
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.masters import MANNERS, RUNS, Master, run_case
 from stickslip_verification.drive.probes.table import PROBES
@@ -78,10 +77,10 @@ def allowed(jobs: int) -> int:
     return min(jobs, MOST_PER_PROCESSOR * jobs_here())
 
 
-exact = partial(kept, exact_motion)
+exact = partial(kept, motions.exact_motion)
 reference = partial(kept, convergence.run_reference)
-spreads = partial(kept, nearby.spreads)
-changes = partial(kept, nearby.changes)
+spreads = partial(kept, motions.spreads)
+changes = partial(kept, motions.changes)
 observed_order = partial(kept, convergence.observe)
 """Tasks about a case, without an FMU."""
 
@@ -227,10 +226,11 @@ class Pool:
             ends = True
             if wait(worker.handles, 0.0):
                 try:
-                    task.answer = worker.answer(Answer)
-                    ends = self._fresh
+                    task.answer, ends = worker.answer(), self._fresh
+                    if not isinstance(task.answer, Answer):
+                        raise LostError("gave no readable answer")
                 except LostError as lost:
-                    task.answer = Answer(failure=f"the process {lost}")
+                    task.answer, ends = Answer(failure=f"the process {lost}"), True
             elif task.seconds >= task.limit:
                 failure = f"no answer within {task.limit:g} s; the process was ended"
                 task.answer = Answer(failure=failure, late=True)

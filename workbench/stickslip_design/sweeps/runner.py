@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from stickslip_verification import FmuError
 from stickslip_verification.drive.fmu.instance import FACES, FmuInstance
-from stickslip_verification.drive.fmu.variables import Variable
+from stickslip_verification.drive.fmu.names import Variable
 from stickslip_verification.model.units import Conversion
 
 from .job import Job

@@ -12,11 +12,9 @@ import fmpy
 
 from stickslip_verification.drive.fmu.description import Description, read_description
 from stickslip_verification.drive.fmu.errors import FmuError
-from stickslip_verification.drive.fmu.hooks import hooked
-from stickslip_verification.drive.fmu.instance import FACES, FmuInstance
-from stickslip_verification.drive.fmu.names import UNITS, NameMap
+from stickslip_verification.drive.fmu.instance import FACES, FmuInstance, hooked
+from stickslip_verification.drive.fmu.names import UNITS, NameMap, Variable, collect
 from stickslip_verification.drive.fmu.unpacking import new_folder, unpack
-from stickslip_verification.drive.fmu.variables import Variable, collect
 from stickslip_verification.truth.parameters import Parameter
 
 if TYPE_CHECKING:

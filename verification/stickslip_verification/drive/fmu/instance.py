@@ -1,5 +1,7 @@
 """One instance of an FMU by FMI 2.0 or 3.0, read and set by the suite's names in SI."""
 
+from __future__ import annotations
+
 import atexit
 import contextlib
 import ctypes
@@ -9,7 +11,7 @@ import weakref
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 
 import fmpy.fmi1
 import fmpy.fmi2
@@ -17,7 +19,10 @@ import fmpy.fmi3
 import fmpy.logging
 
 from stickslip_verification.drive.fmu.errors import FmuError, one_line
-from stickslip_verification.drive.fmu.variables import Variable
+from stickslip_verification.drive.fmu.names import Variable
+
+if TYPE_CHECKING:
+    from stickslip_verification.suite.faults import Hook
 
 WARNING, FATAL = 1, 4
 """The highest status of a call that succeeded, and the one after which nothing may be called any
@@ -377,3 +382,45 @@ class Fmi3Instance(FmuInstance):
 
 FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
 """The class of instances by the version of FMI."""
+
+
+class Hooked(FmuInstance):
+    """An instance whose reads pass `get`; a hook may keep attributes of its own on it."""
+
+    def __init__(self, fmu: Unpacked) -> None:
+        self._readers: dict[tuple[str, ...], Callable[[], list[float]]] = {}
+        super().__init__(fmu)
+
+    def read(self, names: Sequence[str]) -> dict[str, float]:
+        """Read variables from the FMU itself, past the planted `get`."""
+        key = tuple(names)
+        if key not in self._readers:
+            self._readers[key] = super().reader(key)
+        return dict(zip(key, self._readers[key](), strict=True))
+
+    def get(self, names: Sequence[str]) -> dict[str, float]:
+        """Read variables as the suite sees them."""
+        return self.read(names)
+
+    def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
+        """Return a function that reads these variables at once, in this order, in SI."""
+        # It refuses a name that the FMU does not have.
+        super().reader(names)
+
+        def read() -> list[float]:
+            values = self.get(names)
+            return [values[name] for name in names]
+
+        return read
+
+
+def hooked(face: type[FmuInstance], hooks: Sequence[Hook]) -> type[FmuInstance]:
+    """Return the class of the instances that these hooks act on, one laid over the other."""
+    if not hooks:
+        return face
+    made = type("Hooked", (Hooked, face), {})
+    for name, code in hooks:
+        space: dict[str, Any] = {"original": getattr(made, name)}
+        exec(code, space)
+        setattr(made, name, space[name])
+    return made

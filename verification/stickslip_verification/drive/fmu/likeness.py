@@ -11,8 +11,7 @@ from typing import Final
 from stickslip_verification.drive.fmu.description import Declared
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.instance import FLOATING
-from stickslip_verification.drive.fmu.names import UNITS, Target
-from stickslip_verification.drive.fmu.variables import Variable, as_ours, looks_like
+from stickslip_verification.drive.fmu.names import UNITS, Target, Variable, as_ours, looks_like
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.units import Unit
 from stickslip_verification.truth.parameters import PARAMETERS, Kind

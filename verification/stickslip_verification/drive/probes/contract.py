@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from stickslip_verification.drive.fmu.archive import FmuFile, available
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.instance import FmuInstance
-from stickslip_verification.drive.fmu.names import UNITS
-from stickslip_verification.drive.fmu.variables import Variable
+from stickslip_verification.drive.fmu.names import UNITS, Variable
 from stickslip_verification.drive.stepping import defaults, need, need_instances
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.truth.parameters import START_VALUES
