@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,7 +33,12 @@ def run_reference(case: Case) -> Run:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         trajectory = simulate_reference(case)
-    columns = _columns(trajectory, len(times))
+    columns = {}
+    for name in OUTPUT_NAMES:
+        samples = getattr(trajectory, "mode" if name == "sticking" else name, None)
+        if samples is not None:
+            values = np.broadcast_to(np.asarray(samples, dtype=np.float64), times.shape)
+            columns[name] = np.where(values == 0, 1.0, 0.0) if name == "sticking" else values
     return Run(
         times=times[1:],
         outputs={name: samples[1:] for name, samples in columns.items()},
@@ -68,19 +73,6 @@ def _split(case: Case, values: Mapping[str, float]) -> tuple[dict[str, float], d
     names = {each.name for each in case.own}
     own = {name: value for name, value in values.items() if name in names}
     return {name: value for name, value in values.items() if name not in names}, own
-
-
-def _columns(
-    trajectory: object, length: int
-) -> dict[str, np.ndarray[tuple[int], np.dtype[np.float64]]]:
-    columns = {}
-    for name in OUTPUT_NAMES:
-        source = "mode" if name == "sticking" else name
-        samples: Sequence[float] | None = getattr(trajectory, source, None)
-        if samples is not None:
-            values = np.broadcast_to(np.asarray(samples, dtype=np.float64), (length,))
-            columns[name] = np.where(values == 0, 1.0, 0.0) if name == "sticking" else values
-    return columns
 
 
 def observe(case: Case, invariant: Order) -> ObservedOrder:

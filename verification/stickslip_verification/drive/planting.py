@@ -54,7 +54,16 @@ def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     }
     renamed[DESCRIPTION] = _GUID.sub(f'guid="{digest}"'.encode(), renamed[DESCRIPTION], count=1)
     target.parent.mkdir(parents=True, exist_ok=True)
-    _write(renamed, target)
+    with replacing(target) as stream, zipfile.ZipFile(stream, "w") as archive:
+        # The model description comes first, where readers look for it.
+        for entry in sorted(renamed, key=lambda name: (name != DESCRIPTION, name)):
+            info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.external_attr = 0o644 << 16
+            # Unix, as the permissions above are meant.
+            info.create_system = 3
+            # A mutant is made, run and thrown away, so speed counts and size does not.
+            archive.writestr(info, renamed[entry], compresslevel=1)
     return target
 
 
@@ -127,17 +136,3 @@ def _apply(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
             name = f"_planted_{n}"
             text = f"\n\n{override.function(name)}\n\n{override.path} = {name}({override.path})\n"
             entries[file_of("overrides", end, override.target)] += text.encode()
-
-
-def _write(entries: Mapping[str, bytes], target: Path) -> None:
-    """Write an archive whose bytes depend on its entries alone, or nothing at all."""
-    with replacing(target) as stream, zipfile.ZipFile(stream, "w") as archive:
-        # The model description comes first, where readers look for it.
-        for entry in sorted(entries, key=lambda name: (name != DESCRIPTION, name)):
-            info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
-            info.compress_type = zipfile.ZIP_DEFLATED
-            info.external_attr = 0o644 << 16
-            # Unix, as the permissions above are meant.
-            info.create_system = 3
-            # A mutant is made, run and thrown away, so speed counts and size does not.
-            archive.writestr(info, entries[entry], compresslevel=1)

@@ -9,9 +9,13 @@ that then follows a curve of the reference is that one, also with the other sign
 is set alone.
 """
 
+import contextlib
 import json
 import math
+import re
+import tomllib
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -21,7 +25,8 @@ from scipy.optimize import linear_sum_assignment
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.fmu.archive import REQUIRED
 from stickslip_verification.drive.fmu.description import Declared, read_description, shown
-from stickslip_verification.drive.fmu.likeness import MEANINGS, WHOLE, candidate, likeness, words
+from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.instance import FLOATING
 from stickslip_verification.drive.fmu.names import (
     INPUT_UNITS,
     NOT_THERE,
@@ -29,27 +34,53 @@ from stickslip_verification.drive.fmu.names import (
     NameMap,
     Target,
     Variable,
+    as_ours,
     looks_like,
 )
 from stickslip_verification.drive.stepping import CommunicationStep, Setting
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.run import Run, Series
+from stickslip_verification.model.units import Unit
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.truth.parameters import PARAMETERS
+from stickslip_verification.truth.parameters import PARAMETERS, Kind
 
-_AHEAD: Final = 1.0
-"""By how much an assignment with a sure guess is better than the best one without it."""
+_WHOLE: Final = 20.0
+"""What it counts that name, description and unit say all that a quantity needs, and the name no
+more; whatever lacks something has a smaller score."""
 
-_SEEN: Final = 100.0
-"""Score of a guess that a trial run confirms, beside that of its words."""
+_SAME_NAME, _BASE = 8.0, 8.0
+"""What our own name counts, and any variable of which something is said."""
 
-_MOST_TRIED: Final = 2000
-"""Pairs in a trial run; an FMU with more is not run."""
+_NAME, _TEXT, _MISSING = 2.0, 1.0, 2.0
+"""What a word of the name and one of the description count, and what is not said."""
 
-_ALTERNATIVES: Final = 3
+_TABLES: Final[Mapping[str, Mapping[str, str]]] = tomllib.loads(
+    Path(__file__).with_name("words.toml").read_text("utf-8")
+)
+_MEANINGS: Final = _TABLES["parameters"]
+_TELLING: Final = ("kg", "m/s2", "N/m", "N.s/m")
+_FIXED: Final = {each.name for each in PARAMETERS if each.kind is Kind.FIXED}
+_DISCRETE: Final = {name for name, quantity in QUANTITIES.items() if quantity.discrete}
 
-_AGAINST: Final = "compress"
-"""Word of an extension that is counted the other way."""
+_CONCEPTS: Final[Mapping[str, set[str]]] = {
+    word: {concept for concept, words in _TABLES["concepts"].items() if word in words.split()}
+    for word in " ".join(_TABLES["concepts"].values()).split()
+}
+_WORD: Final = re.compile(
+    "|".join(
+        word if len(word) > 3 else rf"\b{word}\b"
+        for word in sorted(_CONCEPTS, key=len, reverse=True)
+    )
+)
+_SEAM: Final = re.compile(r"_|(?<=[a-zäöü])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|(?<=[^\W\d])(?=\d)")
+
+_AHEAD, _SEEN = 1.0, 100.0
+"""By how much an assignment with a sure guess is better than the best one without it; score of a
+guess that a trial run confirms, on top of that of its words."""
+
+_MOST_TRIED, _ALTERNATIVES, _AGAINST = 2000, 3, "compress"
+"""Pairs in a trial run; names that a comment offers; word of an extension that is counted the other
+way."""
 
 _HEAD: Final = """\
 # Names file of {file} for stickslip verify --names, begun by stickslip names. Check each line.
@@ -69,15 +100,18 @@ Gaps = Mapping[Variable, tuple[float, int]]
 _VALUES: Final = {"m": 1.3, "g": 9.7, "k": 1700.0, "mu_s": 0.55, "mu_k": 0.25, "v": 0.03}
 """What is set at first [SI], usual start values in none; the others are zero."""
 
-_STARTS: Final = {"x_start": 2e-3, "x_dot_start": 0.06, "z_start": 2e-3}
-
-_ALONE: Final = {"c": 10.0, "load": 3.0, "F_ext": 1.4, **_STARTS}
+_ALONE: Final = {
+    "c": 10.0,
+    "load": 3.0,
+    "F_ext": 1.4,
+    "x_start": 2e-3,
+    "x_dot_start": 0.06,
+    "z_start": 2e-3,
+}
 """What the others are set to [SI], each alone."""
 
 _STEPS: Final = (CommunicationStep(2.5e-3, {}),) * 800
 """Seven periods."""
-
-_LIMITS: Final = workers.Limits(budget=20.0)
 
 _SAME, _OTHER, _SAME_NUMBER = 0.1, 0.5, 1e-3
 """Mean distance of two curves, in mean deviations of ours, up to which they are one motion to a
@@ -102,25 +136,19 @@ def starter(fmu: Path) -> str:
     """Return the text of a names file of an FMU, which is run in a process of its own if it can be.
 
     It loads back with `load_names` where it has an entry at all, and the FMU opens with it.
-
-    Raises
-    ------
-    FmuError
-        No such file, or not an FMU.
+    `FmuError` if it is none.
     """
     description = read_description(fmu)
     theirs, units = description.declared, description.units
-    fitting = [candidate(ours, each, units) for ours in UNITS for each in theirs.values()]
-    scores = {v: likeness(v.name, theirs[v.their_name]) for v in fitting if v}
+    fitting = [_candidate(ours, each, units) for ours in UNITS for each in theirs.values()]
+    scores = {v: _likeness(v.name, theirs[v.their_name]) for v in fitting if v}
     seen = _tried(fmu, scores)
     scores = {v: s + _SEEN * (v in seen) for v, s in scores.items() if seen.get(v, s)}
     # Without gravity a normal force may be the whole of it, and is no load on top of m g.
     if not any(each.name == "g" for each in scores):
-        scores = {
-            v: min(s, WHOLE - 1.0) if v.name == "load" and v not in seen else s
-            for v, s in scores.items()
-        }
-    whole = {each.name for each, score in scores.items() if score >= WHOLE}
+        loads = [v for v in scores if v.name == "load" and v not in seen]
+        scores |= {v: min(scores[v], _WHOLE - 1.0) for v in loads}
+    whole = {each.name for each, score in scores.items() if score >= _WHOLE}
     lacking = [] if seen else [ours for ours in REQUIRED if ours not in whole]
     chosen = {} if lacking else _sure(scores)
     note = _SEEN_SO if seen else _NO_BLOCK if lacking else _NOT_SEEN
@@ -152,13 +180,56 @@ def _tried(fmu: Path, scores: Mapping[Variable, float]) -> dict[Variable, int]:
     }
     best, without = _assigned(likely)
     nothing = NameMap(dict.fromkeys(UNITS, Target(NOT_THERE)))
-    with workers.Pool(workers.jobs_here(), fmu=fmu, names=nothing, limits=_LIMITS) as pool:
+    limits = workers.Limits(budget=20.0)
+    with workers.Pool(workers.jobs_here(), fmu=fmu, names=nothing, limits=limits) as pool:
         return _Trial(pool, list(scores)).findings([best, *without.values()])
+
+
+def _candidate(ours: str, theirs: Declared, units: Mapping[str, Unit]) -> Variable | None:
+    """Return a variable as ours if it may be: by causality, variability, type and dimension."""
+    whole = theirs.type not in FLOATING
+    if (
+        (ours in _FIXED and theirs.causality == "input")
+        or (whole and ours not in _DISCRETE and theirs.name != ours)
+        or (theirs.type == "Boolean" and ours != "sticking")
+        or theirs.variability == "constant"
+    ):
+        return None
+    with contextlib.suppress(FmuError):
+        return as_ours("", ours, Target(theirs.name), theirs, units, UNITS[ours])
+    return None
+
+
+def _likeness(ours: str, theirs: Declared) -> float:
+    """Score a variable that fits; 0 if nothing is said."""
+    needs, may = (set(part.split()) for part in f"{_TABLES['quantities'][ours]} | ".split("|")[:2])
+    name, text = _words(theirs.name), _words(theirs.description)
+    by_unit = {_TABLES["by_unit"].get(UNITS[ours], "")} if theirs.unit else set()
+    said = by_unit if UNITS[ours] in _TELLING else set()
+    score, doubtful = float(len(by_unit)), ours in _DISCRETE and theirs.type in FLOATING
+    for word, worth, against in [(w, _NAME, _NAME) for w in name] + [(w, _TEXT, 0.5) for w in text]:
+        meant = _CONCEPTS[word] & (needs | may)
+        doubtful = doubtful or (not meant and word in name)
+        score += (worth if meant - said else 0.0) if meant else -against
+        said = said | meant
+    missing = needs - said - by_unit
+    score += _BASE - _MISSING * len(missing) - (not looks_like(ours, theirs))
+    if theirs.name == ours:
+        return _WHOLE + score + (_SAME_NAME if by_unit or UNITS[ours] == "1" else 0.0)
+    if not said:
+        return 0.0
+    return max(score, 1.0) + (0.0 if missing or doubtful else _WHOLE)
+
+
+@cache
+def _words(text: str) -> tuple[str, ...]:
+    """Return the known words in a name or a sentence, also those in camelCase and compounds."""
+    return tuple(_WORD.findall(_SEAM.sub(" ", text).lower()))
 
 
 def _sure(scores: Mapping[Variable, float]) -> dict[str, Variable]:
     """Return the variables that are sure by our names, none twice."""
-    best, without = _assigned({v: score for v, score in scores.items() if score >= WHOLE})
+    best, without = _assigned({v: score for v, score in scores.items() if score >= _WHOLE})
     total = sum(scores[each] for each in best)
     return {
         each.name: each
@@ -199,7 +270,7 @@ def _line(
     seen: Mapping[Variable, int],
 ) -> str:
     unit = "" if UNITS[ours] == "1" else f" [{UNITS[ours]}]"
-    about = (MEANINGS.get(ours) or QUANTITIES[ours].meaning) + unit
+    about = (_MEANINGS.get(ours) or QUANTITIES[ours].meaning) + unit
     if ours in _DIRECTED:
         about += ", positive along the pull"
     if chosen is None:
@@ -213,7 +284,7 @@ def _line(
     elif unit:
         about += "; no unit declared, so this one is assumed"
     about += "; seen" if chosen in seen else _or([each for each in near if each != chosen])
-    against = ours in ("z", "z_start") and _AGAINST in words(chosen.their_name)
+    against = ours in ("z", "z_start") and _AGAINST in _words(chosen.their_name)
     name = _quoted(chosen.their_name)
     if seen.get(chosen, -1 if against else 1) < 0:
         name = f"{{ name = {name}, sign = -1 }}"

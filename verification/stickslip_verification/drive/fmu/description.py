@@ -183,19 +183,20 @@ def stated_contract(root: ElementTree.Element) -> StatedContract:
     notes = [
         note for path, key in _PLACES for note in root.findall(path) if note.get(key) == ANNOTATION
     ]
+    named = [(each.tag, each.get("name"), each.get("version")) for note in notes for each in note]
+    exact = [each[1:] for each in named] == [(NAME, VERSION)]
     if not notes:
-        return StatedContract(False, "its description names no contract of this suite")
-    if len(notes) > 1:
-        return StatedContract(False, f"its description has {len(notes)} annotations {ANNOTATION}")
-    found = [(each.tag, each.get("name"), each.get("version")) for each in notes[0]]
-    if len(found) != 1 or found[0][0] != "Contract" or None in found[0]:
-        malformed = f"the annotation {ANNOTATION} of its description is malformed"
-        return StatedContract(
-            False, f'{malformed}: expected one element <Contract name="..." version="..."/>'
-        )
-    # What stands in an attribute, on one line and not endless.
-    named = " ".join(" ".join(str(text).split())[:_LETTERS] for text in found[0][1:])
-    told = f"its description names {named}"
-    if found[0][1:] == (NAME, VERSION):
-        return StatedContract(True, told)
-    return StatedContract(False, f"{told}; this suite knows {NAME} {VERSION}")
+        told = "its description names no contract of this suite"
+    elif len(notes) > 1:
+        told = f"its description has {len(notes)} annotations {ANNOTATION}"
+    elif len(named) != 1 or named[0][0] != "Contract" or None in named[0]:
+        expected = 'expected one element <Contract name="..." version="..."/>'
+        told = f"the annotation {ANNOTATION} of its description is malformed: {expected}"
+    else:
+        # What stands in an attribute, on one line and not endless.
+        shortened = (" ".join(str(text).split())[:_LETTERS] for text in named[0][1:])
+        told = f"its description names {' '.join(shortened)}"
+        if exact:
+            return StatedContract(True, told)
+        told += f"; this suite knows {NAME} {VERSION}"
+    return StatedContract(False, told)

@@ -32,16 +32,9 @@ class NamesError(DataError):
 
 @model(frozen=True, config=WRITTEN)
 class Target(Written):
-    """What one of our variables is in the FMU.
+    """What one of our variables is in the FMU: its name or `NOT_THERE`, unit of its numbers, sign.
 
-    Attributes
-    ----------
-    name
-        The FMU's name for it, or `NOT_THERE`.
-    unit
-        The unit of its numbers, against whatever the FMU declares; None believes the FMU.
-    sign
-        -1 if it counts the other way.
+    Without a unit that of the FMU's description counts; the sign is -1 if it counts the other way.
     """
 
     name: str
@@ -51,10 +44,7 @@ class Target(Written):
 
 @dataclass(frozen=True)
 class NameMap:
-    """Our names to those of the FMU; what is not in it is called as ours is.
-
-    ``file`` is where it was read from, for messages and reports.
-    """
+    """Our names to those of the FMU, from a file; what is not in it is called as ours is."""
 
     targets: Mapping[str, Target] = field(default_factory=dict)
     file: Path | None = None

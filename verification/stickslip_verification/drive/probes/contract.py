@@ -29,11 +29,8 @@ _SORTS = {
 _KINDS = {"Float64": "Real", "Int32": "Integer"}
 """Types of FMI 3.0 and the types of FMI 2.0 that hold the same numbers."""
 
-_STEP = 0.001
-"""An ordinary communication step [s]."""
-
-_LONG = 1.0
-"""A step that holds several cycles of the default block, so that the meter has counted [s]."""
+_STEP, _LONG = 0.001, 1.0
+"""An ordinary communication step, and one that holds several cycles of the default block [s]."""
 
 
 def declared_variables(fmu: FmuFile) -> list[str]:
