@@ -37,20 +37,12 @@ AfterStep = Callable[[float], bool]
 _PIECES = (0.3, 0.45)
 """Parts of a step that it is cut into, the rest being the last."""
 
-_ROLLBACKS, _REPEATED = 5, 20
-"""How often a run is set back, and over how many steps each time."""
+_ROLLBACKS, _REPEATED, _STATES = 5, 20, 100
+"""How often a run is set back, over how many steps each time; states that exist at once, once."""
 
-_UNREAD_STEPS, _BUSY_STEPS = 40, 100
-"""Steps that one step of a case is cut into where nothing is read, and where inputs are set too."""
-
-_ROUNDING = 2e-15
-"""Part of its value by which an input that is set before every step is off."""
-
-_STATES = 100
-"""States that exist at once, once in a run."""
-
-_TINY = 1e-9
-"""The shortest part of a step."""
+_UNREAD_STEPS, _BUSY_STEPS, _TINY, _ROUNDING = 40, 100, 1e-9, 2e-15
+"""Steps that one step of a case is cut into where nothing is read, and where inputs are set too;
+the shortest part of a step; part of its value by which an input set before every step is off."""
 
 
 class Master:
@@ -219,19 +211,16 @@ class Way:
 
 
 def _symmetric(symmetry: Symmetry) -> Way:
+    def scaled(step: CommunicationStep, case: Case) -> CommunicationStep:
+        return CommunicationStep(step.h * symmetry.pace, symmetry.scaled(step.changes, case.own))
+
     def setting(fmu: FmuFile, case: Case) -> Setting:
-        plain = setting_of(fmu, case)
+        steps = [scaled(step, case) for step in setting_of(fmu, case).steps]
         values = symmetry.scaled(case.start, case.own)
         # What the plain run does without, of a friction law's parameters, has no effect.
         own = {each.name for each in case.own}
         need(fmu, lacking(fmu, {n: value for n, value in values.items() if n not in own}))
-        return Setting(
-            {name: value for name, value in values.items() if fmu.has(name)},
-            [
-                CommunicationStep(step.h * symmetry.pace, symmetry.scaled(step.changes, case.own))
-                for step in plain.steps
-            ],
-        )
+        return Setting({n: value for n, value in values.items() if fmu.has(n)}, steps)
 
     def back(run: Run) -> Run:
         factors = symmetry.outputs
