@@ -3,10 +3,10 @@
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from stickslip_verification.drive.fmu.archive import FmuFile, available
+from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
-from stickslip_verification.drive.fmu.instance import FmuInstance
 from stickslip_verification.drive.fmu.names import UNITS, Variable
+from stickslip_verification.drive.probes.calls import Call, calling, played
 from stickslip_verification.drive.stepping import defaults, need, need_instances
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.truth.parameters import START_VALUES
@@ -118,31 +118,23 @@ def fails_until_reset(fmu: FmuFile, set: Mapping[str, float]) -> list[str]:  # n
     """Complain if an FMU goes on after a refusal, or does not recover by a reset."""
     need(fmu, set)
     need_instances(fmu)
-    names = available(fmu, OUTPUT_NAMES)
-    with fmu.instantiate() as fresh:
-        expected = _long_step(fmu, fresh, names)()
-    with fmu.instantiate() as instance:
-        read = _long_step(fmu, instance, names)
+    long: list[Call] = [{"set": defaults(fmu)}, {"start": 0.0}, {"step": _LONG}]
+    _, (expected,) = played(fmu, (), long)
+    with calling(fmu, long) as caller:
+        instance = caller.instance
         if _refusal(lambda: instance.set(set), lambda: instance.step(_LONG, _STEP)) is None:
             return [f"{_text(set)} was taken"]
-        calls = {"read outputs": read, "step": lambda: instance.step(_STEP, _STEP)}
+        calls = {"read outputs": caller.row, "step": lambda: instance.step(_STEP, _STEP)}
         complaints = [
             f"after a refusal it can still {what}"
             for what, call in calls.items()
             if _refusal(call) is None
         ]
         instance.reset()
-        got = _long_step(fmu, instance, names)()
-    differ = [name for name, a, b in zip(names, got, expected, strict=True) if a != b]
+        caller.steps.clear()
+        (row,) = caller.play(long)
+    differ = [name for name in row if row[name] != expected[name]]
     return complaints + [f"after reset {name} is not that of a fresh instance" for name in differ]
-
-
-def _long_step(
-    fmu: FmuFile, instance: FmuInstance, names: Sequence[str]
-) -> Callable[[], list[float]]:
-    instance.start(defaults(fmu))
-    instance.step(0.0, _LONG)
-    return instance.reader(names)
 
 
 def _refusal(*calls: Callable[[], object]) -> str | None:
