@@ -25,10 +25,7 @@ if TYPE_CHECKING:
 
 
 def run_reference(case: Case) -> Run:
-    """Run a case with the reference, sampled at its communication points.
-
-    The messages of the run are the reference's warnings.
-    """
+    """Run a case with the reference, sampled at its communication points; warnings are messages."""
     times = np.array((0.0, *case.times))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

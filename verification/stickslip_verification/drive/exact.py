@@ -85,16 +85,18 @@ def spreads(case: Case) -> dict[str, Series]:
     force = max(float(np.max(np.abs(plain.outputs[name]))) for name in ("F", "F_s"))
     speed = float(np.max(np.abs(plain.outputs["x_dot"])))
     marched = case.law != COULOMB_NAME
-    found = {name: np.zeros((len(OFF), samples.size)) for name, samples in plain.outputs.items()}
+    widest_of = {
+        name: np.zeros((len(OFF), samples.size)) for name, samples in plain.outputs.items()
+    }
     for row, part in enumerate(OFF):
         for n in range(FEW if marched else MOTIONS):
             if marched and row % 2:
                 break
             run = _follow(case, *_off(case, Random(f"{case.id} {n}"), part, force, speed))
-            for name, widest in found.items():
+            for name, widest in widest_of.items():
                 off = np.abs(run.outputs[name] - plain.outputs[name])
                 widest[row] = np.fmax(widest[row], off)
-    return {name: np.maximum.accumulate(widest, axis=0) for name, widest in found.items()}
+    return {name: np.maximum.accumulate(widest, axis=0) for name, widest in widest_of.items()}
 
 
 def changes(case: Case) -> dict[str, dict[str, Series]]:
@@ -102,16 +104,16 @@ def changes(case: Case) -> dict[str, dict[str, Series]]:
     plain = _shifted(case, "", 0.0)
     values = {**{n: 0.0 for step in case.steps for n in step.changes}, **case.start}
     chosen = {each.name for each in case.own if each.chosen}
-    found = {}
+    moved = {}
     for name in values:
-        given = [values[name], *(step.changes.get(name, 0.0) for step in case.steps)]
-        if any(given) and name not in chosen and not name.endswith("_start"):
+        all_values = [values[name], *(step.changes.get(name, 0.0) for step in case.steps)]
+        if any(all_values) and name not in chosen and not name.endswith("_start"):
             with contextlib.suppress(ValueError):
                 run = _shifted(case, name, PART)
-                found[name] = {
+                moved[name] = {
                     n: (run.outputs[n] - plain.outputs[n]) / PART for n in ("x", "x_dot", "F")
                 }
-    return found
+    return moved
 
 
 def _shifted(case: Case, name: str, part: float) -> Run:

@@ -1,8 +1,7 @@
 """Results kept on disk for the processes of one session, such as a run of the gate.
 
 Truth and reference of a case are the same whichever FMU is judged. Where `FOLDER` names a folder in
-the environment, each is computed once and read from there afterwards; without it nothing is kept,
-so a verdict outside a session never rests on an old file.
+the environment, each is computed once; without it a verdict never rests on an old file.
 """
 
 import contextlib

@@ -48,9 +48,8 @@ the shortest part of a step; part of its value by which an input set before ever
 class Master:
     """One run of an FMU through a setting; the first of its ``instances`` runs the case.
 
-    ``names`` are read, by default all outputs that the FMU has. ``start`` are the start values of
-    the case, ``values`` these with what was changed so far; the case's ``seed`` decides orders and
-    cuts. ``number`` and ``next`` are the step that comes next.
+    ``names`` are read, ``start`` are the start values of the case, ``values`` these with what was
+    changed so far; its ``seed`` decides orders and cuts. ``number`` and ``next`` are the next step.
     """
 
     next: CommunicationStep
@@ -152,10 +151,7 @@ class Master:
                 time += after - before
 
     def others(self, *, changeable: bool = False) -> dict[str, float]:
-        """Return values of which some are unlike the case's; of what may change on the way alone.
-
-        Some are as the case has them, for what the FMU makes from several values.
-        """
+        """Return values, some unlike and some as the case's; `changeable` on the way alone."""
         start, draw = self.start, Random(f"other than {self.seed}")
         values = {
             "m": 2.5 * start["m"],
@@ -206,8 +202,8 @@ class Way:
         if self.instances > 1:
             need_instances(fmu)
         run = self.back(Master(fmu, setting, self, start=case.start, seed=case.id).run())
-        whole = len(run.times) == len(case.steps)
-        return replace(run, times=np.array(case.times)) if whole else run
+        complete = len(run.times) == len(case.steps)
+        return replace(run, times=np.array(case.times)) if complete else run
 
 
 def _symmetric(symmetry: Symmetry) -> Way:
@@ -234,19 +230,19 @@ def _symmetric(symmetry: Symmetry) -> Way:
 
 
 def _cut(fmu: FmuFile, case: Case) -> Setting:
-    whole = setting_of(fmu, case)
+    plain = setting_of(fmu, case)
     pieces = []
-    for step in whole.steps:
+    for step in plain.steps:
         first, second = (step.h * part for part in _PIECES)
         for h, changes in ((first, step.changes), (second, {}), (step.h - first - second, {})):
             pieces.append(CommunicationStep(h, changes))
-    return Setting(whole.parameters, pieces)
+    return Setting(plain.parameters, pieces)
 
 
 def _joined(run: Run) -> Run:
-    whole = slice(len(_PIECES), None, len(_PIECES) + 1)
-    outputs = {name: samples[whole] for name, samples in run.outputs.items()}
-    return replace(run, times=run.times[whole], outputs=outputs)
+    ends = slice(len(_PIECES), None, len(_PIECES) + 1)
+    outputs = {name: samples[ends] for name, samples in run.outputs.items()}
+    return replace(run, times=run.times[ends], outputs=outputs)
 
 
 def _at_mark(m: Master) -> bool:

@@ -1,10 +1,8 @@
 """Makes a mutant: the built FMU with one fault planted in the source that it carries.
 
 An override is planted at the end of its module: a function makes the replacement of the original,
-and the name is bound to it. Whoever imports the module later gets the replacement.
-
-The FMU is known as a file alone. Python runs one code per module name in a process, so the packed
-package gets a name of its own; then a mutant loads beside the original and beside other mutants.
+and the name is bound to it. Python runs one code per module name in a process, so the packed
+package gets a name of its own, by which a mutant loads beside the original and other mutants.
 """
 
 import hashlib

@@ -78,8 +78,7 @@ class LostError(Exception):
 class Worker:
     """A process that calls ``begin(*arguments)`` and then does one task after another.
 
-    It and what it starts may have `memory` bytes; None for one that holds no FMU, which has no
-    limits then, and no guard.
+    It and what it starts may have `memory` bytes; None is for no FMU, no limits and no guard.
     """
 
     def __init__(self, begin: Task, arguments: tuple[Any, ...], memory: int | None) -> None:
@@ -192,11 +191,7 @@ def _fork_guarded(connection: Connection, memory: int) -> None:
 
 
 def _watch(worker: int, connection: Connection, memory: int) -> int:
-    """Wait for the end of the worker and return its exit code.
-
-    The guard ends it once the process that asks closes the connection, or ends, and if the worker
-    and its descendants have more memory than they may.
-    """
+    """Return the exit code of the worker, or why it is to end: no one asks, too much memory."""
     asking = select.poll()
     # Without any event of interest, poll(2) reports that the other end was closed.
     asking.register(connection, 0)
@@ -213,10 +208,7 @@ def _watch(worker: int, connection: Connection, memory: int) -> int:
 
 
 def _end_descendants(worker: int) -> None:
-    """Kill the session of the worker and all children, till none is left.
-
-    The children of a killed child become children of this process.
-    """
+    """Kill the session of the worker and all children, and theirs, which become this process's."""
     last = time.monotonic() + ENDING
     while time.monotonic() < last:
         with contextlib.suppress(OSError):

@@ -44,7 +44,7 @@ from stickslip_verification.model.units import Unit
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth.parameters import PARAMETERS, Kind
 
-_WHOLE: Final = 20.0
+_ALL_SAID: Final = 20.0
 """What it counts that name, description and unit say all that a quantity needs, and the name no
 more; whatever lacks something has a smaller score."""
 
@@ -147,9 +147,9 @@ def starter(fmu: Path) -> str:
     # Without gravity a normal force may be the whole of it, and is no load on top of m g.
     if not any(each.name == "g" for each in scores):
         loads = [v for v in scores if v.name == "load" and v not in seen]
-        scores |= {v: min(scores[v], _WHOLE - 1.0) for v in loads}
-    whole = {each.name for each, score in scores.items() if score >= _WHOLE}
-    lacking = [] if seen else [ours for ours in REQUIRED if ours not in whole]
+        scores |= {v: min(scores[v], _ALL_SAID - 1.0) for v in loads}
+    sure = {each.name for each, score in scores.items() if score >= _ALL_SAID}
+    lacking = [] if seen else [ours for ours in REQUIRED if ours not in sure]
     chosen = {} if lacking else _sure(scores)
     note = _SEEN_SO if seen else _NO_BLOCK if lacking else _NOT_SEEN
     head = _HEAD.format(file=_plain(fmu.name), note=note.format(", ".join(lacking)))
@@ -187,10 +187,10 @@ def _tried(fmu: Path, scores: Mapping[Variable, float]) -> dict[Variable, int]:
 
 def _candidate(ours: str, theirs: Declared, units: Mapping[str, Unit]) -> Variable | None:
     """Return a variable as ours if it may be: by causality, variability, type and dimension."""
-    whole = theirs.type not in FLOATING
+    is_whole = theirs.type not in FLOATING
     if (
         (ours in _FIXED and theirs.causality == "input")
-        or (whole and ours not in _DISCRETE and theirs.name != ours)
+        or (is_whole and ours not in _DISCRETE and theirs.name != ours)
         or (theirs.type == "Boolean" and ours != "sticking")
         or theirs.variability == "constant"
     ):
@@ -215,10 +215,10 @@ def _likeness(ours: str, theirs: Declared) -> float:
     missing = needs - said - by_unit
     score += _BASE - _MISSING * len(missing) - (not looks_like(ours, theirs))
     if theirs.name == ours:
-        return _WHOLE + score + (_SAME_NAME if by_unit or UNITS[ours] == "1" else 0.0)
+        return _ALL_SAID + score + (_SAME_NAME if by_unit or UNITS[ours] == "1" else 0.0)
     if not said:
         return 0.0
-    return max(score, 1.0) + (0.0 if missing or doubtful else _WHOLE)
+    return max(score, 1.0) + (0.0 if missing or doubtful else _ALL_SAID)
 
 
 @cache
@@ -229,7 +229,7 @@ def _words(text: str) -> tuple[str, ...]:
 
 def _sure(scores: Mapping[Variable, float]) -> dict[str, Variable]:
     """Return the variables that are sure by our names, none twice."""
-    best, without = _assigned({v: score for v, score in scores.items() if score >= _WHOLE})
+    best, without = _assigned({v: score for v, score in scores.items() if score >= _ALL_SAID})
     total = sum(scores[each] for each in best)
     return {
         each.name: each
@@ -250,8 +250,8 @@ def _assigned(
         weights[place] = scores[each]
 
     def best() -> list[Variable]:
-        found = zip(*linear_sum_assignment(weights, maximize=True), strict=True)
-        return [places[place] for place in found if weights[place] > 0.0]
+        pairs = zip(*linear_sum_assignment(weights, maximize=True), strict=True)
+        return [places[place] for place in pairs if weights[place] > 0.0]
 
     first, without = best(), {}
     for place, each in places.items():
@@ -318,7 +318,7 @@ class _Trial:
         """Compare with the parameters of each guess, then set each of the others alone."""
         values = [{v: _VALUES.get(v.name, 0.0) for v in guess} for guess in guesses]
         runs = self._runs(values)
-        gaps = [self._gaps(run, _ours(given)) for run, given in zip(runs, values, strict=True)]
+        gaps = [self._gaps(run, _ours(of)) for run, of in zip(runs, values, strict=True)]
         scores = [sum(1.0 - gap[v][0] / _SAME for v in _same(gap)) for gap in gaps]
         best = scores.index(max(scores))
         guess, gap, same = values[best], gaps[best], _same(gaps[best])
@@ -354,8 +354,8 @@ class _Trial:
         asked = []
         for each in values:
             last = {v.their_name: f"{v.name} = {v.their_name}" for v in each}
-            given = {key: each[self.variables[key]] for key in last.values()}
-            asked.append((Setting(given, _STEPS), self.variables, names))
+            settings = {key: each[self.variables[key]] for key in last.values()}
+            asked.append((Setting(settings, _STEPS), self.variables, names))
         return [answer.value for answer in self.pool.each(workers.trial_run, asked)]
 
     def _gaps(self, run: Run | None, values: Mapping[str, float]) -> Gaps:

@@ -21,10 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Setting:
-    """What an FMU is driven through: values by the suite's names set before the start (SI), steps.
-
-    The changes of a step are set before it; ``start_time`` is in s.
-    """
+    """What an FMU is driven through: values set before the start (SI), steps, start time [s]."""
 
     parameters: Mapping[str, float]
     steps: Sequence[CommunicationStep]
@@ -77,10 +74,7 @@ def require_law(fmu: FmuFile, case: Case) -> None:
 
 
 def law_of(fmu: FmuFile) -> str:
-    """Return the name of the built-in friction law whose parameters an FMU has all.
-
-    Coulomb's law where it has those of no other.
-    """
+    """Return the name of the built-in friction law whose parameters an FMU has; else Coulomb's."""
     for name, law in BUILT_IN.items():
         if name != COULOMB_NAME:
             fmu.look_for(law.parameters, optional=True)

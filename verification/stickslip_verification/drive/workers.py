@@ -36,13 +36,10 @@ from stickslip_verification.suite.invariants import Probe
 T = TypeVar("T")
 
 NOT_MADE = "not finished"
-"""Beginning of what is said of a run for which no time was left."""
+"""Beginning of the failure of a run for which no time was left."""
 
-TIME_LIMIT = 60.0
-"""Seconds that one run of a case may take; the longest of the suite takes a few."""
-
-PROBE_LIMIT = 60.0
-"""Seconds that one probe may take; the longest, of the memory of 1e5 steps, takes two."""
+TIME_LIMIT = PROBE_LIMIT = 60.0
+"""Seconds that one run of a case, or one probe, may take; the longest of the suite takes a few."""
 
 MOST_PER_PROCESSOR = 4
 """Processes for each processor; more of them only take memory from each other."""
@@ -123,7 +120,7 @@ def trial_run(setting: Setting, variables: Mapping[str, Variable], names: Sequen
 
 @dataclass(eq=False)
 class _Task:
-    """A task with its time limit [s], when it was begun, and its answer once there is one."""
+    """A task with its time limit [s], and its answer once there is one."""
 
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
@@ -138,21 +135,12 @@ class _Task:
 
 
 class Pool:
-    """A few processes that work through tasks while an answer is waited for.
+    """A few processes, `jobs` at most, that work through tasks while an answer is waited for.
 
-    Leaving the `with` block ends whatever still runs, and what an FMU left behind.
-
-    Parameters
-    ----------
-    jobs
-        How many processes; no more than `MOST_PER_PROCESSOR` for each processor.
-    time_limit
-        Seconds that one task may take.
-    fmu, names, hooks, own_starts, limits
-        The FMU that the processes hold, how it is opened (see `FmuFile`), and what it may take.
-        Without an FMU time alone is limited.
-    fresh
-        Whether each task gets a new process, for an FMU that lives only once in one.
+    Leaving the `with` block ends whatever still runs, and what an FMU left behind. A task may take
+    `time_limit` [s]; with `fresh` each gets a new process, for an FMU that lives only once in one.
+    The processes open an FMU, see `FmuFile`, which may take `limits`; without one time alone is
+    limited.
     """
 
     def __init__(
@@ -184,10 +172,7 @@ class Pool:
         arguments: Sequence[tuple[Any, ...]],
         most: float = math.inf,
     ) -> Iterator[Answer[T]]:
-        """Yield the task's answers to each tuple of arguments, in this order.
-
-        All are scheduled at once. `most` [s] is a time limit below the pool's.
-        """
+        """Yield the answers of a task to tuples of arguments; `most` [s] is a lower time limit."""
         tasks = [_Task(task, each, min(self._limit, most)) for each in arguments]
         self._waiting.extend(tasks)
         return map(self._answer, tasks)

@@ -28,20 +28,12 @@ class FmuFile(Description):
     """An FMU, extracted to ``folder`` until `close` or the end of this object, and its description.
 
     ``variables`` are ours, by our names; ``extra_outputs`` are none of ours, by the FMU's names.
+    `hooks` are faults planted between the master and its instances. With `own_starts` a case leaves
+    parameters that it does not name at the FMU's start values; None for where the FMU promises
+    them: its description names the exact contract, and no names differ.
+
     `FmuError` if it is none for co-simulation by FMI 2.0 or 3.0 on this platform, if it has too
     much to unpack, or a variable of ours that cannot be used, see `collect`.
-
-    Parameters
-    ----------
-    path
-        The ``.fmu`` archive.
-    names
-        Our names to its names, where they differ.
-    hooks
-        Faults planted between the master and its instances.
-    own_starts
-        Whether a case leaves parameters that it does not name at the FMU's start values; None for
-        where the FMU promises them: its description names the exact contract, and no names differ.
     """
 
     def __init__(

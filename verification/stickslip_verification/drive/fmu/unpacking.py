@@ -32,10 +32,7 @@ _ELSEWHERE: Final = ("/tmp", "/var/tmp")
 
 
 def check_size(path: Path) -> None:
-    """Refuse an FMU that unpacks to more than the limits of this module, by what the archive says.
-
-    `FmuError` with the file and the limit; `zipfile.BadZipFile` if it is no archive.
-    """
+    """Refuse an FMU that unpacks, by what it says, to more than the limits; `FmuError`."""
     with zipfile.ZipFile(path) as archive:
         entries = archive.infolist()
     total = sum(entry.file_size for entry in entries)

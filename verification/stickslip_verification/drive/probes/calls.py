@@ -41,15 +41,12 @@ Row = Mapping[str, float]
 _MOST_COMPLAINTS = 3
 
 _ALIKE = 0.05
-"""Difference of mean and of deviation, as a part of the deviation: what the points' places in the
-cycles make is a fifth of it."""
+"""Difference of mean and of deviation, as a part of the deviation; the points' places in the cycles
+make a fifth of it."""
 
 
 class Caller:
-    """A master of one instance: it plays calls and knows the time.
-
-    Our default of every parameter and input is set first, since those of the FMU may differ.
-    """
+    """A master of one instance, which sets our defaults first; it plays calls, knows the time."""
 
     def __init__(self, fmu: FmuFile, instance: FmuInstance) -> None:
         self.instance = instance
@@ -264,10 +261,7 @@ def differences(
     tolerance: float | None = None,
     ignored: Iterable[str] = (),
 ) -> list[str]:
-    """Return where two motions differ, a line for each of the first outputs that do.
-
-    What is discrete must be equal; without a tolerance all must, NaN to NaN.
-    """
+    """Return how two motions differ; what is discrete must be equal, and NaN equals NaN."""
     scales = {} if tolerance is None else _scales(chain(got, expected))
     complaints = []
     for name in got[0]:

@@ -82,10 +82,9 @@ def elsewhere(
 
 @dataclass(frozen=True)
 class _Fresh:
-    """Calls to be played in a fresh process.
+    """Calls for a fresh process; before `then` it takes up a state, at a time since the start [s].
 
-    Before `then` it goes on from a serialized state, at a time since the start [s], if there is
-    one. If the working folder changes, it is an empty one at the instantiation, at `calls` one that
+    If the working folder changes, it is an empty one at the instantiation, at `calls` one that
     cannot be written to, at `then` one that was deleted.
     """
 
