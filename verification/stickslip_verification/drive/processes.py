@@ -91,7 +91,12 @@ class Worker:
         # With a copy here, the end of the process would not end the connection.
         theirs.close()
         self._has_guard = memory is not None and sys.platform != "win32"
-        _limit_silence(self.connection)
+        if sys.platform != "win32":
+            # A wait for the rest of what is sent or taken ends with an `OSError`: socket(7).
+            seconds = struct.pack("ll", LONGEST_SILENCE, 0)
+            with socket.fromfd(self.connection.fileno(), socket.AF_UNIX, socket.SOCK_STREAM) as own:
+                own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, seconds)
+                own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, seconds)
 
     @property
     def handles(self) -> tuple[Any, Any]:
@@ -135,28 +140,6 @@ class Worker:
         self._process.close()
 
 
-def _limit_memory(most: int) -> None:
-    """Limit the private memory of this process, and of each that it starts, to `most` bytes.
-
-    RLIMIT_AS would also count what is merely reserved: runtimes with a garbage collector reserve
-    tens of gigabytes. Shared memory and the sum over processes are left to the guard, on Linux.
-    """
-    import resource
-
-    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    if hard != resource.RLIM_INFINITY:
-        most = min(most, hard)
-    resource.setrlimit(resource.RLIMIT_DATA, (most, most))
-
-
-def _limit_silence(connection: Connection) -> None:
-    """Have a wait for the rest of what is sent or taken end with an `OSError`: socket(7)."""
-    if sys.platform != "win32":
-        with socket.fromfd(connection.fileno(), socket.AF_UNIX, socket.SOCK_STREAM) as own:
-            for option in (socket.SO_RCVTIMEO, socket.SO_SNDTIMEO):
-                own.setsockopt(socket.SOL_SOCKET, option, struct.pack("ll", LONGEST_SILENCE, 0))
-
-
 def _serve(
     connection: Connection, begin: Task, arguments: tuple[Any, ...], memory: int | None
 ) -> None:
@@ -165,7 +148,6 @@ def _serve(
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     discard_prints()
     if memory is not None and sys.platform != "win32":
-        _limit_memory(memory)
         _fork_guarded(connection, memory)
     begin(*arguments)
     with contextlib.suppress(EOFError, ConnectionError):
@@ -175,7 +157,14 @@ def _serve(
 
 
 def _fork_guarded(connection: Connection, memory: int) -> None:
-    """Return in a child, in a session of its own; this process becomes its guard."""
+    """Return in a child with limits, in a session of its own; this process becomes its guard."""
+    import resource
+
+    # RLIMIT_AS would also count what is merely reserved: runtimes with a garbage collector reserve
+    # tens of gigabytes. Shared memory and the sum over processes are left to the guard, on Linux.
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    most = memory if hard == resource.RLIM_INFINITY else min(memory, hard)
+    resource.setrlimit(resource.RLIMIT_DATA, (most, most))
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
     worker = os.fork()
     if worker == 0:

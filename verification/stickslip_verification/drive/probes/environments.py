@@ -39,7 +39,7 @@ def state_in_a_fresh_process(
     The outputs after the steps of `then` are compared. `environment` differs there from the one of
     this process; `tolerance` is as in `same_motion`.
     """
-    need_ability(_serializes(fmu), "serialize its state")
+    need_ability(fmu.can_get_and_set_state and fmu.can_serialize_state, "serialize its state")
     check_playable(fmu, chain(calls, then))
     with calling(fmu, calls) as caller:
         state = caller.instance.written(caller.instance.get_state()), caller.since
@@ -116,13 +116,9 @@ class _Fresh:
                 written, since = self.state
                 caller.instance.restore(written)
                 caller.steps = [since]
-            elif _serializes(self.fmu):
+            elif self.fmu.can_get_and_set_state and self.fmu.can_serialize_state:
                 caller.instance.restore(caller.instance.written(caller.instance.get_state()))
             if self.folders:
                 with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as deleted:
                     os.chdir(deleted)
             return caller.play(self.then)
-
-
-def _serializes(fmu: FmuFile) -> bool:
-    return fmu.can_get_and_set_state and fmu.can_serialize_state
