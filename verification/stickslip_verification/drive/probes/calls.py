@@ -38,6 +38,9 @@ initializes at a start time [s], ``{ step = h }`` makes a step of h [s], with ``
 Row = Mapping[str, float]
 """Outputs at one time, by name (SI)."""
 
+Calls = Sequence[Call]
+Rows = Sequence[Row]
+
 _MOST_COMPLAINTS = 3
 
 _ALIKE = 0.05
@@ -109,9 +112,9 @@ def check_playable(fmu: FmuFile, calls: Iterable[Call]) -> None:
 
 def same_motion(
     fmu: FmuFile,
-    calls: Sequence[Call],
-    like: Sequence[Call],
-    then: Sequence[Call],
+    calls: Calls,
+    like: Calls,
+    then: Calls,
     tolerance: float | None = None,
     may_refuse: bool = False,
     ignored: Sequence[str] = (),
@@ -141,12 +144,7 @@ def same_motion(
     return differences(got, expected, tolerance, ignored)
 
 
-def gives(
-    fmu: FmuFile,
-    calls: Sequence[Call],
-    outputs: Row,
-    tolerance: float | None = None,
-) -> list[str]:
+def gives(fmu: FmuFile, calls: Calls, outputs: Row, tolerance: float | None = None) -> list[str]:
     """Complain if the outputs after the calls are not these; `tolerance` is a part of the value."""
     check_playable(fmu, calls)
     names = available(fmu, outputs)
@@ -163,10 +161,10 @@ def gives(
 
 def steps_onto_restick(
     fmu: FmuFile,
-    calls: Sequence[Call],
+    calls: Calls,
     into: float,
     over: float,
-    then: Sequence[Call],
+    then: Calls,
     tolerance: float,
     rests: bool = False,
 ) -> list[str]:
@@ -256,10 +254,7 @@ def keeps_its_cycle(
 
 
 def differences(
-    got: Sequence[Row],
-    expected: Sequence[Row],
-    tolerance: float | None = None,
-    ignored: Iterable[str] = (),
+    got: Rows, expected: Rows, tolerance: float | None = None, ignored: Iterable[str] = ()
 ) -> list[str]:
     """Return how two motions differ; what is discrete must be equal, and NaN equals NaN."""
     scales = {} if tolerance is None else _scales(chain(got, expected))

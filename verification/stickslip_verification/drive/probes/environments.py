@@ -3,15 +3,15 @@
 import os
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.probes.calls import (
-    Call,
-    Row,
+    Calls,
+    Rows,
     calling,
     check_playable,
     differences,
@@ -29,8 +29,8 @@ _UNWRITABLE = Path("/proc")
 
 def state_in_a_fresh_process(
     fmu: FmuFile,
-    calls: Sequence[Call],
-    then: Sequence[Call],
+    calls: Calls,
+    then: Calls,
     environment: Environment,
     tolerance: float | None = None,
 ) -> list[str]:
@@ -50,8 +50,8 @@ def state_in_a_fresh_process(
 
 def elsewhere(
     fmu: FmuFile,
-    calls: Sequence[Call],
-    then: Sequence[Call],
+    calls: Calls,
+    then: Calls,
     environments: Mapping[str, Environment],
     tolerance: float | None = None,
 ) -> list[str]:
@@ -89,13 +89,13 @@ class _Fresh:
     """
 
     fmu: FmuFile
-    calls: Sequence[Call]
-    then: Sequence[Call]
+    calls: Calls
+    then: Calls
     state: tuple[bytes, float] | None = None
     folders: bool = False
 
     def differences(
-        self, expected: Sequence[Row], tolerance: float | None, environment: Environment
+        self, expected: Rows, tolerance: float | None, environment: Environment
     ) -> list[str]:
         """Play them there; return how the outputs after the steps of `then` differ."""
         answer = in_fresh_process(self.played, environment, self.folders)
@@ -103,7 +103,7 @@ class _Fresh:
             return [answer.failure or "no answer"]
         return differences(answer.value, expected, tolerance)
 
-    def played(self) -> list[Row]:
+    def played(self) -> Rows:
         """Play them in this process."""
         with calling(self.fmu, ()) as caller:
             if self.folders:
