@@ -11,9 +11,8 @@ from scipy.integrate import solve_ivp
 
 from stickslip_verification import Case, load_cases
 from stickslip_verification.drive import solvers
-from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.drive.exact import OFF, changes, exact_motion, spreads
 from stickslip_verification.drive.kept import kept
-from stickslip_verification.drive.nearby import OFF, changes, spreads
 from stickslip_verification.drive.probes.calls import keeps_its_cycle
 from stickslip_verification.drive.solvers import SOLVERS, Solver
 from stickslip_verification.judge.accuracy import STANDS_OUT, Ruler, matched, wrong_parameter

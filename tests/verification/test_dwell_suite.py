@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.fmu.law import law_of
-from stickslip_verification.drive.stepping import NotApplicableError, require_law, setting_of
+from stickslip_verification.drive.fmu.errors import NotApplicableError
+from stickslip_verification.drive.stepping import law_of, require_law, setting_of
 from stickslip_verification.suite.cases import follow
 from stickslip_verification.suite.other_laws import SHARE, with_dwell
 from stickslip_verification.suite.sequences import draw_sequences, well_decided

@@ -13,18 +13,9 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Answer(Generic[T]):
-    """The result of a task.
+    """The value of a task, its error on one line, or what the FMU lacks for it.
 
-    Attributes
-    ----------
-    value
-        Its value; None if there is none.
-    failure
-        The error on one line; None if there was none.
-    not_applicable
-        What the FMU lacks for the task; None if it lacks nothing.
-    late
-        Whether the task failed by its time limit.
+    ``late`` is a task that failed by its time limit.
     """
 
     value: T | None = None

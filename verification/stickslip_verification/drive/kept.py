@@ -1,8 +1,7 @@
 """Results kept on disk for the processes of one session, such as a run of the gate.
 
 Truth and reference of a case are the same whichever FMU is judged. Where `FOLDER` names a folder in
-the environment, each is computed once and read from there afterwards; without it nothing is kept,
-so a verdict outside a session never rests on an old file.
+the environment, each is computed once; without it a verdict never rests on an old file.
 """
 
 import contextlib
@@ -27,8 +26,7 @@ T = TypeVar("T")
 def kept(function: Callable[..., T], case: Case, *arguments: Any) -> T:
     """Return `function(case, *arguments)`, or its result from earlier in this session.
 
-    An earlier result counts if the motion that the case describes and the other arguments are what
-    they were. Of a friction law from elsewhere, whose source is not looked at, nothing is kept.
+    Of a friction law from elsewhere, whose source is not looked at, nothing is kept.
     """
     folder = os.environ.get(FOLDER)
     if not folder or case.law not in BUILT_IN:

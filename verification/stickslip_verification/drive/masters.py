@@ -32,41 +32,24 @@ from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.experiment import CommunicationStep
 
 AfterStep = Callable[[float], bool]
-"""Called with the time since the start [s] after each step; a true answer ends the run there."""
+"""Called with the time since the start [s] after each step; True ends the run there."""
 
 _PIECES = (0.3, 0.45)
 """Parts of a step that it is cut into, the rest being the last."""
 
-_ROLLBACKS, _REPEATED = 5, 20
-"""How often a run is set back, and over how many steps each time."""
+_ROLLBACKS, _REPEATED, _STATES = 5, 20, 100
+"""How often a run is set back, over how many steps each time; states that exist at once, once."""
 
-_UNREAD_STEPS, _BUSY_STEPS = 40, 100
-"""Steps that one step of a case is cut into where nothing is read, and where inputs are set too."""
-
-_ROUNDING = 2e-15
-"""Part of its value by which an input that is set before every step is off."""
-
-_STATES = 100
-"""States that exist at once, once in a run."""
-
-_TINY = 1e-9
-"""The shortest part of a step."""
+_UNREAD_STEPS, _BUSY_STEPS, _TINY, _ROUNDING = 40, 100, 1e-9, 2e-15
+"""Steps that one step of a case is cut into where nothing is read, and where inputs are set too;
+the shortest part of a step; part of its value by which an input set before every step is off."""
 
 
 class Master:
-    """One run of an FMU through a setting.
+    """One run of an FMU through a setting; the first of its ``instances`` runs the case.
 
-    Attributes
-    ----------
-    names
-        What is read: all outputs that the FMU has, if nobody says otherwise.
-    start, values, seed
-        Start values of the case, these with what was changed so far, and what decides orders and
-        cuts: the same for the same case.
-    instances
-        The first runs the case.
-    number, next
-        The step that comes next.
+    ``names`` are read, ``start`` are the start values of the case, ``values`` these with what was
+    changed so far; its ``seed`` decides orders and cuts. ``number`` and ``next`` are the next step.
     """
 
     next: CommunicationStep
@@ -168,11 +151,7 @@ class Master:
                 time += after - before
 
     def others(self, *, changeable: bool = False) -> dict[str, float]:
-        """Return values some of which are unlike the case's; of what may change on the way alone.
-
-        Each is unlike or as the case has it, so that what is made from several values meets some
-        that are the same.
-        """
+        """Return values, some unlike and some as the case's; `changeable` on the way alone."""
         start, draw = self.start, Random(f"other than {self.seed}")
         values = {
             "m": 2.5 * start["m"],
@@ -197,16 +176,10 @@ class Master:
 class Way:
     """A way of calling: what it does otherwise than the plain one.
 
-    Attributes
-    ----------
-    begin, set, step, read
-        Called in place of the master's own.
-    setting, back
-        From an FMU and a case to what is run, and from its run to what is to equal the plain one.
-    reads, reads_start
-        Whether outputs are read after each step, and after the initialization.
-    states, written
-        Whether states are set, and whether they are written as bytes.
+    ``begin``, ``set``, ``step``, ``read`` are called in place of the master's own. ``setting`` says
+    what is run, ``back`` makes of the run what is to equal the plain one. ``reads`` and
+    ``reads_start`` say whether outputs are read after each step, and after the initialization;
+    ``states`` and ``written`` whether states are set, and whether they are written as bytes.
     """
 
     begin: Callable[[Master], None] = Master.begin
@@ -229,24 +202,21 @@ class Way:
         if self.instances > 1:
             need_instances(fmu)
         run = self.back(Master(fmu, setting, self, start=case.start, seed=case.id).run())
-        whole = len(run.times) == len(case.steps)
-        return replace(run, times=np.array(case.times)) if whole else run
+        complete = len(run.times) == len(case.steps)
+        return replace(run, times=np.array(case.times)) if complete else run
 
 
 def _symmetric(symmetry: Symmetry) -> Way:
+    def scaled(step: CommunicationStep, case: Case) -> CommunicationStep:
+        return CommunicationStep(step.h * symmetry.pace, symmetry.scaled(step.changes, case.own))
+
     def setting(fmu: FmuFile, case: Case) -> Setting:
-        plain = setting_of(fmu, case)
+        steps = [scaled(step, case) for step in setting_of(fmu, case).steps]
         values = symmetry.scaled(case.start, case.own)
         # What the plain run does without, of a friction law's parameters, has no effect.
         own = {each.name for each in case.own}
         need(fmu, lacking(fmu, {n: value for n, value in values.items() if n not in own}))
-        return Setting(
-            {name: value for name, value in values.items() if fmu.has(name)},
-            [
-                CommunicationStep(step.h * symmetry.pace, symmetry.scaled(step.changes, case.own))
-                for step in plain.steps
-            ],
-        )
+        return Setting({n: value for n, value in values.items() if fmu.has(n)}, steps)
 
     def back(run: Run) -> Run:
         factors = symmetry.outputs
@@ -260,19 +230,19 @@ def _symmetric(symmetry: Symmetry) -> Way:
 
 
 def _cut(fmu: FmuFile, case: Case) -> Setting:
-    whole = setting_of(fmu, case)
+    plain = setting_of(fmu, case)
     pieces = []
-    for step in whole.steps:
+    for step in plain.steps:
         first, second = (step.h * part for part in _PIECES)
         for h, changes in ((first, step.changes), (second, {}), (step.h - first - second, {})):
             pieces.append(CommunicationStep(h, changes))
-    return Setting(whole.parameters, pieces)
+    return Setting(plain.parameters, pieces)
 
 
 def _joined(run: Run) -> Run:
-    whole = slice(len(_PIECES), None, len(_PIECES) + 1)
-    outputs = {name: samples[whole] for name, samples in run.outputs.items()}
-    return replace(run, times=run.times[whole], outputs=outputs)
+    ends = slice(len(_PIECES), None, len(_PIECES) + 1)
+    outputs = {name: samples[ends] for name, samples in run.outputs.items()}
+    return replace(run, times=run.times[ends], outputs=outputs)
 
 
 def _at_mark(m: Master) -> bool:
@@ -293,7 +263,6 @@ def _set_back_at_marks(m: Master) -> None:
 
 
 def _begin_both(m: Master, **changes: float) -> None:
-    """Begin with another instance too, with other values."""
     m.begin()
     m.instances[1].start({**m.setting.parameters, **changes})
     m.read(m.instances[1])
@@ -324,6 +293,9 @@ def _step_other_before(m: Master) -> None:
         m.go(m.instances[1], m.number - 1, m.number)
     m.set()
 
+
+run_case = Way()
+"""Drives a fresh instance of an FMU through a case, plainly."""
 
 RUNS: Mapping[str, Way] = {
     "mirror": _symmetric(MIRROR),
@@ -403,10 +375,7 @@ def _set_singly(m: Master, values: Mapping[str, float]) -> None:
 
 
 def _set_back(m: Master) -> None:
-    """Take states before and after a set, go on otherwise, and set the state back.
-
-    Many states exist at once, and they are set in another order than they were taken in.
-    """
+    """Take states before and after a set, go on otherwise, and set them back in another order."""
     instance, h, time = m.instance, m.next.h, m.time
     before = instance.get_state()
     m.set()
@@ -430,10 +399,7 @@ def _begin_far_apart(m: Master) -> None:
 
 
 def _carry_over(m: Master) -> None:
-    """Carry the state as bytes into another instance, which has run through something else.
-
-    It is written when the instance that it is of has gone on.
-    """
+    """Carry a state, written when its instance has gone on, into one that ran something else."""
     m.set()
     state = m.instance.get_state()
     m.instance.set(m.others(changeable=True))
@@ -491,8 +457,3 @@ def run(fmu: FmuFile, setting: Setting, after_step: AfterStep | None = None) -> 
     the run early.
     """
     return Master(fmu, setting).run(after_step)
-
-
-def run_case(fmu: FmuFile, case: Case) -> Run:
-    """Drive a fresh instance of an FMU through a case; raises as `setting_of` and `run` do."""
-    return run(fmu, setting_of(fmu, case))

@@ -1,10 +1,8 @@
 """Makes a mutant: the built FMU with one fault planted in the source that it carries.
 
 An override is planted at the end of its module: a function makes the replacement of the original,
-and the name is bound to it. Whoever imports the module later gets the replacement.
-
-The FMU is known as a file alone. Python runs one code per module name in a process, so the packed
-package gets a name of its own; then a mutant loads beside the original and beside other mutants.
+and the name is bound to it. Python runs one code per module name in a process, so the packed
+package gets a name of its own, by which a mutant loads beside the original and other mutants.
 """
 
 import hashlib
@@ -30,17 +28,10 @@ _ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
 def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     """Make the FMU with the fault planted, the same bytes at every call, and return its file.
 
-    That is `destination` if it ends in .fmu, or ``<id>.fmu`` in it; folders are made. A fault in
-    the calls of the master changes no FMU: there `fmu` itself is returned.
-
-    Raises
-    ------
-    MutantError
-        The FMU carries no packed source, or the fault does not fit it: a file to change is not
-        there, a file to add is, a substitution does not match exactly once, or what comes out is
-        not Python. That the target of an override is gone shows when the FMU is loaded.
-    OSError
-        The mutant cannot be written.
+    That is `destination` if it ends in .fmu, or ``<id>.fmu`` in it; a fault in the calls of the
+    master changes no FMU, and `fmu` itself is returned. `MutantError` if the FMU carries no packed
+    source, or the fault does not fit it; that the target of an override is gone shows when the FMU
+    is loaded. `OSError` if the mutant cannot be written.
     """
     if not mutant.changes_the_fmu:
         return fmu
@@ -61,7 +52,16 @@ def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     }
     renamed[DESCRIPTION] = _GUID.sub(f'guid="{digest}"'.encode(), renamed[DESCRIPTION], count=1)
     target.parent.mkdir(parents=True, exist_ok=True)
-    _write(renamed, target)
+    with replacing(target) as stream, zipfile.ZipFile(stream, "w") as archive:
+        # The model description comes first, where readers look for it.
+        for entry in sorted(renamed, key=lambda name: (name != DESCRIPTION, name)):
+            info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.external_attr = 0o644 << 16
+            # Unix, as the permissions above are meant.
+            info.create_system = 3
+            # A mutant is made, run and thrown away, so speed counts and size does not.
+            archive.writestr(info, renamed[entry], compresslevel=1)
     return target
 
 
@@ -134,17 +134,3 @@ def _apply(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
             name = f"_planted_{n}"
             text = f"\n\n{override.function(name)}\n\n{override.path} = {name}({override.path})\n"
             entries[file_of("overrides", end, override.target)] += text.encode()
-
-
-def _write(entries: Mapping[str, bytes], target: Path) -> None:
-    """Write an archive whose bytes depend on its entries alone, or nothing at all."""
-    with replacing(target) as stream, zipfile.ZipFile(stream, "w") as archive:
-        # The model description comes first, where readers look for it.
-        for entry in sorted(entries, key=lambda name: (name != DESCRIPTION, name)):
-            info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
-            info.compress_type = zipfile.ZIP_DEFLATED
-            info.external_attr = 0o644 << 16
-            # Unix, as the permissions above are meant.
-            info.create_system = 3
-            # A mutant is made, run and thrown away, so speed counts and size does not.
-            archive.writestr(info, entries[entry], compresslevel=1)

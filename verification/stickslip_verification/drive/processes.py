@@ -42,14 +42,9 @@ ENDING: Final = 5.0
 LONGEST_SILENCE: Final = 20
 """Seconds in which nothing comes of an answer that was begun."""
 
-SHORT_FOLDER: Final = "/tmp"
-"""Where sockets go if the folder for temporary files has too long a name."""
-
-LONGEST_FOLDER: Final = 70
-"""Bytes of the folder for temporary files that leave room for the sockets in it.
-
-The path of a socket has 103 bytes (macOS; 107 on Linux, unix(7)); multiprocessing appends 32.
-"""
+SHORT_FOLDER, LONGEST_FOLDER = "/tmp", 70
+"""Where sockets go if the folder for temporary files has a name of more bytes: the path of a socket
+has 103 (macOS; 107 on Linux, unix(7)), and multiprocessing appends 32."""
 
 Environment = Mapping[str, str | bool]
 """Environment variables and their values; False for one that is not set."""
@@ -58,16 +53,10 @@ LIMIT: Final = 30.0
 """Seconds that a fresh process may take; alone on its processor most take half of one."""
 
 _COMMAND = "from stickslip_verification.drive.processes import serve; serve()"
-"""The program of a fresh process."""
 
-_ERRORS: Final = 2
-"""The descriptor of standard error."""
-
-_GUARD_PERIOD: Final = 20.0
-"""Milliseconds between two looks of a guard at its worker."""
-
-_LOOKS_FOR_MEMORY: Final = 25
-"""At each so many looks it adds up the memory, which takes some milliseconds."""
+_GUARD_PERIOD, _LOOKS_FOR_MEMORY = 20.0, 25
+"""Milliseconds between two looks of a guard at its worker; at each so many looks it adds up the
+memory, which takes some milliseconds."""
 
 OUT_OF_MEMORY: Final = 251
 """Exit code of a guard whose worker, with what it started, had more memory than it may."""
@@ -87,15 +76,9 @@ class LostError(Exception):
 
 
 class Worker:
-    """A process that does one task after another.
+    """A process that calls ``begin(*arguments)`` and then does one task after another.
 
-    Parameters
-    ----------
-    begin, arguments
-        What the process calls before its first task.
-    memory
-        Bytes that it and what it starts may have; None for one that holds no FMU. It has no limits
-        then, and no guard.
+    It and what it starts may have `memory` bytes; None is for no FMU, no limits and no guard.
     """
 
     def __init__(self, begin: Task, arguments: tuple[Any, ...], memory: int | None) -> None:
@@ -108,7 +91,12 @@ class Worker:
         # With a copy here, the end of the process would not end the connection.
         theirs.close()
         self._has_guard = memory is not None and sys.platform != "win32"
-        _limit_silence(self.connection)
+        if sys.platform != "win32":
+            # A wait for the rest of what is sent or taken ends with an `OSError`: socket(7).
+            seconds = struct.pack("ll", LONGEST_SILENCE, 0)
+            with socket.fromfd(self.connection.fileno(), socket.AF_UNIX, socket.SOCK_STREAM) as own:
+                own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, seconds)
+                own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, seconds)
 
     @property
     def handles(self) -> tuple[Any, Any]:
@@ -152,38 +140,14 @@ class Worker:
         self._process.close()
 
 
-def _limit_memory(most: int) -> None:
-    """Limit the private memory of this process, and of each that it starts, to `most` bytes.
-
-    The limit is RLIMIT_DATA, getrlimit(2), which counts what can be written and belongs to one
-    process alone. RLIMIT_AS would also count what is merely reserved: runtimes with a garbage
-    collector reserve tens of gigabytes and use none of them. Shared memory and the sum over
-    processes are left to the guard, on Linux. macOS takes the limit and does not keep to it.
-    """
-    import resource
-
-    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    if hard != resource.RLIM_INFINITY:
-        most = min(most, hard)
-    resource.setrlimit(resource.RLIMIT_DATA, (most, most))
-
-
-def _limit_silence(connection: Connection) -> None:
-    """Have a wait for the rest of what is sent or taken end with an `OSError`: socket(7)."""
-    if sys.platform != "win32":
-        with socket.fromfd(connection.fileno(), socket.AF_UNIX, socket.SOCK_STREAM) as own:
-            for option in (socket.SO_RCVTIMEO, socket.SO_SNDTIMEO):
-                own.setsockopt(socket.SOL_SOCKET, option, struct.pack("ll", LONGEST_SILENCE, 0))
-
-
 def _serve(
     connection: Connection, begin: Task, arguments: tuple[Any, ...], memory: int | None
 ) -> None:
     """Do what is sent, till the connection is closed."""
     # Ctrl-C is for the process that asks.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    discard_prints()
     if memory is not None and sys.platform != "win32":
-        _limit_memory(memory)
         _fork_guarded(connection, memory)
     begin(*arguments)
     with contextlib.suppress(EOFError, ConnectionError):
@@ -193,7 +157,14 @@ def _serve(
 
 
 def _fork_guarded(connection: Connection, memory: int) -> None:
-    """Return in a child, in a session of its own; this process becomes its guard."""
+    """Return in a child with limits, in a session of its own; this process becomes its guard."""
+    import resource
+
+    # RLIMIT_AS would also count what is merely reserved: runtimes with a garbage collector reserve
+    # tens of gigabytes. Shared memory and the sum over processes are left to the guard, on Linux.
+    _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    most = memory if hard == resource.RLIM_INFINITY else min(memory, hard)
+    resource.setrlimit(resource.RLIMIT_DATA, (most, most))
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
     worker = os.fork()
     if worker == 0:
@@ -209,11 +180,7 @@ def _fork_guarded(connection: Connection, memory: int) -> None:
 
 
 def _watch(worker: int, connection: Connection, memory: int) -> int:
-    """Wait for the end of the worker and return its exit code.
-
-    The guard ends it once the other end of the connection is closed, at the latest by the end of
-    the process that asks, or if the worker and its descendants have more memory than they may.
-    """
+    """Return the exit code of the worker, or why it is to end: no one asks, too much memory."""
     asking = select.poll()
     # Without any event of interest, poll(2) reports that the other end was closed.
     asking.register(connection, 0)
@@ -230,10 +197,7 @@ def _watch(worker: int, connection: Connection, memory: int) -> int:
 
 
 def _end_descendants(worker: int) -> None:
-    """Kill the session of the worker and all children, till none is left.
-
-    The children of a killed child become children of this process.
-    """
+    """Kill the session of the worker and all children, and theirs, which become this process's."""
     last = time.monotonic() + ENDING
     while time.monotonic() < last:
         with contextlib.suppress(OSError):
@@ -280,54 +244,28 @@ def _prctl(option: int, value: int) -> None:
 def _context() -> BaseContext:
     """Return the context that starts workers fastest: forks of a server with all modules loaded.
 
-    The server is started with Ctrl-C blocked and standard error discarded. By itself it ignores
-    Ctrl-C only once its modules are loaded, after about a second, and a worker that it forks during
-    an interrupt would print a traceback of no use.
+    The server is started with Ctrl-C blocked, for it and all workers: by itself it ignores Ctrl-C
+    only once its modules are loaded, after about a second.
     """
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["stickslip_verification.drive.workers", "stickslip_ref"])
-    _choose_folder_of_sockets()
-    resource_tracker.ensure_running()
+    usual = tempfile.gettempdir()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        with _silent():
-            forkserver.ensure_running()
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-    return context
-
-
-def _choose_folder_of_sockets() -> None:
-    """Have the server's socket in a folder with a short name.
-
-    multiprocessing makes the folder of its sockets in that for temporary files, once in a process.
-    """
-    usual = tempfile.gettempdir()
-    if len(os.fsencode(usual)) > LONGEST_FOLDER:
-        tempfile.tempdir = SHORT_FOLDER
-    try:
+        # The folder of the sockets is made in that for temporary files, once in a process.
+        if len(os.fsencode(usual)) > LONGEST_FOLDER:
+            tempfile.tempdir = SHORT_FOLDER
         multiprocessing.util.get_temp_dir()
+        # It lets Ctrl-C through again once it has started its process.
+        resource_tracker.ensure_running()
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        forkserver.ensure_running()
     finally:
         tempfile.tempdir = usual
-
-
-@contextlib.contextmanager
-def _silent() -> Iterator[None]:
-    """Discard the standard error of processes started in this block."""
-    try:
-        copy = os.dup(_ERRORS)
-    except OSError:  # closed already
-        yield
-        return
-    with Path(os.devnull).open("wb") as nowhere:
-        os.dup2(nowhere.fileno(), _ERRORS)
-    try:
-        yield
-    finally:
-        os.dup2(copy, _ERRORS)
-        os.close(copy)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    return context
 
 
 def in_fresh_process(
@@ -338,9 +276,8 @@ def in_fresh_process(
 ) -> Answer[T]:
     """Return the answer of a function that can be pickled, from a process without a past.
 
-    What calls it is a worker, whose guard ends the process with all else. The environment differs
-    from the one here by `environment`, the working folder is an empty one if it runs `elsewhere`,
-    and it may take some `seconds` more than `LIMIT`.
+    The environment differs from the one of this process by `environment`, the working folder is an
+    empty one if it runs `elsewhere`, and it may take some `seconds` more than `LIMIT`.
     """
     limit = LIMIT + seconds
     # A process that crashes or is ended leaves the files of the FMU there.
@@ -348,8 +285,8 @@ def in_fresh_process(
         variables = {**os.environ, "TMPDIR": scratch, **(environment or {})}
         try:
             ended = subprocess.run(
-                [sys.executable, "-P", "-c", _COMMAND],
-                input=pickle.dumps((limit, function)),
+                [sys.executable, "-P", "-c", _COMMAND, str(limit)],
+                input=pickle.dumps(function),
                 stdout=subprocess.PIPE,
                 env={name: value for name, value in variables.items() if isinstance(value, str)},
                 cwd=scratch if elsewhere else None,
@@ -369,10 +306,9 @@ def serve() -> None:
     """Call the function that comes on standard input, and write its answer to standard output."""
     with os.fdopen(os.dup(1), "wb") as out:
         discard_prints()
-        limit, function = pickle.load(sys.stdin.buffer)
         # Ends this process even if its parent was ended and the FMU never returns.
-        faulthandler.dump_traceback_later(limit, exit=True)
+        faulthandler.dump_traceback_later(float(sys.argv[1]), exit=True)
         # As a host with a graphical interface does; Python itself leaves numbers in the locale C.
         with contextlib.suppress(locale.Error):
             locale.setlocale(locale.LC_ALL, "")
-        pickle.dump(answer_of(function), out)
+        pickle.dump(answer_of(lambda: pickle.load(sys.stdin.buffer)()), out)

@@ -75,11 +75,11 @@ class Solver:
     """A slider: a method with steps of `step` [s], or `parts` of each communication step.
 
     It finds out at the end of a step what has happened in it, or has the events `located`. One that
-    is `late` breaks away by the forces at the end of a step, and not at its beginning. One with a
-    `band` [m/s] takes a smaller speed for none: it stops there, and static friction acts till it is
-    exceeded (the switch model, Leine et al. 1998). Without a method it locates events and adapts
-    the steps of `adapts` to the tolerance `rtol`, absolute `atol` (in SI units), by default small
-    against the motion; it is `bold` if it tries all that is left of a communication step first.
+    is `late` breaks away by the forces at the end of a step. One with a `band` [m/s] takes a
+    smaller speed for none, and static friction acts till it is exceeded (the switch model, Leine et
+    al. 1998). Without a method SciPy's `adapts` locates events at the tolerance `rtol`, absolute
+    `atol` (SI), by default small against the motion; a `bold` one first tries all
+    that is left of a communication step.
     """
 
     method: Method | None = None
@@ -194,7 +194,7 @@ class Slider:
         mu_s, mu_k = self.p["mu_s"], self.p["mu_k"]
         return mu_k if mu_k <= mu_s else max(mu_s - 0.01, 0.0)
 
-    def _hold(self, age: float) -> float:
+    def _break_away_force(self, age: float) -> float:
         """Return the break-away force [N] at an age of the stick [s]."""
         p, mu_k = self.p, self._mu_k
         mu = p["mu_s"]
@@ -226,7 +226,7 @@ class Slider:
 
     def _breaks_away(self) -> bool:
         driving = self.p["k"] * self.z + self.p["F_ext"]
-        if abs(driving) <= self._hold(self.age) * (1.0 + _EQUAL):
+        if abs(driving) <= self._break_away_force(self.age) * (1.0 + _EQUAL):
             return False
         self.mode = 1 if driving > 0.0 else -1
         return True
@@ -251,17 +251,17 @@ class Slider:
                     continue
                 acceleration = self._acceleration()
             slow = self.mode * self.u <= self.solver.band
-            held = self._held_within_band if slow and self.solver.band else acceleration
-            way, after = method(held, self.z, self.u, v, h)
+            applied = self._within_band if slow and self.solver.band else acceleration
+            way, after = method(applied, self.z, self.u, v, h)
             self.x += way
             self.z += v * h - way
             self.u = after
             if self.mode * after <= (0.0 if slow else self.solver.band):
                 self._stop()
 
-    def _held_within_band(self, z: float, u: float) -> float:
+    def _within_band(self, z: float, u: float) -> float:
         driving = self.p["k"] * z + self.p["F_ext"] - self.p["c"] * u
-        return (driving - self.mode * self._hold(self.age)) / self.p["m"]
+        return (driving - self.mode * self._break_away_force(self.age)) / self.p["m"]
 
     def _locate(self, left: float) -> None:
         least = _EQUAL * left
@@ -295,13 +295,13 @@ class Slider:
         k, v = self.p["k"], self.p["v"]
         driving = k * self.z + self.p["F_ext"]
 
-        def held(t: float) -> bool:
-            return abs(driving + k * v * t) <= self._hold(self.age + t) * (1.0 + _EQUAL)
+        def sticks(t: float) -> bool:
+            return abs(driving + k * v * t) <= self._break_away_force(self.age + t) * (1.0 + _EQUAL)
 
         low, high = 0.0, left
-        while not held(left) and high - low > _EQUAL * left:
+        while not sticks(left) and high - low > _EQUAL * left:
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if held(middle) else (low, middle)
+            low, high = (middle, high) if sticks(middle) else (low, middle)
         self.z += v * high
         self.age += high
         return high

@@ -12,7 +12,7 @@ from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.errors import NotApplicableError as NotApplicableError
 from stickslip_verification.suite.experiment import CommunicationStep as CommunicationStep
 from stickslip_verification.suite.experiment import points
-from stickslip_verification.truth.named import COULOMB_NAME
+from stickslip_verification.truth.named import BUILT_IN, COULOMB_NAME
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES, Parameter, changeable
 
 if TYPE_CHECKING:
@@ -21,17 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Setting:
-    """What an FMU is driven through (SI).
-
-    Attributes
-    ----------
-    parameters
-        Parameters and inputs set before the start, by the suite's names.
-    steps
-        Communication steps; the changes of each are set before it.
-    start_time
-        Time of the start [s].
-    """
+    """What an FMU is driven through: values set before the start (SI), steps, start time [s]."""
 
     parameters: Mapping[str, float]
     steps: Sequence[CommunicationStep]
@@ -47,8 +37,8 @@ def setting_of(fmu: FmuFile, case: Case) -> Setting:
     """Return the setting of a case for this FMU.
 
     Where the FMU's own start values are tried (`FmuFile.own_starts`), only what the case names is
-    set. Elsewhere all values are set, since the FMU's may differ. `NotApplicableError` if it lacks
-    a variable that the case gives another value than our default, or cannot change one on the way.
+    set. `NotApplicableError` if it lacks a variable that the case gives another value than our
+    default, or cannot change one on the way.
     """
     require_law(fmu, case)
     if fmu.own_starts:
@@ -70,11 +60,7 @@ def can_run(fmu: FmuFile, case: Case) -> bool:
 
 
 def require_law(fmu: FmuFile, case: Case) -> None:
-    """Raise `FmuError` if an FMU lacks a parameter of the friction law of a case.
-
-    Coulomb's law counts without its own parameters too: a case that gives one of them another value
-    than the start is then not applicable.
-    """
+    """Raise `FmuError` if an FMU lacks a parameter of the friction law of a case, not Coulomb's."""
     if case.law == COULOMB_NAME:
         fmu.look_for(case.own, optional=True)
         return
@@ -87,11 +73,31 @@ def require_law(fmu: FmuFile, case: Case) -> None:
         )
 
 
-def lacking(fmu: FmuFile, values: Mapping[str, float], own: Sequence[Parameter] = ()) -> list[str]:
-    """Return the names that an FMU has no variable for and whose value is not our default.
+def law_of(fmu: FmuFile) -> str:
+    """Return the name of the built-in friction law whose parameters an FMU has; else Coulomb's."""
+    for name, law in BUILT_IN.items():
+        if name != COULOMB_NAME:
+            fmu.look_for(law.parameters, optional=True)
+            if all(fmu.has(each.name) for each in law.parameters):
+                return name
+    return COULOMB_NAME
 
-    `own` are a friction law's parameters among them.
-    """
+
+def fitting(fmu: FmuFile, cases: Sequence[Case]) -> list[Case]:
+    """Return the cases of the friction law of an FMU, or from elsewhere; `FmuError` if none is."""
+    law = law_of(fmu)
+    fit = [case for case in cases if case.law == law or case.law not in BUILT_IN]
+    if not fit:
+        laws = " and ".join(dict.fromkeys(case.law for case in cases))
+        raise FmuError(
+            f"{fmu.path}: its friction law is {law}, and the cases are of the friction law {laws}; "
+            f"choose cases of {law}, or build the FMU with stickslip build --law {cases[0].law}"
+        )
+    return fit
+
+
+def lacking(fmu: FmuFile, values: Mapping[str, float], own: Sequence[Parameter] = ()) -> list[str]:
+    """Return the names that an FMU has no variable for and whose value is not our default."""
     starts = {**START_VALUES, **{each.name: each.start for each in own}}
     return [n for n in values if not fmu.has(n) and values[n] != starts[n]]
 

@@ -8,29 +8,25 @@ import contextlib
 import math
 import os
 import tempfile
-import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache, partial
-from multiprocessing import Pipe
 from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
-from stickslip_verification.drive import convergence, nearby
-from stickslip_verification.drive.answer import Answer, answer_of, discard_prints
-from stickslip_verification.drive.exact import exact_motion
+from stickslip_verification.drive import convergence
+from stickslip_verification.drive import exact as motions
+from stickslip_verification.drive.answer import Answer, answer_of
 from stickslip_verification.drive.fmu.archive import FmuFile
 from stickslip_verification.drive.fmu.errors import FmuError
-from stickslip_verification.drive.fmu.names import NameMap
-from stickslip_verification.drive.fmu.variables import Variable
+from stickslip_verification.drive.fmu.names import NameMap, Variable
 from stickslip_verification.drive.kept import kept
 from stickslip_verification.drive.masters import MANNERS, RUNS, Master, run_case
 from stickslip_verification.drive.probes.table import PROBES
 from stickslip_verification.drive.processes import LostError, Worker
-from stickslip_verification.drive.reference import run_reference
 from stickslip_verification.drive.stepping import Setting
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
@@ -40,13 +36,10 @@ from stickslip_verification.suite.invariants import Probe
 T = TypeVar("T")
 
 NOT_MADE = "not finished"
-"""Beginning of what is said of a run for which no time was left."""
+"""Beginning of the failure of a run for which no time was left."""
 
-TIME_LIMIT = 60.0
-"""Seconds that one run of a case may take; the longest of the suite takes a few."""
-
-PROBE_LIMIT = 60.0
-"""Seconds that one probe may take; the longest, of the memory of 1e5 steps, takes two."""
+TIME_LIMIT = PROBE_LIMIT = 60.0
+"""Seconds that one run of a case, or one probe, may take; the longest of the suite takes a few."""
 
 MOST_PER_PROCESSOR = 4
 """Processes for each processor; more of them only take memory from each other."""
@@ -58,14 +51,8 @@ _GIGABYTE = 1e9
 class Limits:
     """What an FMU may take.
 
-    Attributes
-    ----------
-    budget
-        Seconds that all its runs without a result may take together: an FMU that hangs everywhere
-        is at its end then, whereas a slow one that finishes its runs is not.
-    memory
-        Gigabytes for each process that holds it, with all that it starts, see `processes`. None on
-        Windows.
+    ``budget`` is the time [s] of all its runs without a result together, so that a slow FMU that
+    finishes its runs is not ended; ``memory`` that of each process with all that it starts [GB].
     """
 
     budget: float = 120.0
@@ -87,16 +74,16 @@ def allowed(jobs: int) -> int:
     return min(jobs, MOST_PER_PROCESSOR * jobs_here())
 
 
-exact = partial(kept, exact_motion)
-reference = partial(kept, run_reference)
-spreads = partial(kept, nearby.spreads)
-changes = partial(kept, nearby.changes)
+exact = partial(kept, motions.exact_motion)
+reference = partial(kept, convergence.run_reference)
+spreads = partial(kept, motions.spreads)
+changes = partial(kept, motions.changes)
 observed_order = partial(kept, convergence.observe)
 """Tasks about a case, without an FMU."""
 
 
 def open_fmu() -> bool:
-    """Read the description of the FMU of this process; whether that is possible."""
+    """Open the FMU of this process; whether that is possible."""
     with contextlib.suppress(FmuError):
         return _fmu() is not None
     return False
@@ -131,25 +118,29 @@ def trial_run(setting: Setting, variables: Mapping[str, Variable], names: Sequen
     return master.run()
 
 
+@dataclass(eq=False)
+class _Task:
+    """A task with its time limit [s], and its answer once there is one."""
+
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    limit: float
+    begun: float = 0.0
+    answer: Answer[Any] | None = None
+
+    @property
+    def seconds(self) -> float:
+        """How long it has been running [s]."""
+        return time.monotonic() - self.begun
+
+
 class Pool:
-    """A few processes that work through tasks while their answers are waited for.
+    """A few processes, `jobs` at most, that work through tasks while an answer is waited for.
 
-    Each belongs to a thread, which gives it a task, waits for the answer and ends it where it does
-    not answer. Leaving the `with` block ends whatever still runs, and what an FMU left behind.
-
-    Parameters
-    ----------
-    jobs
-        How many processes; no more than `MOST_PER_PROCESSOR` for each processor, and no more than
-        there are tasks.
-    time_limit
-        Seconds that one task may take.
-    fmu, names, hooks, own_starts
-        The FMU that the processes hold, or None, and how it is opened: see `FmuFile`.
-    fresh
-        Whether each task gets a new process, for an FMU that lives only once in one.
-    limits
-        What the FMU may take; nothing is limited without an FMU.
+    Leaving the `with` block ends whatever still runs, and what an FMU left behind. A task may take
+    `time_limit` [s]; with `fresh` each gets a new process, for an FMU that lives only once in one.
+    The processes open an FMU, see `FmuFile`, which may take `limits`; without one time alone is
+    limited.
     """
 
     def __init__(
@@ -164,20 +155,16 @@ class Pool:
         own_starts: bool | None = None,
         limits: Limits = USUAL,
     ) -> None:
-        self._limit = time_limit
+        self._jobs, self._limit, self._fresh = allowed(jobs), time_limit, fresh
         self._budget = limits.budget if fmu is not None else math.inf
-        self._fresh = fresh
         self._folder = tempfile.TemporaryDirectory(prefix="stickslip-", ignore_cleanup_errors=True)
         opened = fmu and partial(FmuFile, fmu, names, hooks, own_starts=own_starts)
         memory = None if fmu is None else round(limits.memory * _GIGABYTE)
         self._start = partial(Worker, _begin, (self._folder.name, opened), memory)
-        self._threads = ThreadPoolExecutor(allowed(jobs))
-        self._lock = threading.Lock()
+        self._waiting: deque[_Task] = deque()
         self._idle: list[Worker] = []
-        self._busy: dict[Worker, float] = {}
-        self._lost = 0.0
-        # Closing one end wakes all threads that wait.
-        self._over, self._open = Pipe(duplex=False)
+        self._busy: dict[Worker, _Task] = {}
+        self._lost, self._over = 0.0, False
 
     def each(
         self,
@@ -185,79 +172,68 @@ class Pool:
         arguments: Sequence[tuple[Any, ...]],
         most: float = math.inf,
     ) -> Iterator[Answer[T]]:
-        """Run the task for each tuple of arguments; yield the answers in the same order.
-
-        All tasks are scheduled at once. `most` [s] is a time limit below the pool's.
-        """
-        return self._threads.map(partial(self._answer, task, min(self._limit, most)), arguments)
+        """Yield the answers of a task to tuples of arguments; `most` [s] is a lower time limit."""
+        tasks = [_Task(task, each, min(self._limit, most)) for each in arguments]
+        self._waiting.extend(tasks)
+        return map(self._answer, tasks)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._open.close()
-        self._threads.shutdown(cancel_futures=True)
-        for worker in self._idle:
+        for worker in (*self._idle, *self._busy):
             worker.end()
-        self._over.close()
         self._folder.cleanup()
 
-    def _answer(
-        self, task: Callable[..., T], limit: float, arguments: tuple[Any, ...]
-    ) -> Answer[T]:
-        """Have a process do a task, in the thread of the process."""
-        with self._lock:
-            if self._open.closed:
-                return self._not_made()
-            worker = self._idle.pop() if self._idle else self._start()
-            self._busy[worker] = begun = time.monotonic()
-        worker.give(answer_of, (task, *arguments))
-        answer, ends = self._waited(worker, begun + limit, limit)
-        with self._lock:
-            del self._busy[worker]
-            if answer.failure is not None:
-                self._lost += time.monotonic() - begun
-            if not ends:
-                self._idle.append(worker)
-        if ends:
-            worker.end()
-        return answer
+    def _answer(self, task: _Task) -> Answer[Any]:
+        while task.answer is None and not self._over:
+            self._work()
+        if task.answer is None:
+            failure = (
+                f"{NOT_MADE}: runs without a result took {self._budget:g} s, all that the FMU has "
+                "for them; --budget gives more"
+            )
+            return Answer(failure=failure, late=True)
+        return task.answer
 
-    def _waited(self, worker: Worker, last: float, limit: float) -> tuple[Answer[Any], bool]:
-        """Return the answer of a process or why it has none, and whether it is to end."""
-        while True:
-            # A loss grows as fast as time does, in each process at once.
-            left = min(last - time.monotonic(), self._budget - self._lost_now())
-            ready = wait([*worker.handles, self._over], max(0.0, left))
-            if self._over in ready:
-                return self._not_made(), True
-            if ready:
+    def _work(self) -> None:
+        """Have processes begin what is waiting, wait for one, and end those without time left."""
+        while self._waiting and len(self._busy) < self._jobs:
+            worker = self._idle.pop() if self._idle else self._start()
+            self._busy[worker] = task = self._waiting.popleft()
+            task.begun = time.monotonic()
+            worker.give(answer_of, (task.function, *task.arguments))
+        # A loss grows as fast as time does, in each process at once.
+        left = [task.limit - task.seconds for task in self._busy.values()]
+        seconds = max(0.0, min(self._budget - self._lost_now(), *left))
+        wait([each for worker in self._busy for each in worker.handles], seconds)
+        for worker, task in list(self._busy.items()):
+            ends = True
+            if wait(worker.handles, 0.0):
                 try:
-                    answer = worker.answer()
-                    if not isinstance(answer, Answer):
+                    task.answer, ends = worker.answer(), self._fresh
+                    if not isinstance(task.answer, Answer):
                         raise LostError("gave no readable answer")
                 except LostError as lost:
-                    return Answer(failure=f"the process {lost}"), True
-                return answer, self._fresh
-            if time.monotonic() >= last:
-                failure = f"no answer within {limit:g} s; the process was ended"
-                return Answer(failure=failure, late=True), True
-            if self._lost_now() >= self._budget:
-                self._open.close()
+                    task.answer, ends = Answer(failure=f"the process {lost}"), True
+            elif task.seconds >= task.limit:
+                failure = f"no answer within {task.limit:g} s; the process was ended"
+                task.answer = Answer(failure=failure, late=True)
+            else:
+                continue
+            del self._busy[worker]
+            if task.answer.failure is not None:
+                self._lost += task.seconds
+            if ends:
+                worker.end()
+            else:
+                self._idle.append(worker)
+        self._over = self._lost_now() >= self._budget
 
     def _lost_now(self) -> float:
         """Return the time [s] spent on tasks that failed or are not answered yet."""
-        with self._lock:
-            now = time.monotonic()
-            running = sum(now - begun for begun in self._busy.values())
-            return (self._lost + running) / max(1, len(self._busy) + len(self._idle))
-
-    def _not_made(self) -> Answer[Any]:
-        failure = (
-            f"{NOT_MADE}: runs without a result took {self._budget:g} s, all that the FMU has "
-            "for them; --budget gives more"
-        )
-        return Answer(failure=failure, late=True)
+        running = sum(task.seconds for task in self._busy.values())
+        return (self._lost + running) / max(1, len(self._busy) + len(self._idle))
 
 
 _OPENED: list[Callable[[], FmuFile]] = []
@@ -265,11 +241,9 @@ _OPENED: list[Callable[[], FmuFile]] = []
 
 
 def _begin(folder: str, opened: Callable[[], FmuFile] | None) -> None:
-    """Set up a worker: an FMU's prints are discarded."""
     tempfile.tempdir = folder
     if opened is not None:
         _OPENED.append(cache(opened))
-        discard_prints()
 
 
 def _fmu() -> FmuFile:

@@ -15,8 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from stickslip_verification.drive.exact import Exact
-from stickslip_verification.drive.nearby import OFF
+from stickslip_verification.drive.exact import OFF, Exact
 from stickslip_verification.drive.solvers import LATE
 from stickslip_verification.judge.band import Band, Mask
 from stickslip_verification.model.quantities import QUANTITIES
@@ -88,7 +87,7 @@ class Deviation:
 class Ruler:
     """Measures the delta of runs of one case.
 
-    ``spreads``, from `drive.nearby`: how far each output of ``exact`` moves when the data are off
+    ``spreads``, from `drive.exact`: how far each output of ``exact`` moves when the data are off
     by `OFF`.
     """
 

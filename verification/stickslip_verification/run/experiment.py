@@ -39,7 +39,7 @@ class Baseline:
     """What one case is judged on.
 
     ``invariants`` are the invariants on samples that the exact motion has a place for; of a
-    numerical solution ``spreads`` and ``changes`` of `drive.nearby` are known, and no reference.
+    numerical solution ``spreads`` and ``changes`` of `drive.exact` are known, and no reference.
     """
 
     case: Case

@@ -9,11 +9,10 @@ from pathlib import Path
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
-from stickslip_verification.drive.fmu.law import fitting, law_of
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import carries_source
 from stickslip_verification.drive.probes.table import LONG, OF_NUMERICAL
-from stickslip_verification.drive.stepping import can_run, may_change, require_law
+from stickslip_verification.drive.stepping import can_run, fitting, law_of, may_change, require_law
 from stickslip_verification.judge.contract import CONTRACTS, Wanted, chosen_contract
 from stickslip_verification.model.verdict import Klass, Motion, Question, Table, Verdict
 from stickslip_verification.report import provenance

@@ -143,7 +143,7 @@ def pack_evidence(fmu: Path, verdict: "Verdict", option: str) -> None:
     from stickslip.handbook.evidence import evidence
     from stickslip_verification.drive.fmu.archive import FmuFile
     from stickslip_verification.drive.fmu.digest import content_digest
-    from stickslip_verification.drive.fmu.law import law_of
+    from stickslip_verification.drive.stepping import law_of
 
     if content_digest(fmu) != verdict.provenance["fmu"]["content"]:
         raise CommandError(f"{option} {fmu}: it changed while it was judged: nothing is packed")

@@ -16,10 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_verification import FmuError
-from stickslip_verification.drive.fmu.fmi2 import Fmi2Instance
-from stickslip_verification.drive.fmu.fmi3 import Fmi3Instance
-from stickslip_verification.drive.fmu.instance import FmuInstance
-from stickslip_verification.drive.fmu.variables import Variable
+from stickslip_verification.drive.fmu.instance import FACES, FmuInstance
+from stickslip_verification.drive.fmu.names import Variable
 from stickslip_verification.model.units import Conversion
 
 from .job import Job
@@ -52,9 +50,6 @@ class _File:
             for each in job.variables.values()
             if each.component == index
         }
-
-
-_FACES: Final[Mapping[str, type[FmuInstance]]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
 
 
 class Runner:
@@ -130,7 +125,7 @@ class Runner:
     def _instantiate(self) -> None:
         self.close()
         for file, component in zip(self._files, self._job.components, strict=True):
-            self._instances.append(_FACES[component.fmi_version](file))
+            self._instances.append(FACES[component.fmi_version](file))
         self._used = False
         job = self._job
         self._set_start = self._writer([*job.fixed, *job.swept])

@@ -12,50 +12,28 @@ import fmpy
 
 from stickslip_verification.drive.fmu.description import Description, read_description
 from stickslip_verification.drive.fmu.errors import FmuError
-from stickslip_verification.drive.fmu.fmi2 import Fmi2Instance
-from stickslip_verification.drive.fmu.fmi3 import Fmi3Instance
-from stickslip_verification.drive.fmu.hooks import hooked
-from stickslip_verification.drive.fmu.instance import FmuInstance
-from stickslip_verification.drive.fmu.names import UNITS, NameMap
+from stickslip_verification.drive.fmu.instance import FACES, FmuInstance, hooked
+from stickslip_verification.drive.fmu.names import UNITS, NameMap, Variable, collect
 from stickslip_verification.drive.fmu.unpacking import new_folder, unpack
-from stickslip_verification.drive.fmu.variables import Variable, collect
 from stickslip_verification.truth.parameters import Parameter
 
 if TYPE_CHECKING:
     from stickslip_verification.suite.faults import Hook
-
-_FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
 
 REQUIRED: tuple[str, ...] = ("m", "k", "mu_s", "mu_k", "v", "x")
 """What an FMU must have to be judged as a stick-slip block at all."""
 
 
 class FmuFile(Description):
-    """An extracted FMU and its description.
+    """An FMU, extracted to ``folder`` until `close` or the end of this object, and its description.
+
+    ``variables`` are ours, by our names; ``extra_outputs`` are none of ours, by the FMU's names.
+    `hooks` are faults planted between the master and its instances. With `own_starts` a case leaves
+    parameters that it does not name at the FMU's start values; None for where the FMU promises
+    them: its description names the exact contract, and no names differ.
 
     `FmuError` if it is none for co-simulation by FMI 2.0 or 3.0 on this platform, if it has too
     much to unpack, or a variable of ours that cannot be used, see `collect`.
-
-    Parameters
-    ----------
-    path
-        The ``.fmu`` archive.
-    names
-        Our names to its names, where they differ.
-    hooks
-        Faults planted between the master and its instances.
-    own_starts
-        Whether a case leaves parameters that it does not name at the FMU's start values; None for
-        where the FMU promises them: its description names the exact contract, and no names differ.
-
-    Attributes
-    ----------
-    variables
-        The variables that are ours, by our names.
-    extra_outputs
-        The outputs that are none of ours, by the FMU's names.
-    folder
-        Where it is extracted, until `close` or the end of this object.
     """
 
     def __init__(
@@ -69,16 +47,13 @@ class FmuFile(Description):
         super().__init__(**vars(read_description(path)))
         self.path = path
         self.names = NameMap() if names is None else names
-        if own_starts is None:
-            own_starts = self.stated.exact and not self.names.targets
-        self.own_starts = own_starts
+        promised = self.stated.exact and not self.names.targets
+        self.own_starts = promised if own_starts is None else own_starts
         platforms = fmpy.supported_platforms(str(path))
         if fmpy.platform not in platforms:
-            binaries = [platform for platform in platforms if platform != "c-code"]
-            has = ", ".join(binaries) if binaries else "no binary"
+            has = ", ".join(each for each in platforms if each != "c-code") or "no binary"
             raise FmuError(f"{path}: is not for this platform, {fmpy.platform}; it has {has}")
-        face = _FACES[self.fmi_version]
-        self._face = hooked(face, hooks) if hooks else face
+        self._face = hooked(FACES[self.fmi_version], hooks)
         self.variables: Mapping[str, Variable] = collect(path.name, self, self.names, UNITS)
         known = {variable.their_name for variable in self.variables.values()}
         self.extra_outputs = tuple(
@@ -111,13 +86,17 @@ class FmuFile(Description):
             else:
                 self.variables = {**self.variables, **own}
 
+    def __reduce__(self) -> tuple[type[FmuFile], tuple[Path, NameMap]]:
+        """Pickle the path and the names: whoever reads it extracts the FMU anew."""
+        return FmuFile, (self.path.absolute(), self.names)
+
     def instantiate(self) -> FmuInstance:
         """Make a new instance; `FmuError` if the FMU refuses."""
         return self._face(self)
 
 
 def available(fmu: FmuFile, names: Iterable[str]) -> list[str]:
-    """Of these names, those that the FMU has, in the same order."""
+    """Return those of the names that the FMU has, in the same order."""
     return [name for name in names if fmu.has(name)]
 
 

@@ -28,10 +28,7 @@ NUMBERS: Final = frozenset(
 """Kinds of variable whose value is a number, of FMI 2.0 and 3.0."""
 
 ANNOTATION: Final = "org.stickslip.contract"
-"""Type of the annotation that names the contract, FMI 3.0; its name in a ``Tool``, FMI 2.0.
-
-It holds one element, ``<Contract name="..." version="..."/>``.
-"""
+"""Type of the annotation that names the contract, FMI 3.0; its name in a ``Tool``, FMI 2.0."""
 
 NAME, VERSION = "stickslip-exact", "1"
 """Name and version of the exact contract of this suite."""
@@ -44,7 +41,6 @@ _MOST_PROBLEMS, _LONGEST_PROBLEM = 100, 1000
 
 _MOST_LISTED, _LONGEST_TEXT = 8, 40
 """Variables that a message lists, `stickslip names` lists all; letters of a description in it."""
-
 
 Declared: TypeAlias = fmpy.model_description.ModelVariable
 """A variable as its FMU declares it: unit also where its type has it, description on one line."""
@@ -62,20 +58,10 @@ class StatedContract:
 class Description:
     """What the model description of an FMU says.
 
-    Attributes
-    ----------
-    token
-        What the FMU is instantiated with: its guid or instantiation token.
-    declared
-        Its variables, by its own names.
-    units
-        Units that it defines by SI base units, and only those.
-    experiment
-        Start, stop and step of its default experiment [s] as they are spelled, where it has them.
-    problems
-        What it breaks of the FMI standard, if it can be read all the same.
-    stated
-        The contract that it names.
+    ``token`` is its guid or instantiation token, ``declared`` its variables by its own names,
+    ``units`` those that it defines by SI base units, ``experiment`` start, stop and step of its
+    default experiment [s] as they are spelled, where it has them, ``problems`` what it breaks of
+    the FMI standard, if it can be read all the same, ``stated`` the contract that it names.
     """
 
     fmi_version: str
@@ -121,10 +107,8 @@ def read_description(path: Path) -> Description:
     """Read the model description of an FMU; `FmuError` for what is none for co-simulation."""
     if not path.exists():
         raise FmuError(f"{path}: no such file")
-    if not path.is_file():
-        raise FmuError(f"{path}: not an FMU (not a file)")
-    if not zipfile.is_zipfile(path):
-        raise FmuError(f"{path}: not an FMU (not a zip archive)")
+    if not (path.is_file() and zipfile.is_zipfile(path)):
+        raise FmuError(f"{path}: not an FMU (not a {'zip archive' if path.is_file() else 'file'})")
     problems: tuple[str, ...] = ()
     try:
         check_size(path)
@@ -152,11 +136,7 @@ def read_description(path: Path) -> Description:
         each.unit = each.unit or (each.declaredType and each.declaredType.unit)
         each.description = " ".join((each.description or "").split())
     interface, experiment = read.coSimulation, read.defaultExperiment
-    spelled = {
-        "start_time": getattr(experiment, "startTime", None),
-        "stop_time": getattr(experiment, "stopTime", None),
-        "step": getattr(experiment, "stepSize", None),
-    }
+    spelled = {"start_time": "startTime", "stop_time": "stopTime", "step": "stepSize"}
     return Description(
         fmi_version=read.fmiVersion[:3],
         token=read.guid,
@@ -166,7 +146,11 @@ def read_description(path: Path) -> Description:
         once_per_process=interface.canBeInstantiatedOnlyOncePerProcess,
         declared={each.name: each for each in read.modelVariables},
         units={each.name: unit for each in read.unitDefinitions if (unit := _defined(each))},
-        experiment={name: text for name, text in spelled.items() if text is not None},
+        experiment={
+            name: text
+            for name, theirs in spelled.items()
+            if (text := getattr(experiment, theirs, None)) is not None
+        },
         problems=problems,
         stated=stated_contract(root),
     )
@@ -199,19 +183,20 @@ def stated_contract(root: ElementTree.Element) -> StatedContract:
     notes = [
         note for path, key in _PLACES for note in root.findall(path) if note.get(key) == ANNOTATION
     ]
+    named = [(each.tag, each.get("name"), each.get("version")) for note in notes for each in note]
+    exact = [each[1:] for each in named] == [(NAME, VERSION)]
     if not notes:
-        return StatedContract(False, "its description names no contract of this suite")
-    if len(notes) > 1:
-        return StatedContract(False, f"its description has {len(notes)} annotations {ANNOTATION}")
-    found = [(each.tag, each.get("name"), each.get("version")) for each in notes[0]]
-    if len(found) != 1 or found[0][0] != "Contract" or None in found[0]:
-        malformed = f"the annotation {ANNOTATION} of its description is malformed"
-        return StatedContract(
-            False, f'{malformed}: expected one element <Contract name="..." version="..."/>'
-        )
-    # What stands in an attribute, on one line and not endless.
-    named = " ".join(" ".join(str(text).split())[:_LETTERS] for text in found[0][1:])
-    told = f"its description names {named}"
-    if found[0][1:] == (NAME, VERSION):
-        return StatedContract(True, told)
-    return StatedContract(False, f"{told}; this suite knows {NAME} {VERSION}")
+        told = "its description names no contract of this suite"
+    elif len(notes) > 1:
+        told = f"its description has {len(notes)} annotations {ANNOTATION}"
+    elif len(named) != 1 or named[0][0] != "Contract" or None in named[0]:
+        expected = 'expected one element <Contract name="..." version="..."/>'
+        told = f"the annotation {ANNOTATION} of its description is malformed: {expected}"
+    else:
+        # What stands in an attribute, on one line and not endless.
+        shortened = (" ".join(str(text).split())[:_LETTERS] for text in named[0][1:])
+        told = f"its description names {' '.join(shortened)}"
+        if exact:
+            return StatedContract(True, told)
+        told += f"; this suite knows {NAME} {VERSION}"
+    return StatedContract(False, told)

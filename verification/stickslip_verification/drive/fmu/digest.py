@@ -15,16 +15,11 @@ def content_digest(fmu: Path) -> str:
     It is that of the list which ``sha256sum`` prints of the unpacked files, in the order of the
     bytes of their names: how the archive is packed makes no difference.
     """
+    lines = ""
     with zipfile.ZipFile(fmu) as archive:
-        names = (name for name in archive.namelist() if not name.endswith("/"))
-        lines = [
-            f"{_digest(archive, name)}  {name}\n"
-            for name in sorted(names, key=str.encode)
-            if not name.startswith(EVIDENCE)
-        ]
-    return hashlib.sha256("".join(lines).encode()).hexdigest()
-
-
-def _digest(archive: zipfile.ZipFile, name: str) -> str:
-    with archive.open(name) as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()  # type: ignore[arg-type]
+        for name in sorted(archive.namelist(), key=str.encode):
+            if not name.endswith("/") and not name.startswith(EVIDENCE):
+                with archive.open(name) as stream:
+                    digest = hashlib.file_digest(stream, "sha256")  # type: ignore[arg-type]
+                lines += f"{digest.hexdigest()}  {name}\n"
+    return hashlib.sha256(lines.encode()).hexdigest()

@@ -1,25 +1,32 @@
-"""One instance of an FMU of either FMI version, read and set by the suite's names in SI."""
+"""One instance of an FMU by FMI 2.0 or 3.0, read and set by the suite's names in SI."""
+
+from __future__ import annotations
 
 import atexit
 import contextlib
 import ctypes
 import itertools
 import os
+import weakref
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 
 import fmpy.fmi1
+import fmpy.fmi2
+import fmpy.fmi3
+import fmpy.logging
 
 from stickslip_verification.drive.fmu.errors import FmuError, one_line
-from stickslip_verification.drive.fmu.variables import Variable
+from stickslip_verification.drive.fmu.names import Variable
 
-WARNING = 1
-"""The highest status of a call that succeeded (FMI 2.0, section 2.1.3)."""
+if TYPE_CHECKING:
+    from stickslip_verification.suite.faults import Hook
 
-FATAL = 4
-"""The status after which nothing may be called any more (FMI 2.0, section 2.1.3)."""
+WARNING, FATAL = 1, 4
+"""The highest status of a call that succeeded, and the one after which nothing may be called any
+more (FMI 2.0, section 2.1.3)."""
 
 _MEANING = {2: "discarded", 3: "error", 4: "fatal", 5: "pending, and no step may be"}
 
@@ -72,17 +79,14 @@ class Unpacked(Protocol):
 class FmuInstance(ABC):
     """One instance of an FMU. Variables by our names, values in SI.
 
-    After an `FmuError` only `reset` and `free` are of use.
+    After an `FmuError` only `reset` and `free` are of use. ``C_TYPES`` has for the kind of a
+    variable its name in the FMI functions, which begin with ``PREFIX``, and its type in C;
+    ``SLAVE`` is FMPy's class that loads the library.
     """
 
     C_TYPES: ClassVar[Mapping[str, tuple[str, Any]]]
-    """Kind of a variable to the name in the FMI functions and the type in C."""
-
     PREFIX: ClassVar[str]
-    """Beginning of the names of the FMI functions."""
-
     SLAVE: ClassVar[Any]
-    """FMPy's class that loads the library."""
 
     def __init__(self, fmu: Unpacked) -> None:
         self.file = fmu
@@ -107,23 +111,28 @@ class FmuInstance(ABC):
         except Exception as error:
             raise FmuError(f"{fmu.path.name}: {one_line(error)}") from None
         _LOADED.add(self._slave.dll._name)
-        self._instantiate()
+        try:
+            self._instantiate()
+        except Exception as error:
+            raise self._failure(f"{self.PREFIX}Instantiate", error) from None
 
     @abstractmethod
-    def _instantiate(self) -> None:
-        """Make the instance in the library; `FmuError` if it refuses."""
+    def _instantiate(self) -> None: ...
+
+    @abstractmethod
+    def _step(self, time: float, h: float) -> None: ...
 
     @abstractmethod
     def enter(self, start_time: float) -> None:
         """Enter initialization mode, time beginning at `start_time` [s]."""
 
-    @abstractmethod
     def step(self, time: float, h: float) -> None:
         """Step from the communication point `time` [s] by `h` [s]."""
-
-    def _sizes(self, count: int) -> tuple[int, ...]:
-        """Return what a get or set function takes after the values."""
-        return ()
+        try:
+            self._step(time, h)
+        except fmpy.fmi1.FMICallException as error:
+            call = f"{self.PREFIX}DoStep(t = {time!r}, h = {h!r})"
+            raise self._failure(call, error) from None
 
     def _failure(self, call: str, error: Exception) -> FmuError:
         said = " ".join(self.messages[-1].split()) if self.messages else "without a message"
@@ -154,7 +163,7 @@ class FmuInstance(ABC):
 
     def writer(self, names: Sequence[str]) -> Callable[[Sequence[float]], None]:
         """Return a function that sets these variables at once, given their values in this order."""
-        groups = list(self.groups(names))
+        groups = list(self._groups(names))
 
         def write(values: Sequence[float]) -> None:
             for kind, places, buffer, arguments in groups:
@@ -170,13 +179,12 @@ class FmuInstance(ABC):
 
         return write
 
-    def groups(
+    def _groups(
         self, names: Sequence[str]
     ) -> Iterator[tuple[str, list[int], Any, tuple[object, ...]]]:
-        """Yield for each kind of variable: its name in the FMI functions, the places of its names.
+        """Yield for each kind of variable its name in the FMI functions, the places of its names.
 
-        Then the buffer for its values, and all arguments of a get or set function. `FmuError` for a
-        name that the FMU does not have.
+        Then the buffer for its values, and all arguments of a get or set function.
         """
         missing = [name for name in names if name not in self.file.variables]
         if missing:
@@ -188,7 +196,8 @@ class FmuInstance(ABC):
             count = len(places)
             references = (ctypes.c_uint * count)(*(variables[i].reference for i in places))
             buffer = (c_type * count)()
-            arguments = (self._slave.component, references, count, buffer, *self._sizes(count))
+            sizes = (count,) if self.PREFIX == "fmi3" else ()
+            arguments = (self._slave.component, references, count, buffer, *sizes)
             yield kind, places, buffer, arguments
 
     def _theirs(self, name: str, value: float) -> float:
@@ -205,28 +214,21 @@ class FmuInstance(ABC):
         return int(number)
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
-        """Return a function that reads these variables at once, in this order, in SI.
-
-        `FmuError` for a name that the FMU does not have.
-        """
+        """Return a function that reads these variables at once, in this order, in SI."""
         groups = [
-            (kind, getattr(self._slave, f"{self.PREFIX}Get{kind}"), arguments, places, buffer)
-            for kind, places, buffer, arguments in self.groups(names)
+            (call := f"{self.PREFIX}Get{kind}", getattr(self._slave, call), *group)
+            for kind, *group in self._groups(names)
         ]
-        conversions = [self.file.variables[name].conversion for name in names]
         converted = [
             (place, conversion.to_si)
-            for place, conversion in enumerate(conversions)
-            if not conversion.leaves_alone
+            for place, name in enumerate(names)
+            if not (conversion := self.file.variables[name].conversion).leaves_alone
         ]
 
         def read() -> list[float]:
             values = [0.0] * len(names)
-            for kind, get, arguments, places, buffer in groups:
-                try:
-                    get(*arguments)
-                except fmpy.fmi1.FMICallException as error:
-                    raise self._failure(f"{self.PREFIX}Get{kind}", error) from None
+            for call, get, places, buffer, arguments in groups:
+                self._do(call, get, *arguments)
                 for place, value in zip(places, buffer, strict=True):
                     values[place] = float(value)
             for place, to_si in converted:
@@ -266,11 +268,7 @@ class FmuInstance(ABC):
         self._lost = False
 
     def free(self) -> None:
-        """Free the instance; a second call does nothing.
-
-        After a fatal status it is left as it is: the standard forbids the call, and the wrapper of
-        pythonfmu has already freed what it would free.
-        """
+        """Free the instance once; after a fatal status not at all, as the standard forbids it."""
         if not self._freed and not self._lost:
             self._slave.freeInstance()
         self._freed = True
@@ -280,3 +278,149 @@ class FmuInstance(ABC):
 
     def __exit__(self, *_: object) -> None:
         self.free()
+
+
+_SINKS: dict[str, list[str]] = {}
+
+
+@fmpy.fmi2.fmi2CallbackLoggerTYPE  # type: ignore[untyped-decorator]
+def _log(environment: Any, name: bytes, status: int, category: bytes, text: bytes) -> None:
+    sink = _SINKS.get(name.decode("utf-8", errors="replace") if name else "")
+    if sink is None:
+        fmpy.fmi2.printLogMessage(environment, name, status, category, text)
+    elif status >= WARNING and text:
+        sink.append(text.decode("utf-8", errors="replace"))
+
+
+_CALLBACKS = fmpy.fmi2.fmi2CallbackFunctions()
+_CALLBACKS.allocateMemory = fmpy.fmi2.defaultCallbacks.allocateMemory
+_CALLBACKS.freeMemory = fmpy.fmi2.defaultCallbacks.freeMemory
+_CALLBACKS.logger = _log
+
+
+class Fmi2Instance(FmuInstance):
+    """One instance of an FMU 2.0."""
+
+    PREFIX = "fmi2"
+    SLAVE = fmpy.fmi2.FMU2Slave
+    C_TYPES: ClassVar = {
+        "Real": ("Real", ctypes.c_double),
+        "Integer": ("Integer", ctypes.c_int),
+        "Enumeration": ("Integer", ctypes.c_int),
+        "Boolean": ("Boolean", ctypes.c_int),
+    }
+
+    def _instantiate(self) -> None:
+        _SINKS[self._name] = self.messages
+        weakref.finalize(self, _SINKS.pop, self._name, None)
+        # FMPy's proxy, which fills in the printf arguments of a message, has one logger for the
+        # whole process, the last that was announced. So ours lives as long as the process, sorts by
+        # the instance's name, hands on what is not ours, and is announced anew each time.
+        fmpy.logging.addLoggerProxy(ctypes.byref(_CALLBACKS))
+        self._slave.instantiate(callbacks=_CALLBACKS, loggingOn=True)
+
+    def enter(self, start_time: float) -> None:
+        """Enter initialization mode, time beginning at `start_time` [s]."""
+        self._do("fmi2SetupExperiment", self._slave.setupExperiment, None, start_time)
+        self._do("fmi2EnterInitializationMode", self._slave.enterInitializationMode)
+
+    def _step(self, time: float, h: float) -> None:
+        self._slave.fmi2DoStep(self._slave.component, time, h, 1)
+
+
+class Fmi3Instance(FmuInstance):
+    """One instance of an FMU 3.0, without event mode and without early return.
+
+    A step that ends the simulation or stops before its end is an `FmuError`: neither was allowed to
+    it. That an event would need handling is no error without event mode.
+    """
+
+    PREFIX = "fmi3"
+    SLAVE = fmpy.fmi3.FMU3Slave
+    C_TYPES: ClassVar = {
+        "Float64": ("Float64", ctypes.c_double),
+        "Float32": ("Float32", ctypes.c_float),
+        "Enumeration": ("Int64", ctypes.c_int64),
+        "Boolean": ("Boolean", ctypes.c_bool),
+        **{
+            f"{sign}Int{bits}": (f"{sign}Int{bits}", getattr(ctypes, f"c_{sign.lower()}int{bits}"))
+            for sign in ("", "U")
+            for bits in (8, 16, 32, 64)
+        },
+    }
+
+    def _instantiate(self) -> None:
+        messages = self.messages
+
+        def log(_: Any, status: int, __: bytes, text: bytes) -> None:
+            if status >= WARNING and text:
+                messages.append(text.decode("utf-8", errors="replace"))
+
+        self._slave.instantiate(loggingOn=True, logMessage=log)
+        self._event, self._terminate, self._early = (ctypes.c_bool() for _ in range(3))
+        self._reached = ctypes.c_double()
+        flags = (self._event, self._terminate, self._early, self._reached)
+        self._flags = tuple(ctypes.byref(flag) for flag in flags)
+
+    def enter(self, start_time: float) -> None:
+        """Enter initialization mode, time beginning at `start_time` [s]."""
+        function = self._slave.enterInitializationMode
+        self._do("fmi3EnterInitializationMode", function, None, start_time)
+
+    def _step(self, time: float, h: float) -> None:
+        # Wrappers leave untouched what they have nothing to say about.
+        self._terminate.value = self._early.value = False
+        self._reached.value = time + h
+        self._slave.fmi3DoStep(self._slave.component, time, h, True, *self._flags)
+        if self._terminate.value or self._early.value:
+            did = "ends the simulation" if self._terminate.value else "returns early"
+            raise FmuError(
+                f"{self.file.path.name}: fmi3DoStep(t = {time!r}, h = {h!r}) {did} "
+                f"at t = {self._reached.value!r}"
+            )
+
+
+FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instance}
+"""The class of instances by the version of FMI."""
+
+
+class Hooked(FmuInstance):
+    """An instance whose reads pass `get`; a hook may keep attributes of its own on it."""
+
+    def __init__(self, fmu: Unpacked) -> None:
+        self._readers: dict[tuple[str, ...], Callable[[], list[float]]] = {}
+        super().__init__(fmu)
+
+    def read(self, names: Sequence[str]) -> dict[str, float]:
+        """Read variables from the FMU itself, past the planted `get`."""
+        key = tuple(names)
+        if key not in self._readers:
+            self._readers[key] = super().reader(key)
+        return dict(zip(key, self._readers[key](), strict=True))
+
+    def get(self, names: Sequence[str]) -> dict[str, float]:
+        """Read variables as the suite sees them."""
+        return self.read(names)
+
+    def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
+        """Return a function that reads these variables at once, in this order, in SI."""
+        # It refuses a name that the FMU does not have.
+        super().reader(names)
+
+        def read() -> list[float]:
+            values = self.get(names)
+            return [values[name] for name in names]
+
+        return read
+
+
+def hooked(face: type[FmuInstance], hooks: Sequence[Hook]) -> type[FmuInstance]:
+    """Return the class of the instances that these hooks act on, one laid over the other."""
+    if not hooks:
+        return face
+    made = type("Hooked", (Hooked, face), {})
+    for name, code in hooks:
+        space: dict[str, Any] = {"original": getattr(made, name)}
+        exec(code, space)
+        setattr(made, name, space[name])
+    return made

@@ -1,4 +1,4 @@
-"""The map from our names to those of a foreign FMU, and the file it is read from."""
+"""Our names and those of an FMU: the names file, and which variable is ours, in what unit."""
 
 import difflib
 from collections.abc import Iterable, Mapping
@@ -9,8 +9,11 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator
 from pydantic.dataclasses import dataclass as model
 
+from stickslip_verification.drive.fmu.description import NUMBERS, Declared, Description
+from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile, Written
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
+from stickslip_verification.model.units import Conversion, Unit, conversion, spelled
 from stickslip_verification.truth.parameters import PARAMETERS, Parameter
 
 INPUT_UNITS: Mapping[str, str] = {each.name: each.unit for each in PARAMETERS}
@@ -29,16 +32,9 @@ class NamesError(DataError):
 
 @model(frozen=True, config=WRITTEN)
 class Target(Written):
-    """What one of our variables is in the FMU.
+    """What one of our variables is in the FMU: its name or `NOT_THERE`, unit of its numbers, sign.
 
-    Attributes
-    ----------
-    name
-        The FMU's name for it, or `NOT_THERE`.
-    unit
-        The unit of its numbers, against whatever the FMU declares; None believes the FMU.
-    sign
-        -1 if it counts the other way.
+    Without a unit that of the FMU's description counts; the sign is -1 if it counts the other way.
     """
 
     name: str
@@ -48,10 +44,7 @@ class Target(Written):
 
 @dataclass(frozen=True)
 class NameMap:
-    """Our names to those of the FMU; what is not in it is called as ours is.
-
-    ``file`` is where it was read from, for messages and reports.
-    """
+    """Our names to those of the FMU, from a file; what is not in it is called as ours is."""
 
     targets: Mapping[str, Target] = field(default_factory=dict)
     file: Path | None = None
@@ -60,9 +53,8 @@ class NameMap:
 def load_names(file: Path, own: Iterable[Parameter] = ()) -> NameMap:
     """Read a names file: ``x = "mass.s"`` or ``x = { name = "mass.s", unit = "mm", sign = -1 }``.
 
-    The entries stand at the top of the TOML file or in a table ``[names]``. An empty name says that
-    the FMU has no such variable. The file may name the parameters of a friction law, `own`, too.
-    `NamesError` if it cannot be read, is not TOML, or holds something that is no entry.
+    The entries stand at the top of the TOML file or in a table ``[names]``, those of the parameters
+    of a friction law, `own`, too. `NamesError` if it cannot be read or holds something else.
     """
     source = DataFile(file, NamesError)
     place = ["names"] if isinstance(source.data.get("names"), dict) else []
@@ -103,3 +95,114 @@ def _nearest(key: str) -> str:
     # Names of one or two letters resemble nothing; the other case of a letter is the usual slip.
     near += [name for name in UNITS if name.lower() == key.lower() and name not in near]
     return f"near it: {', '.join(near)}" if near else f"there are {', '.join(UNITS)}"
+
+
+SETTABLE = frozenset({"parameter", "input"})
+READABLE = frozenset({"output", "local", "calculatedParameter"})
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of the FMU that is one of ours.
+
+    ``unit`` is that of its numbers, as the names file or else the FMU spells it, None where SI is
+    assumed; ``start`` is in SI; ``conversion`` makes its numbers ours in SI.
+    """
+
+    name: str
+    their_name: str
+    reference: int
+    kind: str
+    unit: str | None
+    causality: str
+    variability: str
+    start: float | None
+    conversion: Conversion
+
+
+def collect(
+    label: str, description: Description, names: NameMap, wanted: Mapping[str, str]
+) -> dict[str, Variable]:
+    """Find variables of ours, `wanted` names with their units, in a model description.
+
+    A name that the map leaves out is looked for as it is, and counts only if it `looks_like` ours.
+    `FmuError`, beginning with `label`, for mapped names that the FMU does not have, a variable of
+    the wrong sort, a unit that is unknown or of another dimension.
+    """
+    theirs, targets = description.declared, names.targets
+    taken = {ours: each.name for ours, each in targets.items() if each.name != NOT_THERE}
+    absent = {ours: name for ours, name in taken.items() if name not in theirs}
+    if absent:
+        lacking = ", ".join(f"{name!r} for {ours}" for ours, name in absent.items())
+        has = description.listing(absent.values())
+        raise FmuError(f"{label}: has no variable {lacking}; {has}")
+    found = {}
+    for ours, unit in wanted.items():
+        guess = theirs.get(ours)
+        if ours in taken:
+            target = targets[ours]
+        elif ours in targets or ours in taken.values() or not (guess and looks_like(ours, guess)):
+            continue
+        else:
+            target = Target(ours)
+        found[ours] = as_ours(label, ours, target, theirs[target.name], description.units, unit)
+    return found
+
+
+def looks_like(ours: str, variable: Declared) -> bool:
+    """Whether a variable of an FMU is declared as what this one of ours is: set, or read."""
+    causalities = {"output"} if ours in QUANTITIES else SETTABLE
+    return variable.causality in causalities and variable.variability != "constant"
+
+
+def as_ours(
+    label: str, ours: str, target: Target, theirs: Declared, units: Mapping[str, Unit], unit: str
+) -> Variable:
+    """Return a variable of the FMU as one of ours in `unit`; `FmuError` if it cannot be that."""
+    called = ours if ours == theirs.name else f"{ours} ({theirs.name!r})"
+    to_set = ours not in QUANTITIES
+    if theirs.causality not in (SETTABLE if to_set else READABLE) or (
+        to_set and theirs.variability == "constant"
+    ):
+        must = "a parameter or an input" if to_set else "an output"
+        declared = f"{theirs.variability} {theirs.causality}"
+        raise FmuError(f"{label}: {called} must be {must}, not a {declared}")
+    if theirs.type not in NUMBERS:
+        raise FmuError(f"{label}: {called} is of type {theirs.type}, not a number")
+    if theirs.dimensions:
+        raise FmuError(f"{label}: {called} is an array; only scalars can be verified")
+    name = theirs.unit if target.unit is None else target.unit
+    # What a person wrote is meant as it is spelled; what the FMU declares, as it defines it.
+    defined = None if name is None else units.get(name)
+    meant = spelled(unit if name is None else name)
+    theirs_in = (defined or meant) if target.unit is None else (meant or defined)
+    expected = spelled(unit)
+    if theirs_in is None:
+        raise FmuError(
+            f"{label}: the unit {name!r} of {called} is not known; give one in the names file: "
+            f'{ours} = {{ name = "...", unit = "{unit}" }}'
+        )
+    if expected is None or theirs_in.dimension != expected.dimension:
+        raise FmuError(
+            f"{label}: {called} is in {name!r}, which is not a unit like {unit!r}; if it is "
+            f'another quantity, leave it out in the names file: {ours} = ""'
+        )
+    change = conversion(theirs_in, target.sign)
+    return Variable(
+        name=ours,
+        their_name=theirs.name,
+        reference=theirs.valueReference,
+        kind=theirs.type,
+        unit=name,
+        causality=theirs.causality,
+        variability=theirs.variability,
+        start=_start(theirs.start, change),
+        conversion=change,
+    )
+
+
+def _start(text: str | None, change: Conversion) -> float | None:
+    if text is None:
+        return None
+    number = float(text) if text not in {"true", "false"} else float(text == "true")
+    return number if change.leaves_alone else change.to_si(number)

@@ -24,22 +24,15 @@ MOST_FILES: Final = 100_000
 MOST_RATIO: Final = 200
 """Bytes unpacked for each packed one, in a file and in all; source and binaries reach 10."""
 
-FREE: Final = 10_000_000
-"""Bytes of a file that may have any ratio: a small table of zeros packs to a thousandth."""
-
-FREE_IN_ALL: Final = 100_000_000
-"""Bytes of all files that may have any ratio."""
+FREE, FREE_IN_ALL = 10_000_000, 100_000_000
+"""Bytes of a file, and of all, that may have any ratio: a table of zeros packs to a thousandth."""
 
 _ELSEWHERE: Final = ("/tmp", "/var/tmp")
 """Where to unpack if the folder for temporary files has another name than plain."""
 
 
 def check_size(path: Path) -> None:
-    """Refuse an FMU that unpacks to more than the limits of this module, before it is unpacked.
-
-    What the archive says of itself is what counts: `zipfile` unpacks no more of a file than that.
-    `FmuError` with the file and the limit; `zipfile.BadZipFile` if it is no archive.
-    """
+    """Refuse an FMU that unpacks, by what it says, to more than the limits; `FmuError`."""
     with zipfile.ZipFile(path) as archive:
         entries = archive.infolist()
     total = sum(entry.file_size for entry in entries)
@@ -60,11 +53,7 @@ def check_size(path: Path) -> None:
 
 
 def unpack(path: Path, folder: Path) -> None:
-    """Unpack an FMU that `check_size` lets pass.
-
-    `FmuError` if a file in it is damaged or has the name of one elsewhere, or the folder cannot be
-    written.
-    """
+    """Unpack an FMU that `check_size` lets pass; `FmuError` for damaged files, names elsewhere."""
     try:
         fmpy.extract(path, unzipdir=folder)
     except OSError as error:
@@ -75,11 +64,10 @@ def unpack(path: Path, folder: Path) -> None:
 
 
 def new_folder() -> Path:
-    """Make an empty folder for an FMU.
+    """Make an empty folder for an FMU; `FmuError` if none can have a name without escapes.
 
     An FMU gets its folder as a URI, and pythonfmu's wrapper decodes of it ``%20`` alone: any other
-    escape, as for an umlaut, ends the process. `FmuError` if no folder to make it in has a name
-    without.
+    escape, as for an umlaut, ends the process.
     """
     usual = tempfile.gettempdir()
     for parent in (usual, *_ELSEWHERE):

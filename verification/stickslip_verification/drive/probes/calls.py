@@ -6,7 +6,8 @@ asks for the same bits.
 
 import math
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import chain
 from typing import Any
 
@@ -15,8 +16,11 @@ import numpy as np
 from stickslip_verification.drive.fmu.archive import FmuFile, available
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.instance import FmuInstance
+from stickslip_verification.drive.masters import Master
 from stickslip_verification.drive.stepping import (
+    CommunicationStep,
     NotApplicableError,
+    Setting,
     defaults,
     lacking,
     need,
@@ -28,45 +32,37 @@ from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.truth.parameters import complete
 
 Call = Mapping[str, Any]
-"""One call of a master.
-
-``{ set = { name = value } }`` sets variables in one call, in this order (SI). ``{ start = time }``
-initializes at a start time [s]. ``{ step = h }`` makes a step of h [s], with ``times`` so many.
-"""
+"""One call of a master: ``{ set = { name = value } }`` sets variables (SI), ``{ start = time }``
+initializes at a start time [s], ``{ step = h }`` makes a step of h [s], with ``times`` so many."""
 
 Row = Mapping[str, float]
 """Outputs at one time, by name (SI)."""
 
+Calls = Sequence[Call]
+Rows = Sequence[Row]
+
 _MOST_COMPLAINTS = 3
-"""Outputs that a complaint names; more would not help to find the fault."""
 
 _ALIKE = 0.05
-"""Difference of mean and of deviation, as a part of the deviation: what the points' places in the
-cycles make is a fifth of it."""
+"""Difference of mean and of deviation, as a part of the deviation; the points' places in the cycles
+make a fifth of it."""
 
 
 class Caller:
-    """A master of one instance: it plays calls and knows the time.
-
-    Our default of every parameter and input is set first, since those of the FMU may differ.
-    """
+    """A master of one instance, which sets our defaults first; it plays calls, knows the time."""
 
     def __init__(self, fmu: FmuFile, instance: FmuInstance) -> None:
         self.instance = instance
         self.names = available(fmu, OUTPUT_NAMES)
         self.start = 0.0
-        self._steps: list[float] = []
+        self.steps: list[float] = []
         self._read = instance.reader(self.names)
         instance.set(defaults(fmu))
 
     @property
     def since(self) -> float:
         """Time since the start [s]."""
-        return math.fsum(self._steps)
-
-    def resume(self, since: float) -> None:
-        """Go on at a time since the start [s], from a state that was set."""
-        self._steps = [since]
+        return math.fsum(self.steps)
 
     def play(self, calls: Iterable[Call]) -> list[Row]:
         """Play calls; return the outputs after each step."""
@@ -80,7 +76,7 @@ class Caller:
             else:
                 for _ in range(call.get("times", 1)):
                     self.instance.step(self.start + self.since, call["step"])
-                    self._steps.append(call["step"])
+                    self.steps.append(call["step"])
                     rows.append(self.row())
         return rows
 
@@ -89,11 +85,18 @@ class Caller:
         return dict(zip(self.names, self._read(), strict=True))
 
 
-def played(fmu: FmuFile, calls: Iterable[Call], then: Iterable[Call]) -> tuple[Caller, list[Row]]:
-    """Play calls on an instance of its own; return the outputs after the steps of `then`."""
+@contextmanager
+def calling(fmu: FmuFile, calls: Iterable[Call]) -> Iterator[Caller]:
+    """Give a caller that has played these calls on an instance of its own."""
     with fmu.instantiate() as instance:
         caller = Caller(fmu, instance)
         caller.play(calls)
+        yield caller
+
+
+def played(fmu: FmuFile, calls: Iterable[Call], then: Iterable[Call]) -> tuple[Caller, list[Row]]:
+    """Play calls on an instance of its own; return the outputs after the steps of `then`."""
+    with calling(fmu, calls) as caller:
         return caller, caller.play(then)
 
 
@@ -109,25 +112,23 @@ def check_playable(fmu: FmuFile, calls: Iterable[Call]) -> None:
 
 def same_motion(
     fmu: FmuFile,
-    calls: Sequence[Call],
-    like: Sequence[Call],
-    then: Sequence[Call],
+    calls: Calls,
+    like: Calls,
+    then: Calls,
     tolerance: float | None = None,
     may_refuse: bool = False,
     ignored: Sequence[str] = (),
 ) -> list[str]:
-    """Complain if `calls` and `like`, played on an instance each, do not lead to the same motion.
+    """Complain if `calls` and `like` do not lead to the same outputs after the steps of `then`.
 
-    The outputs after the steps of `then`, which follows either, are compared, but for those that
-    are `ignored`. If the start times differ, `t_event` may count from 0 or from the start; it is
-    not compared bit for bit then. The FMU `may_refuse` calls that its own convention excludes.
+    If the start times differ, `t_event` may count from 0 or from the start; it is not compared bit
+    for bit then. The FMU `may_refuse` calls that its own convention excludes.
     """
     check_playable(fmu, chain(calls, then))
     check_playable(fmu, chain(like, then))
     need_instances(fmu)
     other, expected = played(fmu, like, then)
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
+    with calling(fmu, ()) as caller:
         try:
             caller.play(calls)
         except FmuError as error:
@@ -143,20 +144,13 @@ def same_motion(
     return differences(got, expected, tolerance, ignored)
 
 
-def gives(
-    fmu: FmuFile,
-    calls: Sequence[Call],
-    outputs: Row,
-    tolerance: float | None = None,
-) -> list[str]:
+def gives(fmu: FmuFile, calls: Calls, outputs: Row, tolerance: float | None = None) -> list[str]:
     """Complain if the outputs after the calls are not these; `tolerance` is a part of the value."""
     check_playable(fmu, calls)
     names = available(fmu, outputs)
     if not names:
         need(fmu, outputs)
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        caller.play(calls)
+    with calling(fmu, calls) as caller:
         row = caller.row()
     return [
         f"{name} is {row[name]!r}, not {outputs[name]!r}"
@@ -167,10 +161,10 @@ def gives(
 
 def steps_onto_restick(
     fmu: FmuFile,
-    calls: Sequence[Call],
+    calls: Calls,
     into: float,
     over: float,
-    then: Sequence[Call],
+    then: Calls,
     tolerance: float,
     rests: bool = False,
 ) -> list[str]:
@@ -204,9 +198,7 @@ def starts_at(fmu: FmuFile, time: float) -> list[str]:
     """Complain if `t_event` does not count from the start time [s]."""
     need(fmu, ["t_event"])
     first = time + float(formulas.first_load_up(complete({})))
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        caller.play([{"start": time}])
+    with calling(fmu, [{"start": time}]) as caller:
         begin = caller.row()["t_event"]
         rows = caller.play([{"step": 0.001, "times": 300}])
     if fmu.fmi_version == "3.0":
@@ -230,28 +222,21 @@ def keeps_its_cycle(
 ) -> list[str]:
     """Complain if the elongation of the spring is another one at the end of a long run.
 
-    Its `parameters` (SI) differ from our defaults. Of `count` steps of `step` [s] a `window` is
-    compared at the beginning and at the end. After `seconds` of the processor, or twice as much of
-    the clock, it ends with fewer. `NotApplicableError` if the FMU lacks a parameter, is too slow
-    for a run that is long, or diverges from the beginning.
+    Of `count` steps of `step` [s] a `window` is compared at the beginning and at the end. After
+    `seconds` of the processor, or twice as much of the clock, it ends with fewer.
+    `NotApplicableError` if the FMU is too slow for a long run, or diverges from the beginning.
     """
     need(fmu, lacking(fmu, parameters))
     values = {**defaults(fmu), **parameters}
     name = "x" if fmu.has("x") else "F"
-    seen, end, last_call = [], time.process_time() + seconds, time.monotonic() + 2.0 * seconds
-    with fmu.instantiate() as instance:
-        instance.start({name: value for name, value in values.items() if fmu.has(name)})
-        read = instance.reader([name])
-        for number in range(count):
-            instance.step(number * step, step)
-            seen.append(read()[0])
-            if number % 1000 == 0:
-                instance.messages.clear()
-                if time.process_time() > end or time.monotonic() > last_call:
-                    break
-    if len(seen) < 4 * window:
-        raise NotApplicableError(f"{len(seen)} steps in {seconds:g} s are too few for a long run")
-    shown = np.array(seen)
+    end, last_call = time.process_time() + seconds, time.monotonic() + 2.0 * seconds
+    start = {name: value for name, value in values.items() if fmu.has(name)}
+    master = Master(fmu, Setting(start, [CommunicationStep(step, {})] * count))
+    master.names = [name]
+    run = master.run(lambda _: time.process_time() > end or time.monotonic() > last_call)
+    shown = run.outputs[name]
+    if shown.size < 4 * window:
+        raise NotApplicableError(f"{shown.size} steps in {seconds:g} s are too few for a long run")
     if name == "x":
         shown = values["v"] * step * np.arange(1, shown.size + 1) - shown
     first, last = shown[window : 2 * window], shown[-window:]
@@ -269,16 +254,9 @@ def keeps_its_cycle(
 
 
 def differences(
-    got: Sequence[Row],
-    expected: Sequence[Row],
-    tolerance: float | None = None,
-    ignored: Iterable[str] = (),
+    got: Rows, expected: Rows, tolerance: float | None = None, ignored: Iterable[str] = ()
 ) -> list[str]:
-    """Return where two motions differ, a line for each of the first outputs that do.
-
-    What is discrete must be equal; within no tolerance all must, NaN to NaN. The largest value in a
-    unit is that of any row. Outputs that are `ignored` are not compared.
-    """
+    """Return how two motions differ; what is discrete must be equal, and NaN equals NaN."""
     scales = {} if tolerance is None else _scales(chain(got, expected))
     complaints = []
     for name in got[0]:

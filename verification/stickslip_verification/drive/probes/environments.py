@@ -1,20 +1,18 @@
 """Probes that go on in a fresh process: from the bytes of a state, or in another environment."""
 
-import contextlib
 import os
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 
 from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.probes.calls import (
-    Call,
-    Caller,
-    Row,
+    Calls,
+    Rows,
+    calling,
     check_playable,
     differences,
     played,
@@ -31,114 +29,96 @@ _UNWRITABLE = Path("/proc")
 
 def state_in_a_fresh_process(
     fmu: FmuFile,
-    calls: Sequence[Call],
-    then: Sequence[Call],
+    calls: Calls,
+    then: Calls,
     environment: Environment,
     tolerance: float | None = None,
 ) -> list[str]:
     """Complain if the state after `calls`, taken as bytes, goes on otherwise in a fresh process.
 
-    The outputs after the steps of `then` are compared. `environment` differs there from the one
-    here; `tolerance` is as in `same_motion`.
+    The outputs after the steps of `then` are compared. `environment` differs there from the one of
+    this process; `tolerance` is as in `same_motion`.
     """
-    need_ability(_serializes(fmu), "serialize its state")
+    need_ability(fmu.can_get_and_set_state and fmu.can_serialize_state, "serialize its state")
     check_playable(fmu, chain(calls, then))
-    with fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        caller.play(calls)
-        state = instance.written(instance.get_state()), caller.since
+    with calling(fmu, calls) as caller:
+        state = caller.instance.written(caller.instance.get_state()), caller.since
         expected = caller.play(then)
-    begin: Sequence[Call] = [{"start": caller.start}]
-    return _compared(fmu, begin, then, expected, tolerance, environment, state=state)
+    fresh = _Fresh(fmu, [{"start": caller.start}], then, state)
+    return fresh.differences(expected, tolerance, environment)
 
 
 def elsewhere(
     fmu: FmuFile,
-    calls: Sequence[Call],
-    then: Sequence[Call],
+    calls: Calls,
+    then: Calls,
     environments: Mapping[str, Environment],
     tolerance: float | None = None,
 ) -> list[str]:
     """Complain if the FMU moves otherwise in a fresh process with another environment.
 
-    There its working folder changes, see `_played`, and between `calls` and `then` its state is
-    serialized and taken up again, if it can. All environments act at once. Only where the motion
-    differs, they are tried one by one, to find the one that matters. The outputs after the steps of
-    `then` are compared; `tolerance` is as in `same_motion`.
+    The outputs after the steps of `then` are compared; `tolerance` is as in `same_motion`. All
+    environments act at once, with other working folders. Only where the motion differs, they are
+    tried one by one, to find the one that matters.
     """
     last = time.monotonic() + _PATIENCE
     check_playable(fmu, chain(calls, then))
     _, expected = played(fmu, calls, then)
-    compared = partial(_compared, fmu, calls, then, expected, tolerance)
+    here, away = _Fresh(fmu, calls, then), _Fresh(fmu, calls, then, folders=True)
     together = {name: value for each in environments.values() for name, value in each.items()}
-    complaints = compared(together, folders=True)
+    complaints = away.differences(expected, tolerance, together)
     if not complaints:
         return []
-    single = {
-        "in a fresh process": partial(compared, {}),
-        **{name: partial(compared, environment) for name, environment in environments.items()},
-        "in another working folder": partial(compared, {}, folders=True),
-    }
-    for name, try_alone in single.items():
+    alone = {name: (here, environment) for name, environment in environments.items()}
+    single = {"in a fresh process": (here, {}), **alone, "in another working folder": (away, {})}
+    for name, (fresh, environment) in single.items():
         if time.monotonic() > last:
             break
-        if alone := try_alone():
-            return [f"{name}: {each}" for each in alone]
+        if by_this := fresh.differences(expected, tolerance, environment):
+            return [f"{name}: {each}" for each in by_this]
     _, *names = single
     return [f"{', '.join(names)}: {each}" for each in complaints]
 
 
-def _compared(
-    fmu: FmuFile,
-    calls: Sequence[Call],
-    then: Sequence[Call],
-    expected: Sequence[Row],
-    tolerance: float | None,
-    environment: Environment,
-    state: tuple[bytes, float] | None = None,
-    folders: bool = False,
-) -> list[str]:
-    """Have calls played in a fresh process, and say where the rows are not those expected."""
-    play = partial(_played, fmu.path.absolute(), fmu.names, calls, then, state, folders)
-    answer = in_fresh_process(play, environment=environment, elsewhere=folders)
-    if answer.value is None:
-        return [answer.failure or "no answer"]
-    return differences(answer.value, expected, tolerance)
+@dataclass(frozen=True)
+class _Fresh:
+    """Calls for a fresh process; before `then` it takes up a state, at a time since the start [s].
 
-
-def _played(
-    path: Path,
-    names: NameMap,
-    calls: Sequence[Call],
-    then: Sequence[Call],
-    state: tuple[bytes, float] | None,
-    folders: bool,
-) -> list[Row]:
-    """Play calls in this process; return the outputs after the steps of `then`.
-
-    Between the two it goes on from a serialized state, at a time since the start [s], if there is
-    one. If the working folder changes, it is an empty one at the instantiation, at `calls` one that
+    If the working folder changes, it is an empty one at the instantiation, at `calls` one that
     cannot be written to, at `then` one that was deleted.
     """
-    with contextlib.closing(FmuFile(path, names)) as fmu, fmu.instantiate() as instance:
-        caller = Caller(fmu, instance)
-        if folders:
-            folder = Path(tempfile.mkdtemp(dir=Path.cwd()))
-            folder.chmod(0o555)
-            forbidden = not os.access(folder, os.W_OK) or not _UNWRITABLE.is_dir()
-            os.chdir(folder if forbidden else _UNWRITABLE)
-        caller.play(calls)
-        if state is not None:
-            written, since = state
-            instance.restore(written)
-            caller.resume(since)
-        elif _serializes(fmu):
-            instance.restore(instance.written(instance.get_state()))
-        if folders:
-            with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as deleted:
-                os.chdir(deleted)
-        return caller.play(then)
 
+    fmu: FmuFile
+    calls: Calls
+    then: Calls
+    state: tuple[bytes, float] | None = None
+    folders: bool = False
 
-def _serializes(fmu: FmuFile) -> bool:
-    return fmu.can_get_and_set_state and fmu.can_serialize_state
+    def differences(
+        self, expected: Rows, tolerance: float | None, environment: Environment
+    ) -> list[str]:
+        """Play them there; return how the outputs after the steps of `then` differ."""
+        answer = in_fresh_process(self.played, environment, self.folders)
+        if answer.value is None:
+            return [answer.failure or "no answer"]
+        return differences(answer.value, expected, tolerance)
+
+    def played(self) -> Rows:
+        """Play them in this process."""
+        with calling(self.fmu, ()) as caller:
+            if self.folders:
+                folder = Path(tempfile.mkdtemp(dir=Path.cwd()))
+                folder.chmod(0o555)
+                forbidden = not os.access(folder, os.W_OK) or not _UNWRITABLE.is_dir()
+                os.chdir(folder if forbidden else _UNWRITABLE)
+            caller.play(self.calls)
+            if self.state is not None:
+                written, since = self.state
+                caller.instance.restore(written)
+                caller.steps = [since]
+            elif self.fmu.can_get_and_set_state and self.fmu.can_serialize_state:
+                caller.instance.restore(caller.instance.written(caller.instance.get_state()))
+            if self.folders:
+                with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as deleted:
+                    os.chdir(deleted)
+            return caller.play(self.then)

@@ -5,12 +5,10 @@ import itertools
 import statistics
 import time
 from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import closing
 from functools import partial
 from pathlib import Path
 
 from stickslip_verification.drive.fmu.archive import FmuFile, available
-from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.processes import in_fresh_process
 from stickslip_verification.drive.stepping import (
     NotApplicableError,
@@ -24,17 +22,11 @@ from stickslip_verification.truth.parameters import START_VALUES
 Doing = Generator[None, None, None]
 """Does something once with each `next` but the first."""
 
-_PAGES = Path("/proc/self/statm")
-"""Pages of this process: all, resident, shared, ... (Linux)."""
+_PAGES, _PAGE = Path("/proc/self/statm"), 4096
+"""Pages of this process: all, resident, shared, ... (Linux); size of a page [B]."""
 
-_PAGE = 4096
-"""Size of a page [B]."""
-
-_PARTS = 10
-"""Parts of a measurement, of a tenth of the count or of the time; the first warms up."""
-
-_FEWEST = 4
-"""Parts below which a measurement that was cut short says nothing."""
+_PARTS, _FEWEST = 10, 4
+"""Parts of a measurement, of which the first warms up; with fewer it says nothing."""
 
 _PATIENCE = 4.0
 """How much longer than the time of the processor a measurement may take by the wall clock."""
@@ -45,29 +37,17 @@ _NOISE = 12 * _PAGE
 _STEP = 0.001
 """An ordinary communication step [s]."""
 
-_SLAVE_MODULE = "resources/slavemodule.txt"
-"""Where pythonfmu's wrapper finds the name of the module that it executes."""
-
-_PER_MODULE = 16
-"""Memory per byte of that module which the wrapper keeps of each execution, 5 with a plain one."""
+_SLAVE_MODULE, _PER_MODULE = "resources/slavemodule.txt", 16
+"""Where pythonfmu's wrapper finds the name of the module that it executes; memory per byte of that
+module which it keeps of each execution, 5 with a plain one."""
 
 
 def keeps_memory(fmu: FmuFile, of: str, count: int, most: float, seconds: float) -> list[str]:
-    """Complain if in most parts of a measurement the memory grows by more than `most` each time.
+    """Complain if memory grows by more than `most` [B] each time in most parts of a measurement.
 
-    A loss grows in every part; what an allocator or a cache takes does so in few. The process is a
-    fresh one, for memory that was freed earlier would be filled first, and hide a loss.
-
-    Parameters
-    ----------
-    fmu
-        The FMU.
-    of
-        What is done, a key of `_DOINGS`.
-    count, most
-        How often, and the memory that it may keep each time [B].
-    seconds
-        Time of the processor after which the measurement ends with fewer [s].
+    What `of` names is done `count` times, or for so many `seconds` of the processor. A loss grows
+    in every part; what an allocator or a cache takes does so in few. The process is a fresh one,
+    for memory that was freed earlier would be filled first, and hide a loss.
     """
     if of == "state":
         need_ability(fmu.can_get_and_set_state, "get and set its state")
@@ -76,7 +56,7 @@ def keeps_memory(fmu: FmuFile, of: str, count: int, most: float, seconds: float)
         most += _PER_MODULE * _module(fmu)
     if not _PAGES.exists():
         raise NotApplicableError("the memory of a process is read on Linux only")
-    measured = partial(_measured, fmu.path.absolute(), fmu.names, of, count, seconds, _PATIENCE)
+    measured = partial(_measured, fmu, of, count, seconds, _PATIENCE)
     answer = in_fresh_process(measured, seconds=_PATIENCE * seconds)
     if answer.value is None:
         return [answer.failure or "no answer"]
@@ -143,10 +123,7 @@ def _module(fmu: FmuFile) -> int:
 
 
 def judged(parts: Sequence[tuple[int, int]], what: str, most: float, seconds: float) -> list[str]:
-    """Complain of a measurement, of which each part is a number of times and a growth [B].
-
-    Raises `NotApplicableError` for a measurement of too few parts.
-    """
+    """Complain of a measurement, of which each part is a number of times and a growth [B]."""
     if len(parts) < _FEWEST:
         done = sum(times for times, _ in parts)
         raise NotApplicableError(f"{done} times in {seconds:g} s are too few to see a loss")
@@ -158,25 +135,22 @@ def judged(parts: Sequence[tuple[int, int]], what: str, most: float, seconds: fl
 
 
 def _measured(
-    path: Path, names: NameMap, of: str, count: int, seconds: float, patience: float
+    fmu: FmuFile, of: str, count: int, seconds: float, patience: float
 ) -> list[tuple[int, int]]:
-    """Return how often a thing was done in each part of a measurement, and the growth [B].
-
-    It may take `patience` times the `seconds` of the processor by the wall clock.
-    """
-    over = _clock(seconds, patience)
+    """Return how often a thing was done in each part of a measurement, and the growth [B]."""
+    over, once = _clock(seconds, patience), _DOINGS[of](fmu)
     parts: list[tuple[int, int]] = []
-    with closing(FmuFile(path, names)) as fmu, closing(_DOINGS[of](fmu)) as once:
-        next(once)
-        before = _resident()
-        while sum(times for times, _ in parts) < count and not over():
-            done, part_over = 0, _clock(seconds / _PARTS, patience)
-            while done < count // _PARTS and not part_over():
-                next(once)
-                done += 1
-            now = _resident()
-            parts.append((done, now - before))
-            before = now
+    next(once)
+    before = _resident()
+    while sum(times for times, _ in parts) < count and not over():
+        done, part_over = 0, _clock(seconds / _PARTS, patience)
+        while done < count // _PARTS and not part_over():
+            next(once)
+            done += 1
+        now = _resident()
+        parts.append((done, now - before))
+        before = now
+    once.close()
     return parts
 
 

@@ -1,45 +1,38 @@
 """The probes by the names that invariants use."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
-from stickslip_verification.drive.probes import (
-    calls,
-    declarations,
-    environments,
-    memory,
-    refusals,
-)
+from stickslip_verification.drive.probes import calls, contract, environments, memory
 
 Probe = Callable[..., list[str]]
-"""Takes the FMU and the probe's arguments. Raises `FmuError`, or `NotApplicableError`."""
 
-_PROBES: tuple[Probe, ...] = (
-    declarations.declared_variables,
-    declarations.declared_units,
-    declarations.declared_types,
-    declarations.declared_starts,
-    refusals.refuses,
-    refusals.warns,
-    refusals.fails_until_reset,
-    calls.starts_at,
-    calls.same_motion,
-    calls.gives,
-    calls.steps_onto_restick,
-    calls.keeps_its_cycle,
+_IN_A_FRESH_PROCESS: tuple[Probe, ...] = (
     environments.state_in_a_fresh_process,
     environments.elsewhere,
     memory.keeps_memory,
 )
 
-PROBES = {probe.__name__: probe for probe in _PROBES}
-"""What an invariant can name as ``probe``."""
+_PROBES: tuple[Probe, ...] = (
+    contract.declared_variables,
+    contract.declared_units,
+    contract.declared_types,
+    contract.declared_starts,
+    contract.refuses,
+    contract.warns,
+    contract.fails_until_reset,
+    calls.starts_at,
+    calls.same_motion,
+    calls.gives,
+    calls.steps_onto_restick,
+    calls.keeps_its_cycle,
+    *_IN_A_FRESH_PROCESS,
+)
+
+PROBES: Mapping[str, Probe] = {probe.__name__: probe for probe in _PROBES}
+"""What an invariant can name as ``probe``: a function of the FMU and of the probe's arguments."""
 
 OF_NUMERICAL = frozenset({calls.keeps_its_cycle.__name__})
 """The probes of numerical solutions; the exact block meets long cases in their stead."""
 
-LONG = OF_NUMERICAL | {
-    name
-    for name, probe in PROBES.items()
-    if probe.__module__ in (environments.__name__, memory.__name__)
-}
+LONG = OF_NUMERICAL | {probe.__name__ for probe in _IN_A_FRESH_PROCESS}
 """The probes that take long: a long run, or a process of their own, half a second and more."""
