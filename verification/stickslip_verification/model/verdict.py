@@ -68,6 +68,8 @@ class CheckResult:
         Whether a failure fails the verdict.
     not_applicable
         Why the check cannot be made on this side, or None: it is neither passed nor failed.
+    late
+        Whether the run had no result within its time limit.
     """
 
     case: str
@@ -87,6 +89,7 @@ class CheckResult:
     measure: Measure = Measure.ABSOLUTE
     decides: bool = True
     not_applicable: str | None = None
+    late: bool = False
 
     @property
     def verdict(self) -> Outcome:

@@ -2,19 +2,18 @@
 
 import tempfile
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.model.verdict import CheckResult, Detection, KillMatrix
+from stickslip_verification.model.verdict import Detection, KillMatrix
 from stickslip_verification.run.comparisons import compare
 from stickslip_verification.run.experiment import Experiment, Progress
-from stickslip_verification.run.runs import Runs, run_all
+from stickslip_verification.run.runs import run_all
 from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantError
 
 LONGEST = 100.0
@@ -77,7 +76,7 @@ def detect(
         except BaseException:
             threads.shutdown(wait=False, cancel_futures=True)
             raise
-    columns = list(_columns(experiment))
+    columns = _columns(experiment)
     killing = {check for row in rows.values() for check in row.failing}
     reasons = {invariant.id: invariant.stays for invariant in experiment.invariants}
     idle = {check: reasons.get(check, "") for check in columns if check not in killing}
@@ -98,32 +97,34 @@ def _try(
     *,
     whole: bool,
 ) -> Detection:
+    wanted, contract = mutant.detected_by, experiment.contract
     failing: Mapping[str, int] = {}
     broken = None
-    contract, wanted = experiment.contract, tuple(mutant.detected_by)
     try:
-        planted = plant(fmu, mutant, folder)
+        # A numerical solution is judged over all cases, by what no fault names in advance.
+        parts = [] if whole or contract.numerical else _foretold(mutant, experiment)
+        how = {"hooks": mutant.hooks, "own_starts": contract.interface, **opened}
+        with workers.Pool(1, TIME_LIMIT, plant(fmu, mutant, folder), **how) as pool:
+            for part in (*parts, experiment):
+                runs = run_all(pool, part)
+                # What fails for the time it took does not count.
+                failures = [
+                    of for of in compare(runs, reference=False) if of.failed and not of.late
+                ]
+                checks = [failure.check for failure in failures]
+                plain = list(runs.plain.values())
+                late = next((answer for answer in plain if answer.late), None)
+                if part is experiment:
+                    failing = Counter(checks)
+                    if all(answer.value is None for answer in plain):
+                        broken = f"it finished no case: {plain[0].failure}"
+                elif failing := Counter(check for check in checks if check in wanted):
+                    break
+                elif late is not None:
+                    broken = f"it takes too long: {late.failure}"
+                    break
     except MutantError as error:
         broken = str(error)
-    else:
-        pool = partial(
-            workers.Pool,
-            *(1, TIME_LIMIT, planted),
-            hooks=mutant.hooks,
-            own_starts=contract.interface,
-            **opened,
-        )
-        # A numerical solution is judged over all cases, by what no fault names in advance.
-        if not whole and not contract.numerical:
-            with pool() as processes:
-                failing, broken = _first_foretold(processes, wanted, experiment)
-        if not failing and broken is None:
-            with pool() as processes:
-                runs = run_all(processes, experiment)
-            failing = Counter(result.check for result in _failures(runs))
-            if all(answer.value is None for answer in runs.plain.values()):
-                first = next(iter(runs.plain.values()))
-                broken = f"it finished no case: {first.failure}"
     return Detection(
         mutant=mutant.id,
         about=mutant.about,
@@ -134,71 +135,35 @@ def _try(
     )
 
 
-def _first_foretold(
-    pool: workers.Pool, wanted: Sequence[str], experiment: Experiment
-) -> tuple[Mapping[str, int], str | None]:
-    """Return what fails first of the checks `wanted`: in one case, some sequences, or as a whole.
+def _foretold(mutant: Mutant, experiment: Experiment) -> list[Experiment]:
+    """Split what a fault is foretold to fail into single cases and some sequences each.
 
-    The second value says why the mutant cannot be judged, or is None.
+    The probes, about no case, are asked with the first one.
     """
+    wanted = mutant.detected_by
     if not set(wanted) & set(_columns(experiment)):
-        return {}, f"none of {', '.join(wanted)} is a check of these cases or of all runs"
+        reason = f"none of {', '.join(wanted)} is a check of these cases or of all runs"
+        raise MutantError(mutant.file, mutant.id, reason)
     few = experiment.invariants.only(wanted)
     every_case = few.residuals or few.runs or few.agreements
-    parts = [
-        replace(
-            experiment,
-            baseline=[
-                replace(each, invariants=[of for of in each.invariants if of in few.residuals])
-            ],
-            random=(),
-        )
-        for each in sorted(experiment.baseline, key=lambda each: len(each.case.steps))
-        if every_case or any(check.id in wanted for check in each.case.checks)
+    parts: list[dict[str, Any]] = [
+        {"baseline": [replace(of, invariants=[i for i in of.invariants if i in few.residuals])]}
+        for of in sorted(experiment.baseline, key=lambda baseline: len(baseline.case.steps))
+        if every_case or any(check.id in wanted for check in of.case.checks)
     ]
     random = [test for test in experiment.random if test.manner in few.sequences]
-    parts += [
-        replace(experiment, baseline=(), random=random[n : n + _AT_ONCE])
-        for n in range(0, len(random), _AT_ONCE)
+    parts += [{"random": random[n : n + _AT_ONCE]} for n in range(0, len(random), _AT_ONCE)]
+    nothing: dict[str, Any] = {"baseline": (), "random": ()}
+    return [
+        replace(experiment, invariants=replace(few, probes=() if n else few.probes), **nothing | of)
+        for n, of in enumerate(parts or [nothing])
     ]
-    # The probes, about no case, are asked with the first one.
-    for part in parts or [replace(experiment, baseline=(), random=())]:
-        runs = run_all(pool, replace(part, invariants=few))
-        failing = Counter(result.check for result in _failures(runs) if result.check in wanted)
-        if failing:
-            return failing, None
-        late = next((answer for answer in runs.plain.values() if answer.late), None)
-        if late is not None:
-            return {}, f"it takes too long: {late.failure}"
-        few = replace(few, probes=())
-    return {}, None
 
 
-def _failures(runs: Runs) -> Iterator[CheckResult]:
-    """Yield the checks that failed for what the FMU did, and not for the time it took."""
-    late = set(_late(runs))
-    for result in compare(runs, reference=False):
-        if result.failed and not late & {(result.case, ""), (result.case, result.check)}:
-            yield result
-
-
-def _late(runs: Runs) -> Iterator[tuple[str, str]]:
-    """Yield what took too long: a case, and the invariant that asked for the run or ""."""
-    yield from ((case, "") for case, answer in runs.plain.items() if answer.late)
-    yield from (("", probe) for probe, answer in runs.probes.items() if answer.late)
-    for invariant in runs.experiment.invariants.runs:
-        for (case, run), answer in runs.others.items():
-            if answer.late and invariant.run == run:
-                yield case, invariant.id
-    for test, answer in zip(runs.experiment.random, runs.random, strict=True):
-        if answer.late:
-            yield test.baseline.case.id, test.manner.id
-
-
-def _columns(experiment: Experiment) -> Iterable[str]:
+def _columns(experiment: Experiment) -> list[str]:
     """Return the checks that an FMU can fail, each once, in the order of the suite."""
     of_cases = (check.id for each in experiment.baseline for check in each.case.checks)
     of = experiment.invariants
     families = (of.residuals, of.runs, of.sequences, of.agreements, of.probes)
     of_invariants = (invariant.id for family in families for invariant in family)
-    return dict.fromkeys((*of_cases, *of_invariants))
+    return list(dict.fromkeys((*of_cases, *of_invariants)))

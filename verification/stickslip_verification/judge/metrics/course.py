@@ -35,14 +35,6 @@ class Residual:
     scale: Series | float
     unit: str
 
-    @property
-    def errors(self) -> Series:
-        """Residual over scale at the steps that the invariant is about."""
-        values = np.abs(self.values)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            parts = np.where(values == 0.0, 0.0, values / np.asarray(self.scale))
-        return np.asarray(parts[self.where])
-
 
 @dataclass(frozen=True)
 class Course:
@@ -236,37 +228,26 @@ class Course:
     @cached_property
     def force_scale(self) -> float:
         """Largest of the forces in play [N]: what their differences are rounded to."""
-        s = self.settings
-        spring = np.max(np.abs(s["k"] * self.exact.outputs["z"]))
-        held = np.max(self.exact.outputs["F_s"])
-        return float(max(spring, np.max(np.abs(s["F_ext"])), held))
+        spring = self.settings["k"] * self.exact.outputs["z"]
+        return _largest(spring, self.settings["F_ext"], self.exact.outputs["F_s"])
 
     @cached_property
     def speed_scale(self) -> float:
         """Largest speed in play [m/s]."""
-        speeds = (self.exact.outputs["x_dot"], self.settings["v"])
-        return float(max(np.max(np.abs(each)) for each in speeds))
+        return _largest(self.exact.outputs["x_dot"], self.settings["v"])
 
     @cached_property
     def energy_scale(self) -> float:
         """Largest energy in play [J]."""
         exact, s = self.exact.outputs, self.settings
         stored = 0.5 * s["k"] * exact["z"] ** 2 + 0.5 * s["m"] * exact["x_dot"] ** 2
-        pushed = np.max(np.abs(s["F_ext"])) * np.max(np.abs(exact["x"]))
-        sums = (np.max(np.abs(exact[name])) for name in ("W_pull", "W_k", "Q_friction"))
-        return float(max(np.max(stored), pushed, *sums))
+        pushed = _largest(s["F_ext"]) * exact["x"]
+        return _largest(stored, pushed, *(exact[name] for name in ("W_pull", "W_k", "Q_friction")))
 
-    def scale_of(self, output: str) -> float:
-        """Return the largest in play of the kind of an output: what it is measured against."""
-        kinds = {
-            "m": self.swing_length,
-            "m/s": self.swing_speed,
-            "N": self.force_scale,
-            "J": self.energy_scale,
-            "s": self.case.stop_time,
-        }
-        largest = float(np.max(np.abs(self.exact.outputs[output]))) or 1.0
-        return kinds.get(QUANTITIES[output].unit, largest)
+    @cached_property
+    def length_scale(self) -> float:
+        """Largest length in play [m]."""
+        return _largest(*(self.exact.outputs[name] for name in ("x", "x_pull", "z")))
 
     @cached_property
     def swing_length(self) -> float:
@@ -278,13 +259,23 @@ class Course:
     def swing_speed(self) -> float:
         """Largest speed in play in a slip [m/s]: what an extension amounts to in a radian too."""
         fastest = float(np.sqrt(np.max(self.settings["k"] / self.settings["m"])))
-        return max(self.speed_scale, fastest * float(np.max(np.abs(self.exact.outputs["z"]))))
+        return max(self.speed_scale, fastest * _largest(self.exact.outputs["z"]))
 
-    @cached_property
-    def length_scale(self) -> float:
-        """Largest length in play [m]."""
-        lengths = (self.exact.outputs[name] for name in ("x", "x_pull", "z"))
-        return float(max(np.max(np.abs(each)) for each in lengths))
+    def scale_of(self, output: str) -> float:
+        """Return the largest in play of the kind of an output: what it is measured against."""
+        kinds = {
+            "m": self.swing_length,
+            "m/s": self.swing_speed,
+            "N": self.force_scale,
+            "J": self.energy_scale,
+            "s": self.case.stop_time,
+        }
+        largest = _largest(self.exact.outputs[output]) or 1.0
+        return kinds.get(QUANTITIES[output].unit, largest)
+
+
+def _largest(*series: Series) -> float:
+    return float(max(np.max(np.abs(samples)) for samples in series))
 
 
 Metric = Callable[[Course], Residual]

@@ -54,29 +54,24 @@ def columns(course: Course) -> Residual:
 def finite(course: Course) -> Residual:
     """How many outputs are no finite number, or are missing at the point."""
     count = np.zeros(course.h.size)
-    for name in course.record.outputs:
-        count += ~np.isfinite(_padded(course.record.outputs[name], count.size))
+    for samples in course.record.outputs.values():
+        count[samples.size :] += 1
+        count[: samples.size] += ~np.isfinite(samples[: count.size])
     return course.residual(count, 1.0, "1")
 
 
 def start(course: Course) -> Residual:
     """Largest deviation of an output after initialization, over the output's own scale."""
     deviations = [
-        _deviation(given, course.exact.initial[name], course.exact.outputs[name])
-        for name, given in course.record.initial.items()
+        _deviation(got, course.exact.initial[name], course.exact.outputs[name])
+        for name, got in course.record.initial.items()
     ]
-    worst = float(np.max(deviations))
     first = np.arange(course.h.size) == 0
-    return Residual(np.full(course.h.size, worst), first, 1.0, "1")
+    return Residual(np.full(course.h.size, np.max(deviations)), first, 1.0, "1")
 
 
-def _deviation(given: float, expected: float, samples: Series) -> float:
-    if given == expected:
+def _deviation(got: float, expected: float, samples: Series) -> float:
+    if got == expected:
         return 0.0
     scale = max(float(np.max(np.abs(samples))), abs(expected))
-    return abs(given - expected) / scale if scale > 0.0 else math.inf
-
-
-def _padded(samples: Series, count: int) -> Series:
-    """Return so many samples, NaN where there are none."""
-    return np.concatenate((samples, np.full(max(count - samples.size, 0), np.nan)))[:count]
+    return abs(got - expected) / scale if scale > 0.0 else math.inf

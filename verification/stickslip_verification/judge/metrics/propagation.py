@@ -54,12 +54,12 @@ class Slips:
         rate = self.k * (self.v - state.x_dot) - self.c * self.acceleration(state)
         return np.asarray(rate / self.m)
 
-    def move(self, state: State, duration: Wide) -> State:
+    def move(self, state: State, duration: Series | Wide) -> State:
         """Return the state `duration` [s] later, if the slip lasts."""
         w = np.sqrt(self.k / self.m)
         centre = (self.c * self.v - self.drive) / self.k
         y, rate = state.z - centre, (self.v - state.x_dot) / w
-        a, b, c, d = _transition(w * duration, self.c / (self.m * w))
+        a, b, c, d = _transition(w * np.asarray(duration, np.longdouble), self.c / (self.m * w))
         return State(centre + a * y + b * rate, self.v - w * (c * y + d * rate))
 
 
