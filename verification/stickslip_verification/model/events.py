@@ -17,11 +17,7 @@ class Transition(StrEnum):
 
 @dataclass(frozen=True)
 class Event:
-    """A transition between stick and slip.
-
-    ``time`` [s]; ``mode`` from then on: -1 slips backward, 0 sticks, +1 slips forward; position
-    ``x`` of the mass and extension ``z`` of the spring [m] at that time.
-    """
+    """A transition at a time [s]: the mode from then on, position x and extension z [m]."""
 
     time: float
     kind: Transition
@@ -65,7 +61,7 @@ def events_between(samples: NDArray[np.void], v: float) -> tuple[tuple[Event, ..
 
 
 def _events_in(before: np.void, after: np.void, previous: Event | None, v: float) -> list[Event]:
-    """Return the one or two transitions between two samples, or nothing if they cannot be told.
+    """Return the one or two transitions between two samples; nothing where they cannot be told.
 
     That is where there are more, or where a slip ends whose beginning is hidden: `previous` None.
     """

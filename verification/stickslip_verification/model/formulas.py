@@ -54,17 +54,10 @@ class _Symbols:
 
 @dataclass(frozen=True)
 class Formula:
-    """A closed form, called with all twelve values at the start.
+    """A closed form, ``of`` symbols, called with all twelve values at the start.
 
-    Attributes
-    ----------
-    unit, equation
-        Its unit and its equation number in docs/theory.md.
-    of
-        From the symbols to its value.
-    sensitivity
-        Power of 1/lambda by which an error of the state enters an integration, (17); None where
-        it is not of that kind.
+    ``equation`` is its number in docs/theory.md. ``sensitivity`` is the power of 1/lambda by which
+    an error of the state enters an integration, (17); None where it is not of that kind.
     """
 
     unit: str
