@@ -12,20 +12,11 @@ Wanted = Literal["exact", "physics"]
 
 @dataclass(frozen=True)
 class Contract:
-    """How a side is judged.
+    """How a side, fmu or reference, is judged.
 
-    Attributes
-    ----------
-    side
-        fmu or reference.
-    interface
-        Whether it promises the interface, so that its own start values are tried, and a missing
-        output is a failure and not a feature that it lacks.
-    exact
-        Whether it is held to the tolerances of the exact block, or to those of a numerical
-        solution.
-    contract
-        Whether contract checks decide.
+    ``interface``: it promises the interface, so that its own start values are tried, and a missing
+    output is a failure and not a feature that it lacks. ``exact``: it is held to the tolerances of
+    the exact block, not to those of a numerical solution. ``contract``: contract checks decide.
     """
 
     side: str

@@ -105,26 +105,18 @@ def spelled(text: str, *, all_below: bool = False) -> Unit | None:
     """Read a unit from its spelling, such as mm, N.s/m or m/s2; None if it is not understood.
 
     Factors are joined by ``.``, ``·``, ``*`` or ``/``, and a prefix stands before m, g, s, N, J, W
-    or Hz. An empty text and ``-`` are pure numbers.
-
-    Parameters
-    ----------
-    text
-        The spelling.
-    all_below
-        Whether several factors may follow the first ``/``, all of them below it: N/m.s is N/(m.s).
-        Else such a text is not understood, for people read it differently.
+    or Hz. An empty text and ``-`` are pure numbers. Several factors after the first ``/`` are not
+    understood, for people read them differently; with `all_below` N/m.s is N/(m.s).
     """
     if text.strip() == "-":
         return Unit(Fraction(1), Fraction(0), _NONE)
     above, slash, below = _BLANKS.sub(r"\1", text.strip()).partition("/")
+    if slash and not above:
+        return None
     factor, dimension = Fraction(1), _NONE
+    lower = _PRODUCT.split(below.replace("/", ".")) if all_below else [below]
     parts = [(part, 1) for part in _PRODUCT.split(above)] if above else []
-    if slash:
-        lower = _PRODUCT.split(below.replace("/", ".")) if all_below else [below]
-        parts += [(part, -1) for part in lower]
-        if not above:
-            return None
+    parts += [(part, -1) for part in lower] if slash else []
     for part, side in parts:
         match = _FACTOR.fullmatch(part)
         base = _base(match["symbol"]) if match else None

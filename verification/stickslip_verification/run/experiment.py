@@ -4,7 +4,7 @@ It is computed once, in several processes, and serves every FMU of a verificatio
 """
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from stickslip_verification.drive import workers
@@ -15,12 +15,7 @@ from stickslip_verification.judge.contract import Contract
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.invariants import (
-    Invariants,
-    Manner,
-    Order,
-    ResidualInvariant,
-)
+from stickslip_verification.suite.invariants import Invariants, Manner, Order, ResidualInvariant
 from stickslip_verification.suite.sequences import PLAIN, tried
 
 TIME_LIMIT = 180.0
@@ -38,8 +33,8 @@ _UNKNOWN: Answer[Any] = Answer()
 class Baseline:
     """What one case is judged on.
 
-    ``invariants`` are the invariants on samples that the exact motion has a place for; of a
-    numerical solution ``spreads`` and ``changes`` of `drive.nearby` are known, and no reference.
+    ``invariants`` are those on samples that the exact motion has a place for; of a numerical
+    solution ``spreads`` and ``changes`` of `drive.nearby` are known, and no reference.
     """
 
     case: Case
@@ -101,7 +96,7 @@ def compute(
         for order in invariants.orders
         if numerical is None and case.id in order.cases and order.holds_for(case.law)
     ]
-    found: dict[str, dict[str, Answer[Any]]] = {}
+    baselines: dict[str, Baseline] = {}
     with workers.Pool(jobs, TIME_LIMIT) as pool:
         answers = {
             name: pool.each(task, [(case,) for case in of]) for name, (task, of) in tasks.items()
@@ -110,16 +105,16 @@ def compute(
         for done, case in enumerate(by_length):
             if progress is not None:
                 progress(f"exact and reference: {case.id}", done, len(cases))
-            found[case.id] = {
+            known: dict[str, Any] = {
                 name: next(answers[name]) for name, (_, of) in tasks.items() if case in of
             }
+            about = _about(case, known["exact"].value, invariants)
+            baselines[case.id] = Baseline(case, invariants=about, **known)
         observed = list(zip(ordered, orders, strict=True))
     return [
-        Baseline(
-            case,
-            invariants=_about(case, found[case.id]["exact"].value, invariants),
+        replace(
+            baselines[case.id],
             orders=[(order, seen) for (of, order), seen in observed if of.id == case.id],
-            **found[case.id],
         )
         for case in cases
     ]
