@@ -15,7 +15,7 @@ from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.judge.band import Band
 from stickslip_verification.judge.contract import Contract
-from stickslip_verification.judge.metrics import METRICS, Course, MissingOutputError, Residual
+from stickslip_verification.judge.metrics import METRICS, CheckError, Course, LackingError, Residual
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.margins import margin
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
@@ -34,14 +34,6 @@ from stickslip_verification.suite.tolerances import DISTURBED
 
 ROUNDED = 1e-11
 """Rounding of a run, as a part of the largest value, where forces or times are scaled."""
-
-
-class CheckError(ValueError):
-    """A check cannot be evaluated; the message says what is not there."""
-
-
-class LackingError(CheckError):
-    """A side does not have an output that a check needs."""
 
 
 def of_invariant(
@@ -291,8 +283,8 @@ def judge_residual(
         residual = _residual(invariant, case, exact, record)
         values = residual.values[residual.where]
         scale = np.broadcast_to(residual.scale, residual.where.shape)[residual.where]
-    except MissingOutputError as error:
-        return _lacking(empty, contract, LackingError(f"no output {error}"))
+    except LackingError as error:
+        return _lacking(empty, contract, error)
     except (ValueError, IndexError) as error:
         return replace(empty, failure=f"the samples do not fit together: {error}")
     empty = replace(empty, unit=residual.unit)

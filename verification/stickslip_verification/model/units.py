@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-Dimension = tuple[int, int, int, int, int, int, int, int]
+Dimension = tuple[int, ...]
 """Exponents of kg, m, s, A, K, mol, cd, rad, in the order of an FMU's BaseUnit."""
 
 _NONE: Dimension = (0, 0, 0, 0, 0, 0, 0, 0)
@@ -77,19 +77,10 @@ UNITS_ALONE: Mapping[str, tuple[Fraction, Dimension]] = {
 }
 """Factor and dimension of the units that take no prefix, by symbol."""
 
+_EXPONENTS = (-12, -9, -6, -6, -6, -3, -2, -1, 3, 6, 9, 12)
 UNIT_PREFIXES: Mapping[str, Fraction] = {
-    "p": Fraction(1, 10**12),
-    "n": Fraction(1, 10**9),
-    "u": Fraction(1, 10**6),
-    "\u00b5": Fraction(1, 10**6),
-    "\u03bc": Fraction(1, 10**6),
-    "m": Fraction(1, 1000),
-    "c": Fraction(1, 100),
-    "d": Fraction(1, 10),
-    "k": Fraction(1000),
-    "M": Fraction(10**6),
-    "G": Fraction(10**9),
-    "T": Fraction(10**12),
+    prefix: Fraction(10) ** n
+    for prefix, n in zip("pnu\u00b5\u03bcmcdkMGT", _EXPONENTS, strict=True)
 }
 """Factors of the prefixes, by symbol."""
 
@@ -124,8 +115,7 @@ def spelled(text: str, *, all_below: bool = False) -> Unit | None:
             return None
         times = side * int(match["power"] or _RAISED.get(match["raised"], 1))
         factor *= base[0] ** times
-        a, b, c, d, e, f, g, h = (p + times * q for p, q in zip(dimension, base[1], strict=True))
-        dimension = a, b, c, d, e, f, g, h
+        dimension = tuple(p + times * q for p, q in zip(dimension, base[1], strict=True))
     return Unit(factor, Fraction(0), dimension)
 
 

@@ -3,8 +3,9 @@
 import tempfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -44,8 +45,8 @@ def detect(
     `progress` counts them. ``opened`` are further arguments of `workers.Pool`.
 
     Each mutant is tried on every check where the matrix is to be `whole`; else on what its
-    description foretells, case after case, and no further than the first such check that fails, and
-    on everything only if none of them detects it. Idle checks are not known then.
+    description foretells, part by part up to the first such check that fails, and on everything
+    only if none of them detects it. Idle checks are not known then.
 
     Raises
     ------
@@ -58,44 +59,30 @@ def detect(
             FAULTS_FOLDER, "", f"no case is short enough to plant faults in: {LONGEST:g} s at most"
         )
     experiment = replace(experiment, baseline=short)
-    rows: dict[str, Detection] = {}
+    rows: list[Detection] = []
     with (
         tempfile.TemporaryDirectory(prefix="stickslip-mutants-") as folder,
         ThreadPoolExecutor(workers.allowed(jobs)) as threads,
     ):
-        futures = [
-            threads.submit(_try, fmu, mutant, experiment, Path(folder), opened, whole=whole)
-            for mutant in mutants
-        ]
-        try:
-            for done, future in enumerate(as_completed(futures)):
-                row = future.result()
-                rows[row.mutant] = row
-                if progress is not None:
-                    progress(f"planted fault: {row.mutant}", done + 1, len(mutants))
-        except BaseException:
-            threads.shutdown(wait=False, cancel_futures=True)
-            raise
+        fixed = (fmu, experiment, Path(folder), opened, whole)
+        for row in threads.map(partial(_try, *fixed), mutants):
+            rows.append(row)
+            if progress is not None:
+                progress(f"planted fault: {row.mutant}", len(rows), len(mutants))
     columns = _columns(experiment)
-    killing = {check for row in rows.values() for check in row.failing}
+    killing = {check for row in rows for check in row.failing}
     reasons = {invariant.id: invariant.stays for invariant in experiment.invariants}
     idle = {check: reasons.get(check, "") for check in columns if check not in killing}
-    return KillMatrix(
-        checks=columns,
-        rows=[rows[mutant.id] for mutant in mutants],
-        kills_nothing=idle if whole else {},
-        whole=whole,
-    )
+    return KillMatrix(columns, rows, kills_nothing=idle if whole else {}, whole=whole)
 
 
 def _try(
     fmu: Path,
-    mutant: Mutant,
     experiment: Experiment,
     folder: Path,
     opened: Mapping[str, Any],
-    *,
     whole: bool,
+    mutant: Mutant,
 ) -> Detection:
     wanted, contract = mutant.detected_by, experiment.contract
     failing: Mapping[str, int] = {}

@@ -137,30 +137,23 @@ def compare_numerical(runs: Runs, solved: Solution) -> Iterator[CheckResult]:
     """Yield the result of each case, other run, random sequence and probe."""
     invariants, contract = runs.experiment.invariants, runs.experiment.contract
     plainly = [each for each in invariants.sequences if each.manner == PLAIN][:1]
-    restless = SOLVERS[solved.like.solver].rtol > 0.0
     for baseline in runs.experiment.baseline:
         case = baseline.case.id
-        plain = solved.plain.get(case)
+        plain, expected = solved.plain.get(case), solved.like.expected.get(case, 0.0)
         for invariant in plainly:
             empty = of_invariant(invariant, case, contract)
-            if plain is None:
-                yield _no_run(empty, runs.plain[case])
-            else:
-                yield _of_motion(empty, plain, solved.like, solved.like.expected[case])
-        if plain is None:
-            continue
-        for run in invariants.runs:
-            if run.klass == Klass.PHYSICS and run.holds_for(plain.case.law):
+            yield _judge(empty, PLAIN, runs.plain[case], plain, solved.like, expected)
+        for run in invariants.runs if plain is not None else ():
+            if run.klass == Klass.PHYSICS and run.holds_for(baseline.case.law):
                 empty, other = of_invariant(run, case, contract), runs.others[case, run.run]
-                expected = solved.like.expected[case] if restless or run.run in OTHER_STEPS else 0.0
-                yield _of_other(empty, other, plain, expected)
-    yield from _of_sequences(runs, solved.like, restless=restless)
+                yield _judge(empty, run.run, other, plain, solved.like, expected)
+    yield from _of_sequences(runs, solved.like)
     for probe in invariants.probes:
         if probe.id not in OF_EXACT:
             yield judge_probe(probe, contract, runs.probes[probe.id])
 
 
-def _of_sequences(runs: Runs, like: Matched, *, restless: bool) -> Iterator[CheckResult]:
+def _of_sequences(runs: Runs, like: Matched) -> Iterator[CheckResult]:
     tests = list(zip(runs.experiment.random, runs.random, strict=True))
     known = (_plain(test.baseline, answer) for test, answer in tests if test.plain)
     drawn = {plain.case.id: plain for plain in known if plain is not None}
@@ -177,17 +170,39 @@ def _of_sequences(runs: Runs, like: Matched, *, restless: bool) -> Iterator[Chec
     for test, answer in tests:
         case, name = test.baseline.case, test.baseline.case.id
         empty = of_invariant(test.manner, name, runs.experiment.contract)
-        if name not in drawn or answer.value is None:
-            raised = (answer.failure or "").startswith(FmuError.__name__)
-            stiff = raised and _stiff(case, like)
-            yield _no_run(empty, Answer(not_applicable=TOO_STIFF) if stiff else answer)
-        elif name in too_stiff:
+        ran = name in drawn and answer.value is not None
+        raised = (answer.failure or "").startswith(FmuError.__name__)
+        if name in too_stiff if ran else raised and _stiff(case, like):
             yield replace(empty, not_applicable=TOO_STIFF)
-        elif test.plain:
-            yield _of_motion(empty, drawn[name], like, expected[name])
         else:
-            may = restless or test.manner.manner in OTHER_STEPS
-            yield _of_other(empty, answer, drawn[name], expected[name] if may else 0.0)
+            of = test.manner.manner
+            yield _judge(empty, of, answer, drawn.get(name), like, expected.get(name, 0.0))
+
+
+def _judge(
+    empty: CheckResult,
+    manner: str,
+    answer: Answer[Run],
+    plain: Plain | None,
+    like: Matched,
+    expected: float,
+) -> CheckResult:
+    """Judge a run: a plain one by its motion, another one by the plain one."""
+    if answer.value is None:
+        return without(empty, answer)
+    if plain is None:
+        lacking = "its plain run is lacking, or what is near the exact one"
+        return replace(empty, not_applicable=lacking)
+    if manner == PLAIN:
+        return _of_motion(empty, plain, like, expected)
+    result = same_run(empty, plain.run, answer.value, plain.ruler.band)
+    if result.passed or not (manner in OTHER_STEPS or SOLVERS[like.solver].rtol > 0.0):
+        return result
+    worst = plain.ruler.deviation(answer.value)
+    allowed = max(AS_MUCH * plain.delta, STANDS_OUT * expected)
+    because = f"{AS_MUCH:g} times the plain run's, or what it may have itself"
+    empty = replace(empty, quantity=_off(worst), tolerance=allowed, because=because)
+    return compared(empty, allowed / AS_MUCH, worst.delta, worst.delta)
 
 
 def _expected(plain: Plain, like: Matched) -> tuple[float, bool]:
@@ -276,26 +291,3 @@ def _off(worst: Deviation) -> str:
 def output_of(result: CheckResult) -> str:
     """Return the output that a plain run is off by."""
     return result.quantity.split()[3]
-
-
-def _of_other(
-    empty: CheckResult, answer: Answer[Run], plain: Plain, expected: float
-) -> CheckResult:
-    """Judge another run: equal to the plain one, or as accurate where a delta is `expected`."""
-    if answer.value is None:
-        return without(empty, answer)
-    result = same_run(empty, plain.run, answer.value, plain.ruler.band)
-    if result.passed or not expected:
-        return result
-    worst = plain.ruler.deviation(answer.value)
-    allowed = max(AS_MUCH * plain.delta, STANDS_OUT * expected)
-    because = f"{AS_MUCH:g} times the plain run's, or what it may have itself"
-    empty = replace(empty, quantity=_off(worst), tolerance=allowed, because=because)
-    return compared(empty, allowed / AS_MUCH, worst.delta, worst.delta)
-
-
-def _no_run(empty: CheckResult, answer: Answer[Run]) -> CheckResult:
-    if answer.value is None:
-        return without(empty, answer)
-    lacking = "its plain run is lacking, or what is near the exact one"
-    return replace(empty, not_applicable=lacking)

@@ -18,8 +18,12 @@ SLACK = 8.0 * 2.0**-52
 """What the rest test forgives, as a part of the forces it compares: docs/theory.md (4)."""
 
 
-class MissingOutputError(LookupError):
-    """The side does not give an output that an invariant is about; the text is its name."""
+class CheckError(ValueError):
+    """A check cannot be evaluated; the message says what is not there."""
+
+
+class LackingError(CheckError):
+    """A side does not have an output that a check needs."""
 
 
 @dataclass(frozen=True)
@@ -51,16 +55,16 @@ class Course:
     event_times: Series
 
     def after(self, name: str) -> Series:
-        """Return an output at the end of each step; `MissingOutputError` if the side lacks it."""
+        """Return an output at the end of each step; `LackingError` if the side lacks it."""
         if name not in self.record.outputs:
-            raise MissingOutputError(name)
+            raise LackingError(f"no output {name}")
         return self.record.outputs[name]
 
     def before(self, name: str) -> Series:
         """Return an output at the beginning of each step, or raise as `after` does."""
         samples = self.after(name)
         if name not in self.record.initial:
-            raise MissingOutputError(name)
+            raise LackingError(f"no output {name}")
         return np.concatenate(([self.record.initial[name]], samples[:-1]))
 
     def change(self, name: str) -> Series:
@@ -279,4 +283,4 @@ def _largest(*series: Series) -> float:
 
 
 Metric = Callable[[Course], Residual]
-"""From a side's run to what an invariant leaves over in it. Raises `MissingOutputError`."""
+"""From a side's run to what an invariant leaves over in it. Raises `LackingError`."""
