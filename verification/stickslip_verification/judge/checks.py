@@ -132,12 +132,9 @@ def _worst(
 
 
 def places(at: At, exact: Exact) -> list[int]:
-    """Find the communication points that a check looks at, as indices, on the exact motion.
+    """Return the indices of the communication points that a check looks at.
 
-    Raises
-    ------
-    CheckError
-        The exact motion has no communication point in that stick or after that event.
+    `CheckError` where the exact motion has none in that stick or after that event.
     """
     record = exact.record
     count = len(record.times)
@@ -162,12 +159,8 @@ def places(at: At, exact: Exact) -> list[int]:
 def extract(quantity: str, record: Run, start: Mapping[str, float]) -> Series:
     """Return the samples of a quantity at all communication points, in its unit.
 
-    Raises
-    ------
-    LackingError
-        The record lacks an output that the quantity needs.
-    CheckError
-        It has the wrong number of samples.
+    `LackingError` where the record lacks an output that the quantity needs, `CheckError` where it
+    has the wrong number of samples.
     """
     needs = QUANTITIES[quantity].needs
     missing = [name for name in needs if name not in record.outputs]
@@ -217,33 +210,28 @@ def judge_sequence(
     if not np.array_equal(times[read], record.times) or len(set(read)) < len(read):
         reason = f"{record.times.size} samples at other points than the case has"
         return replace(empty, failure=reason)
-    results, lacking = [], []
-    for quantity in OUTPUT_NAMES:
+    lacking = [name for name in OUTPUT_NAMES if name not in record.outputs]
+    results = []
+    for name in [name for name in OUTPUT_NAMES if name in record.outputs]:
         try:
-            extract(quantity, record, exact.start)
-        except LackingError as error:
-            lacking.append(error)
-            continue
+            extract(name, record, exact.start)
         except CheckError as error:
             return replace(empty, failure=str(error))
-        _, expected, got, where = band.pair(quantity, record)
+        _, expected, got, where = band.pair(name, record)
         if not where.any():
             continue
-        scale = 0.0 if QUANTITIES[quantity].discrete else band.largest(quantity)
-        row = replace(
-            empty,
-            quantity=quantity,
-            unit=QUANTITIES[quantity].unit,
-            measure=Measure.OF_SCALE if scale else Measure.ABSOLUTE,
-            tolerance=DISTURBED if scale else 0.0,
-        )
+        quantity = QUANTITIES[name]
+        row = replace(empty, quantity=name, unit=quantity.unit)
+        scale = 0.0 if quantity.discrete else band.largest(name)
+        if scale:
+            row = replace(row, measure=Measure.OF_SCALE, tolerance=DISTURBED)
         results.append(_worst(row, expected[where], got[where], scale, record.times[where]))
         if results[-1].failure is not None:
             return replace(empty, failure=results[-1].failure)
     if results:
         return max(results, key=lambda result: margin(result.error, result.tolerance))
     if lacking:
-        return _lacking(empty, contract, lacking[0])
+        return _lacking(empty, contract, LackingError(f"no output {lacking[0]}"))
     return replace(empty, not_applicable="it was only agreed on")
 
 
@@ -259,11 +247,7 @@ def _residual(invariant: ResidualInvariant, case: Case, exact: Exact, record: Ru
 
 
 def judge_residual(
-    invariant: ResidualInvariant,
-    case: Case,
-    contract: Contract,
-    exact: Exact,
-    record: Run,
+    invariant: ResidualInvariant, case: Case, contract: Contract, exact: Exact, record: Run
 ) -> CheckResult:
     """Judge what an invariant leaves over in one side's run of a case.
 
@@ -296,11 +280,8 @@ def judge_residual(
 
 def agreeing(invariant: Agreement, case: Case) -> Check | None:
     """Find the check of a case whose tolerances say how far FMU and reference may differ."""
-    for check in case.checks:
-        everywhere = check.at.kind == "every_point" and not check.formula
-        if check.quantity == invariant.quantity and everywhere:
-            return check
-    return None
+    courses = (of for of in case.checks if of.at.kind == "every_point" and not of.formula)
+    return next((check for check in courses if check.quantity == invariant.quantity), None)
 
 
 def judge_agreement(
@@ -313,9 +294,8 @@ def judge_agreement(
     reference: Answer[Run],
 ) -> CheckResult:
     """Compare FMU and reference, within what `check` of the case allows both."""
-    allowed = [
-        (check.tolerance[each], check.because[each]) for each in (contract.column, "reference")
-    ]
+    sides = (contract.column, "reference")
+    because = "; ".join(check.because[side] for side in sides)
     empty = of_invariant(
         invariant,
         case,
@@ -324,9 +304,8 @@ def judge_agreement(
         quantity=invariant.quantity,
         unit=check.unit,
         measure=check.measure,
-        tolerance=allowed[0][0] + allowed[1][0],
-        because="the sum of what the case allows each of them: "
-        + "; ".join(because for _, because in allowed),
+        tolerance=sum(check.tolerance[side] for side in sides),
+        because=f"the sum of what the case allows each of them: {because}",
     )
     if fmu.value is None or reference.value is None or exact.value is None:
         lacking = next(each for each in (fmu, reference, exact) if each.value is None)
@@ -342,10 +321,7 @@ def judge_agreement(
 
 
 def judge_order(
-    invariant: Order,
-    case: Case | str,
-    contract: Contract,
-    seen: Answer[ObservedOrder],
+    invariant: Order, case: Case | str, contract: Contract, seen: Answer[ObservedOrder]
 ) -> Iterator[CheckResult]:
     """Judge an observed order, and whether it was observed in the asymptotic range."""
     for name, suffix, words, expected, tolerance in (
@@ -414,12 +390,13 @@ def judge_run(
     if {n: s.shape for n, s in first.items()} != {n: s.shape for n, s in second.items()}:
         return replace(empty, failure="the runs have other outputs, or other numbers of samples")
     if invariant.tolerance is None:
-        differing = {
-            name: int(np.sum((one != second[name]) & ~(np.isnan(one) & np.isnan(second[name]))))
-            for name, one in first.items()
+        same = {
+            n: (one == second[n]) | (np.isnan(one) & np.isnan(second[n]))
+            for n, one in first.items()
         }
+        differing = {name: int(np.sum(~where)) for name, where in same.items() if not where.all()}
         total = sum(differing.values())
-        named = next((f", {name} first" for name, count in differing.items() if count), "")
+        named = f", {next(iter(differing))} first" if differing else ""
         return compared(empty, 0.0, total, total, quantity=f"values that differ{named}")
     course = Course(case, plain, exact.record, np.array(exact.event_times))
     return _same_motion(empty, first, second, {name: course.scale_of(name) for name in first})

@@ -85,14 +85,12 @@ def verify(
 
     Parameters
     ----------
-    fmu
-        The ``.fmu`` file, FMI 2.0 or 3.0 for co-simulation.
+    fmu, names
+        The ``.fmu`` file, FMI 2.0 or 3.0 for co-simulation, and our names to its.
     cases
         What is tried, from `load_cases`, as far as it is of the FMU's friction law.
     progress
         Called with what is being done, how much of it is done, and out of how much.
-    names
-        Our names to the FMU's.
     contract, strict
         The contract that the FMU is held to, see `chosen_contract`.
     jobs
@@ -108,15 +106,14 @@ def verify(
         the environment in fresh processes, and a long run. Planted faults are tried on those that
         one of them foretells in any case.
     mutants, whole_matrix
-        Faults to plant, as far as they are of the FMU's friction law, to try the suite itself, and
-        whether each is tried on every check or on what it foretells alone. Those that change the
-        FMU need the source of the block in it.
+        Faults to plant, as far as they are of the FMU's friction law, and whether each is tried on
+        every check or on what it foretells. Those that change the FMU need its Python source.
     within
-        Part of its exact value by which a quantity of the cycle may be off in any case, where the
-        FMU is held to the physics contract; `WITHIN` by default.
+        Part of its exact value by which a quantity of the cycle may be off in any case, under the
+        physics contract; `WITHIN` by default.
     full
-        Whether an FMU that is held to the physics contract meets everything, or what tells most:
-        without the cases of a friction law that take long, and `QUICK_SEQUENCES` at most.
+        Whether an FMU of the physics contract meets everything, or what tells most: without the
+        cases of a friction law that take long, and `QUICK_SEQUENCES` at most.
     command
         What to type to get the same again, for the provenance.
 
@@ -124,11 +121,10 @@ def verify(
     ------
     FmuError
         The file cannot be driven at all, lacks what every case or the friction law of one needs,
-        or has no source for the faults that are to be planted; whatever else the FMU does wrong is
-        a failed check.
+        or has no source for the faults that are to be planted; whatever else is wrong with the FMU
+        is a failed check.
     MutantError
-        Faults are to be planted, and none is of the FMU's friction law, or no case is short
-        enough.
+        No fault is of the FMU's friction law, or no case is short enough.
     """
     _try_to_open(fmu, names, time_limit, limits)
     with closing(FmuFile(fmu, names)) as file:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ SLACK = 8.0 * 2.0**-52
 
 
 class CheckError(ValueError):
-    """A check cannot be evaluated; the message says what is not there."""
+    """A check cannot be evaluated: the message says what is not there."""
 
 
 class LackingError(CheckError):
@@ -91,12 +92,9 @@ class Course:
     @cached_property
     def settings(self) -> Mapping[str, Series]:
         """What acts during each step, by name: all values; mu_k as the law uses it: (1)."""
-        values = dict(self.case.start)
-        rows = []
-        for step in self.case.steps:
-            values = {**values, **step.changes}
-            rows.append(values)
-        columns = {name: np.array([row[name] for row in rows]) for name in values}
+        changes = (step.changes for step in self.case.steps)
+        _, *rows = accumulate(changes, lambda row, new: {**row, **new}, initial=self.case.start)
+        columns = {name: np.array([row[name] for row in rows]) for name in rows[-1]}
         law = friction_law(self.case.law)
         columns["mu_k"] = np.array([law.coefficient(row) for row in rows])
         return columns
@@ -155,11 +153,11 @@ class Course:
         """Direction of slip before and after each step, from mode or, without it, sticking."""
         if "mode" in self.record.outputs:
             return self.before("mode"), self.after("mode")
-        stuck_before, stuck_after = self.before("sticking") != 0, self.after("sticking") != 0
-        return (
-            np.where(stuck_before, 0.0, np.sign(self.before("x_dot"))),
-            np.where(stuck_after, 0.0, np.sign(self.after("x_dot"))),
+        before, after = (
+            np.where(at("sticking") != 0, 0.0, np.sign(at("x_dot")))
+            for at in (self.before, self.after)
         )
+        return before, after
 
     @property
     def rests(self) -> Mask:
