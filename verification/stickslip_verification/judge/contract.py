@@ -56,12 +56,11 @@ def chosen_contract(
     With a names file it is held to the physics contract, whatever it promises. `wanted` is what the
     person says; `strict` holds an FMU to the strict contract in place of the physics one.
     """
+    named = bool(fmu.names.targets)
     if wanted is not None:
         return ChosenContract(wanted, f"--contract {wanted}")
-    if fmu.stated.exact and not fmu.names.targets:
+    if fmu.stated.exact and not named:
         return ChosenContract("exact", fmu.stated.told)
     if strict:
         return ChosenContract("strict", "--strict")
-    return ChosenContract(
-        "physics", "a names file is given" if fmu.names.targets else fmu.stated.told
-    )
+    return ChosenContract("physics", "a names file is given" if named else fmu.stated.told)

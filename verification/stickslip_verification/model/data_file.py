@@ -118,10 +118,12 @@ class Written:
 
 def _conflicts(model: type[Written], data: Mapping[str, Any]) -> Iterator[tuple[Place, str]]:
     for name in data:
-        lacking = [other for other in model.NEEDS.get(name, ()) if other not in data]
-        yield from (((name,), f"needs {other}") for other in lacking)
-        present = [other for other in model.EXCLUDES.get(name, ()) if other in data]
-        yield from (((name,), f"does not go with {other}") for other in present)
+        for other in model.NEEDS.get(name, ()):
+            if other not in data:
+                yield (name,), f"needs {other}"
+        for other in model.EXCLUDES.get(name, ()):
+            if other in data:
+                yield (name,), f"does not go with {other}"
     if model.SOME and not set(model.SOME) & data.keys():
         yield (), f"needs {' or '.join(model.SOME)}"
 

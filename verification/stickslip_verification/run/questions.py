@@ -54,38 +54,25 @@ _EXACT: Final = 1e-11
 
 @dataclass(frozen=True)
 class Errors:
-    """How far a quantity of the cycle is off: by case, as a part of its largest exact value."""
+    """How far a quantity of the cycle is off, as a part of its largest exact value in a case."""
 
     quantity: str
-    by_case: Mapping[str, float]
-
-    @property
-    def middle(self) -> float:
-        """The error in the middle case."""
-        return float(np.median(list(self.by_case.values())))
-
-    @property
-    def worst(self) -> str:
-        """The case of the largest error."""
-        return max(self.by_case, key=self.by_case.__getitem__)
-
-    @property
-    def largest(self) -> float:
-        """The largest error."""
-        return self.by_case[self.worst]
+    middle: float
+    largest: float
+    worst: str
 
 
 def cycle_errors(solved: Solution) -> list[Errors]:
     """Return how far off jump, stick, slip, period and spring force are."""
-    by_case = {
-        quantity: {case: _error(plain, output) for case, plain in solved.plain.items()}
-        for quantity, output in CYCLE.items()
-    }
-    errors = (
-        Errors(quantity, {case: error for case, error in of.items() if error is not None})
-        for quantity, of in by_case.items()
-    )
-    return [each for each in errors if each.by_case]
+    errors = []
+    for quantity, output in CYCLE.items():
+        of_cases = {case: _error(plain, output) for case, plain in solved.plain.items()}
+        known = {case: error for case, error in of_cases.items() if error is not None}
+        if known:
+            worst = max(known, key=known.__getitem__)
+            middle = float(np.median(list(known.values())))
+            errors.append(Errors(quantity, middle, known[worst], worst))
+    return errors
 
 
 def _error(plain: Plain, output: str) -> float | None:
@@ -134,21 +121,16 @@ def questions(
     ]
     if likeliest := "" if wrong is not None else _likeliest(solved, failed, runs):
         answers.append(Question(LIKELIEST, good=False, answer=likeliest))
+    rows = []
+    for of in errors:
+        inside = "yes" if of.largest <= within else "no"
+        rows.append((of.quantity, _percent(of.middle), _percent(of.largest), of.worst, inside))
     table = Table(
         title="Accuracy",
         about="Error of a cycle as a part of its exact value. What the FMU has no output for is "
         "estimated from its motion.",
         head=("quantity", "middle case [%]", "worst case [%]", "where", "within"),
-        rows=[
-            (
-                each.quantity,
-                _percent(each.middle),
-                _percent(each.largest),
-                each.worst,
-                "yes" if each.largest <= within else "no",
-            )
-            for each in errors
-        ],
+        rows=rows,
         note=f"Asked for is {100.0 * within:g} % in every case; --within says otherwise.",
     )
     return answers, table
