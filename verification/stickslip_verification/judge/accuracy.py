@@ -236,10 +236,13 @@ def matched(deltas: Mapping[str, float], family: Mapping[str, Mapping[str, float
     """Match deltas by case with those of a family by solver and case, one free factor each."""
     if not deltas:
         return Matched(next(iter(family)), {}, {})
-    got = _logarithms(deltas, deltas)
+    logarithms = {
+        solver: np.log(np.clip([of[case] for case in deltas], LEAST, DIVERGED))
+        for solver, of in {**family, "": deltas}.items()
+    }
+    got = logarithms.pop("")
     nearest: dict[str, tuple[float, str, float, Series]] = {}
-    for solver, of in family.items():
-        own = _logarithms(of, deltas)
+    for solver, own in logarithms.items():
         factor = float(np.median(got - own))
         misfit = float(np.mean(np.minimum(np.abs(got - own - factor), _FARTHEST)))
         # Of a solver and the one that breaks away later, the nearer one counts.
@@ -250,10 +253,6 @@ def matched(deltas: Mapping[str, float], family: Mapping[str, Mapping[str, float
     expected = np.exp(np.max([own for *_, own in near], axis=0)).tolist()
     alike = {name: math.exp(factor) for _, name, factor, _ in near}
     return Matched(near[0][1], dict(zip(deltas, expected, strict=True)), alike)
-
-
-def _logarithms(deltas: Mapping[str, float], cases: Collection[str]) -> Series:
-    return np.asarray(np.log(np.clip([deltas[case] for case in cases], LEAST, DIVERGED)))
 
 
 @dataclass(frozen=True)

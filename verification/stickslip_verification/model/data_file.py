@@ -202,16 +202,18 @@ class DataFile:
     def _where(self, place: Place) -> str:
         """Say where a field is: its line, as far as it is written out, and its name."""
         named: tuple[str | int, ...] = ()
+        name = ""
         data: Any = self.data
         for part in place:
             if isinstance(data, dict) and isinstance(part, int):
                 # The tables that `listed` made a list of.
                 part = list(data)[part]
             named = (*named, part)
+            name += f"[{part}]" if isinstance(part, int) else f".{part}" if name else part
             data = data.get(part) if isinstance(data, dict) else None
         lines = (self._line(named[:n]) for n in range(len(named), 0, -1))
         line = next(filter(None, lines), 0)
-        return ", ".join(filter(None, (f"line {line}" if line else "", field_name(named))))
+        return ", ".join(filter(None, (f"line {line}" if line else "", name)))
 
     def _line(self, place: Place) -> int:
         """Return the first line up to which the file has a field; 0 where it has none."""
@@ -239,14 +241,6 @@ def _has(data: Any, place: Place) -> bool:
 @cache
 def _adapter(shape: Any) -> TypeAdapter[Any]:
     return TypeAdapter(shape)
-
-
-def field_name(place: Place) -> str:
-    """Write the path of a field as a person does: ``checks[3].at``."""
-    text = ""
-    for part in place:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
-    return text
 
 
 def read_text(file: Path, error: type[DataError]) -> str:

@@ -83,11 +83,6 @@ class Plain:
         """Delta of the motion."""
         return self.ruler.deviation(self.run)
 
-    @property
-    def delta(self) -> float:
-        """The delta as a number."""
-        return self.motion.delta
-
 
 @dataclass(frozen=True)
 class Solution:
@@ -104,13 +99,13 @@ class Solution:
             }
             for solver, of in load_family(SOLVERS).items()
         }
-        return matched({case: plain.delta for case, plain in self.plain.items()}, family)
+        return matched({case: plain.motion.delta for case, plain in self.plain.items()}, family)
 
     @property
     def certain(self) -> bool:
         """Whether the plain runs say that the model is wrong."""
         allowed = {case: STANDS_OUT * delta for case, delta in self.like.expected.items()}
-        return sum(of.delta > allowed[case] for case, of in self.plain.items()) >= CERTAIN
+        return sum(of.motion.delta > allowed[case] for case, of in self.plain.items()) >= CERTAIN
 
     def _honest(self, solver: str, case: str) -> float:
         """Return the delta of an honest solver in a case of one's own."""
@@ -160,10 +155,12 @@ def _of_sequences(runs: Runs, like: Matched) -> Iterator[CheckResult]:
     expected, too_stiff = {}, set()
     for name, plain in drawn.items():
         expected[name], stiff = _expected(plain, like)
-        if stiff and not np.isfinite(plain.delta):
+        if stiff and not np.isfinite(plain.motion.delta):
             too_stiff.add(name)
     counted = [name for name in drawn if name not in too_stiff]
-    apart = sorted(counted, key=lambda name: drawn[name].delta / expected[name], reverse=True)
+    apart = sorted(
+        counted, key=lambda name: drawn[name].motion.delta / expected[name], reverse=True
+    )
     least = max(like.expected.values(), default=LEAST)
     for name in apart[: int(EXCUSED * len(apart))]:
         expected[name] = max(expected[name], least)
@@ -199,7 +196,7 @@ def _judge(
     if result.passed or not (manner in OTHER_STEPS or SOLVERS[like.solver].rtol > 0.0):
         return result
     worst = plain.ruler.deviation(answer.value)
-    allowed = max(AS_MUCH * plain.delta, STANDS_OUT * expected)
+    allowed = max(AS_MUCH * plain.motion.delta, STANDS_OUT * expected)
     because = f"{AS_MUCH:g} times the plain run's, or what it may have itself"
     empty = replace(empty, quantity=_off(worst), tolerance=allowed, because=because)
     return compared(empty, allowed / AS_MUCH, worst.delta, worst.delta)

@@ -88,7 +88,7 @@ def _error(plain: Plain, output: str) -> float | None:
         where = where & same & (got[output] != 0.0)
         off = np.abs(got[output] - exact[output])
     else:
-        off = ruler.moved(output, plain.delta)
+        off = ruler.moved(output, plain.motion.delta)
         where = where & np.isfinite(off)
     if not where.any():
         return None
@@ -112,7 +112,7 @@ def questions(
         wrong = None
     failed = [each for each in results if each.failed]
     errors = cycle_errors(solved)
-    middle = float(np.median([plain.delta for plain in solved.plain.values()] or [0.0]))
+    middle = float(np.median([plain.motion.delta for plain in solved.plain.values()] or [0.0]))
     right = not failed and wrong is None and middle <= TOO_ROUGH
     good = all(each.largest <= within for each in errors)
     answers = [
