@@ -71,7 +71,7 @@ class Experiment:
 
 def compute(
     cases: Sequence[Case],
-    invariants: Invariants,
+    invariants: Invariants | None,
     jobs: int,
     progress: Progress | None = None,
     *,
@@ -79,7 +79,8 @@ def compute(
 ) -> list[Baseline]:
     """Compute the baseline of each case; `progress` counts them.
 
-    `numerical` are the cases that a numerical solution is judged in, by id.
+    `numerical` are the cases that a numerical solution is judged in, by id. Without `invariants` it
+    is the exact motion and what is near it.
     """
     # Long runs first, so that no process is left alone with one at the end.
     by_length = sorted(cases, key=lambda case: case.stop_time, reverse=True)
@@ -87,13 +88,13 @@ def compute(
     tasks: dict[str, tuple[Callable[..., Any], list[Case]]] = {
         "exact": (workers.exact, by_length),
         "spreads": (workers.spreads, near),
-        "changes": (workers.changes, near),
+        "changes": (workers.changes, near if invariants is not None else []),
         "reference": (workers.reference, by_length if numerical is None else []),
     }
     ordered = [
         (case, order)
         for case in cases
-        for order in invariants.orders
+        for order in (invariants.orders if invariants is not None else ())
         if numerical is None and case.id in order.cases and order.holds_for(case.law)
     ]
     baselines: dict[str, Baseline] = {}
@@ -124,20 +125,14 @@ def random_tests(
     cases: Sequence[Case], manners: Sequence[Manner], jobs: int, *, numerical: bool
 ) -> list[RandomTest]:
     """Compute the exact motions of random sequences, and pair them with the manners."""
-    arguments = [(case,) for case in cases]
-    with workers.Pool(jobs, TIME_LIMIT) as pool:
-        exacts = pool.each(workers.exact, arguments)
-        spreads = pool.each(workers.spreads, arguments if numerical else [])
-        known = {
-            case.id: Baseline(case, exact, spreads=next(spreads, _UNKNOWN))
-            for case, exact in zip(cases, exacts, strict=True)
-        }
+    near = [case.id for case in cases if numerical]
+    known = {of.case.id: of for of in compute(cases, None, jobs, numerical=near)}
     return [RandomTest(known[case.id], manner) for case, manner in tried(cases, manners)]
 
 
-def _about(case: Case, exact: Exact | None, invariants: Invariants) -> list[ResidualInvariant]:
+def _about(case: Case, exact: Exact | None, of: Invariants | None) -> list[ResidualInvariant]:
     return [
-        each
-        for each in invariants.residuals
-        if each.holds_for(case.law) and (exact is None or applies(each, case, exact))
+        residual
+        for residual in (of.residuals if of is not None else ())
+        if residual.holds_for(case.law) and (exact is None or applies(residual, case, exact))
     ]
