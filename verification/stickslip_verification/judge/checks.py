@@ -94,12 +94,10 @@ def without(empty: CheckResult, answer: Answer[Any]) -> CheckResult:
     return replace(empty, failure=answer.failure, not_applicable=why, late=answer.late)
 
 
-def _lacking(
-    empty: CheckResult, contract: Contract, error: Exception, expected: float | None = None
-) -> CheckResult:
+def _lacking(empty: CheckResult, contract: Contract, error: Exception) -> CheckResult:
     if isinstance(error, LackingError) and not contract.interface:
-        return replace(empty, not_applicable=f"it has {error}", expected=expected)
-    return replace(empty, failure=str(error), expected=expected)
+        return replace(empty, not_applicable=f"it has {error}")
+    return replace(empty, failure=str(error))
 
 
 def _worst(
@@ -189,7 +187,7 @@ def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Ru
     try:
         got = extract(check.quantity, record, exact.start)[chosen]
     except (CheckError, IndexError) as error:
-        return _lacking(empty, contract, error, float(expected[-1]))
+        return _lacking(replace(empty, expected=float(expected[-1])), contract, error)
     scale = float(np.max(np.abs(samples)))
     return _worst(empty, expected, got, scale, exact.record.times[chosen])
 
