@@ -4,7 +4,7 @@ It is computed once, in several processes, and serves every FMU of a verificatio
 """
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from stickslip_verification.drive import workers
@@ -93,7 +93,7 @@ def compute(
     }
     ordered = [
         (case, order)
-        for case in cases
+        for case in by_length
         for order in (invariants.orders if invariants is not None else ())
         if numerical is None and case.id in order.cases and order.holds_for(case.law)
     ]
@@ -109,16 +109,10 @@ def compute(
             known: dict[str, Any] = {
                 name: next(answers[name]) for name, (_, of) in tasks.items() if case in of
             }
-            about = _about(case, known["exact"].value, invariants)
-            baselines[case.id] = Baseline(case, invariants=about, **known)
-        observed = list(zip(ordered, orders, strict=True))
-    return [
-        replace(
-            baselines[case.id],
-            orders=[(order, seen) for (of, order), seen in observed if of.id == case.id],
-        )
-        for case in cases
-    ]
+            known["invariants"] = _about(case, known["exact"].value, invariants)
+            known["orders"] = [(order, next(orders)) for of, order in ordered if of is case]
+            baselines[case.id] = Baseline(case, **known)
+    return [baselines[case.id] for case in cases]
 
 
 def random_tests(
