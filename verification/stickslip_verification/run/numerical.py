@@ -267,17 +267,18 @@ def _of_motion(empty: CheckResult, plain: Plain, like: Matched, expected: float)
             rest = off
         if rest.delta > allowed:
             worst, tolerance = rest, allowed
-    finite = np.isfinite(worst.delta)
+    error = worst.delta if np.isfinite(worst.delta) else None
+    broken = f"{worst.output} is no finite number at t = {worst.time:.6g} s"
     return replace(
         empty,
         quantity=_off(worst),
         expected=expected,
-        got=worst.delta if finite else None,
-        error=worst.delta if finite else None,
+        got=error,
+        error=error,
         tolerance=tolerance,
         because=f"{STANDS_OUT:g} times that of {like.solver} there; {OF_OUTPUT:g} of other outputs",
         passed=worst.delta <= tolerance,
-        failure=None if finite else f"{worst.output} is no finite number at t = {worst.time:.6g} s",
+        failure=broken if error is None else None,
     )
 
 

@@ -102,11 +102,8 @@ class Course:
     @cached_property
     def reset_at_begin(self) -> Mask:
         """Steps at whose beginning something may let the mass go: the first, and after changes."""
-        differs = np.zeros(self.h.size, dtype=np.bool_)
-        differs[0] = True
-        for values in self.settings.values():
-            differs[1:] |= values[1:] != values[:-1]
-        return differs
+        changes = [np.diff(values, prepend=np.nan) for values in self.settings.values()]
+        return np.asarray(np.any(np.array(changes) != 0.0, axis=0))
 
     @cached_property
     def normal_force(self) -> Series:
