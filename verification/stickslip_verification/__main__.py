@@ -48,19 +48,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _planted(chosen: argparse.Namespace) -> Verdict:
     cases = load_cases(chosen.cases)
     own = chosen.fault.endswith(".toml")
-    faults = load_mutants(files=Path(chosen.fault)) if own else load_mutants(chosen.fault)
     verdict = verify(
         chosen.fmu,
         cases,
         jobs=chosen.jobs,
         sequences=0 if chosen.cases else COUNT,
         long_probes=not chosen.cases,
-        mutants=faults,
+        mutants=load_mutants(files=Path(chosen.fault)) if own else load_mutants(chosen.fault),
         whole_matrix=chosen.whole,
     )
     if chosen.output is not None:
-        known = meanings(cases, load_invariants())
-        write_report(verdict, chosen.output, meanings=known)
+        write_report(verdict, chosen.output, meanings=meanings(cases, load_invariants()))
     return verdict
 
 

@@ -29,11 +29,8 @@ _SMOOTH: Final = (*MOTION, "F")
 _TIMES: Final = ("t_event", "t_stick", "t_slip", "T")
 """Outputs that are off by a step where events are found at its end."""
 
-_OF_SLIPS: Final = (
-    *("mode", "sticking", "n_slips", "delta_x", "spring_drop", "x_dot_peak", "f"),
-    *_TIMES,
-)
-"""Outputs that hang on which slips have ended."""
+_COUNTED: Final = ("mode", "sticking", "n_slips", "delta_x", "spring_drop", "x_dot_peak", "f")
+"""Outputs that hang, as times do, on which slips have ended."""
 
 _CONTINUOUS: Final = ("F", "F_friction", "x_pull", "z")
 """Outputs beside the motion that are off in few points where they lag by a step."""
@@ -87,8 +84,7 @@ class Deviation:
 class Ruler:
     """Measures the delta of runs of one case.
 
-    ``spreads``, from `drive.exact`: how far each output of ``exact`` moves when the data are off
-    by `OFF`.
+    ``spreads``: how far each output of ``exact`` moves when the data are off by `OFF`.
     """
 
     exact: Exact
@@ -97,15 +93,13 @@ class Ruler:
     def deviation(self, run: Run, names: Collection[str] = (), step: float = 0.0) -> Deviation:
         """Return the largest delta of a run in some of its outputs, by default those of the motion.
 
-        Times may be off by a `step` [s].
-
-        ``run`` may hold some of the points of the exact motion only. Beyond the delta at which a
-        point is saturated it counts with that delta: it is at least as large.
+        Times may be off by a `step` [s]. ``run`` may hold some of the points of the exact motion
+        only. Beyond the delta at which a point is saturated it counts with that delta: it is at
+        least as large.
         """
         worst = Deviation(0.0)
-        for name in names or motion_of(run):
-            if name not in run.outputs:
-                continue
+        for name in filter(run.outputs.__contains__, names or motion_of(run)):
+            discrete, smooth = QUANTITIES[name].discrete, name in _SMOOTH
             read, expected, got, counted = self.band.pair(name, run)
             where = np.flatnonzero(counted)
             if not where.size:
@@ -113,23 +107,19 @@ class Ruler:
             error = np.abs(got - expected)
             if name in _TIMES:
                 error = np.maximum(error - step, 0.0)
-            if name not in _SMOOTH:
+            if not smooth:
                 # What jumps at an event may jump at the next point.
                 low, high = (each[read] - self._at(name)[read] for each in self._about(name))
                 between = np.fmax(np.fmax(expected + low - got, got - expected - high), 0.0)
-                late = 0.0 if QUANTITIES[name].discrete else between
-                error = np.where(self._near_event[read], late, error)
-            if name in _OF_SLIPS:
+                error = np.where(self._near_event[read], 0.0 if discrete else between, error)
+            if name in (*_COUNTED, *_TIMES):
                 error = np.where(self._crept[read], 0.0, error)
-            error = error[where]
-            largest = self.band.largest(name) or (1.0 if QUANTITIES[name].discrete else 0.0)
-            columns = np.maximum(
-                SPREAD * self.spreads[name], largest * np.array(OFF)[:, np.newaxis]
-            )
-            if name not in _SMOOTH:
+            largest = self.band.largest(name) or float(discrete)
+            parts = largest * np.array(OFF)[:, np.newaxis]
+            columns = np.maximum(SPREAD * self.spreads[name], parts)
+            if not smooth:
                 columns = np.where(self._other_phase, np.inf, columns)
-            columns = columns[:, read[where]]
-            deltas = _deltas(error, columns, SATURATED * largest)
+            deltas = _deltas(error[where], columns[:, read[where]], SATURATED * largest)
             place = int(np.argmax(deltas))
             if deltas[place] > worst.delta:
                 worst = Deviation(float(deltas[place]), name, float(run.times[where[place]]))
@@ -157,12 +147,11 @@ class Ruler:
     @cached_property
     def _near_event(self) -> Mask:
         """Points before or after which a transition comes."""
-        changes = np.zeros(self.exact.record.times.size + 1, dtype=np.bool_)
+        record = self.exact.record
+        changes = np.isin(record.times, self.exact.event_times)
         for name in ("mode", "n_slips", "t_event"):
-            samples = self.exact.record.outputs[name]
-            changes[:-1] |= np.diff(samples, prepend=self.exact.record.initial[name]) != 0.0
-        changes[:-1] |= np.isin(self.exact.record.times, self.exact.event_times)
-        return np.asarray(changes[:-1] | changes[1:])
+            changes |= np.diff(self._at(name), prepend=record.initial[name]) != 0.0
+        return np.asarray(changes | np.append(changes[1:], False))
 
     @cached_property
     def _crept(self) -> Mask:
@@ -231,47 +220,38 @@ def _deltas(error: Series, columns: Series, limit: float) -> Series:
 
 @dataclass(frozen=True)
 class Matched:
-    """The honest solvers that an FMU is most like.
+    """The honest solvers that an FMU is most like, ``solver`` the most.
 
-    ``solver`` is the nearest one, ``factor`` the deltas of the FMU over its; ``alike`` are all that
-    are matched with their factors, ``expected`` is the largest delta that they have in each case
-    times these.
+    ``alike`` are all that are matched, with the deltas of the FMU over theirs; ``expected`` is the
+    largest delta that they have in each case times these factors.
     """
 
     solver: str
-    factor: float
     expected: Mapping[str, float]
     alike: Mapping[str, float]
 
 
 def matched(deltas: Mapping[str, float], family: Mapping[str, Mapping[str, float]]) -> Matched:
     """Match deltas by case with those of a family by solver and case, one free factor each."""
-    cases = list(deltas)
-    if not cases:
-        return Matched(next(iter(family)), 1.0, {}, {})
-    got = _logarithms(deltas, cases)
-    found: dict[str, tuple[float, str, float, Series]] = {}
-    for solver, of in family.items():
-        own = _logarithms(of, cases)
+    if not deltas:
+        return Matched(next(iter(family)), {}, {})
+    logarithms = {
+        solver: np.log(np.clip([of[case] for case in deltas], LEAST, DIVERGED))
+        for solver, of in {**family, "": deltas}.items()
+    }
+    got = logarithms.pop("")
+    nearest: dict[str, tuple[float, str, float, Series]] = {}
+    for solver, own in logarithms.items():
         factor = float(np.median(got - own))
         misfit = float(np.mean(np.minimum(np.abs(got - own - factor), _FARTHEST)))
         # Of a solver and the one that breaks away later, the nearer one counts.
         pair = solver.removesuffix(LATE)
-        if pair not in found or misfit < found[pair][0]:
-            found[pair] = misfit, solver, factor, own + factor
-    near = sorted(found.values(), key=lambda each: each[0])[:_ALIKE]
-    expected = np.exp(np.max([own for *_, own in near], axis=0))
-    _, solver, factor, _ = near[0]
-    return Matched(
-        solver,
-        math.exp(factor),
-        dict(zip(cases, map(float, expected), strict=True)),
-        {name: math.exp(each) for _, name, each, _ in near},
-    )
-
-
-def _logarithms(deltas: Mapping[str, float], cases: Collection[str]) -> Series:
-    return np.asarray(np.log(np.clip([deltas[case] for case in cases], LEAST, DIVERGED)))
+        if pair not in nearest or misfit < nearest[pair][0]:
+            nearest[pair] = misfit, solver, factor, own + factor
+    near = sorted(nearest.values(), key=lambda fit: fit[0])[:_ALIKE]
+    expected = np.exp(np.max([own for *_, own in near], axis=0)).tolist()
+    alike = {name: math.exp(factor) for _, name, factor, _ in near}
+    return Matched(near[0][1], dict(zip(deltas, expected, strict=True)), alike)
 
 
 @dataclass(frozen=True)
@@ -294,15 +274,12 @@ def wrong_parameter(
     """
     found = []
     for name in dict.fromkeys(name for _, name in changes):
-        fits = [
-            fit
-            for case, run in runs.items()
-            if (case, name) in changes
-            and (fit := _offset(rulers[case], run, changes[case, name])) is not None
-        ]
-        if len(fits) < _ENOUGH:
+        of = {case: changes[case, name] for case in runs if (case, name) in changes}
+        fits = [_offset(rulers[case], runs[case], change) for case, change in of.items()]
+        known = [fit for fit in fits if fit is not None]
+        if len(known) < _ENOUGH:
             continue
-        offsets, left = np.array(fits).T
+        offsets, left = np.array(known).T
         low, part, high = np.quantile(offsets, (0.25, 0.5, 0.75))
         if high - low <= REPEATS * abs(part) and np.median(left) <= LEFT:
             found.append((float(np.median(left)), WrongParameter(name, float(part))))

@@ -25,25 +25,16 @@ _METER = (
 
 @dataclass(frozen=True)
 class Band:
-    """What a run of a case is compared with at each point.
-
-    Attributes
-    ----------
-    exact
-        The exact motion.
-    agreed
-        Whether what our interface merely agreed on is judged too.
-    """
+    """What a run of a case is compared with at each point, with what was ``agreed`` on or not."""
 
     exact: Exact
     agreed: bool = False
 
     def judged(self, quantity: str) -> Mask:
         """Return the points at which a quantity is physics."""
-        found = np.isfinite(self._samples(quantity, self.exact.record))
-        for output in QUANTITIES[quantity].needs:
-            found = found & self._meant(output)
-        return np.asarray(found)
+        meant = [self._meant(output) for output in QUANTITIES[quantity].needs]
+        finite = np.isfinite(self._samples(quantity, self.exact.record))
+        return np.asarray(finite & np.all(meant, axis=0))
 
     def pair(self, quantity: str, run: Run) -> tuple[NDArray[np.intp], Series, Series, Mask]:
         """Return a quantity in the exact motion and in a run, at the points that the run has.
@@ -73,16 +64,10 @@ class Band:
     def largest(self, quantity: str) -> float:
         """Return the largest value in play of what has the unit of a quantity, in that unit."""
         unit = QUANTITIES[quantity].unit
-        alike = [each.name for each in OUTPUTS if each.unit == unit != "1"]
-        values = [self.exact.record.outputs[name] for name in alike]
-        if not values:
-            values = [self._samples(quantity, self.exact.record)]
-        if unit == "m/s":
-            values.append(self._pull)
-        if unit == "s":
-            values.append(self._times)
-        finite = [np.abs(each[np.isfinite(each)]) for each in values]
-        return float(max(np.max(each, initial=0.0) for each in finite))
+        alike = [each.name for each in OUTPUTS if each.unit == unit != "1"] or [quantity]
+        values = [self._samples(name, self.exact.record) for name in alike]
+        values += [self._pull] if unit == "m/s" else [self._times] if unit == "s" else []
+        return float(max(np.max(np.abs(v[np.isfinite(v)]), initial=0.0) for v in values))
 
     @property
     def _pull(self) -> Series:

@@ -4,7 +4,6 @@ None raises for what a side did: a missing output, a NaN or an infinity is a fai
 reason. An output that a foreign FMU does not have makes the check not applicable.
 """
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -16,8 +15,9 @@ from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
 from stickslip_verification.judge.band import Band
 from stickslip_verification.judge.contract import Contract
-from stickslip_verification.judge.metrics import METRICS, Course, MissingOutputError, Residual
+from stickslip_verification.judge.metrics import METRICS, CheckError, Course, LackingError, Residual
 from stickslip_verification.model.formulas import FORMULAS
+from stickslip_verification.model.margins import margin
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import CheckResult, Kind, Klass, Measure, ObservedOrder
@@ -36,34 +36,25 @@ ROUNDED = 1e-11
 """Rounding of a run, as a part of the largest value, where forces or times are scaled."""
 
 
-class CheckError(ValueError):
-    """A check cannot be evaluated; the message says what is not there."""
-
-
-class LackingError(CheckError):
-    """A side does not have an output that a check needs."""
-
-
 def of_invariant(
     invariant: Invariant, case: Case | str, contract: Contract, **values: Any
 ) -> CheckResult:
     """Return the result of an invariant before anything was compared.
 
-    In a case of class contract every check is itself of that class, where the case is passed and
-    not its id alone.
+    In a case of class contract, not its id alone, every check is of that class.
     """
     klass = invariant.klass
     if isinstance(case, Case):
         klass, case = Klass.CONTRACT if case.klass == Klass.CONTRACT else klass, case.id
-    settled: dict[str, Any] = {
-        "case": case,
-        "check": invariant.id,
-        "truth": invariant.kind,
-        "side": contract.side,
-        "klass": klass,
-        "decides": contract.contract or klass == Klass.PHYSICS,
-    }
-    return CheckResult(**settled | values)
+    row = CheckResult(
+        case=case,
+        check=invariant.id,
+        truth=invariant.kind,
+        side=contract.side,
+        klass=klass,
+        decides=contract.contract or klass == Klass.PHYSICS,
+    )
+    return replace(row, **values)
 
 
 def of_check(case: Case, check: Check, contract: Contract) -> CheckResult:
@@ -97,30 +88,51 @@ def compared(
     )
 
 
-def _lacking(
-    empty: CheckResult, contract: Contract, error: Exception, **values: Any
-) -> CheckResult:
+def without(empty: CheckResult, answer: Answer[Any]) -> CheckResult:
+    """Return the result of a check whose run, or probe, gave nothing to judge."""
+    why = answer.not_applicable
+    return replace(empty, failure=answer.failure, not_applicable=why, late=answer.late)
+
+
+def _lacking(empty: CheckResult, contract: Contract, error: Exception) -> CheckResult:
     if isinstance(error, LackingError) and not contract.interface:
-        return replace(empty, not_applicable=f"it has {error}", **values)
-    return replace(empty, failure=str(error), **values)
+        return replace(empty, not_applicable=f"it has {error}")
+    return replace(empty, failure=str(error))
 
 
-def _without(empty: CheckResult, answer: Answer[Any]) -> CheckResult:
-    return replace(empty, failure=answer.failure, not_applicable=answer.not_applicable)
+def _worst(
+    empty: CheckResult,
+    expected: Series,
+    got: Series,
+    scale: Series | float,
+    times: Series | None = None,
+) -> CheckResult:
+    """Compare samples by the measure of a check; the result shows the worst one.
 
-
-def _last_worst(found: Series) -> int:
-    """Return the index of the largest error; of equal errors (all 0, say) the last one."""
-    return len(found) - 1 - int(np.argmax(found[::-1]))
+    Of equal errors (all 0, say) it is the last one. An error is NaN where a value is NaN, and
+    infinite for x/0 with x != 0; it fails, with its time [s] where `times` are passed.
+    """
+    found = np.abs(got - expected)
+    if empty.measure != Measure.ABSOLUTE:
+        size = np.abs(expected) if empty.measure == Measure.RELATIVE else scale
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = np.where(found == 0.0, 0.0, found / size)
+    broken = np.flatnonzero(~np.isfinite(got) | ~np.isfinite(found))
+    if broken.size:
+        if times is None:
+            return replace(empty, failure=f"{empty.quantity} is no finite number on one side")
+        first, time = got[broken[0]], times[broken[0]]
+        nothing = ", where the exact motion has nothing" if np.isfinite(first) else ""
+        reason = f"{empty.quantity} is {first} at t = {time:.6g} s{nothing}"
+        return replace(empty, failure=reason, expected=float(expected[broken[0]]))
+    place = found.size - 1 - int(np.argmax(found[::-1]))
+    return compared(empty, expected[place], got[place], found[place])
 
 
 def places(at: At, exact: Exact) -> list[int]:
-    """Find the communication points that a check looks at, as indices, on the exact motion.
+    """Return the indices of the communication points that a check looks at.
 
-    Raises
-    ------
-    CheckError
-        The exact motion has no communication point in that stick or after that event.
+    `CheckError` where the exact motion has none in that stick or after that event.
     """
     record = exact.record
     count = len(record.times)
@@ -145,12 +157,8 @@ def places(at: At, exact: Exact) -> list[int]:
 def extract(quantity: str, record: Run, start: Mapping[str, float]) -> Series:
     """Return the samples of a quantity at all communication points, in its unit.
 
-    Raises
-    ------
-    LackingError
-        The record lacks an output that the quantity needs.
-    CheckError
-        It has the wrong number of samples.
+    `LackingError` where the record lacks an output that the quantity needs, `CheckError` where it
+    has the wrong number of samples.
     """
     needs = QUANTITIES[quantity].needs
     missing = [name for name in needs if name not in record.outputs]
@@ -163,26 +171,13 @@ def extract(quantity: str, record: Run, start: Mapping[str, float]) -> Series:
     return QUANTITIES[quantity].compute(record.outputs, start)
 
 
-def errors(measure: str, got: Series, expected: Series, scale: float) -> Series:
-    """Error at each place by the measure; NaN where a value is NaN, infinity for x/0 with x != 0.
-
-    `scale` is the largest magnitude of the quantity in the exact motion, in its unit.
-    """
-    difference = np.abs(got - expected)
-    if measure == Measure.ABSOLUTE:
-        return difference
-    size = np.abs(expected) if measure == Measure.RELATIVE else np.full_like(difference, scale)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(difference == 0.0, 0.0, difference / size)
-
-
 def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Run) -> CheckResult:
     """Compare one side's record with the truth of one check."""
     empty = of_check(case, check, contract)
     try:
         chosen = places(check.at, exact)
         samples = extract(check.quantity, exact.record, exact.start)
-        expected, scale = samples[chosen], float(np.max(np.abs(samples)))
+        expected = samples[chosen]
         if check.formula:
             expected = np.full(len(chosen), float(FORMULAS[check.formula](exact.start)))
     except Exception as error:
@@ -192,16 +187,9 @@ def judge(case: Case, check: Check, contract: Contract, exact: Exact, record: Ru
     try:
         got = extract(check.quantity, record, exact.start)[chosen]
     except (CheckError, IndexError) as error:
-        return _lacking(empty, contract, error, expected=float(expected[-1]))
-    found = errors(check.measure, got, expected, scale)
-    broken = np.flatnonzero(~np.isfinite(got) | ~np.isfinite(found))
-    if len(broken):
-        first = int(broken[0])
-        time = float(exact.record.times[chosen[first]])
-        reason = f"{check.quantity} is {got[first]} at t = {time:.6g} s"
-        return replace(empty, failure=reason, expected=float(expected[first]))
-    worst = _last_worst(found)
-    return compared(empty, expected[worst], got[worst], found[worst])
+        return _lacking(replace(empty, expected=float(expected[-1])), contract, error)
+    scale = float(np.max(np.abs(samples)))
+    return _worst(empty, expected, got, scale, exact.record.times[chosen])
 
 
 def judge_sequence(
@@ -220,42 +208,28 @@ def judge_sequence(
     if not np.array_equal(times[read], record.times) or len(set(read)) < len(read):
         reason = f"{record.times.size} samples at other points than the case has"
         return replace(empty, failure=reason)
-    results, lacking = [], []
-    for quantity in OUTPUT_NAMES:
+    lacking = [name for name in OUTPUT_NAMES if name not in record.outputs]
+    results = []
+    for name in [name for name in OUTPUT_NAMES if name in record.outputs]:
         try:
-            extract(quantity, record, exact.start)
-        except LackingError as error:
-            lacking.append(error)
-            continue
+            extract(name, record, exact.start)
         except CheckError as error:
             return replace(empty, failure=str(error))
-        _, expected, got, where = band.pair(quantity, record)
-        broken = np.flatnonzero(where & ~np.isfinite(got))
-        if len(broken):
-            time = float(record.times[broken[0]])
-            return replace(empty, failure=f"{quantity} is {got[broken[0]]} at t = {time:.6g} s")
+        _, expected, got, where = band.pair(name, record)
         if not where.any():
             continue
-        scale = 0.0 if QUANTITIES[quantity].discrete else band.largest(quantity)
-        allowed = DISTURBED * scale
-        found = np.abs(got[where] - expected[where])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ratios = np.where(found == 0.0, 0.0, found / allowed)
-        place = _last_worst(ratios)
-        result = compared(
-            replace(empty, tolerance=allowed / (scale or 1.0)),
-            expected[where][place],
-            got[where][place],
-            float(found[place]) / (scale or 1.0),
-            quantity=quantity,
-            unit=QUANTITIES[quantity].unit,
-            measure=Measure.OF_SCALE if scale else Measure.ABSOLUTE,
-        )
-        results.append((ratios[place], replace(result, passed=bool(ratios[place] <= 1.0))))
+        quantity = QUANTITIES[name]
+        row = replace(empty, quantity=name, unit=quantity.unit)
+        scale = 0.0 if quantity.discrete else band.largest(name)
+        if scale:
+            row = replace(row, measure=Measure.OF_SCALE, tolerance=DISTURBED)
+        results.append(_worst(row, expected[where], got[where], scale, record.times[where]))
+        if results[-1].failure is not None:
+            return replace(empty, failure=results[-1].failure)
     if results:
-        return max(results, key=lambda each: each[0])[1]
+        return max(results, key=lambda result: margin(result.error, result.tolerance))
     if lacking:
-        return _lacking(empty, contract, lacking[0])
+        return _lacking(empty, contract, LackingError(f"no output {lacking[0]}"))
     return replace(empty, not_applicable="it was only agreed on")
 
 
@@ -271,11 +245,7 @@ def _residual(invariant: ResidualInvariant, case: Case, exact: Exact, record: Ru
 
 
 def judge_residual(
-    invariant: ResidualInvariant,
-    case: Case,
-    contract: Contract,
-    exact: Exact,
-    record: Run,
+    invariant: ResidualInvariant, case: Case, contract: Contract, exact: Exact, record: Run
 ) -> CheckResult:
     """Judge what an invariant leaves over in one side's run of a case.
 
@@ -293,32 +263,23 @@ def judge_residual(
     )
     try:
         residual = _residual(invariant, case, exact, record)
-        found = residual.errors
-    except MissingOutputError as error:
-        return _lacking(empty, contract, LackingError(f"no output {error}"))
+        values = residual.values[residual.where]
+        scale = np.broadcast_to(residual.scale, residual.where.shape)[residual.where]
+    except LackingError as error:
+        return _lacking(empty, contract, error)
     except (ValueError, IndexError) as error:
         return replace(empty, failure=f"the samples do not fit together: {error}")
     empty = replace(empty, unit=residual.unit)
-    where = np.flatnonzero(residual.where)
-    if not len(where):
+    if not values.size:
         return replace(empty, failure="the run has no such place; the exact motion has")
-    broken = np.flatnonzero(~np.isfinite(found))
-    if len(broken):
-        place = int(where[broken[0]])
-        left, time = float(residual.values[place]), float(record.times[place])
-        nothing = ", where the exact motion has nothing" if math.isfinite(left) else ""
-        return replace(empty, failure=f"it is {left!r} at t = {time:.6g} s{nothing}")
-    worst = _last_worst(found)
-    return compared(empty, 0.0, residual.values[where[worst]], found[worst])
+    times = exact.record.times[residual.where]
+    return _worst(empty, np.zeros_like(values), values, scale, times)
 
 
 def agreeing(invariant: Agreement, case: Case) -> Check | None:
     """Find the check of a case whose tolerances say how far FMU and reference may differ."""
-    for check in case.checks:
-        everywhere = check.at.kind == "every_point" and not check.formula
-        if check.quantity == invariant.quantity and everywhere:
-            return check
-    return None
+    courses = (of for of in case.checks if of.at.kind == "every_point" and not of.formula)
+    return next((check for check in courses if check.quantity == invariant.quantity), None)
 
 
 def judge_agreement(
@@ -331,9 +292,8 @@ def judge_agreement(
     reference: Answer[Run],
 ) -> CheckResult:
     """Compare FMU and reference, within what `check` of the case allows both."""
-    allowed = [
-        (check.tolerance[each], check.because[each]) for each in (contract.column, "reference")
-    ]
+    sides = (contract.column, "reference")
+    because = "; ".join(check.because[side] for side in sides)
     empty = of_invariant(
         invariant,
         case,
@@ -342,9 +302,8 @@ def judge_agreement(
         quantity=invariant.quantity,
         unit=check.unit,
         measure=check.measure,
-        tolerance=allowed[0][0] + allowed[1][0],
-        because="the sum of what the case allows each of them: "
-        + "; ".join(because for _, because in allowed),
+        tolerance=sum(check.tolerance[side] for side in sides),
+        because=f"the sum of what the case allows each of them: {because}",
     )
     if fmu.value is None or reference.value is None or exact.value is None:
         lacking = next(each for each in (fmu, reference, exact) if each.value is None)
@@ -356,32 +315,23 @@ def judge_agreement(
         )
     except CheckError as error:
         return _lacking(empty, contract, error)
-    found = errors(check.measure, got, expected, float(np.max(np.abs(motion))))
-    if not np.all(np.isfinite(found)):
-        return replace(empty, failure=f"{invariant.quantity} is no finite number on one side")
-    worst = _last_worst(found)
-    return compared(empty, expected[worst], got[worst], found[worst])
+    return _worst(empty, expected, got, float(np.max(np.abs(motion))))
 
 
 def judge_order(
-    invariant: Order,
-    case: Case | str,
-    contract: Contract,
-    seen: Answer[ObservedOrder],
+    invariant: Order, case: Case | str, contract: Contract, seen: Answer[ObservedOrder]
 ) -> Iterator[CheckResult]:
     """Judge an observed order, and whether it was observed in the asymptotic range."""
-    for name, expected, tolerance in (
-        ("order", invariant.order, invariant.tolerance),
-        ("halves", 0.0, invariant.halves),
+    for name, suffix, words, expected, tolerance in (
+        ("order", "", "", invariant.order, invariant.tolerance),
+        ("halves", "-asymptotic", ", coarser less finer half", 0.0, invariant.halves),
     ):
-        halves = name == "halves"
         row = of_invariant(
             invariant,
             case,
             contract,
-            check=invariant.id + ("-asymptotic" if halves else ""),
-            quantity=f"order in {invariant.quantity}"
-            + (", coarser less finer half" if halves else ""),
+            check=invariant.id + suffix,
+            quantity=f"order in {invariant.quantity}{words}",
             expected=expected,
             tolerance=tolerance,
             because=invariant.because[name],
@@ -391,7 +341,7 @@ def judge_order(
             yield replace(row, failure=seen.failure)
             continue
         slope = convergence.slope(list(order.tolerances), list(order.errors))
-        got = convergence.halves(order) if halves else slope
+        got = convergence.halves(order) if suffix else slope
         if np.isfinite(got):
             yield compared(row, expected, got, abs(got - expected))
         else:
@@ -409,7 +359,7 @@ def judge_probe(invariant: Probe, contract: Contract, answer: Answer[list[str]])
         expected=0.0,
     )
     if answer.value is None:
-        return _without(empty, answer)
+        return without(empty, answer)
     count = len(answer.value)
     return compared(empty, 0.0, count, count, failure="; ".join(answer.value) or None)
 
@@ -433,17 +383,18 @@ def judge_run(
         because=invariant.because,
     )
     if other.value is None:
-        return _without(empty, other)
+        return without(empty, other)
     first, second = _with_start(plain), _with_start(other.value)
     if {n: s.shape for n, s in first.items()} != {n: s.shape for n, s in second.items()}:
         return replace(empty, failure="the runs have other outputs, or other numbers of samples")
     if invariant.tolerance is None:
-        differing = {
-            name: int(np.sum((one != second[name]) & ~(np.isnan(one) & np.isnan(second[name]))))
-            for name, one in first.items()
+        same = {
+            n: (one == second[n]) | (np.isnan(one) & np.isnan(second[n]))
+            for n, one in first.items()
         }
+        differing = {name: int(np.sum(~where)) for name, where in same.items() if not where.all()}
         total = sum(differing.values())
-        named = next((f", {name} first" for name, count in differing.items() if count), "")
+        named = f", {next(iter(differing))} first" if differing else ""
         return compared(empty, 0.0, total, total, quantity=f"values that differ{named}")
     course = Course(case, plain, exact.record, np.array(exact.event_times))
     return _same_motion(empty, first, second, {name: course.scale_of(name) for name in first})
@@ -483,14 +434,10 @@ def _same_motion(
 ) -> CheckResult:
     results = []
     for name, expected in plain.items():
-        got, quantity = other[name], QUANTITIES[name]
-        measure = Measure.ABSOLUTE if quantity.discrete else Measure.OF_SCALE
-        found = errors(measure, got, expected, scales[name])
-        if not np.all(np.isfinite(found)):
-            reason = f"{name} is no finite number in one of them"
-            return replace(empty, quantity=name, failure=reason)
-        place = _last_worst(found)
-        named = replace(empty, quantity=name, unit=quantity.unit)
-        results.append(compared(named, expected[place], got[place], found[place]))
+        row = replace(empty, quantity=name, unit=QUANTITIES[name].unit)
+        scale = 1.0 if QUANTITIES[name].discrete else scales[name]
+        results.append(_worst(row, expected, other[name], scale))
+        if results[-1].failure is not None:
+            return results[-1]
     nothing = replace(empty, error=0.0, passed=True)
-    return max(results, key=lambda each: each.error or 0.0, default=nothing)
+    return max(results, key=lambda result: result.error or 0.0, default=nothing)

@@ -12,20 +12,11 @@ Wanted = Literal["exact", "physics"]
 
 @dataclass(frozen=True)
 class Contract:
-    """How a side is judged.
+    """How a side, fmu or reference, is judged.
 
-    Attributes
-    ----------
-    side
-        fmu or reference.
-    interface
-        Whether it promises the interface, so that its own start values are tried, and a missing
-        output is a failure and not a feature that it lacks.
-    exact
-        Whether it is held to the tolerances of the exact block, or to those of a numerical
-        solution.
-    contract
-        Whether contract checks decide.
+    ``interface``: it promises the interface, so that its own start values are tried, and a missing
+    output is a failure and not a feature that it lacks. ``exact``: it is held to the tolerances of
+    the exact block, not to those of a numerical solution. ``contract``: contract checks decide.
     """
 
     side: str
@@ -65,12 +56,11 @@ def chosen_contract(
     With a names file it is held to the physics contract, whatever it promises. `wanted` is what the
     person says; `strict` holds an FMU to the strict contract in place of the physics one.
     """
+    named = bool(fmu.names.targets)
     if wanted is not None:
         return ChosenContract(wanted, f"--contract {wanted}")
-    if fmu.stated.exact and not fmu.names.targets:
+    if fmu.stated.exact and not named:
         return ChosenContract("exact", fmu.stated.told)
     if strict:
         return ChosenContract("strict", "--strict")
-    return ChosenContract(
-        "physics", "a names file is given" if fmu.names.targets else fmu.stated.told
-    )
+    return ChosenContract("physics", "a names file is given" if named else fmu.stated.told)

@@ -6,10 +6,11 @@ document. What fields ask of one another is a table of the model: `Written`.
 
 import re
 import tomllib
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
-from functools import cache
+from functools import cache, cached_property
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self, TypeVar
 
@@ -117,10 +118,12 @@ class Written:
 
 def _conflicts(model: type[Written], data: Mapping[str, Any]) -> Iterator[tuple[Place, str]]:
     for name in data:
-        lacking = [other for other in model.NEEDS.get(name, ()) if other not in data]
-        yield from (((name,), f"needs {other}") for other in lacking)
-        present = [other for other in model.EXCLUDES.get(name, ()) if other in data]
-        yield from (((name,), f"does not go with {other}") for other in present)
+        for other in model.NEEDS.get(name, ()):
+            if other not in data:
+                yield (name,), f"needs {other}"
+        for other in model.EXCLUDES.get(name, ()):
+            if other in data:
+                yield (name,), f"does not go with {other}"
     if model.SOME and not set(model.SOME) & data.keys():
         yield (), f"needs {' or '.join(model.SOME)}"
 
@@ -157,14 +160,7 @@ class DataError(ValueError):
 
 
 class DataFile:
-    """A TOML file: its text, its data, and refusals of what stands in it.
-
-    Parameters
-    ----------
-    path
-        The file.
-    error
-        The kind of error that refuses it.
+    """A TOML file: its text, its data, and refusals of what stands in it, of the kind `error`.
 
     Raises
     ------
@@ -206,72 +202,45 @@ class DataFile:
     def _where(self, place: Place) -> str:
         """Say where a field is: its line, as far as it is written out, and its name."""
         named: tuple[str | int, ...] = ()
+        name = ""
         data: Any = self.data
         for part in place:
             if isinstance(data, dict) and isinstance(part, int):
                 # The tables that `listed` made a list of.
                 part = list(data)[part]
             named = (*named, part)
+            name += f"[{part}]" if isinstance(part, int) else f".{part}" if name else part
             data = data.get(part) if isinstance(data, dict) else None
-        lines = _lines(self._text)
-        known = (lines[named[:n]] for n in range(len(named), 0, -1) if named[:n] in lines)
-        line = next(known, 0)
-        return ", ".join(filter(None, (f"line {line}" if line else "", field_name(named))))
+        lines = (self._line(named[:n]) for n in range(len(named), 0, -1))
+        line = next(filter(None, lines), 0)
+        return ", ".join(filter(None, (f"line {line}" if line else "", name)))
+
+    def _line(self, place: Place) -> int:
+        """Return the first line up to which the file has a field; 0 where it has none."""
+        return next((n for n, data in self._beginnings.items() if _has(data, place)), 0)
+
+    @cached_property
+    def _beginnings(self) -> Mapping[int, Any]:
+        """What the first lines of the file say, by their number; what they leave open is closed."""
+        lines = self._text.splitlines()
+        beginnings: dict[int, Any] = {}
+        for n, end in product(range(1, len(lines) + 1), ("", "]", '"""', "'''")):
+            with suppress(tomllib.TOMLDecodeError):
+                beginnings.setdefault(n, tomllib.loads("\n".join((*lines[:n], end))))
+        return beginnings
+
+
+def _has(data: Any, place: Place) -> bool:
+    for part in place:
+        if part not in (range(len(data)) if isinstance(data, list) else data):
+            return False
+        data = data[part]
+    return True
 
 
 @cache
 def _adapter(shape: Any) -> TypeAdapter[Any]:
     return TypeAdapter(shape)
-
-
-_KEY = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
-_KEYS = rf"\s*({_KEY}(?:\s*\.\s*{_KEY})*)\s*"
-_HEADER = re.compile(rf"\s*(\[\[?){_KEYS}\]\]?\s*(?:#.*)?$")
-_ENTRY = re.compile(rf"{_KEYS}=\s*(.*)")
-
-
-def _lines(text: str) -> Mapping[Place, int]:
-    """Return the line of each field that has one of its own: tables, keys, tables in a list."""
-    lines: dict[Place, int] = {}
-    counts: Counter[Place] = Counter()
-    table: tuple[str | int, ...] = ()
-    array: tuple[str | int, ...] = ()
-    quote = ""
-    for number, line in enumerate(text.splitlines(), 1):
-        if quote:
-            quote = "" if quote in line else quote
-        elif array:
-            if line.lstrip().startswith("{"):
-                lines[(*array, counts[array])] = number
-                counts[array] += 1
-            array = () if line.lstrip().startswith("]") else array
-        elif header := _HEADER.match(line):
-            *outer, last = (key.strip("\"'") for key in re.findall(_KEY, header[2]))
-            table = ()
-            for key in outer:
-                table = (*table, key)
-                table = (*table, counts[table] - 1) if counts[table] else table
-            table = (*table, last)
-            if header[1] == "[[":
-                counts[table] += 1
-                table = (*table, counts[table] - 1)
-            lines[table] = number
-        elif entry := _ENTRY.match(line):
-            place = table
-            for key in re.findall(_KEY, entry[1]):
-                place = (*place, key.strip("\"'"))
-                lines.setdefault(place, number)
-            array = place if entry[2].startswith("[") and "]" not in entry[2] else ()
-            quote = next((each for each in ('"""', "'''") if entry[2].count(each) == 1), "")
-    return lines
-
-
-def field_name(place: Place) -> str:
-    """Write the path of a field as a person does: ``checks[3].at``."""
-    text = ""
-    for part in place:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
-    return text
 
 
 def read_text(file: Path, error: type[DataError]) -> str:

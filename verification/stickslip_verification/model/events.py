@@ -17,11 +17,7 @@ class Transition(StrEnum):
 
 @dataclass(frozen=True)
 class Event:
-    """A transition between stick and slip.
-
-    ``time`` [s]; ``mode`` from then on: -1 slips backward, 0 sticks, +1 slips forward; position
-    ``x`` of the mass and extension ``z`` of the spring [m] at that time.
-    """
+    """A transition at a time [s]: the mode from then on, position x and extension z [m]."""
 
     time: float
     kind: Transition
@@ -65,27 +61,21 @@ def events_between(samples: NDArray[np.void], v: float) -> tuple[tuple[Event, ..
 
 
 def _events_in(before: np.void, after: np.void, previous: Event | None, v: float) -> list[Event]:
-    """Return the one or two transitions between two samples, or nothing if they cannot be told.
+    """Return the one or two transitions between two samples; nothing where they cannot be told.
 
     That is where there are more, or where a slip ends whose beginning is hidden: `previous` None.
     """
-    time = float(after["t_event"])
-    slips = int(after["n_slips"]) - int(before["n_slips"])
-    was_slipping, slips_now = before["mode"] != 0, after["mode"] != 0
-    if slips == 0 and not was_slipping and slips_now:
+    time, slips = float(after["t_event"]), int(after["n_slips"]) - int(before["n_slips"])
+    slipped, slips_now = before["mode"] != 0, after["mode"] != 0
+    if slips == 0 and not slipped and slips_now:
         return [_event(after, time, Transition.BREAK_AWAY, float(before["x"]), v)]
-    if slips != 1:
-        return []
-    if was_slipping and not slips_now:
-        return [_event(after, time, Transition.RE_STICK, float(after["x"]), v, mode=0)]
-    if not was_slipping and not slips_now:
-        broke_away = time - float(after["t_slip"])
-        mode = 1 if after["delta_x"] > 0 else -1
-        return [
-            _event(after, broke_away, Transition.BREAK_AWAY, float(before["x"]), v, mode=mode),
-            _event(after, time, Transition.RE_STICK, float(after["x"]), v, mode=0),
-        ]
-    if was_slipping and slips_now and previous is not None:
+    if slips == 1 and not slips_now:
+        stop = _event(after, time, Transition.RE_STICK, float(after["x"]), v, mode=0)
+        if slipped:
+            return [stop]
+        mode, broke_away = 1 if after["delta_x"] > 0 else -1, time - float(after["t_slip"])
+        return [_event(after, broke_away, Transition.BREAK_AWAY, float(before["x"]), v, mode), stop]
+    if slips == 1 and slipped and previous is not None:
         x = previous.x + float(after["delta_x"])
         t_stick = float(after["t_stick"])
         after_slip = time - previous.time - float(after["t_slip"])

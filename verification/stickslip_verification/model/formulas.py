@@ -54,17 +54,10 @@ class _Symbols:
 
 @dataclass(frozen=True)
 class Formula:
-    """A closed form, called with all twelve values at the start.
+    """A closed form, ``of`` symbols, called with all twelve values at the start.
 
-    Attributes
-    ----------
-    unit, equation
-        Its unit and its equation number in docs/theory.md.
-    of
-        From the symbols to its value.
-    sensitivity
-        Power of 1/lambda by which an error of the state enters an integration, (17); None where
-        it is not of that kind.
+    ``equation`` is its number in docs/theory.md. ``sensitivity`` is the power of 1/lambda by which
+    an error of the state enters an integration, (17); None where it is not of that kind.
     """
 
     unit: str
@@ -78,14 +71,14 @@ class Formula:
             return +self.of(_Symbols(p))
 
 
-def _damped(name: str) -> Callable[[_Symbols], Number]:
+def _damped(unit: str, name: str, sensitivity: int) -> Formula:
     def of_cycle(s: _Symbols) -> Number:
         cycle = truth.steady_cycle(s.p, digits=DIGITS)
         if cycle is None:
             raise ValueError("no steady cycle exists at these parameters")
         return cycle[name]
 
-    return of_cycle
+    return Formula(unit, 13, of_cycle, sensitivity)
 
 
 break_away_force = Formula("N", 6, lambda s: s.mu_s * s.normal)
@@ -117,11 +110,11 @@ sliding_friction = Formula("N", 15, lambda s: s.mu_k * s.normal)
 """Dry friction while slipping: heat per travel at c = 0."""
 equal_by_the_meter = Formula("s", 16, lambda s: mpf(0))
 """Zero: where the meter's rules make two outputs equal."""
-damped_t_slip = Formula("s", 13, _damped("t_slip"), 1)
-damped_t_stick = Formula("s", 13, _damped("t_stick"), 2)
-damped_spring_drop = Formula("m", 13, _damped("spring_drop"), 2)
-damped_delta_x = Formula("m", 13, _damped("delta_x"), 0)
-damped_period = Formula("s", 13, _damped("T"), 0)
+damped_t_slip = _damped("s", "t_slip", 1)
+damped_t_stick = _damped("s", "t_stick", 2)
+damped_spring_drop = _damped("m", "spring_drop", 2)
+damped_delta_x = _damped("m", "delta_x", 0)
+damped_period = _damped("s", "T", 0)
 
 FORMULAS = {name: formula for name, formula in globals().items() if isinstance(formula, Formula)}
 """What a check can name as ``formula``."""

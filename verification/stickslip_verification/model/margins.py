@@ -24,17 +24,8 @@ def margin_of(result: CheckResult) -> float | None:
     return margin(result.error, result.tolerance)
 
 
-def value_text(value: float | None) -> str:
+def value_text(value: float | None, digits: int = 9) -> str:
     """Write a value with nine digits."""
-    return _text(value, 9)
-
-
-def error_text(value: float | None) -> str:
-    """Write an error or a tolerance with two digits."""
-    return _text(value, 2)
-
-
-def _text(value: float | None, digits: int) -> str:
     if value is None or math.isnan(value):
         return "–"
     if math.isinf(value):
@@ -42,3 +33,8 @@ def _text(value: float | None, digits: int) -> str:
     # Rounded first, so that 480 is not written 4.8e2.
     text = format(float(format(value, f".{digits}g")), f".{max(digits, 6)}g")
     return "0" if value == 0.0 else text.replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
+
+
+def error_text(value: float | None) -> str:
+    """Write an error or a tolerance with two digits."""
+    return value_text(value, 2)

@@ -18,23 +18,12 @@ Parameters = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Quantity:
-    """One thing a check can compare with a truth.
+    """One thing a check can compare with a truth, made from the outputs that it ``needs``.
 
-    Attributes
-    ----------
-    name, unit, meaning
-        As they stand in case files and reports; ``unit`` in the spelling of the interface.
-    equation
-        Number in docs/theory.md of what the exact motion takes it from.
-    needs
-        Outputs it is made from.
-    compute
-        From the columns of those outputs and the values at the start of the case to samples of
-        the quantity.
-    discrete
-        Whether only equality makes sense (an integer or a Boolean).
-    directed
-        Whether it changes its sign in the mirror image of a run.
+    ``equation`` is the number in docs/theory.md of what the exact motion takes it from. ``compute``
+    makes samples of it from the columns of those outputs and the values at the start of the case.
+    A ``discrete`` one is an integer or a Boolean; a ``directed`` one changes its sign in the mirror
+    image of a run.
     """
 
     name: str
@@ -47,45 +36,38 @@ class Quantity:
     directed: bool = False
 
 
-def _column(name: str) -> Callable[[Columns, Parameters], Series]:
-    return lambda columns, _: columns[name]
+def _output(name: str, unit: str, equation: int, meaning: str, *traits: str) -> Quantity:
+    kind = dict.fromkeys(traits, True)
+    return Quantity(name, unit, equation, meaning, (name,), lambda of, _: of[name], **kind)
 
 
-OUTPUTS: tuple[Quantity, ...] = tuple(
-    Quantity(
-        name,
-        unit,
-        equation,
-        meaning,
-        (name,),
-        _column(name),
-        "discrete" in traits,
-        "directed" in traits,
-    )
-    for name, unit, equation, meaning, *traits in (
-        ("x", "m", 3, "position of the mass", "directed"),
-        ("x_dot", "m/s", 3, "velocity of the mass", "directed"),
-        ("x_pull", "m", 1, "position of the pulled end", "directed"),
-        ("z", "m", 3, "spring extension", "directed"),
-        ("F", "N", 1, "spring force", "directed"),
-        ("F_friction", "N", 1, "friction and damping force on the mass", "directed"),
-        ("F_s", "N", 6, "break-away force"),
-        ("sticking", "1", 4, "whether the mass sticks", "discrete"),
-        ("mode", "1", 4, "-1 slips backward, 0 sticks, +1 slips forward", "discrete", "directed"),
-        ("delta_x", "m", 16, "displacement in the last completed slip", "directed"),
-        ("spring_drop", "m", 16, "relief of the spring over the last completed slip", "directed"),
-        ("t_stick", "s", 16, "length of the last completed stick"),
-        ("t_slip", "s", 16, "length of the last completed slip"),
-        ("T", "s", 16, "time between the last two break-aways"),
-        ("f", "Hz", 16, "reciprocal of T"),
-        ("x_dot_peak", "m/s", 16, "extreme velocity of the last completed slip", "directed"),
-        ("n_slips", "1", 16, "number of completed slips", "discrete"),
-        ("t_event", "s", 5, "time of the last transition"),
-        ("W_pull", "J", 15, "work done by the pulling end"),
-        ("W_k", "J", 15, "energy put in by changing the stiffness"),
-        ("Q_friction", "J", 15, "heat made by friction and damping"),
-        ("mu_k_used", "1", 1, "kinetic friction coefficient after the clamp"),
-    )
+OUTPUTS: tuple[Quantity, ...] = (
+    _output("x", "m", 3, "position of the mass", "directed"),
+    _output("x_dot", "m/s", 3, "velocity of the mass", "directed"),
+    _output("x_pull", "m", 1, "position of the pulled end", "directed"),
+    _output("z", "m", 3, "spring extension", "directed"),
+    _output("F", "N", 1, "spring force", "directed"),
+    _output("F_friction", "N", 1, "friction and damping force on the mass", "directed"),
+    _output("F_s", "N", 6, "break-away force"),
+    _output("sticking", "1", 4, "whether the mass sticks", "discrete"),
+    _output(
+        "mode", "1", 4, "-1 slips backward, 0 sticks, +1 slips forward", "discrete", "directed"
+    ),
+    _output("delta_x", "m", 16, "displacement in the last completed slip", "directed"),
+    _output(
+        "spring_drop", "m", 16, "relief of the spring over the last completed slip", "directed"
+    ),
+    _output("t_stick", "s", 16, "length of the last completed stick"),
+    _output("t_slip", "s", 16, "length of the last completed slip"),
+    _output("T", "s", 16, "time between the last two break-aways"),
+    _output("f", "Hz", 16, "reciprocal of T"),
+    _output("x_dot_peak", "m/s", 16, "extreme velocity of the last completed slip", "directed"),
+    _output("n_slips", "1", 16, "number of completed slips", "discrete"),
+    _output("t_event", "s", 5, "time of the last transition"),
+    _output("W_pull", "J", 15, "work done by the pulling end"),
+    _output("W_k", "J", 15, "energy put in by changing the stiffness"),
+    _output("Q_friction", "J", 15, "heat made by friction and damping"),
+    _output("mu_k_used", "1", 1, "kinetic friction coefficient after the clamp"),
 )
 
 OUTPUT_NAMES: tuple[str, ...] = tuple(quantity.name for quantity in OUTPUTS)

@@ -13,17 +13,10 @@ Series = NDArray[np.float64]
 class Run:
     """The outputs of one run, in SI units, sampled at the end of each communication step.
 
-    Attributes
-    ----------
-    times
-        Communication points after the start [s], shape ``(n,)``.
-    outputs
-        Output name to its samples, shape ``(n,)`` each; integers and Booleans as numbers.
-        An output that the side does not have is not among the keys.
-    initial
-        Output name to its value at the start, after initialization.
-    messages
-        What the side logged, in order: warnings of the clamp, for example.
+    ``times`` are the communication points after the start [s], shape ``(n,)``. ``outputs`` are the
+    samples by name, shape ``(n,)`` each; integers and Booleans as numbers; an output that the side
+    does not have is not among the keys. ``initial`` are the values after initialization,
+    ``messages`` what the side logged, in order: warnings of the clamp, for example.
     """
 
     times: Series

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-Dimension = tuple[int, int, int, int, int, int, int, int]
+Dimension = tuple[int, ...]
 """Exponents of kg, m, s, A, K, mol, cd, rad, in the order of an FMU's BaseUnit."""
 
 _NONE: Dimension = (0, 0, 0, 0, 0, 0, 0, 0)
@@ -77,19 +77,10 @@ UNITS_ALONE: Mapping[str, tuple[Fraction, Dimension]] = {
 }
 """Factor and dimension of the units that take no prefix, by symbol."""
 
+_EXPONENTS = (-12, -9, -6, -6, -6, -3, -2, -1, 3, 6, 9, 12)
 UNIT_PREFIXES: Mapping[str, Fraction] = {
-    "p": Fraction(1, 10**12),
-    "n": Fraction(1, 10**9),
-    "u": Fraction(1, 10**6),
-    "\u00b5": Fraction(1, 10**6),
-    "\u03bc": Fraction(1, 10**6),
-    "m": Fraction(1, 1000),
-    "c": Fraction(1, 100),
-    "d": Fraction(1, 10),
-    "k": Fraction(1000),
-    "M": Fraction(10**6),
-    "G": Fraction(10**9),
-    "T": Fraction(10**12),
+    prefix: Fraction(10) ** n
+    for prefix, n in zip("pnu\u00b5\u03bcmcdkMGT", _EXPONENTS, strict=True)
 }
 """Factors of the prefixes, by symbol."""
 
@@ -105,26 +96,18 @@ def spelled(text: str, *, all_below: bool = False) -> Unit | None:
     """Read a unit from its spelling, such as mm, N.s/m or m/s2; None if it is not understood.
 
     Factors are joined by ``.``, ``·``, ``*`` or ``/``, and a prefix stands before m, g, s, N, J, W
-    or Hz. An empty text and ``-`` are pure numbers.
-
-    Parameters
-    ----------
-    text
-        The spelling.
-    all_below
-        Whether several factors may follow the first ``/``, all of them below it: N/m.s is N/(m.s).
-        Else such a text is not understood, for people read it differently.
+    or Hz. An empty text and ``-`` are pure numbers. Several factors after the first ``/`` are not
+    understood, for people read them differently; with `all_below` N/m.s is N/(m.s).
     """
     if text.strip() == "-":
         return Unit(Fraction(1), Fraction(0), _NONE)
     above, slash, below = _BLANKS.sub(r"\1", text.strip()).partition("/")
+    if slash and not above:
+        return None
     factor, dimension = Fraction(1), _NONE
+    lower = _PRODUCT.split(below.replace("/", ".")) if all_below else [below]
     parts = [(part, 1) for part in _PRODUCT.split(above)] if above else []
-    if slash:
-        lower = _PRODUCT.split(below.replace("/", ".")) if all_below else [below]
-        parts += [(part, -1) for part in lower]
-        if not above:
-            return None
+    parts += [(part, -1) for part in lower] if slash else []
     for part, side in parts:
         match = _FACTOR.fullmatch(part)
         base = _base(match["symbol"]) if match else None
@@ -132,8 +115,7 @@ def spelled(text: str, *, all_below: bool = False) -> Unit | None:
             return None
         times = side * int(match["power"] or _RAISED.get(match["raised"], 1))
         factor *= base[0] ** times
-        a, b, c, d, e, f, g, h = (p + times * q for p, q in zip(dimension, base[1], strict=True))
-        dimension = a, b, c, d, e, f, g, h
+        dimension = tuple(p + times * q for p, q in zip(dimension, base[1], strict=True))
     return Unit(factor, Fraction(0), dimension)
 
 

@@ -48,26 +48,13 @@ class Outcome(StrEnum):
 class CheckResult:
     """One check on one side.
 
-    Attributes
-    ----------
-    case, check
-        Ids; a case is "" where a check is about the FMU and not about a motion.
-    quantity, unit
-        What was compared; ``expected`` and ``got`` are in ``unit``, at the worst place where a
-        check looks at many.
-    side
-        fmu, reference, or both where the two are compared.
-    error, tolerance
-        In the measure of the check. ``got`` and ``error`` are None where the side gave nothing
-        that can be compared; ``failure`` then says why, else it is None.
-    because
-        Where the tolerance comes from.
-    passed
-        Whether the error is within the tolerance; False where the check does not apply.
-    decides
-        Whether a failure fails the verdict.
-    not_applicable
-        Why the check cannot be made on this side, or None: it is neither passed nor failed.
+    ``case`` and ``check`` are ids; the case is "" where a check is about the FMU and not about a
+    motion. ``side`` is fmu, reference, or both where the two are compared. ``expected`` and ``got``
+    are in ``unit``, at the worst place where a check looks at many; ``error`` and ``tolerance``,
+    which comes from ``because``, are in the measure of the check. ``got`` and ``error`` are None
+    where the side gave nothing that can be compared; ``failure`` then says why, else it is None.
+    A check that cannot be made on this side is neither passed nor failed: ``not_applicable`` says
+    why. ``decides``: a failure fails the verdict. ``late``: the run failed by its time limit.
     """
 
     case: str
@@ -87,6 +74,7 @@ class CheckResult:
     measure: Measure = Measure.ABSOLUTE
     decides: bool = True
     not_applicable: str | None = None
+    late: bool = False
 
     @property
     def verdict(self) -> Outcome:
@@ -118,10 +106,9 @@ class CaseGroup(StrEnum):
 
 @dataclass(frozen=True)
 class Motion:
-    """What the sides did in a case, beside the exact motion: for its plot.
+    """What the sides that ran did in a case, by name, with the exact motion: for its plot.
 
-    ``records`` holds the sides that ran, by name; ``event_times`` [s] are exact. ``group`` is where
-    the report shows the case.
+    ``event_times`` [s] are exact. ``group`` is where the report shows the case.
     """
 
     case: str
@@ -153,9 +140,9 @@ class ObservedOrder:
 class Detection:
     """What became of one planted fault.
 
-    ``wanted`` are the checks that its description names in advance, ``caught`` tells whether one of
-    them failed; ``failing`` gives, per check that failed, in how many cases. ``broken`` says why
-    the mutant could not be judged, or is None.
+    ``caught``: one of the checks ``wanted``, which its description names in advance, failed.
+    ``failing`` gives, per check that failed, in how many cases; ``broken`` says why the mutant
+    could not be judged.
     """
 
     mutant: str
@@ -168,11 +155,11 @@ class Detection:
 
 @dataclass(frozen=True)
 class KillMatrix:
-    """Every planted fault against every check.
+    """Every planted fault against every check, in the order of the suite.
 
-    ``checks`` are the columns, in the order of the suite. ``kills_nothing`` gives, for each check
-    that kills no mutant, why it stays ("" where nothing says why, which fails the suite). Where it
-    is not ``whole``, each fault was tried on the foretold checks, up to the first that failed.
+    ``kills_nothing`` gives, for each check that kills no mutant, why it stays ("" where nothing
+    says why, which fails the suite). Where it is not ``whole``, each fault was tried on the
+    foretold checks, up to the first that failed.
     """
 
     checks: Sequence[str]
@@ -201,10 +188,9 @@ class Question:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of the report, in a section of its own: a heading, a sentence above, a text below it.
+    """A table of the report: a heading, a sentence above, a text below it.
 
-    The first cell of a row names it. A number is written as such, with its unit in the heading; a
-    cell without a count holds the reason as text.
+    The first cell of a row names it; a cell without a count holds the reason as text.
     """
 
     title: str
@@ -216,11 +202,7 @@ class Table:
 
 @dataclass(frozen=True)
 class ChosenContract:
-    """The contract that an FMU is held to.
-
-    ``name`` is exact, physics or strict; ``why`` says where the choice comes from, such as
-    "--contract physics".
-    """
+    """The contract of an FMU: exact, physics or strict, and where the choice comes from."""
 
     name: str
     why: str
@@ -230,8 +212,7 @@ class ChosenContract:
 class Verdict:
     """All results of a run, what stands behind them, and where they come from.
 
-    `run.verify` makes it. ``kills`` is None where no faults were planted. ``tables`` are shown in
-    the report as they are.
+    ``kills`` is None where no faults were planted.
     """
 
     checks: Sequence[CheckResult]
@@ -283,11 +264,6 @@ class Verdict:
         return any(r.verdict == Outcome.PASS and r.truth in truths for r in of_fmu)
 
     @property
-    def contract_decides(self) -> bool:
-        """Whether contract checks decide for the FMU."""
-        return any(r.klass == Klass.CONTRACT and r.decides and r.side == "fmu" for r in self.checks)
-
-    @property
     def passed(self) -> bool:
         """Whether nothing that decides failed, the FMU met a truth, and every fault was caught."""
         detected = self.kills is None or self.kills.passed
@@ -299,12 +275,5 @@ class Verdict:
 def count(results: Sequence[CheckResult]) -> dict[str, int]:
     """Count results by verdict: passed, failed, noted, not_applicable."""
     verdicts = [result.verdict for result in results]
-    return {name: verdicts.count(outcome) for outcome, name in _COUNTED.items()}
-
-
-_COUNTED: Final[Mapping[Outcome, str]] = {
-    Outcome.PASS: "passed",
-    Outcome.FAIL: "failed",
-    Outcome.NOTED: "noted",
-    Outcome.NOT_APPLICABLE: "not_applicable",
-}
+    names = ("passed", "failed", "noted", "not_applicable")
+    return {name: verdicts.count(each) for name, each in zip(names, Outcome, strict=True)}

@@ -46,7 +46,7 @@ def _row(result: CheckResult) -> dict[str, Any]:
     row = vars(result) | {"class": result.klass, "verdict": result.verdict}
     if result.failure is not None:
         row["because"] = f"{result.failure} (the tolerance: {result.because})"
-    return {key: value for key, value in row.items() if key != "klass"}
+    return {key: value for key, value in row.items() if key not in ("klass", "late")}
 
 
 def _plain(value: Any) -> Any:

@@ -34,8 +34,10 @@ _ALSO: Final = 3.0
 """How many times farther off a cause may be where the FMU is right, and `_PART` of the motion."""
 _PART: Final = 0.01
 
-
 Values = Mapping[str, float]
+Model = Callable[[Case], Slider]
+Distance = tuple[float, float, float]
+"""Of an output: its mean deviation, what a cause leaves of it, and its mean size."""
 
 
 @dataclass(frozen=True)
@@ -55,58 +57,63 @@ def cause(failures: Sequence[Shown], others: Sequence[Shown]) -> str | None:
     """
     if not failures:
         return None
-    if (said := _of_output(failures)) or any(each.output not in SHARES for each in failures):
-        return said
-    creeps = [creep for each in failures if (creep := _creep(each)) is not None]
+    for words, instead in _OUTPUTS.items():
+        if all(_left([_of_output(shown, instead)]) <= EXPLAINS for shown in failures):
+            return f"{', '.join(dict.fromkeys(shown.output for shown in failures))} {words}"
+    if any(shown.output not in SHARES for shown in failures):
+        return None
+    creeps = [creep for shown in failures if (creep := _creep(shown)) is not None]
     if creeps and all(creeps):
         return (
             "friction is regularised: in stick the mass creeps at "
             f"{1e6 * float(np.median(creeps)):.2g} um/s per newton"
         )
-    failures = sorted(failures, key=lambda each: each.got.times[-1])
-    others = sorted(others, key=lambda each: each.got.times[-1])[:OTHERS]
+    failures = sorted(failures, key=lambda shown: shown.got.times[-1])
+    others = sorted(others, key=lambda shown: shown.got.times[-1])[:OTHERS]
     left = {}
-    for words, solve in _models():
-        parts = takewhile(lambda part: part <= EXPLAINS, (_left(each, solve) for each in failures))
-        kept = list(parts)
-        if len(kept) == len(failures) and not any(_contradicts(each, solve) for each in others):
-            left[words] = max(kept)
+    for words, model in _models():
+        parts = (_left(_of_motion(shown, model)) for shown in failures)
+        explained = list(takewhile(lambda part: part <= EXPLAINS, parts))
+        if len(explained) == len(failures) and not any(_contradicts(of, model) for of in others):
+            left[words] = max(explained)
     # Of those that explain about as much, the first is the simplest.
     least = min(left.values(), default=0.0)
     return next((words for words, part in left.items() if part <= 2.0 * least), None)
 
 
-def _left(shown: Shown, solve: Callable[[Case], Run]) -> float:
-    """Return what a model leaves of the mean deviation of the motion."""
-    found = _distances(shown, solve)
-    parts = [rest / min(off, size) for off, rest, size in found if off > 0.0 and size > 0.0]
+def _left(distances: Sequence[Distance]) -> float:
+    """Return what a cause leaves of the deviation, where most is left."""
+    parts = [rest / min(off, size) for off, rest, size in distances if off > 0.0 and size > 0.0]
     return max(parts, default=1.0) if np.all(np.isfinite(parts)) else 1.0
 
 
-def _contradicts(shown: Shown, solve: Callable[[Case], Run]) -> bool:
+def _contradicts(shown: Shown, model: Model) -> bool:
     """Whether a model moves otherwise than an FMU that is right."""
-    found = _distances(shown, solve)
-    return any(rest > _ALSO * off + _PART * size for off, rest, size in found)
+    distances = _of_motion(shown, model)
+    return any(rest > _ALSO * off + _PART * size for off, rest, size in distances)
 
 
-def _distances(shown: Shown, solve: Callable[[Case], Run]) -> list[tuple[float, float, float]]:
-    """Return for each output how far the FMU is from the exact motion and the model, and its size.
-
-    Nothing where the model cannot be set so.
-    """
+def _of_motion(shown: Shown, model: Model) -> list[Distance]:
+    """Return the distances of the motion from a model; nothing where that cannot be set so."""
     try:
-        model = solve(shown.case)
+        instead = model(shown.case).run().outputs
     except ValueError:
         return []
-    found = []
-    for name in SHARES:
-        if name in shown.got.outputs:
-            got, exact = shown.got.outputs[name], shown.exact.outputs[name]
-            off, rest = (
-                float(np.mean(np.abs(got - each))) for each in (exact, model.outputs[name])
-            )
-            found.append((off, rest, float(np.mean(np.abs(exact)))))
-    return found
+    got, exact = shown.got.outputs, shown.exact.outputs
+    rows = [(got[n] - exact[n], got[n] - instead[n], exact[n]) for n in SHARES if n in got]
+    return [(_mean(off), _mean(rest), _mean(size)) for off, rest, size in rows]
+
+
+def _of_output(shown: Shown, instead: Callable[[Series, Shown], Series]) -> Distance:
+    """Return the distances of an output from what would be right if it showed another one."""
+    got, exact = (run.outputs[shown.output] for run in (shown.got, shown.exact))
+    meant = np.isfinite(got) & np.isfinite(exact)
+    off, rest, size = got - exact, instead(got, shown) - exact, exact
+    return _mean(off[meant]), _mean(rest[meant]), _mean(size[meant])
+
+
+def _mean(samples: Series) -> float:
+    return float(np.mean(np.abs(samples))) if samples.size else 0.0
 
 
 def _creep(shown: Shown) -> float | None:
@@ -126,122 +133,76 @@ def _creep(shown: Shown) -> float | None:
     return float(middle) if middle > 0.0 and high - low <= _EVEN * middle else 0.0
 
 
-def _models() -> Iterator[tuple[str, Callable[[Case], Run]]]:
-    """Yield in words what models do instead, with what solves them."""
-    for words, alter in _altered():
-        yield words, partial(_solve, alter=alter)
-    for words, acceleration in STRUCTURES.items():
-        yield words, partial(_solve, acceleration=acceleration)
-
-
-def _solve(
-    case: Case,
-    alter: Callable[[Case], Case] | None = None,
-    acceleration: Acceleration | None = None,
-) -> Run:
-    if acceleration is not None:
-        return Slider(_SOLVER, case, acceleration).run()
-    return _SOLVER.run(case if alter is None else alter(case))
-
-
-def _altered() -> Iterator[tuple[str, Callable[[Case], Case]]]:
-    """Yield what models make of the values that are set."""
+def _models() -> Iterator[tuple[str, Model]]:
+    """Yield in words what models make of what is set, and of the equation of slip."""
     for name in ("c", "load", "F_ext", "x_dot_start", "z_start"):
-        yield f"{name} is ignored", partial(_valued, to={name: _times(name, 0.0)})
+        yield f"{name} is ignored", partial(_valued, name=name, factor=0.0)
     for name in ("v", "load", "F_ext", "x_dot_start", "z_start"):
-        yield f"{name} has the other sign", partial(_valued, to={name: _times(name, -1.0)})
+        yield f"{name} has the other sign", partial(_valued, name=name, factor=-1.0)
     for name in CHANGEABLE:
-        yield f"changes of {name} are ignored", partial(_unchanged, name=name)
-        yield f"changes of {name} act one step late", partial(_late, name=name)
+        yield f"changes of {name} are ignored", partial(_delayed, name=name, acts=False)
+        yield f"changes of {name} act one step late", partial(_delayed, name=name, acts=True)
         for factor, words in ((1e3, "1000 times as large"), (1e-3, "a thousandth")):
-            to = {name: _times(name, factor)}
-            yield f"{name} acts as if it were {words}", partial(_valued, to=to)
-    yield "g is 9.81 m/s2, whatever is set", partial(_valued, to={"g": lambda _: 9.81})
-    yield "m is 1 kg, whatever is set", partial(_valued, to={"m": lambda _: 1.0})
-    yield "mu_k acts in stick too", partial(_valued, to={"mu_s": lambda p: p["mu_k"]})
-    yield "mu_s acts in slip too", partial(_valued, to={"mu_k": lambda p: p["mu_s"]})
+            yield f"{name} acts as if it were {words}", partial(_valued, name=name, factor=factor)
+    yield "g is 9.81 m/s2, whatever is set", partial(_valued, name="g", factor=9.81, of="1")
+    yield "m is 1 kg, whatever is set", partial(_valued, name="m", of="1")
+    yield "mu_k acts in stick too", partial(_valued, name="mu_s", of="mu_k")
+    yield "mu_s acts in slip too", partial(_valued, name="mu_k", of="mu_s")
+    for words, acceleration in STRUCTURES.items():
+        yield words, partial(Slider, _SOLVER, acceleration=acceleration)
 
 
-def _times(name: str, factor: float) -> Callable[[Values], float]:
-    return lambda p: factor * p[name]
+def _valued(case: Case, name: str, factor: float = 1.0, of: str = "") -> Slider:
+    """Return a slider on which a value acts as a factor times itself, or times that `of` another.
 
+    That of "1" is 1.
+    """
+    now = {"1": 1.0}
 
-def _valued(case: Case, to: Mapping[str, Callable[[Values], float]]) -> Case:
-    """Return a case with other values, each of those that would be set."""
-    now = dict(case.start)
-
-    def other(new: Values) -> dict[str, float]:
+    def acting(new: Values) -> Values:
         now.update(new)
-        return {**new, **{name: value(now) for name, value in to.items() if name in now}}
+        return {**new, name: factor * now[of or name]} if name in now else new
 
-    parameters = other(case.start)
-    steps = tuple(replace(each, changes=other(each.changes)) for each in case.steps)
-    return replace(case, parameters=parameters, steps=steps)
-
-
-def _unchanged(case: Case, name: str) -> Case:
-    steps = [
-        replace(each, changes={n: value for n, value in each.changes.items() if n != name})
-        for each in case.steps
-    ]
-    return replace(case, steps=tuple(steps))
+    parameters = acting(case.start)
+    steps = tuple(replace(step, changes=acting(step.changes)) for step in case.steps)
+    return Slider(_SOLVER, replace(case, parameters=parameters, steps=steps))
 
 
-def _late(case: Case, name: str) -> Case:
+def _delayed(case: Case, name: str, *, acts: bool) -> Slider:
+    """Return a slider on which changes of a value act one step late, or never."""
     steps = []
-    before: dict[str, float] = {}
-    for each in case.steps:
-        kept = {n: value for n, value in each.changes.items() if n != name}
-        steps.append(replace(each, changes={**kept, **before}))
-        before = {name: each.changes[name]} if name in each.changes else {}
-    return replace(case, steps=tuple(steps))
+    late: Values = {}
+    for step in case.steps:
+        others = {n: value for n, value in step.changes.items() if n != name}
+        steps.append(replace(step, changes={**others, **late}))
+        late = {name: step.changes[name]} if acts and name in step.changes else {}
+    return Slider(_SOLVER, replace(case, steps=tuple(steps)))
+
+
+def _slip(
+    damping: Callable[[Values, float], float] = lambda p, u: p["c"] * u,
+    push: float = 1.0,
+    direction: int = 0,
+) -> Acceleration:
+    """Return another equation of slip: damping force, factor on F_ext, direction of friction."""
+    return lambda p, s, friction: (
+        lambda z, u: (
+            (p["k"] * z + push * p["F_ext"] - (direction or s) * friction(u) - damping(p, u))
+            / p["m"]
+        )
+    )
 
 
 STRUCTURES: Final[Mapping[str, Acceleration]] = {
-    "damping acts forwards only": lambda p, s, friction: (
-        lambda z, u: (p["k"] * z + p["F_ext"] - s * friction(u) - p["c"] * max(u, 0.0)) / p["m"]
-    ),
-    "damping acts on the speed relative to the pull": lambda p, s, friction: (
-        lambda z, u: (p["k"] * z + p["F_ext"] - s * friction(u) - p["c"] * (u - p["v"])) / p["m"]
-    ),
-    "damping has the other sign": lambda p, s, friction: (
-        lambda z, u: (p["k"] * z + p["F_ext"] - s * friction(u) + p["c"] * u) / p["m"]
-    ),
-    "c is a rate, and acts as c m": lambda p, s, friction: (
-        lambda z, u: (p["k"] * z + p["F_ext"] - s * friction(u)) / p["m"] - p["c"] * u
-    ),
-    "friction points backwards whichever way the mass moves": lambda p, s, friction: (
-        lambda z, u: (p["k"] * z + p["F_ext"] - friction(u) - p["c"] * u) / p["m"]
-    ),
-    "F_ext is ignored in slip": lambda p, s, friction: (
-        lambda z, u: (p["k"] * z - s * friction(u) - p["c"] * u) / p["m"]
-    ),
-    "F_ext has the other sign in slip": lambda p, s, friction: (
-        lambda z, u: (p["k"] * z - p["F_ext"] - s * friction(u) - p["c"] * u) / p["m"]
-    ),
+    "damping acts forwards only": _slip(lambda p, u: p["c"] * max(u, 0.0)),
+    "damping acts on the speed relative to the pull": _slip(lambda p, u: p["c"] * (u - p["v"])),
+    "damping has the other sign": _slip(lambda p, u: -p["c"] * u),
+    "c is a rate, and acts as c m": _slip(lambda p, u: p["c"] * p["m"] * u),
+    "friction points backwards whichever way the mass moves": _slip(direction=1),
+    "F_ext is ignored in slip": _slip(push=0.0),
+    "F_ext has the other sign in slip": _slip(push=-1.0),
 }
-"""What models make of the equation of motion in slip, from values, direction and friction force."""
-
-
-def _of_output(failures: Sequence[Shown]) -> str | None:
-    """Return what explains an output beside the motion."""
-    for words, other in _OUTPUTS.items():
-        if all(_shown(each, other) <= EXPLAINS for each in failures):
-            names = ", ".join(dict.fromkeys(each.output for each in failures))
-            return f"{names} {words}"
-    return None
-
-
-def _shown(shown: Shown, other: Callable[[Series, Shown], Series]) -> float:
-    got, exact = (each.outputs[shown.output] for each in (shown.got, shown.exact))
-    meant = np.isfinite(got) & np.isfinite(exact)
-    off, rest = (
-        float(np.mean(np.abs(each - exact)[meant])) if meant.any() else 0.0
-        for each in (got, other(got, shown))
-    )
-    size = float(np.mean(np.abs(exact[meant]))) if meant.any() else 0.0
-    return rest / min(off, size) if off > 0.0 and size > 0.0 and np.isfinite(rest) else 1.0
-
+"""What models make of the equation of motion in slip."""
 
 _OUTPUTS: Final[Mapping[str, Callable[[Series, Shown], Series]]] = {
     "has the other sign": lambda got, _: -got,
@@ -254,6 +215,7 @@ _OUTPUTS: Final[Mapping[str, Callable[[Series, Shown], Series]]] = {
     "lacks the damping force": lambda got, of: got - _damping(of),
     "has a constant added": lambda got, of: got - np.median(got - of.exact.outputs[of.output]),
 }
+"""What would be right, from an output that shows something else."""
 
 
 def _damping(shown: Shown) -> Series:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import product
 
 from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
@@ -23,16 +24,16 @@ def compare(runs: Runs, *, reference: bool = True) -> Iterator[CheckResult]:
 
     Without `reference` only what the FMU did is judged.
     """
-    if runs.experiment.contract.numerical:
+    contract = runs.experiment.contract
+    if contract.numerical:
         yield from compare_numerical(runs, solution(runs.experiment.baseline, runs.plain))
         return
-    invariants, contract = runs.experiment.invariants, runs.experiment.contract
     for baseline in runs.experiment.baseline:
         yield from _compare_case(runs, baseline, reference=reference)
     for test, answer in zip(runs.experiment.random, runs.random, strict=True):
         empty = checks.of_invariant(test.manner, test.baseline.case.id, contract)
         yield _result(empty, test.baseline, answer, partial(checks.judge_sequence, empty, contract))
-    for probe in invariants.probes:
+    for probe in runs.experiment.invariants.probes:
         yield checks.judge_probe(probe, contract, runs.probes[probe.id])
 
 
@@ -40,15 +41,13 @@ def _compare_case(runs: Runs, baseline: Baseline, *, reference: bool) -> Iterato
     case, plain = baseline.case, runs.plain[baseline.case.id]
     invariants, contract = runs.experiment.invariants, runs.experiment.contract
     sides = [(contract, plain)] + ([(REFERENCE_CONTRACT, baseline.reference)] if reference else [])
-    for check in case.checks:
-        for side, answer in sides:
-            empty = checks.of_check(case, check, side)
-            yield _result(empty, baseline, answer, partial(checks.judge, case, check, side))
-    for residual in baseline.invariants:
-        for side, answer in sides:
-            empty = checks.of_invariant(residual, case, side)
-            judge = partial(checks.judge_residual, residual, case, side)
-            yield _result(empty, baseline, answer, judge)
+    for check, (side, answer) in product(case.checks, sides):
+        empty = checks.of_check(case, check, side)
+        yield _result(empty, baseline, answer, partial(checks.judge, case, check, side))
+    for residual, (side, answer) in product(baseline.invariants, sides):
+        empty = checks.of_invariant(residual, case, side)
+        judge = partial(checks.judge_residual, residual, case, side)
+        yield _result(empty, baseline, answer, judge)
     for run in invariants.runs:
         if run.holds_for(case.law):
             empty = checks.of_invariant(run, case, contract)
@@ -58,12 +57,10 @@ def _compare_case(runs: Runs, baseline: Baseline, *, reference: bool) -> Iterato
     for agreement in invariants.agreements:
         agreed = checks.agreeing(agreement, case)
         if agreed is not None and agreement.holds_for(case.law):
-            yield checks.judge_agreement(
-                agreement, case, agreed, contract, baseline.exact, plain, baseline.reference
-            )
-    if reference:
-        for order, seen in baseline.orders:
-            yield from checks.judge_order(order, case, REFERENCE_CONTRACT, seen)
+            answers = (baseline.exact, plain, baseline.reference)
+            yield checks.judge_agreement(agreement, case, agreed, contract, *answers)
+    for order, seen in baseline.orders if reference else ():
+        yield from checks.judge_order(order, case, REFERENCE_CONTRACT, seen)
 
 
 def _result(
@@ -82,5 +79,5 @@ def _result(
     if run is not None:
         return judge(exact.value, run)
     if answer.not_applicable is not None or empty.check == FINISHES:
-        return replace(empty, failure=answer.failure, not_applicable=answer.not_applicable)
+        return checks.without(empty, answer)
     return replace(empty, not_applicable=f"the run did not end: see {FINISHES}")

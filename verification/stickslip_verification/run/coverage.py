@@ -2,41 +2,30 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from itertools import product
 
 from stickslip_verification.judge.checks import of_invariant
 from stickslip_verification.judge.contract import Contract
 from stickslip_verification.model.verdict import CheckResult, Table
+from stickslip_verification.suite import sequences as table
 from stickslip_verification.suite.invariants import Manner
-from stickslip_verification.suite.sequences import (
-    CELLS,
-    COUNT,
-    DAMPINGS,
-    PHASES,
-    ROWS,
-    Cell,
-    RandomSequence,
-    Scope,
-    coverage,
-)
+from stickslip_verification.suite.sequences import CELLS, RandomSequence, Scope, coverage
 
 
 def coverage_table(sequences: Sequence[RandomSequence], seed: int, scope: Scope) -> Table:
     """Count how often what changed in which phase, at which damping."""
     counts = coverage(sequences)
     reasons = Counter(scope.hindrance(cell) for cell in CELLS if not counts[cell])
+    rows: list[list[str | int]] = []
+    for row, phase in product(table.ROWS, table.PHASES):
+        cells = (table.Cell(row, phase, damping) for damping in table.DAMPINGS)
+        rows.append([f"{row}, in {phase}", *(counts[cell] for cell in cells)])
     return Table(
         title="Random sequences",
-        about=(
-            "How often what changed in which phase, at which damping from then on: "
-            f"{len(sequences)} sequences of seed {seed}."
-        ),
-        head=("what changes, and when", *DAMPINGS),
-        rows=[
-            [f"{row}, in {phase}", *(counts[Cell(row, phase, damping)] for damping in DAMPINGS)]
-            for row in ROWS
-            for phase in PHASES
-        ],
+        about="How often what changed in which phase, at which damping from then on: "
+        f"{len(sequences)} sequences of seed {seed}.",
+        head=("what changes, and when", *table.DAMPINGS),
+        rows=rows,
         note=" ".join(f"{n} cells cannot be filled: {why}." for why, n in reasons.items() if why),
     )
 
@@ -50,9 +39,7 @@ def gaps(
     """Yield a failure of the suite where sequences that should fill the table leave cells empty."""
     counts = coverage(sequences)
     empty = [cell for cell in CELLS if not counts[cell] and scope.hindrance(cell) is None]
-    if len(sequences) >= COUNT and empty and manners:
+    if len(sequences) >= table.COUNT and empty and manners:
         cells = "; ".join(", ".join(cell) for cell in empty)
-        yield replace(
-            of_invariant(manners[0], "", contract),
-            failure=f"the suite itself: its random sequences have no {cells}",
-        )
+        failure = f"the suite itself: its random sequences have no {cells}"
+        yield of_invariant(manners[0], "", contract, failure=failure)

@@ -15,12 +15,7 @@ from stickslip_verification.judge.contract import Contract
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.invariants import (
-    Invariants,
-    Manner,
-    Order,
-    ResidualInvariant,
-)
+from stickslip_verification.suite.invariants import Invariants, Manner, Order, ResidualInvariant
 from stickslip_verification.suite.sequences import PLAIN, tried
 
 TIME_LIMIT = 180.0
@@ -38,8 +33,8 @@ _UNKNOWN: Answer[Any] = Answer()
 class Baseline:
     """What one case is judged on.
 
-    ``invariants`` are the invariants on samples that the exact motion has a place for; of a
-    numerical solution ``spreads`` and ``changes`` of `drive.exact` are known, and no reference.
+    ``invariants`` are those on samples that the exact motion has a place for; of a numerical
+    solution ``spreads`` and ``changes`` of `drive.exact` are known, and no reference.
     """
 
     case: Case
@@ -76,7 +71,7 @@ class Experiment:
 
 def compute(
     cases: Sequence[Case],
-    invariants: Invariants,
+    invariants: Invariants | None,
     jobs: int,
     progress: Progress | None = None,
     *,
@@ -84,7 +79,8 @@ def compute(
 ) -> list[Baseline]:
     """Compute the baseline of each case; `progress` counts them.
 
-    `numerical` are the cases that a numerical solution is judged in, by id.
+    `numerical` are the cases that a numerical solution is judged in, by id. Without `invariants` it
+    is the exact motion and what is near it.
     """
     # Long runs first, so that no process is left alone with one at the end.
     by_length = sorted(cases, key=lambda case: case.stop_time, reverse=True)
@@ -92,16 +88,16 @@ def compute(
     tasks: dict[str, tuple[Callable[..., Any], list[Case]]] = {
         "exact": (workers.exact, by_length),
         "spreads": (workers.spreads, near),
-        "changes": (workers.changes, near),
+        "changes": (workers.changes, near if invariants is not None else []),
         "reference": (workers.reference, by_length if numerical is None else []),
     }
     ordered = [
         (case, order)
-        for case in cases
-        for order in invariants.orders
+        for case in by_length
+        for order in (invariants.orders if invariants is not None else ())
         if numerical is None and case.id in order.cases and order.holds_for(case.law)
     ]
-    found: dict[str, dict[str, Answer[Any]]] = {}
+    baselines: dict[str, Baseline] = {}
     with workers.Pool(jobs, TIME_LIMIT) as pool:
         answers = {
             name: pool.each(task, [(case,) for case in of]) for name, (task, of) in tasks.items()
@@ -110,39 +106,27 @@ def compute(
         for done, case in enumerate(by_length):
             if progress is not None:
                 progress(f"exact and reference: {case.id}", done, len(cases))
-            found[case.id] = {
+            known: dict[str, Any] = {
                 name: next(answers[name]) for name, (_, of) in tasks.items() if case in of
             }
-        observed = list(zip(ordered, orders, strict=True))
-    return [
-        Baseline(
-            case,
-            invariants=_about(case, found[case.id]["exact"].value, invariants),
-            orders=[(order, seen) for (of, order), seen in observed if of.id == case.id],
-            **found[case.id],
-        )
-        for case in cases
-    ]
+            known["invariants"] = _about(case, known["exact"].value, invariants)
+            known["orders"] = [(order, next(orders)) for of, order in ordered if of is case]
+            baselines[case.id] = Baseline(case, **known)
+    return [baselines[case.id] for case in cases]
 
 
 def random_tests(
     cases: Sequence[Case], manners: Sequence[Manner], jobs: int, *, numerical: bool
 ) -> list[RandomTest]:
     """Compute the exact motions of random sequences, and pair them with the manners."""
-    arguments = [(case,) for case in cases]
-    with workers.Pool(jobs, TIME_LIMIT) as pool:
-        exacts = pool.each(workers.exact, arguments)
-        spreads = pool.each(workers.spreads, arguments if numerical else [])
-        known = {
-            case.id: Baseline(case, exact, spreads=next(spreads, _UNKNOWN))
-            for case, exact in zip(cases, exacts, strict=True)
-        }
+    near = [case.id for case in cases if numerical]
+    known = {of.case.id: of for of in compute(cases, None, jobs, numerical=near)}
     return [RandomTest(known[case.id], manner) for case, manner in tried(cases, manners)]
 
 
-def _about(case: Case, exact: Exact | None, invariants: Invariants) -> list[ResidualInvariant]:
+def _about(case: Case, exact: Exact | None, of: Invariants | None) -> list[ResidualInvariant]:
     return [
-        each
-        for each in invariants.residuals
-        if each.holds_for(case.law) and (exact is None or applies(each, case, exact))
+        residual
+        for residual in (of.residuals if of is not None else ())
+        if residual.holds_for(case.law) and (exact is None or applies(residual, case, exact))
     ]

@@ -3,8 +3,7 @@
 import json
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 from stickslip_verification.drive.exact import Exact, exact_motion
@@ -19,7 +18,7 @@ from stickslip_verification.suite.case_file import CASES_FOLDER, CaseError, load
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Mutant, MutantError, load_mutants
 from stickslip_verification.suite.invariants import InvariantError, Invariants, load_invariants
-from stickslip_verification.suite.tolerances import ZERO, Facts
+from stickslip_verification.suite.tolerances import ZERO
 
 THEORY = Path(__file__).parents[3] / "docs" / "theory.md"
 """Where the equations stand, in a working copy; an installed suite does not carry it."""
@@ -34,10 +33,7 @@ SHORTEST = 20
 def lint(folder: Path = CASES_FOLDER) -> list[str]:
     """Return the findings, one line each; none if the suite is sound.
 
-    Parameters
-    ----------
-    folder
-        Where the cases are. Invariants and planted faults are those of the suite.
+    `folder` holds the cases; invariants and planted faults are those of the suite.
     """
     findings: list[str] = []
     cases = []
@@ -50,12 +46,9 @@ def lint(folder: Path = CASES_FOLDER) -> list[str]:
         invariants, mutants = load_invariants(), load_mutants()
     except (InvariantError, MutantError) as error:
         return [*findings, str(error)]
-    motions = {case.file: kept(exact_motion, case) for case in cases}
-    findings += _ids(cases)
-    findings += _motions(cases, motions)
-    findings += _reasons(cases, invariants)
-    findings += _names(cases, invariants, mutants)
-    return findings
+    of_cases = (finding for case in cases for finding in _motion(case, kept(exact_motion, case)))
+    of_names = _names(cases, invariants, mutants)
+    return [*findings, *_ids(cases), *of_cases, *_reasons(cases, invariants), *of_names]
 
 
 def _ids(cases: Sequence[Case]) -> Iterator[str]:
@@ -64,41 +57,33 @@ def _ids(cases: Sequence[Case]) -> Iterator[str]:
     for case in cases:
         if case.file.stem != case.id:
             yield f"{case.file.name}: its id is {case.id!r}, not the name of the file"
-    for name, n in Counter(case.title for case in cases).items():
-        if n > 1:
-            yield f"{n} cases have the title {name!r}"
+    titles = Counter(case.title for case in cases)
+    yield from (f"{n} cases have the title {name!r}" for name, n in titles.items() if n > 1)
 
 
-def _motions(cases: Sequence[Case], motions: Mapping[Path, Exact]) -> Iterator[str]:
-    """Hold what a case states of its exact motion against it."""
-    for case in cases:
-        exact = motions[case.file]
-        happens = exact.facts
-        if case.facts is None:
-            zero = [check.quantity for check in case.checks if check.because["fmu"] == ZERO]
-            yield (
-                f"{case.id}: motion is missing, so the exact motion is followed at each loading; "
-                f"write {_as_toml(replace(happens, zero=frozenset(zero)))}"
-            )
-            continue
-        looked_at = {check.quantity for check in case.checks if check.measure == Measure.OF_SCALE}
-        under_way = int(exact.record.outputs["mode"][-1] != 0)
-        if not 0 <= case.facts.slips - happens.slips <= under_way:
-            or_more = f" or {happens.slips + 1}" if under_way else ""
-            yield f"{case.id}: motion.slips = {case.facts.slips}; it is {happens.slips}{or_more}"
-        if case.facts.reversals != happens.reversals:
-            stated = case.facts.reversals
-            yield f"{case.id}: motion.reversals = {stated}; it is {happens.reversals}"
-        for name in sorted(case.facts.zero - happens.zero):
-            yield f"{case.id}: motion.zero: {name} is not zero throughout"
-        for name in sorted(happens.zero & looked_at):
-            yield f"{case.id}: motion.zero: {name} is zero throughout and not named"
-
-
-def _as_toml(facts: Facts) -> str:
-    reversals = f", reversals = {facts.reversals}" if facts.reversals else ""
-    zero = f", zero = {json.dumps(sorted(facts.zero))}" if facts.zero else ""
-    return f"motion = {{ slips = {facts.slips}{reversals}{zero} }}"
+def _motion(case: Case, exact: Exact) -> Iterator[str]:
+    """Compare what a case states of its exact motion with it."""
+    stated, happens = case.facts, exact.facts
+    if stated is None:
+        zero = {check.quantity for check in case.checks if check.because["fmu"] == ZERO}
+        reversals = f", reversals = {happens.reversals}" if happens.reversals else ""
+        zeros = f", zero = {json.dumps(sorted(zero))}" if zero else ""
+        yield (
+            f"{case.id}: motion is missing, so the exact motion is followed at each loading; "
+            f"write motion = {{ slips = {happens.slips}{reversals}{zeros} }}"
+        )
+        return
+    looked_at = {check.quantity for check in case.checks if check.measure == Measure.OF_SCALE}
+    under_way = int(exact.record.outputs["mode"][-1] != 0)
+    if not 0 <= stated.slips - happens.slips <= under_way:
+        or_more = f" or {happens.slips + 1}" if under_way else ""
+        yield f"{case.id}: motion.slips = {stated.slips}; it is {happens.slips}{or_more}"
+    if stated.reversals != happens.reversals:
+        yield f"{case.id}: motion.reversals = {stated.reversals}; it is {happens.reversals}"
+    for name in sorted(stated.zero - happens.zero):
+        yield f"{case.id}: motion.zero: {name} is not zero throughout"
+    for name in sorted(happens.zero & looked_at):
+        yield f"{case.id}: motion.zero: {name} is zero throughout and not named"
 
 
 def _reasons(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
@@ -110,13 +95,10 @@ def _reasons(cases: Sequence[Case], invariants: Invariants) -> Iterator[str]:
     }
     for invariant in invariants:
         because = getattr(invariant, "because", {})
-        of_sides = {"": because} if isinstance(because, str) else because
-        texts |= {
-            f"{invariant.id}: because {side}".rstrip(): text for side, text in of_sides.items()
-        }
-        texts |= {f"{invariant.id}: {name}": getattr(invariant, name) for name in ("means", "look")}
-        if invariant.stays:
-            texts[f"{invariant.id}: stays"] = invariant.stays
+        sides = {"": because} if isinstance(because, str) else because
+        texts |= {f"{invariant.id}: because {side}".rstrip(): text for side, text in sides.items()}
+        names = ("means", "look", "stays") if invariant.stays else ("means", "look")
+        texts |= {f"{invariant.id}: {name}": getattr(invariant, name) for name in names}
     for where, text in texts.items():
         if len(text) < SHORTEST:
             yield f"{where}: {text!r} says too little"
@@ -146,18 +128,13 @@ def _names(
         yield from (f"{what} {name}: nothing uses it" for name in sorted(set(known) - used))
         yield from (f"{what} {name}: there is no such {what}" for name in sorted(used - set(known)))
     ids = {check.id for check in checks} | {invariant.id for invariant in invariants}
-    uses = [
-        *(
-            (order.id, "case", order.cases, {case.id for case in cases})
-            for order in invariants.orders
-        ),
-        *((f"planted fault {fault.id}", "check", fault.detected_by, ids) for fault in mutants),
-    ]
+    of_cases = {case.id for case in cases}
+    uses = [(order.id, "case", order.cases, of_cases) for order in invariants.orders]
+    uses += [(f"planted fault {fault.id}", "check", fault.detected_by, ids) for fault in mutants]
     for user, what, names, there in uses:
         yield from (f"{user}: there is no {what} {name}" for name in names if name not in there)
     if THEORY.is_file():
-        text = THEORY.read_text(encoding="utf-8")
-        numbers = {int(n) for n in re.findall(r"\\tag\{(\d+)\}", text)}
+        numbers = set(map(int, re.findall(r"\\tag\{(\d+)\}", THEORY.read_text(encoding="utf-8"))))
         sources = [(f"{case.id} / {of.id}", of.source) for case in cases for of in case.checks]
         sources += [(invariant.id, invariant.source) for invariant in invariants]
         for name, source in sources:

@@ -26,11 +26,17 @@ from stickslip_verification.judge.accuracy import (
     matched,
     motion_of,
 )
-from stickslip_verification.judge.checks import compared, judge_probe, of_invariant, same_run
+from stickslip_verification.judge.checks import (
+    compared,
+    judge_probe,
+    of_invariant,
+    same_run,
+    without,
+)
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import CheckResult, Klass
-from stickslip_verification.run.experiment import Baseline, RandomTest
+from stickslip_verification.run.experiment import Baseline
 from stickslip_verification.run.runs import Runs
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.family import load_family
@@ -65,152 +71,149 @@ AS_MUCH: Final = 10.0
 
 
 @dataclass(frozen=True)
+class Plain:
+    """The plain run of a case, or of a random sequence, whose exact motion is known."""
+
+    case: Case
+    ruler: Ruler
+    run: Run
+
+    @cached_property
+    def motion(self) -> Deviation:
+        """Delta of the motion."""
+        return self.ruler.deviation(self.run)
+
+
+@dataclass(frozen=True)
 class Solution:
     """The plain runs of an FMU in the cases that it can run, by id of the case."""
 
-    cases: Mapping[str, Case]
-    rulers: Mapping[str, Ruler]
-    runs: Mapping[str, Run]
-
-    @cached_property
-    def motion(self) -> Mapping[str, Deviation]:
-        """Delta by case, from the motion."""
-        return {case: self.rulers[case].deviation(run) for case, run in self.runs.items()}
+    plain: Mapping[str, Plain]
 
     @cached_property
     def like(self) -> Matched:
         """The honest solvers that it is like."""
-        deltas = {case: deviation.delta for case, deviation in self.motion.items()}
         family = {
             solver: {
-                case: of[case] if case in of else self._honest(solver, case) for case in deltas
+                case: of[case] if case in of else self._honest(solver, case) for case in self.plain
             }
             for solver, of in load_family(SOLVERS).items()
         }
-        return matched(deltas, family)
+        return matched({case: plain.motion.delta for case, plain in self.plain.items()}, family)
 
     @property
     def certain(self) -> bool:
         """Whether the plain runs say that the model is wrong."""
-        expected = self.like.expected
-        apart = [case for case, of in self.motion.items() if of.delta > STANDS_OUT * expected[case]]
-        return len(apart) >= CERTAIN
+        allowed = {case: STANDS_OUT * delta for case, delta in self.like.expected.items()}
+        return sum(of.motion.delta > allowed[case] for case, of in self.plain.items()) >= CERTAIN
 
     def _honest(self, solver: str, case: str) -> float:
         """Return the delta of an honest solver in a case of one's own."""
-        if self.cases[case].law not in BUILT_IN:
+        plain = self.plain[case]
+        if plain.case.law not in BUILT_IN:
             return OF_OWN_LAW
-        return self.rulers[case].deviation(SOLVERS[solver].run(self.cases[case])).delta
+        return plain.ruler.deviation(SOLVERS[solver].run(plain.case)).delta
 
 
 def solution(baseline: Sequence[Baseline], plain: Mapping[str, Answer[Run]]) -> Solution:
     """Return the runs in cases of physics whose truth is known."""
-    cases, rulers, runs = {}, {}, {}
-    for of in baseline:
-        case, run = of.case, plain[of.case.id].value
-        if of.exact.value is not None and of.spreads.value is not None and run is not None:
-            cases[case.id], runs[case.id] = case, run
-            rulers[case.id] = Ruler(of.exact.value, of.spreads.value)
-    return Solution(cases, rulers, runs)
+    known = (_plain(of, plain[of.case.id]) for of in baseline)
+    return Solution({of.case.id: of for of in known if of is not None})
+
+
+def _plain(baseline: Baseline, answer: Answer[Run]) -> Plain | None:
+    exact, spreads = baseline.exact.value, baseline.spreads.value
+    if exact is None or spreads is None or answer.value is None:
+        return None
+    return Plain(baseline.case, Ruler(exact, spreads), answer.value)
 
 
 def compare_numerical(runs: Runs, solved: Solution) -> Iterator[CheckResult]:
     """Yield the result of each case, other run, random sequence and probe."""
     invariants, contract = runs.experiment.invariants, runs.experiment.contract
     plainly = [each for each in invariants.sequences if each.manner == PLAIN][:1]
-    restless = SOLVERS[solved.like.solver].rtol > 0.0
     for baseline in runs.experiment.baseline:
         case = baseline.case.id
-        if case not in solved.runs:
-            for invariant in plainly:
-                yield _no_run(of_invariant(invariant, case, contract), runs.plain[case])
-            continue
-        ruler, plain = solved.rulers[case], solved.runs[case]
-        expected = solved.like.expected[case]
+        plain, expected = solved.plain.get(case), solved.like.expected.get(case, 0.0)
         for invariant in plainly:
             empty = of_invariant(invariant, case, contract)
-            yield _of_motion(empty, ruler, plain, solved.like, baseline.case, expected)
-        allowed = _of_other_steps(solved.motion[case].delta, expected)
-        for run in invariants.runs:
+            yield _judge(empty, PLAIN, runs.plain[case], plain, solved.like, expected)
+        for run in invariants.runs if plain is not None else ():
             if run.klass == Klass.PHYSICS and run.holds_for(baseline.case.law):
-                empty = of_invariant(run, case, contract)
-                may = allowed if restless or run.run in OTHER_STEPS else 0.0
-                yield _of_other(empty, runs.others[case, run.run], plain, ruler, may)
-    yield from _of_sequences(runs, solved, restless=restless)
+                empty, other = of_invariant(run, case, contract), runs.others[case, run.run]
+                yield _judge(empty, run.run, other, plain, solved.like, expected)
+    yield from _of_sequences(runs, solved.like)
     for probe in invariants.probes:
         if probe.id not in OF_EXACT:
             yield judge_probe(probe, contract, runs.probes[probe.id])
 
 
-@dataclass(frozen=True)
-class _Drawn:
-    """The plain run of a random sequence, with the delta that is expected there."""
-
-    run: Run
-    ruler: Ruler
-    delta: float
-    expected: float
-    too_stiff: bool
-
-    @property
-    def beyond(self) -> bool:
-        """Whether the run leaves all numbers since the block is too stiff for its steps."""
-        return self.too_stiff and not np.isfinite(self.delta)
-
-
-def _of_sequences(runs: Runs, solved: Solution, *, restless: bool) -> Iterator[CheckResult]:
+def _of_sequences(runs: Runs, like: Matched) -> Iterator[CheckResult]:
     tests = list(zip(runs.experiment.random, runs.random, strict=True))
-    plain = {
-        test.baseline.case.id: drawn
-        for test, answer in tests
-        if test.plain and (drawn := _drawn(test, answer.value, solved.like)) is not None
-    }
-    counted = [name for name, drawn in plain.items() if not drawn.beyond]
-    apart = sorted(counted, key=lambda name: plain[name].delta / plain[name].expected, reverse=True)
-    excused = set(apart[: int(EXCUSED * len(apart))])
-    least = max(solved.like.expected.values(), default=LEAST)
-    for test, answer in tests:
-        case = test.baseline.case
-        empty = of_invariant(test.manner, case.id, runs.experiment.contract)
-        if case.id not in plain or answer.value is None:
-            raised = (answer.failure or "").startswith(FmuError.__name__)
-            if raised and _stiff(case, solved.like):
-                answer = Answer(not_applicable=TOO_STIFF)
-            yield _no_run(empty, answer)
-            continue
-        drawn = plain[case.id]
-        expected = max(drawn.expected, least) if case.id in excused else drawn.expected
-        if drawn.beyond:
-            yield replace(empty, not_applicable=TOO_STIFF)
-        elif test.plain:
-            yield _of_motion(empty, drawn.ruler, drawn.run, solved.like, case, expected)
-        else:
-            allowed = _of_other_steps(drawn.delta, expected)
-            may = allowed if restless or test.manner.manner in OTHER_STEPS else 0.0
-            yield _of_other(empty, answer, drawn.run, drawn.ruler, may)
-
-
-def _drawn(test: RandomTest, run: Run | None, like: Matched) -> _Drawn | None:
-    """Return the plain run of a random sequence whose truth is known."""
-    case, exact, spreads = (
-        test.baseline.case,
-        test.baseline.exact.value,
-        test.baseline.spreads.value,
+    known = (_plain(test.baseline, answer) for test, answer in tests if test.plain)
+    drawn = {plain.case.id: plain for plain in known if plain is not None}
+    expected, too_stiff = {}, set()
+    for name, plain in drawn.items():
+        expected[name], stiff = _expected(plain, like)
+        if stiff and not np.isfinite(plain.motion.delta):
+            too_stiff.add(name)
+    counted = [name for name in drawn if name not in too_stiff]
+    apart = sorted(
+        counted, key=lambda name: drawn[name].motion.delta / expected[name], reverse=True
     )
-    if exact is None or spreads is None or run is None:
-        return None
-    ruler = Ruler(exact, spreads)
+    least = max(like.expected.values(), default=LEAST)
+    for name in apart[: int(EXCUSED * len(apart))]:
+        expected[name] = max(expected[name], least)
+    for test, answer in tests:
+        case, name = test.baseline.case, test.baseline.case.id
+        empty = of_invariant(test.manner, name, runs.experiment.contract)
+        ran = name in drawn and answer.value is not None
+        raised = (answer.failure or "").startswith(FmuError.__name__)
+        if name in too_stiff if ran else raised and _stiff(case, like):
+            yield replace(empty, not_applicable=TOO_STIFF)
+        else:
+            of = test.manner.manner
+            yield _judge(empty, of, answer, drawn.get(name), like, expected.get(name, 0.0))
+
+
+def _judge(
+    empty: CheckResult,
+    manner: str,
+    answer: Answer[Run],
+    plain: Plain | None,
+    like: Matched,
+    expected: float,
+) -> CheckResult:
+    """Judge a run: a plain one by its motion, another one by the plain one."""
+    if answer.value is None:
+        return without(empty, answer)
+    if plain is None:
+        lacking = "its plain run is lacking, or what is near the exact one"
+        return replace(empty, not_applicable=lacking)
+    if manner == PLAIN:
+        return _of_motion(empty, plain, like, expected)
+    result = same_run(empty, plain.run, answer.value, plain.ruler.band)
+    if result.passed or not (manner in OTHER_STEPS or SOLVERS[like.solver].rtol > 0.0):
+        return result
+    worst = plain.ruler.deviation(answer.value)
+    allowed = max(AS_MUCH * plain.motion.delta, STANDS_OUT * expected)
+    because = f"{AS_MUCH:g} times the plain run's, or what it may have itself"
+    empty = replace(empty, quantity=_off(worst), tolerance=allowed, because=because)
+    return compared(empty, allowed / AS_MUCH, worst.delta, worst.delta)
+
+
+def _expected(plain: Plain, like: Matched) -> tuple[float, bool]:
+    """Return the delta that is expected in a sequence, and whether the block is too stiff there."""
+    case = plain.case
     solved = [
-        factor * min(ruler.deviation(solver.run(case)).delta, DIVERGED)
+        factor * min(plain.ruler.deviation(solver.run(case)).delta, DIVERGED)
         for solver, factor in _honest(like)
         if case.law in BUILT_IN
     ]
-    expected = solved or [*like.expected.values()]
-    too_stiff = max(solved, default=0.0) >= DIVERGED or _stiff(case, like)
     # No sequence is held to more than the best case.
     least = min(like.expected.values(), default=LEAST)
-    delta = ruler.deviation(run).delta
-    return _Drawn(run, ruler, delta, max(least, *expected), too_stiff)
+    too_stiff = max(solved, default=0.0) >= DIVERGED or _stiff(case, like)
+    return max(least, *(solved or like.expected.values())), too_stiff
 
 
 def _honest(like: Matched) -> Iterator[tuple[Solver, float]]:
@@ -250,38 +253,32 @@ def as_large(like: Matched) -> tuple[str, float]:
     return next((each for each in alike if abs(math.log10(each[1])) <= 1.0), alike[0])
 
 
-def _of_other_steps(delta: float, expected: float) -> float:
-    """Return the delta that a run of other steps may have."""
-    return max(AS_MUCH * delta, STANDS_OUT * expected)
-
-
-def _of_motion(
-    empty: CheckResult, ruler: Ruler, run: Run, like: Matched, case: Case, expected: float
-) -> CheckResult:
+def _of_motion(empty: CheckResult, plain: Plain, like: Matched, expected: float) -> CheckResult:
     """Judge a plain run: its motion against honest solvers, the rest against its motion."""
-    tolerance = STANDS_OUT * expected
-    worst = ruler.deviation(run)
+    ruler, run, tolerance = plain.ruler, plain.run, STANDS_OUT * expected
+    worst = plain.motion
     if worst.delta <= tolerance:
         others = [name for name in OUTPUT_NAMES if name not in motion_of(run)]
         # An event is told a step late at most, and a time between two of them.
-        rest = ruler.deviation(run, others, 2.0 * max(_steps(case, like)))
+        rest = ruler.deviation(run, others, 2.0 * max(_steps(plain.case, like)))
         allowed = OF_OUTPUT * max(worst.delta, expected, LEAST)
         # Where more is allowed, the motion itself may be off throughout.
         if allowed <= SATURATED and (off := ruler.throughout(run, allowed)):
             rest = off
         if rest.delta > allowed:
             worst, tolerance = rest, allowed
-    finite = np.isfinite(worst.delta)
+    error = worst.delta if np.isfinite(worst.delta) else None
+    broken = f"{worst.output} is no finite number at t = {worst.time:.6g} s"
     return replace(
         empty,
         quantity=_off(worst),
         expected=expected,
-        got=worst.delta if finite else None,
-        error=worst.delta if finite else None,
+        got=error,
+        error=error,
         tolerance=tolerance,
         because=f"{STANDS_OUT:g} times that of {like.solver} there; {OF_OUTPUT:g} of other outputs",
         passed=worst.delta <= tolerance,
-        failure=None if finite else f"{worst.output} is no finite number at t = {worst.time:.6g} s",
+        failure=broken if error is None else None,
     )
 
 
@@ -292,24 +289,3 @@ def _off(worst: Deviation) -> str:
 def output_of(result: CheckResult) -> str:
     """Return the output that a plain run is off by."""
     return result.quantity.split()[3]
-
-
-def _of_other(
-    empty: CheckResult, answer: Answer[Run], plain: Run, ruler: Ruler, allowed: float
-) -> CheckResult:
-    """Judge another run: equal to the plain one, or as accurate up to `allowed`."""
-    if answer.value is None:
-        return _no_run(empty, answer)
-    result = same_run(empty, plain, answer.value, ruler.band)
-    if result.passed or not allowed:
-        return result
-    worst = ruler.deviation(answer.value)
-    because = f"{AS_MUCH:g} times the plain run's, or what it may have itself"
-    empty = replace(empty, quantity=_off(worst), tolerance=allowed, because=because)
-    return compared(empty, allowed / AS_MUCH, worst.delta, worst.delta)
-
-
-def _no_run(empty: CheckResult, answer: Answer[Run]) -> CheckResult:
-    unknown = "its plain run is lacking, or what is near the exact one" if answer.value else None
-    lacking = answer.not_applicable or unknown
-    return replace(empty, failure=answer.failure, not_applicable=lacking)

@@ -25,7 +25,7 @@ from stickslip_verification.model.verdict import (
     Table,
 )
 from stickslip_verification.run.causes import WORST, Shown, cause
-from stickslip_verification.run.numerical import Solution, as_large, output_of
+from stickslip_verification.run.numerical import Plain, Solution, as_large, output_of
 from stickslip_verification.run.runs import Runs
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth.named import BUILT_IN
@@ -54,61 +54,50 @@ _EXACT: Final = 1e-11
 
 @dataclass(frozen=True)
 class Errors:
-    """How far a quantity of the cycle is off: by case, as a part of its largest exact value."""
+    """How far a quantity of the cycle is off, as a part of its largest exact value in a case."""
 
     quantity: str
-    by_case: Mapping[str, float]
-
-    @property
-    def middle(self) -> float:
-        """The error in the middle case."""
-        return float(np.median(list(self.by_case.values())))
-
-    @property
-    def worst(self) -> str:
-        """The case of the largest error."""
-        return max(self.by_case, key=self.by_case.__getitem__)
-
-    @property
-    def largest(self) -> float:
-        """The largest error."""
-        return self.by_case[self.worst]
+    middle: float
+    largest: float
+    worst: str
 
 
-def cycle_errors(found: Solution) -> list[Errors]:
-    """Return how far off jump, stick, slip, period and spring force are.
-
-    Where the FMU has the output it is compared; elsewhere the error is what delta makes of it.
-    """
+def cycle_errors(solved: Solution) -> list[Errors]:
+    """Return how far off jump, stick, slip, period and spring force are."""
     errors = []
     for quantity, output in CYCLE.items():
-        by_case = {}
-        for case, run in found.runs.items():
-            ruler, delta = found.rulers[case], found.motion[case].delta
-            exact = ruler.exact.record.outputs
-            if quantity == "force" and output in run.outputs:
-                largest, got = (np.max(np.abs(each[output])) for each in (exact, run.outputs))
-                by_case[case] = float(abs(got / largest - 1.0)) if largest else 0.0
-                continue
-            where = ruler.band.judged(output) & ruler.decided & (exact[output] != 0.0)
-            if output in run.outputs:
-                same = run.outputs.get("n_slips", exact["n_slips"]) == exact["n_slips"]
-                where = where & same & (run.outputs[output] != 0.0)
-                off = np.abs(run.outputs[output] - exact[output])
-            else:
-                off = ruler.moved(output, delta)
-                where = where & np.isfinite(off)
-            if where.any():
-                typical = np.max if output in run.outputs else np.median
-                largest = float(np.max(np.abs(exact[output][where])))
-                by_case[case] = float(typical(off[where])) / largest
-        if by_case:
-            errors.append(Errors(quantity, by_case))
+        of_cases = {case: _error(plain, output) for case, plain in solved.plain.items()}
+        known = {case: error for case, error in of_cases.items() if error is not None}
+        if known:
+            worst = max(known, key=known.__getitem__)
+            middle = float(np.median(list(known.values())))
+            errors.append(Errors(quantity, middle, known[worst], worst))
     return errors
 
 
+def _error(plain: Plain, output: str) -> float | None:
+    """Return the error of an output; of one that the FMU lacks what delta makes of it."""
+    ruler, got = plain.ruler, plain.run.outputs
+    exact = ruler.exact.record.outputs
+    if output == "F" and output in got:
+        size, seen = (float(np.max(np.abs(samples[output]))) for samples in (exact, got))
+        return abs(seen / size - 1.0) if size else 0.0
+    where = ruler.band.judged(output) & ruler.decided & (exact[output] != 0.0)
+    if output in got:
+        same = got.get("n_slips", exact["n_slips"]) == exact["n_slips"]
+        where = where & same & (got[output] != 0.0)
+        off = np.abs(got[output] - exact[output])
+    else:
+        off = ruler.moved(output, plain.motion.delta)
+        where = where & np.isfinite(off)
+    if not where.any():
+        return None
+    typical = float((np.max if output in got else np.median)(off[where]))
+    return typical / float(np.max(np.abs(exact[output][where])))
+
+
 def questions(
-    found: Solution, results: Sequence[CheckResult], runs: Runs, within: float
+    solved: Solution, results: Sequence[CheckResult], runs: Runs, within: float
 ) -> tuple[list[Question], Table]:
     """Answer whether the model is right and how accurate it is, and give the errors as a table."""
     changes = {
@@ -116,63 +105,56 @@ def questions(
         for each in runs.experiment.baseline
         for name, moved in (each.changes.value or {}).items()
     }
-    wrong = wrong_parameter(found.rulers, found.runs, changes)
+    rulers = {case: plain.ruler for case, plain in solved.plain.items()}
+    wrong = wrong_parameter(rulers, {case: of.run for case, of in solved.plain.items()}, changes)
+    if wrong is not None and abs(wrong.part) <= max(LEAST * STANDS_OUT, 1e-9):
+        # It is no more than the error of the solver.
+        wrong = None
     failed = [each for each in results if each.failed]
-    errors = cycle_errors(found)
-    wrong = wrong if _tells(wrong) else None
-    middle = float(np.median([each.delta for each in found.motion.values()] or [0.0]))
-    model = Question(
-        "Is the model right?",
-        not failed and wrong is None and middle <= TOO_ROUGH,
-        _model(found, failed, wrong, middle),
-    )
+    errors = cycle_errors(solved)
+    middle = float(np.median([plain.motion.delta for plain in solved.plain.values()] or [0.0]))
+    right = not failed and wrong is None and middle <= TOO_ROUGH
     good = all(each.largest <= within for each in errors)
-    accuracy = Question("How accurate is it?", good, _accuracy(found, errors, within))
+    answers = [
+        Question("Is the model right?", right, _model(solved, failed, wrong, middle)),
+        Question("How accurate is it?", good, _accuracy(solved, errors, within, middle)),
+    ]
+    if likeliest := "" if wrong is not None else _likeliest(solved, failed, runs):
+        answers.append(Question(LIKELIEST, good=False, answer=likeliest))
+    rows = []
+    for of in errors:
+        inside = "yes" if of.largest <= within else "no"
+        rows.append((of.quantity, _percent(of.middle), _percent(of.largest), of.worst, inside))
     table = Table(
         title="Accuracy",
         about="Error of a cycle as a part of its exact value. What the FMU has no output for is "
         "estimated from its motion.",
         head=("quantity", "middle case [%]", "worst case [%]", "where", "within"),
-        rows=[
-            (
-                each.quantity,
-                _percent(each.middle),
-                _percent(each.largest),
-                each.worst,
-                "yes" if each.largest <= within else "no",
-            )
-            for each in errors
-        ],
+        rows=rows,
         note=f"Asked for is {100.0 * within:g} % in every case; --within says otherwise.",
     )
-    likeliest = _likeliest(found, failed, wrong, runs)
-    answered = [Question(LIKELIEST, good=False, answer=likeliest)] if likeliest else []
-    return [model, accuracy, *answered], table
-
-
-def _tells(wrong: WrongParameter | None) -> bool:
-    """Whether a wrong parameter is more than the error of the solver."""
-    return wrong is not None and abs(wrong.part) > max(LEAST * STANDS_OUT, 1e-9)
+    return answers, table
 
 
 def _model(
-    found: Solution, failed: Sequence[CheckResult], wrong: WrongParameter | None, middle: float
+    solved: Solution, failed: Sequence[CheckResult], wrong: WrongParameter | None, middle: float
 ) -> str:
-    tried = f"{len(found.runs)} cases" if len(found.runs) != 1 else "1 case"
+    count = len(solved.plain)
+    tried = f"{count} cases" if count != 1 else "1 case"
     if wrong is not None:
         sense = "larger" if wrong.part > 0.0 else "smaller"
         return (
             f"The model is wrong: {wrong.name} acts as if it were {_percent(abs(wrong.part)):g} % "
             f"{sense} than what is set, alike in all cases."
         )
-    if not failed and not found.runs:
+    if not failed and not count:
         return "Nothing is known of the model: no case could be run."
     if not failed and middle > TOO_ROUGH:
         return (
             "It is too far off to tell a wrong model from a rough solver: in the middle case as if "
             f"its data were off by {_percent(middle):g} %."
         )
-    if not failed and len(found.runs) < FEW:
+    if not failed and count < FEW:
         return (
             f"Nothing is wrong in {tried}, too few to tell a wrong model from a rough solver; "
             "without --cases there are more."
@@ -184,20 +166,18 @@ def _model(
     worst = max(
         made, key=lambda each: (_plain(each), (each.error or 0.0) / (each.tolerance or 1.0))
     )
-    honest = f" against the {worst.expected or 0.0:.0e} of an honest solver"
-    why = f"Most in {worst.case or 'the FMU itself'} ({worst.check}): " + (
-        worst.failure
-        or f"{worst.quantity}, {worst.error or 0.0:.0e}"
-        + (honest if _plain(worst) else " from its plain run")
-    )
+    than = f" against the {worst.expected or 0.0:.0e} of an honest solver"
+    than = than if _plain(worst) else " from its plain run"
+    why = worst.failure or f"{worst.quantity}, {worst.error or 0.0:.0e}{than}"
     if len(made) < len(failed):
         why += f". {len(failed) - len(made)} checks were not made, since runs did not end"
     places = {each.case for each in made}
-    cases, drawn = places & set(found.runs), {each for each in places if each.startswith(SEQUENCE)}
-    where = [f"{len(cases)} of {tried}"] if cases else []
-    where += [f"{len(drawn)} of the random sequences"] if drawn else []
+    cases, drawn = len(places & set(solved.plain)), sum(of.startswith(SEQUENCE) for of in places)
+    where = [f"{cases} of {tried}"] if cases else []
+    where += [f"{drawn} of the random sequences"] if drawn else []
     where += ["what it does with calls"] if "" in places else []
-    return f"The model is wrong in {' and '.join(where)}. {why}."
+    most = f"Most in {worst.case or 'the FMU itself'} ({worst.check}): {why}."
+    return f"The model is wrong in {' and '.join(where)}. {most}"
 
 
 def _plain(result: CheckResult) -> bool:
@@ -205,30 +185,26 @@ def _plain(result: CheckResult) -> bool:
     return result.truth == Kind.CLOSED_FORM
 
 
-def _likeliest(
-    found: Solution, failed: Sequence[CheckResult], wrong: WrongParameter | None, runs: Runs
-) -> str:
+def _likeliest(solved: Solution, failed: Sequence[CheckResult], runs: Runs) -> str:
     """Name the one cause of the runs that are farthest off, if it explains them all."""
     shown = {
-        case: Shown(found.cases[case], found.rulers[case].exact.record, run)
-        for case, run in found.runs.items()
+        case: Shown(plain.case, plain.ruler.exact.record, plain.run)
+        for case, plain in solved.plain.items()
     }
+    failing = {each.case for each in failed}
+    others = [of for case, of in shown.items() if case not in failing]
     for test, answer in zip(runs.experiment.random, runs.random, strict=True):
         case, exact = test.baseline.case, test.baseline.exact.value
         if test.plain and exact is not None and answer.value is not None:
             shown[case.id] = Shown(case, exact.record, answer.value)
-    plain = [
-        each
-        for each in failed
-        if _plain(each) and each.case in shown and shown[each.case].case.law in BUILT_IN
-    ]
-    if wrong is not None or not plain:
+    known = {name for name, of in shown.items() if of.case.law in BUILT_IN}
+    plain = [each for each in failed if _plain(each) and each.case in known]
+    if not plain:
         return ""
     plain.sort(key=lambda each: (each.error or math.inf) / (each.tolerance or 1.0), reverse=True)
     worst = [replace(shown[each.case], output=output_of(each)) for each in plain[:WORST]]
-    others = [shown[case] for case in found.runs if case not in {each.case for each in failed}]
     said = cause(worst, others)
-    drawn = "".join(_set(each.case) for each in worst[:1] if each.case.id.startswith(SEQUENCE))
+    drawn = _set(worst[0].case) if worst[0].case.id.startswith(SEQUENCE) else ""
     if said is None:
         return f"No single cause explains it.{drawn}"
     of = "it" if len(plain) == 1 else f"the {len(worst)} runs that are farthest off"
@@ -242,9 +218,7 @@ def _set(case: Case) -> str:
     return f" {case.id} sets {values} (SI)" + (f" and changes {changed}." if changed else ".")
 
 
-def _accuracy(found: Solution, errors: Sequence[Errors], within: float) -> str:
-    deltas = [each.delta for each in found.motion.values()]
-    middle = float(np.median(deltas)) if deltas else 0.0
+def _accuracy(solved: Solution, errors: Sequence[Errors], within: float, middle: float) -> str:
     if not errors:
         return "Nothing is known of its accuracy: no cycle was compared."
     said = [
@@ -258,13 +232,10 @@ def _accuracy(found: Solution, errors: Sequence[Errors], within: float) -> str:
     if outside:
         needed = math.ceil(1000.0 * max(each.largest for each in errors)) / 10.0
         advice = f": take smaller steps, or --within {needed}%" if needed < MOST_ASKED else ""
-        verdict = f"not {asked} in {', '.join(outside)}{advice}"
-    else:
-        verdict = asked
-    hidden = STANDS_OUT * middle
+        asked = f"not {asked} in {', '.join(outside)}{advice}"
     return (
-        f"It is as accurate as {_class(found.like, middle)}: {', '.join(said)}; {verdict}. "
-        f"A fault could hide in that which moves the motion like data off by {hidden:.0e}."
+        f"It is as accurate as {_class(solved.like, middle)}: {', '.join(said)}; {asked}. A fault "
+        f"could hide in that which moves the motion like data off by {STANDS_OUT * middle:.0e}."
     )
 
 

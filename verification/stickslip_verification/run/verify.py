@@ -1,12 +1,14 @@
 """The suite as a whole: an FMU and the reference judged, faults planted, a verdict."""
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
+from contextlib import closing
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
+from typing import Any
 
 from stickslip_verification.drive import workers
+from stickslip_verification.drive.exact import Exact
 from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
@@ -18,7 +20,13 @@ from stickslip_verification.model.verdict import Klass, Motion, Question, Table,
 from stickslip_verification.report import provenance
 from stickslip_verification.run.comparisons import compare
 from stickslip_verification.run.coverage import coverage_table, gaps
-from stickslip_verification.run.experiment import Experiment, Progress, compute, random_tests
+from stickslip_verification.run.experiment import (
+    Baseline,
+    Experiment,
+    Progress,
+    compute,
+    random_tests,
+)
 from stickslip_verification.run.kill_matrix import detect
 from stickslip_verification.run.numerical import compare_numerical, solution
 from stickslip_verification.run.questions import questions
@@ -76,14 +84,12 @@ def verify(
 
     Parameters
     ----------
-    fmu
-        The ``.fmu`` file, FMI 2.0 or 3.0 for co-simulation.
+    fmu, names
+        The ``.fmu`` file, FMI 2.0 or 3.0 for co-simulation, and our names to its.
     cases
         What is tried, from `load_cases`, as far as it is of the FMU's friction law.
     progress
         Called with what is being done, how much of it is done, and out of how much.
-    names
-        Our names to the FMU's.
     contract, strict
         The contract that the FMU is held to, see `chosen_contract`.
     jobs
@@ -99,15 +105,14 @@ def verify(
         the environment in fresh processes, and a long run. Planted faults are tried on those that
         one of them foretells in any case.
     mutants, whole_matrix
-        Faults to plant, as far as they are of the FMU's friction law, to try the suite itself, and
-        whether each is tried on every check or on what it foretells alone. Those that change the
-        FMU need the source of the block in it.
+        Faults to plant, as far as they are of the FMU's friction law, and whether each is tried on
+        every check or on what it foretells. Those that change the FMU need its Python source.
     within
-        Part of its exact value by which a quantity of the cycle may be off in any case, where the
-        FMU is held to the physics contract; `WITHIN` by default.
+        Part of its exact value by which a quantity of the cycle may be off in any case, under the
+        physics contract; `WITHIN` by default.
     full
-        Whether an FMU that is held to the physics contract meets everything, or what tells most:
-        without the cases of a friction law that take long, and `QUICK_SEQUENCES` at most.
+        Whether an FMU of the physics contract meets everything, or what tells most: without the
+        cases of a friction law that take long, and `QUICK_SEQUENCES` at most.
     command
         What to type to get the same again, for the provenance.
 
@@ -115,33 +120,20 @@ def verify(
     ------
     FmuError
         The file cannot be driven at all, lacks what every case or the friction law of one needs,
-        or has no source for the faults that are to be planted; whatever else the FMU does wrong is
-        a failed check.
+        or has no source for the faults that are to be planted; whatever else is wrong with the FMU
+        is a failed check.
     MutantError
-        Faults are to be planted, and none is of the FMU's friction law, or no case is short
-        enough.
+        No fault is of the FMU's friction law, or no case is short enough.
     """
     _try_to_open(fmu, names, time_limit, limits)
-    file = FmuFile(fmu, names)
-    try:
+    with closing(FmuFile(fmu, names)) as file:
         require(file)
         cases = fitting(file, cases)
         for case in cases:
             require_law(file, case)
         law = law_of(file)
-        if mutants and not (of_law := [each for each in mutants if each.law == law]):
-            named = ", ".join(dict.fromkeys(each.law for each in mutants))
-            raise MutantError(
-                mutants[0].file, "law", f"the fault is one of {named}; this FMU's law is {law}"
-            )
-        mutants = of_law if mutants else ()
+        mutants = _plantable(fmu, mutants, law)
         chosen = chosen_contract(file, contract, strict=strict)
-        inside = next((mutant for mutant in mutants if mutant.changes_the_fmu), None)
-        if inside is not None and not carries_source(fmu):
-            raise FmuError(
-                f"{fmu}: the fault {inside.id} changes the Python source of the block, which this "
-                "FMU does not carry; faults in the calls can be planted in any FMU"
-            )
         file.look_for(COULOMB.parameters, optional=True)
         grows = all(file.has(each.name) for each in COULOMB.parameters)
         origin = provenance.collect(file, command)
@@ -150,8 +142,6 @@ def verify(
             frozenset(name for name in START_VALUES if file.has(name)),
             frozenset(name for name in CHANGEABLE if file.has(name) and may_change(file, name)),
         )
-    finally:
-        file.close()
     held_to = CONTRACTS[chosen.name]
     if held_to.numerical:
         cases = [case for case in cases if _of_any(case)] or cases
@@ -180,14 +170,12 @@ def verify(
     random = random_tests(of_sequences, invariants.sequences, jobs, numerical=held_to.numerical)
     experiment = Experiment(baseline, tried, held_to, random)
     fresh = file.once_per_process
-    pool = partial(
-        workers.Pool,
-        time_limit=time_limit,
-        fmu=fmu,
-        names=names,
-        own_starts=held_to.interface,
-        limits=limits,
-    )
+    how: dict[str, Any] = {"names": names, "limits": limits}
+
+    def pool(jobs: int, *, fresh: bool) -> workers.Pool:
+        own = held_to.interface
+        return workers.Pool(jobs, time_limit, fmu, fresh=fresh, own_starts=own, **how)
+
     quick = held_to.numerical and not full
     enough = (lambda plain: solution(baseline, plain).certain) if quick else None
     with pool(jobs, fresh=fresh) as processes:
@@ -196,17 +184,9 @@ def verify(
         runs = repeat_failed(processes, runs)
     kills = None
     if mutants:
-        kills = detect(
-            fmu,
-            mutants,
-            replace(experiment, invariants=of_faults),
-            jobs,
-            progress,
-            whole=whole_matrix,
-            names=names,
-            fresh=fresh,
-            limits=limits,
-        )
+        experiment = replace(experiment, invariants=of_faults)
+        how |= {"fresh": fresh, "whole": whole_matrix}
+        kills = detect(fmu, mutants, experiment, jobs, progress, **how)
     tables: list[Table] = []
     answered: list[Question] = []
     if held_to.numerical:
@@ -221,10 +201,8 @@ def verify(
     return Verdict(
         checks=results,
         provenance=origin,
-        motions=list(_motions(runs)),
-        orders=[
-            seen.value for each in baseline for _, seen in each.orders if seen.value is not None
-        ],
+        motions=[_motion(runs, of, of.exact.value) for of in baseline if of.exact.value],
+        orders=[of.value for each in baseline for _, of in each.orders if of.value is not None],
         kills=kills,
         contract=chosen,
         tables=tables,
@@ -232,20 +210,28 @@ def verify(
     )
 
 
-def _motions(runs: Runs) -> Iterator[Motion]:
-    for baseline in runs.experiment.baseline:
-        case, exact = baseline.case, baseline.exact.value
-        sides = {"fmu": runs.plain[case.id].value, "reference": baseline.reference.value}
-        if exact is not None:
-            yield Motion(
-                case=case.id,
-                title=case.title,
-                about=case.about,
-                exact=exact.record,
-                event_times=exact.event_times,
-                records={name: run for name, run in sides.items() if run is not None},
-                group=case.group,
-            )
+def _motion(runs: Runs, baseline: Baseline, exact: Exact) -> Motion:
+    case = baseline.case
+    sides = {"fmu": runs.plain[case.id].value, "reference": baseline.reference.value}
+    ran = {name: run for name, run in sides.items() if run is not None}
+    shown = (case.id, case.title, case.about, exact.record, exact.event_times)
+    return Motion(*shown, records=ran, group=case.group)
+
+
+def _plantable(fmu: Path, mutants: Sequence[Mutant], law: str) -> Sequence[Mutant]:
+    """Return the faults of a friction law; refuse an FMU in which none can be planted."""
+    of_law = [mutant for mutant in mutants if mutant.law == law]
+    if mutants and not of_law:
+        named = ", ".join(dict.fromkeys(mutant.law for mutant in mutants))
+        reason = f"the fault is one of {named}; this FMU's law is {law}"
+        raise MutantError(mutants[0].file, "law", reason)
+    inside = next((mutant for mutant in of_law if mutant.changes_the_fmu), None)
+    if inside is not None and not carries_source(fmu):
+        raise FmuError(
+            f"{fmu}: the fault {inside.id} changes the Python source of the block, which this "
+            "FMU does not carry; faults in the calls can be planted in any FMU"
+        )
+    return of_law
 
 
 def _from_the_start(case: Case) -> Case:
@@ -258,11 +244,9 @@ def _from_the_start(case: Case) -> Case:
 def _of_any(case: Case) -> bool:
     """Whether a case is one for any solver: physics, not too long, in steps that can be cut."""
     period = 2.0 * math.pi * math.sqrt(case.start["m"] / case.start["k"])
-    step = max(step.h for step in case.steps)
-    physics = case.klass == Klass.PHYSICS
-    if case.id in OF_DIGITS:
-        return False
-    return physics and case.stop_time <= LONGEST_OF_ANY and step <= MOST_PERIODS * period
+    short = max(step.h for step in case.steps) <= MOST_PERIODS * period
+    of_physics = case.klass == Klass.PHYSICS and case.id not in OF_DIGITS
+    return of_physics and case.stop_time <= LONGEST_OF_ANY and short
 
 
 def _without(

@@ -2,15 +2,21 @@
 
 import inspect
 
-from stickslip_verification.judge.metrics import energy, events, outputs, slip, stick
-from stickslip_verification.judge.metrics.course import Course, Metric, MissingOutputError, Residual
+from stickslip_verification.judge.metrics import energy, events, outputs, slip
+from stickslip_verification.judge.metrics.course import (
+    CheckError,
+    Course,
+    LackingError,
+    Metric,
+    Residual,
+)
 from stickslip_verification.judge.metrics.direct import DIRECT
 
-__all__ = ["METRICS", "Course", "Metric", "MissingOutputError", "Residual"]
+__all__ = ["METRICS", "CheckError", "Course", "LackingError", "Metric", "Residual"]
 
 METRICS: dict[str, Metric] = {
     f"{module.__name__.rpartition('.')[2]}.{name}": metric
-    for module in (stick, slip, events, energy, outputs)
+    for module in (slip, events, energy, outputs)
     for name, metric in inspect.getmembers(module, inspect.isfunction)
     if metric.__module__ == module.__name__ and not name.startswith("_")
 } | DIRECT

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,12 @@ SLACK = 8.0 * 2.0**-52
 """What the rest test forgives, as a part of the forces it compares: docs/theory.md (4)."""
 
 
-class MissingOutputError(LookupError):
-    """The side does not give an output that an invariant is about; the text is its name."""
+class CheckError(ValueError):
+    """A check cannot be evaluated: the message says what is not there."""
+
+
+class LackingError(CheckError):
+    """A side does not have an output that a check needs."""
 
 
 @dataclass(frozen=True)
@@ -34,14 +39,6 @@ class Residual:
     where: Mask
     scale: Series | float
     unit: str
-
-    @property
-    def errors(self) -> Series:
-        """Residual over scale at the steps that the invariant is about."""
-        values = np.abs(self.values)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            parts = np.where(values == 0.0, 0.0, values / np.asarray(self.scale))
-        return np.asarray(parts[self.where])
 
 
 @dataclass(frozen=True)
@@ -59,16 +56,16 @@ class Course:
     event_times: Series
 
     def after(self, name: str) -> Series:
-        """Return an output at the end of each step; `MissingOutputError` if the side lacks it."""
+        """Return an output at the end of each step; `LackingError` if the side lacks it."""
         if name not in self.record.outputs:
-            raise MissingOutputError(name)
+            raise LackingError(f"no output {name}")
         return self.record.outputs[name]
 
     def before(self, name: str) -> Series:
         """Return an output at the beginning of each step, or raise as `after` does."""
         samples = self.after(name)
         if name not in self.record.initial:
-            raise MissingOutputError(name)
+            raise LackingError(f"no output {name}")
         return np.concatenate(([self.record.initial[name]], samples[:-1]))
 
     def change(self, name: str) -> Series:
@@ -95,12 +92,9 @@ class Course:
     @cached_property
     def settings(self) -> Mapping[str, Series]:
         """What acts during each step, by name: all values; mu_k as the law uses it: (1)."""
-        values = dict(self.case.start)
-        rows = []
-        for step in self.case.steps:
-            values = {**values, **step.changes}
-            rows.append(values)
-        columns = {name: np.array([row[name] for row in rows]) for name in values}
+        changes = (step.changes for step in self.case.steps)
+        _, *rows = accumulate(changes, lambda row, new: {**row, **new}, initial=self.case.start)
+        columns = {name: np.array([row[name] for row in rows]) for name in rows[-1]}
         law = friction_law(self.case.law)
         columns["mu_k"] = np.array([law.coefficient(row) for row in rows])
         return columns
@@ -108,11 +102,8 @@ class Course:
     @cached_property
     def reset_at_begin(self) -> Mask:
         """Steps at whose beginning something may let the mass go: the first, and after changes."""
-        differs = np.zeros(self.h.size, dtype=np.bool_)
-        differs[0] = True
-        for values in self.settings.values():
-            differs[1:] |= values[1:] != values[:-1]
-        return differs
+        changes = [np.diff(values, prepend=np.nan) for values in self.settings.values()]
+        return np.asarray(np.any(np.array(changes) != 0.0, axis=0))
 
     @cached_property
     def normal_force(self) -> Series:
@@ -159,11 +150,11 @@ class Course:
         """Direction of slip before and after each step, from mode or, without it, sticking."""
         if "mode" in self.record.outputs:
             return self.before("mode"), self.after("mode")
-        stuck_before, stuck_after = self.before("sticking") != 0, self.after("sticking") != 0
-        return (
-            np.where(stuck_before, 0.0, np.sign(self.before("x_dot"))),
-            np.where(stuck_after, 0.0, np.sign(self.after("x_dot"))),
+        before, after = (
+            np.where(at("sticking") != 0, 0.0, np.sign(at("x_dot")))
+            for at in (self.before, self.after)
         )
+        return before, after
 
     @property
     def rests(self) -> Mask:
@@ -236,37 +227,26 @@ class Course:
     @cached_property
     def force_scale(self) -> float:
         """Largest of the forces in play [N]: what their differences are rounded to."""
-        s = self.settings
-        spring = np.max(np.abs(s["k"] * self.exact.outputs["z"]))
-        held = np.max(self.exact.outputs["F_s"])
-        return float(max(spring, np.max(np.abs(s["F_ext"])), held))
+        spring = self.settings["k"] * self.exact.outputs["z"]
+        return _largest(spring, self.settings["F_ext"], self.exact.outputs["F_s"])
 
     @cached_property
     def speed_scale(self) -> float:
         """Largest speed in play [m/s]."""
-        speeds = (self.exact.outputs["x_dot"], self.settings["v"])
-        return float(max(np.max(np.abs(each)) for each in speeds))
+        return _largest(self.exact.outputs["x_dot"], self.settings["v"])
 
     @cached_property
     def energy_scale(self) -> float:
         """Largest energy in play [J]."""
         exact, s = self.exact.outputs, self.settings
         stored = 0.5 * s["k"] * exact["z"] ** 2 + 0.5 * s["m"] * exact["x_dot"] ** 2
-        pushed = np.max(np.abs(s["F_ext"])) * np.max(np.abs(exact["x"]))
-        sums = (np.max(np.abs(exact[name])) for name in ("W_pull", "W_k", "Q_friction"))
-        return float(max(np.max(stored), pushed, *sums))
+        pushed = _largest(s["F_ext"]) * exact["x"]
+        return _largest(stored, pushed, *(exact[name] for name in ("W_pull", "W_k", "Q_friction")))
 
-    def scale_of(self, output: str) -> float:
-        """Return the largest in play of the kind of an output: what it is measured against."""
-        kinds = {
-            "m": self.swing_length,
-            "m/s": self.swing_speed,
-            "N": self.force_scale,
-            "J": self.energy_scale,
-            "s": self.case.stop_time,
-        }
-        largest = float(np.max(np.abs(self.exact.outputs[output]))) or 1.0
-        return kinds.get(QUANTITIES[output].unit, largest)
+    @cached_property
+    def length_scale(self) -> float:
+        """Largest length in play [m]."""
+        return _largest(*(self.exact.outputs[name] for name in ("x", "x_pull", "z")))
 
     @cached_property
     def swing_length(self) -> float:
@@ -278,14 +258,24 @@ class Course:
     def swing_speed(self) -> float:
         """Largest speed in play in a slip [m/s]: what an extension amounts to in a radian too."""
         fastest = float(np.sqrt(np.max(self.settings["k"] / self.settings["m"])))
-        return max(self.speed_scale, fastest * float(np.max(np.abs(self.exact.outputs["z"]))))
+        return max(self.speed_scale, fastest * _largest(self.exact.outputs["z"]))
 
-    @cached_property
-    def length_scale(self) -> float:
-        """Largest length in play [m]."""
-        lengths = (self.exact.outputs[name] for name in ("x", "x_pull", "z"))
-        return float(max(np.max(np.abs(each)) for each in lengths))
+    def scale_of(self, output: str) -> float:
+        """Return the largest in play of the kind of an output: what it is measured against."""
+        kinds = {
+            "m": self.swing_length,
+            "m/s": self.swing_speed,
+            "N": self.force_scale,
+            "J": self.energy_scale,
+            "s": self.case.stop_time,
+        }
+        largest = _largest(self.exact.outputs[output]) or 1.0
+        return kinds.get(QUANTITIES[output].unit, largest)
+
+
+def _largest(*series: Series) -> float:
+    return float(max(np.max(np.abs(samples)) for samples in series))
 
 
 Metric = Callable[[Course], Residual]
-"""From a side's run to what an invariant leaves over in it. Raises `MissingOutputError`."""
+"""From a side's run to what an invariant leaves over in it. Raises `LackingError`."""

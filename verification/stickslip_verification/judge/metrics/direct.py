@@ -1,10 +1,20 @@
-"""Residuals that one expression makes of a run, by the name of the metric: module and function."""
+"""Residuals of stick, and those that one expression makes of a run, by the name of the metric."""
 
 from typing import Final
 
 import numpy as np
 
-from stickslip_verification.judge.metrics.course import Metric
+from stickslip_verification.judge.metrics.course import SLACK, Course, Metric, Residual
+
+
+def _within_break_away(c: Course) -> Residual:
+    """By how much the force on a resting mass exceeds F_s, beyond the slack of the rest test."""
+    spring, push = c.settings["k"] * c.after("z"), c.settings["F_ext"]
+    threshold, rate = c.static_friction(c.age)
+    slack = SLACK * (np.abs(spring) + np.abs(push) + threshold) + rate * c.dating
+    excess = np.maximum(np.abs(spring + push) - threshold - slack, 0.0)
+    return Residual(excess, c.rests, c.force_scale, "N")
+
 
 DIRECT: Final[dict[str, Metric]] = {
     "stick.position_held": lambda c: c.residual(c.change("x"), c.length_scale, "m", c.stick),
@@ -15,6 +25,7 @@ DIRECT: Final[dict[str, Metric]] = {
         "N",
         c.rests,
     ),
+    "stick.within_break_away": _within_break_away,
     "slip.friction_against_motion": lambda c: c.residual(
         np.maximum(c.after("F_friction") * np.sign(c.after("x_dot")), 0.0),
         c.force_scale,

@@ -3,7 +3,6 @@
 import numpy as np
 
 from stickslip_verification.judge.metrics.course import Course, Residual
-from stickslip_verification.model.run import Series
 
 
 def balance(course: Course) -> Residual:
@@ -11,7 +10,7 @@ def balance(course: Course) -> Residual:
     s = course.settings
     pushed = np.cumsum(np.asarray(s["F_ext"] * course.change("x"), np.longdouble))
     supplied = course.after("W_pull") + course.after("W_k") + pushed - course.after("Q_friction")
-    stored = _stored(course, course.after("z"), course.after("x_dot"), s["k"])
+    stored = 0.5 * s["k"] * course.after("z") ** 2 + 0.5 * s["m"] * course.after("x_dot") ** 2
     before = course.case.start
     z, x_dot = (course.before(name)[0] for name in ("z", "x_dot"))
     at_start = 0.5 * before["k"] * z**2 + 0.5 * before["m"] * x_dot**2
@@ -45,7 +44,3 @@ def work_of_the_pull(course: Course) -> Residual:
     drag = np.max(s["c"]) * course.length_scale * np.max(np.abs(s["v"]))
     left = course.change("W_pull") - work
     return Residual(left, course.eventless, course.energy_scale + float(momentum + drag), "J")
-
-
-def _stored(course: Course, z: Series, x_dot: Series, k: Series) -> Series:
-    return 0.5 * k * z**2 + 0.5 * course.settings["m"] * x_dot**2

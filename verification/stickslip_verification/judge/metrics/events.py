@@ -36,8 +36,7 @@ def rest_at_re_stick(course: Course) -> Residual:
     """Velocity that the equation of slip gives at the time of a reported re-stick."""
     chosen = course.re_stick
     equations = propagation.slips(course, chosen, course.mode[0])
-    length = np.asarray(course.since_begin[chosen], np.longdouble)
-    stopped = equations.move(propagation.state(course, chosen), length)
+    stopped = equations.move(propagation.state(course, chosen), course.since_begin[chosen])
     rate = np.abs(np.asarray(equations.acceleration(stopped), np.float64))
     values = np.zeros(course.h.size)
     values[chosen] = _beyond(np.asarray(stopped.x_dot, np.float64), rate * course.dating[chosen])
@@ -46,22 +45,17 @@ def rest_at_re_stick(course: Course) -> Residual:
 
 def spring_joined(course: Course) -> Residual:
     """Extension at the end of a step with one transition, against both phases joined at it."""
-    values = np.zeros(course.h.size)
-    v = course.settings["v"]
+    v, z = course.settings["v"], course.after("z")
     began, ended = course.break_away, course.re_stick
     first, rest = course.since_begin, course.h - course.since_begin
-    slipped = propagation.slips(course, began, course.mode[1])
-    loaded = course.before("z")[began] + v[began] * first[began]
-    start = propagation.State(
-        np.asarray(loaded, np.longdouble), np.zeros(loaded.size, np.longdouble)
-    )
-    joined = slipped.move(start, np.asarray(rest[began], np.longdouble)).z
-    values[began] = course.after("z")[began] - joined
+    values = np.zeros(course.h.size)
+    loaded = np.asarray(course.before("z") + v * first, np.longdouble)[began]
+    start = propagation.State(loaded, np.zeros_like(loaded))
+    slipped = propagation.slips(course, began, course.mode[1]).move(start, rest[began])
+    values[began] = z[began] - slipped.z
     stopping = propagation.slips(course, ended, course.mode[0])
-    stopped = stopping.move(
-        propagation.state(course, ended), np.asarray(first[ended], np.longdouble)
-    ).z
-    values[ended] = course.after("z")[ended] - (stopped + v[ended] * rest[ended])
+    stopped = stopping.move(propagation.state(course, ended), first[ended])
+    values[ended] = z[ended] - (stopped.z + v[ended] * rest[ended])
     left = _beyond(values, course.speed_scale * course.dating)
     return Residual(left, np.asarray(began | ended), course.swing_length, "m")
 

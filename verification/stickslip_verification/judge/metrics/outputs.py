@@ -1,12 +1,9 @@
 """Outputs that say the same thing twice must agree: docs/theory.md (1), (2), (6), (10), (16)."""
 
-import math
-
 import numpy as np
 
 from stickslip_verification.judge.metrics.course import Course, Residual
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Series
 
 _STEADY = 1e-12
 """Where the exact motion itself keeps delta_x = v T to this part, the cycle is steady."""
@@ -54,29 +51,16 @@ def columns(course: Course) -> Residual:
 def finite(course: Course) -> Residual:
     """How many outputs are no finite number, or are missing at the point."""
     count = np.zeros(course.h.size)
-    for name in course.record.outputs:
-        count += ~np.isfinite(_padded(course.record.outputs[name], count.size))
+    for samples in course.record.outputs.values():
+        count[samples.size :] += 1
+        count[: samples.size] += ~np.isfinite(samples[: count.size])
     return course.residual(count, 1.0, "1")
 
 
 def start(course: Course) -> Residual:
     """Largest deviation of an output after initialization, over the output's own scale."""
-    deviations = [
-        _deviation(given, course.exact.initial[name], course.exact.outputs[name])
-        for name, given in course.record.initial.items()
-    ]
-    worst = float(np.max(deviations))
-    first = np.arange(course.h.size) == 0
-    return Residual(np.full(course.h.size, worst), first, 1.0, "1")
-
-
-def _deviation(given: float, expected: float, samples: Series) -> float:
-    if given == expected:
-        return 0.0
-    scale = max(float(np.max(np.abs(samples))), abs(expected))
-    return abs(given - expected) / scale if scale > 0.0 else math.inf
-
-
-def _padded(samples: Series, count: int) -> Series:
-    """Return so many samples, NaN where there are none."""
-    return np.concatenate((samples, np.full(max(count - samples.size, 0), np.nan)))[:count]
+    got, exact = course.record.initial, course.exact
+    off = np.array([abs(value - exact.initial[name]) for name, value in got.items()])
+    scale = [max(np.max(np.abs(exact.outputs[n])), abs(exact.initial[n])) for n in got]
+    worst = np.max(np.where(off == 0.0, 0.0, off / np.array(scale)))
+    return Residual(np.full(course.h.size, worst), np.arange(course.h.size) == 0, 1.0, "1")

@@ -15,6 +15,7 @@ from stickslip_verification.model.run import Series
 
 Wide = NDArray[np.longdouble]
 
+_PRODUCT = "ijn,jkn->ikn"
 _TERMS = 24
 _LARGEST = 0.25
 """A series of so many terms is exact to 1e-30 for matrices of this norm."""
@@ -54,12 +55,12 @@ class Slips:
         rate = self.k * (self.v - state.x_dot) - self.c * self.acceleration(state)
         return np.asarray(rate / self.m)
 
-    def move(self, state: State, duration: Wide) -> State:
+    def move(self, state: State, duration: Series | Wide) -> State:
         """Return the state `duration` [s] later, if the slip lasts."""
         w = np.sqrt(self.k / self.m)
         centre = (self.c * self.v - self.drive) / self.k
         y, rate = state.z - centre, (self.v - state.x_dot) / w
-        a, b, c, d = _transition(w * duration, self.c / (self.m * w))
+        a, b, c, d = _transition(w * np.asarray(duration, np.longdouble), self.c / (self.m * w))
         return State(centre + a * y + b * rate, self.v - w * (c * y + d * rate))
 
 
@@ -88,12 +89,8 @@ def _transition(tau: Wide, two_zeta: Wide) -> tuple[Wide, Wide, Wide, Wide]:
     eye[0, 0] = eye[1, 1] = 1.0
     total, term = eye.copy(), eye
     for n in range(1, _TERMS):
-        term = _product(term, step) / n
+        term = np.einsum(_PRODUCT, term, step) / n
         total = total + term
     for _ in range(halvings):
-        total = _product(total, total)
+        total = np.einsum(_PRODUCT, total, total)
     return total[0, 0], total[0, 1], total[1, 0], total[1, 1]
-
-
-def _product(left: Wide, right: Wide) -> Wide:
-    return np.asarray(np.einsum("ijn,jkn->ikn", left, right))

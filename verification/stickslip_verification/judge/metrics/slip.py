@@ -4,7 +4,6 @@ import numpy as np
 
 from stickslip_verification.judge.metrics import propagation
 from stickslip_verification.judge.metrics.course import Course, Residual
-from stickslip_verification.model.run import Series
 
 _POLISHES = 4
 _PROBES = (*(0.5**n for n in range(30, 4, -1)), *(n / 16.0 for n in range(1, 17)))
@@ -14,19 +13,12 @@ and near the beginning too, where a heavily damped motion has its only extreme."
 
 def extension_follows(course: Course) -> Residual:
     """Extension of the spring at the end of a step in slip, against the equation of slip."""
-    expected = _propagated(course).z
-    got = course.after("z")
-    return Residual(
-        _spread(course, got[course.slip] - expected), course.slip, course.swing_length, "m"
-    )
+    return _spread(course, _missed(course, "z"), course.swing_length, "m")
 
 
 def velocity_follows(course: Course) -> Residual:
     """Velocity at the end of a step in slip, against the equation of slip."""
-    expected = _propagated(course).x_dot
-    got = course.after("x_dot")
-    left = _spread(course, got[course.slip] - expected)
-    return Residual(left, course.slip, course.swing_speed, "m/s")
+    return _spread(course, _missed(course, "x_dot"), course.swing_speed, "m/s")
 
 
 def friction_as_stated(course: Course) -> Residual:
@@ -60,19 +52,19 @@ def never_past_rest(course: Course) -> Residual:
             stride = np.where(jerk == 0.0, 0.0, equations.acceleration(here) / jerk)
         at = np.clip(at - np.clip(stride, -at / 2.0, at / 2.0), 0.0, span)
         lowest = np.minimum(direction * equations.move(begin, at).x_dot, lowest)
-    passed = np.maximum(-lowest, 0.0) if h.size else lowest
-    return Residual(_spread(course, passed), chosen, course.swing_speed, "m/s")
+    return _spread(course, np.maximum(-lowest, 0.0), course.swing_speed, "m/s")
 
 
-def _propagated(course: Course) -> propagation.State:
+def _missed(course: Course, name: str) -> propagation.Wide:
+    """Return an output at the end of the steps in slip, less what the equation of slip gives."""
     chosen = course.slip
     equations = propagation.slips(course, chosen, course.mode[1])
-    h = np.asarray(course.h[chosen], np.longdouble)
-    return equations.move(propagation.state(course, chosen), h)
+    moved = equations.move(propagation.state(course, chosen), course.h[chosen])
+    return np.asarray(course.after(name)[chosen] - getattr(moved, name))
 
 
-def _spread(course: Course, left: propagation.Wide) -> Series:
-    """Put the residuals of the steps in slip at their places among all steps."""
+def _spread(course: Course, left: propagation.Wide, scale: float, unit: str) -> Residual:
+    """Return the residuals of the steps in slip at their places among all steps."""
     values = np.zeros(course.h.size)
     values[course.slip] = left
-    return values
+    return Residual(values, course.slip, scale, unit)
