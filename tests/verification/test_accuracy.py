@@ -18,6 +18,7 @@ from stickslip_verification.drive.solvers import SOLVERS, Solver
 from stickslip_verification.judge.accuracy import STANDS_OUT, Ruler, matched, wrong_parameter
 from stickslip_verification.model.run import Run
 from stickslip_verification.run.causes import Shown, cause
+from stickslip_verification.run.numerical import Plain, Solution
 from stickslip_verification.suite.family import load_family
 from tests.makers import plain
 from tests.verification.test_run import judged, wrong
@@ -82,6 +83,38 @@ def test_the_data_of_the_family_are_what_its_solvers_have() -> None:
                 solver,
                 name,
             )
+
+
+def changed(run: Run, **outputs: Any) -> Run:
+    return replace(run, outputs={**run.outputs, **outputs})
+
+
+def test_a_mass_that_creeps_in_stick_is_seen_and_an_honest_one_is_still() -> None:
+    of, run = ruler("default"), SOLVERS["semi-implicit Euler, 1 ms"].run(cases()["default"])
+    way = 1e-3 * of.exact.record.outputs["x_pull"]
+    assert of.creep(run, 1e-4).delta == 0.0
+    assert of.creep(changed(run, x=run.outputs["x"] + way), 1e-4).delta == pytest.approx(1e-3)
+
+
+def test_an_extreme_may_be_that_of_the_communication_points() -> None:
+    of = ruler("default")
+    exact = of.exact.record
+    peak = np.minimum(exact.outputs["x_dot_peak"], of._seen_peak)
+    sampled, less = (changed(exact, x_dot_peak=part * peak) for part in (1.0, 0.999))
+    assert np.any(peak < exact.outputs["x_dot_peak"])
+    assert of.deviation(sampled, ["x_dot_peak"]).delta == 0.0
+    assert of.deviation(less, ["x_dot_peak"]).delta > 1e-4
+
+
+@pytest.mark.parametrize("mean", [False, True])
+def test_a_velocity_that_is_the_mean_of_a_step_is_not_that_of_the_motion(mean: bool) -> None:
+    plain = {}
+    for name in ("default", "heavy", "loaded", "no-gap", "tuned"):
+        run = ruler(name).exact.record
+        way, time = (np.diff(n, prepend=n[:1]) for n in (run.outputs["x"], run.times))
+        off = changed(run, x_dot=way / np.where(time > 0.0, time, 1.0))
+        plain[name] = Plain(cases()[name], ruler(name), off if mean else run)
+    assert Solution(plain).mismatched is mean
 
 
 Slide = type[solvers.Slider]

@@ -47,6 +47,13 @@ SATURATED: Final = 0.1
 LEAST: Final = 1e-13
 """Below it delta is rounding."""
 
+FLOOR: Final = 5e-11
+"""Delta that any solution may have: the arithmetic of an exact block, which no user sees."""
+
+STILL: Final = 2e-4
+"""Part of the pull's way that the mass may move in stick: honest solvers none, the switch model a
+quarter of it."""
+
 DIVERGED: Final = 1.0
 """Delta of a run that leaves all numbers: its steps are too long for the motion."""
 
@@ -112,6 +119,11 @@ class Ruler:
                 low, high = (each[read] - self._at(name)[read] for each in self._about(name))
                 between = np.fmax(np.fmax(expected + low - got, got - expected - high), 0.0)
                 error = np.where(self._near_event[read], 0.0 if discrete else between, error)
+            if name == "x_dot_peak":
+                # The extreme may be that of the communication points.
+                part = got * np.sign(expected)
+                seen = part >= (1.0 - STANDS_OUT * FLOOR) * self._seen_peak[read]
+                error = np.where(seen & (part <= np.abs(expected)), 0.0, error)
             if name in (*_COUNTED, *_TIMES):
                 error = np.where(self._crept[read], 0.0, error)
             largest = self.band.largest(name) or float(discrete)
@@ -138,6 +150,31 @@ class Ruler:
             if error.size and np.median(error) > SATURATED * (self.band.largest(name) or np.inf):
                 return Deviation(DIVERGED, name, float(run.times[int(np.argmax(error))]))
         return None
+
+    def creep(self, run: Run, delta: float) -> Deviation:
+        """Return the largest part of the pull's way that the mass moves in stick.
+
+        Points count where data off by 20 times `delta` lead to the same stick.
+        """
+        row = int(np.searchsorted(OFF, STANDS_OUT * delta))
+        if row == len(OFF) or "x" not in run.outputs:
+            return Deviation(0.0)
+        read, _, x, _ = self.band.pair("x", run)
+        stick = (self._at("mode") == 0.0) & ~self._other_phase[row] & ~self._near_event
+        count, pull = self._at("n_slips")[read], np.abs(np.diff(self._at("x_pull")[read]))
+        both = stick[read][1:] & stick[read][:-1] & (np.diff(count) == 0.0) & (pull > 0.0)
+        parts = np.where(both, np.abs(np.diff(x)), 0.0) / np.where(both, pull, 1.0)
+        place = int(np.argmax(parts)) if parts.size else 0
+        largest = float(parts[place]) if parts.size else 0.0
+        return Deviation(largest, "x in stick", float(run.times[place]))
+
+    @cached_property
+    def _seen_peak(self) -> Series:
+        """Largest speed at the communication points of the slip that was completed last."""
+        count = self._at("n_slips").astype(np.intp)
+        highest = np.zeros(count.max() + 2)
+        np.maximum.at(highest, count + 1, np.abs(self._at("x_dot")) * (self._at("mode") != 0.0))
+        return highest[count]
 
     @cached_property
     def _other_phase(self) -> Mask:
@@ -249,7 +286,7 @@ def matched(deltas: Mapping[str, float], family: Mapping[str, Mapping[str, float
         if pair not in nearest or misfit < nearest[pair][0]:
             nearest[pair] = misfit, solver, factor, own + factor
     near = sorted(nearest.values(), key=lambda fit: fit[0])[:_ALIKE]
-    expected = np.exp(np.max([own for *_, own in near], axis=0)).tolist()
+    expected = np.maximum(np.exp(np.max([own for *_, own in near], axis=0)), FLOOR).tolist()
     alike = {name: math.exp(factor) for _, name, factor, _ in near}
     return Matched(near[0][1], dict(zip(deltas, expected, strict=True)), alike)
 

@@ -25,16 +25,16 @@ from stickslip_verification.model.verdict import (
     Table,
 )
 from stickslip_verification.run.causes import WORST, Shown, cause
-from stickslip_verification.run.numerical import Plain, Solution, as_large, output_of
+from stickslip_verification.run.numerical import FEW, Plain, Solution, as_large, output_of
 from stickslip_verification.run.runs import Runs
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth.named import BUILT_IN
 
-FEW: Final = 5
-"""In fewer cases a free factor explains anything."""
-
 TOO_ROUGH: Final = 0.03
 """Delta in the middle case from which on nothing can be told."""
+
+ROUGH_CYCLE: Final = 0.05
+"""Error of jump or period in the middle case from which on nothing can be told."""
 
 CYCLE: Final[Mapping[str, str]] = {
     "jump": "delta_x",
@@ -113,10 +113,13 @@ def questions(
     failed = [each for each in results if each.failed]
     errors = cycle_errors(solved)
     middle = float(np.median([plain.motion.delta for plain in solved.plain.values()] or [0.0]))
-    right = not failed and wrong is None and middle <= TOO_ROUGH
+    cycle = max((of.middle for of in errors if of.quantity in ("jump", "period")), default=0.0)
+    rough = middle > TOO_ROUGH or cycle > ROUGH_CYCLE
+    off = max(middle, cycle) if rough else 0.0
+    right = not failed and wrong is None and not rough
     good = all(each.largest <= within for each in errors)
     answers = [
-        Question("Is the model right?", right, _model(solved, failed, wrong, middle)),
+        Question("Is the model right?", right, _model(solved, failed, wrong, off)),
         Question("How accurate is it?", good, _accuracy(solved, errors, within, middle)),
     ]
     if likeliest := "" if wrong is not None else _likeliest(solved, failed, runs):
@@ -137,7 +140,7 @@ def questions(
 
 
 def _model(
-    solved: Solution, failed: Sequence[CheckResult], wrong: WrongParameter | None, middle: float
+    solved: Solution, failed: Sequence[CheckResult], wrong: WrongParameter | None, off: float
 ) -> str:
     count = len(solved.plain)
     tried = f"{count} cases" if count != 1 else "1 case"
@@ -149,10 +152,11 @@ def _model(
         )
     if not failed and not count:
         return "Nothing is known of the model: no case could be run."
-    if not failed and middle > TOO_ROUGH:
+    if not failed and off:
         return (
-            "It is too far off to tell a wrong model from a rough solver: in the middle case as if "
-            f"its data were off by {_percent(middle):g} %."
+            "It is too far off to tell a wrong model from a rough solver: by "
+            f"{_percent(off):g} % in the middle case. Smaller steps tell: what is left is no error "
+            "of the steps."
         )
     if not failed and count < FEW:
         return (
