@@ -363,10 +363,15 @@ def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regim
     """
     least = swing(axis, line=line_at(axis, feed))
     courses = Courses(axis, feed)
-    rest = courses.course("rest")
-    found = [rest, courses.course("jumps"), courses.course("struck")]
+    begins: list[Begin] = ["rest", "jumps", "struck"]
     if least.damping < 0.0:
-        found.append(courses.course("even"))
+        begins.append("even")
+    found = [courses.course(begin) for begin in begins]
+    jumps = found[1]
+    if jumps.kind == "sticks":
+        # A swing that grows even where the table all but stops ends as jumps do.
+        found = [jumps if of.swing and of.swing.amplitude == _WIDEST else of for of in found]
+    rest = found[0]
     cycles = [course.stick_slip for course in found if course.stick_slip is not None]
     stick_slip = cycles[0] if cycles else None
     if axis.friction.law == "coulomb":
