@@ -283,7 +283,8 @@ def main() -> None:
         detected = bench.tried(mutant)
         with lock:
             results[mutant.name] = {**asdict(mutant), "detected by": detected}
-            asked.results.write_text(json.dumps(results, indent=1) + "\n")
+            rows = (f"{json.dumps(name)}: {json.dumps(of)}" for name, of in results.items())
+            asked.results.write_text("{\n" + ",\n".join(rows) + "\n}\n")
             print(f"{detected or 'SURVIVES'}: {mutant.name}", flush=True)
 
     try:

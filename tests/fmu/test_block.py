@@ -63,3 +63,13 @@ def test_a_slip_stopped_at_its_last_bit_does_not_jump() -> None:
         after = outputs(block)
         assert after["x"] == pytest.approx(before["x"], abs=1e-8 * v)
         assert after["z"] == pytest.approx(before["z"], abs=1e-8 * v)
+
+
+@pytest.mark.parametrize("c", [1e5, 1e7])
+def test_energy_balances_where_a_heavily_damped_slip_has_hardly_begun(c: float) -> None:
+    block = make_block(c=c, x_dot_start=0.1, z_start=0.005)
+    block.advance(0.0, 1e-3)
+    found = outputs(block)
+    given = 0.5 * 0.1**2 + 500.0 * 0.005**2 + found["W_pull"]
+    left = 0.5 * found["x_dot"] ** 2 + 500.0 * found["z"] ** 2
+    assert found["Q_friction"] == pytest.approx(given - left, rel=1e-13)
