@@ -50,6 +50,7 @@ LEAST: Final = 1e-13
 FLOOR: Final = 5e-11
 """Delta that any solution may have: the arithmetic of an exact block, which no user sees."""
 
+IN_STICK: Final = "x in stick"
 STILL: Final = 2e-4
 """Part of the pull's way that the mass may move in stick: honest solvers none, the switch model a
 quarter of it."""
@@ -166,7 +167,7 @@ class Ruler:
         parts = np.where(both, np.abs(np.diff(x)), 0.0) / np.where(both, pull, 1.0)
         place = int(np.argmax(parts)) if parts.size else 0
         largest = float(parts[place]) if parts.size else 0.0
-        return Deviation(largest, "x in stick", float(run.times[place]))
+        return Deviation(largest, IN_STICK, float(run.times[place]))
 
     @cached_property
     def _seen_peak(self) -> Series:

@@ -18,6 +18,7 @@ from stickslip_verification.drive.solvers import SOLVERS, Solver
 from stickslip_verification.judge.accuracy import (
     DIVERGED,
     FLOOR,
+    IN_STICK,
     LEAST,
     SATURATED,
     STANDS_OUT,
@@ -299,8 +300,10 @@ def _of_motion(empty: CheckResult, plain: Plain, like: Matched, expected: float)
             worst, tolerance = rest, allowed
         elif (creep := ruler.creep(run, worst.delta)).delta > STILL:
             worst, tolerance = creep, STILL
-    error = worst.delta if np.isfinite(worst.delta) else None
-    broken = f"{worst.output} is no finite number at t = {worst.time:.6g} s"
+    error, at = worst.delta if np.isfinite(worst.delta) else None, f"at t = {worst.time:.6g} s"
+    said = f"{worst.output} is no finite number {at}" if error is None else None
+    if error is not None and worst.output == IN_STICK and error > tolerance:
+        said = f"the mass moves in stick {at}, {100.0 * error:.2g} % of the pull's way"
     return replace(
         empty,
         quantity=_off(worst),
@@ -310,7 +313,7 @@ def _of_motion(empty: CheckResult, plain: Plain, like: Matched, expected: float)
         tolerance=tolerance,
         because=f"{STANDS_OUT:g} times that of {like.solver} there; {OF_OUTPUT:g} of other outputs",
         passed=worst.delta <= tolerance,
-        failure=broken if error is None else None,
+        failure=said,
     )
 
 

@@ -63,7 +63,8 @@ def counts(verdict: Verdict) -> Text:
 
 def _why(verdict: Verdict) -> str:
     if verdict.proven:
-        return "it is not what was asked for"
+        right = any(each.good for each in verdict.questions[:1])
+        return "right, but not as accurate as asked" if right else "it is not what was asked for"
     return "no check of the FMU against the exact solution or an invariant passed"
 
 
