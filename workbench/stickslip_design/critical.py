@@ -96,7 +96,11 @@ def judders(axis: Axis, feed: float) -> bool:
         beside = feed * (1.0 - _BESIDE), feed
         found = critical_velocity(axis.block(feed), friction.law, friction.own, beside)
         return found.motions(feed) != (EVEN,)
-    return not is_stable(axis) or kind_beside(axis, feed) != EVEN
+    # What needs no motion first.
+    if not is_stable(axis) or swing(axis, line=line_at(axis, feed)).damping < 0.0:
+        return True
+    courses = Courses(axis, feed)
+    return any(courses.course(begin).kind != EVEN for begin in ("jumps", "struck"))
 
 
 def kind_beside(axis: Axis, feed: float) -> Kind:
