@@ -47,6 +47,8 @@ _STILL: Final = 1e-3
 """A swing of a smaller amplitude, over the pulling speed, is steady sliding."""
 _BAND: Final = 64
 """Speeds of a swing at which the slope of the friction is looked at."""
+_CONSTANT: Final = 1e-6
+"""A damping ratio that differs by less over the speeds of a swing is one."""
 
 
 @dataclass(frozen=True)
@@ -264,21 +266,27 @@ class _Course(NamedTuple):
 def _slides_on(p: Parameters, law: FrictionLaw, z: float) -> _Course:
     """Return where the slip from rest leads that does not end, under friction that is constant.
 
-    Relative to the pull its velocity is ``exp(-zeta t) ((lambda - zeta)/nu sin(nu t) - cos(nu t))``
-    at the times t/w; docs/theory.md (13).
+    Its deviation from the pull is a linear swing from -1, of rate lambda; docs/theory.md (13).
     """
     w, zeta = float(p.w), float(p.zeta)
     lambda_ = w * (z - law.slip_friction(p, 0.0) / float(p.k)) / float(p.v)
-    nu = math.sqrt((1.0 - zeta) * (1.0 + zeta))
-    across = (lambda_ - zeta) / nu
-    amplitude = math.hypot(1.0, across)
     if zeta == 0.0:
-        return _Course("swings", Swinging(amplitude, w / (2.0 * math.pi)), math.inf)
+        return _Course("swings", Swinging(math.hypot(1.0, lambda_), w / (2.0 * math.pi)), math.inf)
+    return _Course("even", None, _settling(zeta, w, -1.0, lambda_))
+
+
+def _settling(zeta: float, w: float, off: float, rate: float) -> float:
+    """Return when a linear swing stays within `SETTLED` [s], from its deviation and rate over w.
+
+    At the times t/w it is ``exp(-zeta t) ((rate + zeta off)/nu sin(nu t) + off cos(nu t))``.
+    """
+    nu = math.sqrt((1.0 - zeta) * (1.0 + zeta))
+    across = (rate + zeta * off) / nu
     # After it no swing is off; before it the last one is.
-    last = math.log(amplitude / SETTLED) / zeta
+    last = math.log(math.hypot(off, across) / SETTLED) / zeta
     t = np.linspace(max(0.0, last - 2.0 * math.pi / nu), last, 4 * _SAMPLES)
-    off = np.exp(-zeta * t) * np.abs(across * np.sin(nu * t) - np.cos(nu * t)) > SETTLED
-    return _Course("even", None, float(t[np.flatnonzero(off)[-1]]) / w if off.any() else 0.0)
+    beyond = np.exp(-zeta * t) * np.abs(across * np.sin(nu * t) + off * np.cos(nu * t)) > SETTLED
+    return float(t[np.flatnonzero(beyond)[-1]]) / w if beyond.any() else 0.0
 
 
 def _course(p: Parameters, law: FrictionLaw, x_dot: float, z: float) -> _Course:
@@ -298,6 +306,12 @@ def _course(p: Parameters, law: FrictionLaw, x_dot: float, z: float) -> _Course:
         passed += window
         x_dot, z = float(run.x_dot[-1]), float(run.z[-1])
         before, amplitude = amplitude, _amplitude(relative)
+        zeta = _damping_within(p, law, amplitude)
+        if zeta is not None and 0.0 < zeta < 1.0:
+            # From here on it is linear.
+            force = float(p.k) * z - law.slip_friction(p, x_dot) - float(p.c) * x_dot
+            left = _settling(zeta, w, x_dot / speed - 1.0, force / (float(p.m) * w * speed))
+            return _Course("even", None, passed + left if left else last_off)
         if amplitude < _STILL or (amplitude < SETTLED and _decays(p, law, amplitude)):
             return _Course("even", None, last_off)
         if abs(amplitude / before - 1.0) < _STEADY and not _decays(p, law, amplitude):
@@ -332,16 +346,26 @@ def _fades_to(p: Parameters, law: FrictionLaw, amplitude: float, times: Floats) 
     return math.exp(float(brentq(growth, low, high, xtol=_STEADY)))
 
 
-def _decays(p: Parameters, law: FrictionLaw, amplitude: float) -> bool:
-    """Return whether a swing of this amplitude meets damping at all of its speeds."""
-    if amplitude >= 1.0:
-        return False
+def _slopes(p: Parameters, law: FrictionLaw, amplitude: float) -> Floats:
+    """Return c and the slope of the friction at the speeds of a swing of this amplitude [N.s/m]."""
     speed = float(p.v)
     looks = np.linspace(speed * (1.0 - amplitude), speed * (1.0 + amplitude), _BAND)
     knots = [knot for knot in law.knots(p) if looks[0] < knot < looks[-1]]
     looks = np.union1d(looks, knots)
-    slope = np.diff(law.friction_at(p, looks)) / np.diff(looks)
-    return bool(np.all(float(p.c) + slope >= 0.0))
+    return np.asarray(float(p.c) + np.diff(law.friction_at(p, looks)) / np.diff(looks))
+
+
+def _decays(p: Parameters, law: FrictionLaw, amplitude: float) -> bool:
+    """Return whether a swing of this amplitude meets damping at all of its speeds."""
+    return amplitude < 1.0 and bool(np.all(_slopes(p, law, amplitude) >= 0.0))
+
+
+def _damping_within(p: Parameters, law: FrictionLaw, amplitude: float) -> float | None:
+    """Return the damping ratio of a swing of this amplitude; None where it is no constant."""
+    if not 0.0 < amplitude < 1.0:
+        return None
+    ratios = _slopes(p, law, amplitude) / (2.0 * float(p.m) * float(p.w))
+    return float(np.mean(ratios)) if np.ptp(ratios) < _CONSTANT else None
 
 
 def _amplitude(relative: Floats) -> float:
