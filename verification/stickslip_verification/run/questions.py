@@ -181,7 +181,7 @@ def _model(
     where += [f"{drawn} of the random sequences"] if drawn else []
     where += ["what it does with calls"] if "" in places else []
     most = f"Most in {worst.case or 'the FMU itself'} ({worst.check}): {why}."
-    return f"The model is wrong in {' and '.join(where)}. {most}"
+    return f"The model is wrong in {' and '.join(where) or 'runs without an end'}. {most}"
 
 
 def _plain(result: CheckResult) -> bool:
