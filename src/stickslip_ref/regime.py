@@ -306,7 +306,7 @@ def _course(p: Parameters, law: FrictionLaw, x_dot: float, z: float) -> _Course:
         passed += window
         x_dot, z = float(run.x_dot[-1]), float(run.z[-1])
         before, amplitude = amplitude, _amplitude(relative)
-        zeta = _damping_within(p, law, amplitude)
+        zeta = _damping_within(p, law, float(np.max(np.abs(relative[-2 * _SAMPLES :]))))
         if zeta is not None and 0.0 < zeta < 1.0:
             # From here on it is linear.
             force = float(p.k) * z - law.slip_friction(p, x_dot) - float(p.c) * x_dot
@@ -361,7 +361,7 @@ def _decays(p: Parameters, law: FrictionLaw, amplitude: float) -> bool:
 
 
 def _damping_within(p: Parameters, law: FrictionLaw, amplitude: float) -> float | None:
-    """Return the damping ratio of a swing of this amplitude; None where it is no constant."""
+    """Return the damping ratio at speeds off by this amplitude; None where it is no constant."""
     if not 0.0 < amplitude < 1.0:
         return None
     ratios = _slopes(p, law, amplitude) / (2.0 * float(p.m) * float(p.w))

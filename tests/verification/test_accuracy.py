@@ -99,7 +99,7 @@ def test_a_mass_that_creeps_in_stick_is_seen_and_an_honest_one_is_still() -> Non
 def test_an_extreme_may_be_that_of_the_communication_points() -> None:
     of = ruler("default")
     exact = of.exact.record
-    peak = np.minimum(exact.outputs["x_dot_peak"], of._seen_peak)
+    peak = np.minimum(exact.outputs["x_dot_peak"], of.sampled_peak)
     sampled, less = (changed(exact, x_dot_peak=part * peak) for part in (1.0, 0.999))
     assert np.any(peak < exact.outputs["x_dot_peak"])
     assert of.deviation(sampled, ["x_dot_peak"]).delta == 0.0

@@ -16,7 +16,7 @@ from stickslip_verification import (
     verify,
 )
 from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.probes.table import LONG
+from stickslip_verification.drive.probes.table import LONG_PROBES
 from stickslip_verification.judge.contract import EXACT_CONTRACT, PHYSICS_CONTRACT, Contract
 from stickslip_verification.run.experiment import Experiment, compute
 from stickslip_verification.run.kill_matrix import detect
@@ -27,7 +27,7 @@ from .records import named
 
 CASES = [named("one-step"), named("reversals")]
 ALL = load_invariants()
-PROBES = [probe for probe in ALL.probes if probe.probe not in LONG]
+PROBES = [probe for probe in ALL.probes if probe.probe not in LONG_PROBES]
 INVARIANTS = replace(ALL, orders=(), probes=PROBES)
 
 

@@ -51,6 +51,8 @@ FLOOR: Final = 5e-11
 """Delta that any solution may have: the arithmetic of an exact block, which no user sees."""
 
 IN_STICK: Final = "x in stick"
+"""What is off where the mass creeps."""
+
 STILL: Final = 2e-4
 """Part of the pull's way that the mass may move in stick: honest solvers none, the switch model a
 quarter of it."""
@@ -123,7 +125,7 @@ class Ruler:
             if name == "x_dot_peak":
                 # The extreme may be that of the communication points.
                 part = got * np.sign(expected)
-                seen = part >= (1.0 - STANDS_OUT * FLOOR) * self._seen_peak[read]
+                seen = part >= (1.0 - STANDS_OUT * FLOOR) * self.sampled_peak[read]
                 error = np.where(seen & (part <= np.abs(expected)), 0.0, error)
             if name in (*_COUNTED, *_TIMES):
                 error = np.where(self._crept[read], 0.0, error)
@@ -170,7 +172,7 @@ class Ruler:
         return Deviation(largest, IN_STICK, float(run.times[place]))
 
     @cached_property
-    def _seen_peak(self) -> Series:
+    def sampled_peak(self) -> Series:
         """Largest speed at the communication points of the slip that was completed last."""
         count = self._at("n_slips").astype(np.intp)
         highest = np.zeros(count.max() + 2)

@@ -13,7 +13,7 @@ from stickslip_verification.drive.fmu.archive import FmuFile, require
 from stickslip_verification.drive.fmu.errors import FmuError
 from stickslip_verification.drive.fmu.names import NameMap
 from stickslip_verification.drive.planting import carries_source
-from stickslip_verification.drive.probes.table import LONG, OF_NUMERICAL
+from stickslip_verification.drive.probes.table import LONG_PROBES, OF_NUMERICAL
 from stickslip_verification.drive.stepping import can_run, fitting, law_of, may_change, require_law
 from stickslip_verification.judge.contract import CONTRACTS, Wanted, chosen_contract
 from stickslip_verification.model.verdict import Klass, Motion, Question, Table, Verdict
@@ -154,8 +154,8 @@ def verify(
     tried = of_faults = invariants
     if not long_probes:
         foretold = {check for mutant in mutants for check in mutant.detected_by}
-        tried = _without(invariants, LONG)
-        of_faults = _without(invariants, LONG, but=foretold)
+        tried = _without(invariants, LONG_PROBES)
+        of_faults = _without(invariants, LONG_PROBES, but=foretold)
     jobs = workers.jobs_here() if jobs is None else jobs
     apply_to = applying if held_to.numerical else None
     baseline = compute(cases, invariants, jobs, progress, numerical=apply_to)

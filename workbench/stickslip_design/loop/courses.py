@@ -303,7 +303,7 @@ class Courses:
         """Return where a swing leads that grows (`way` > 0) or fades too slowly to be followed.
 
         Swings twice or half as wide are begun until one does not go the same way, then those
-        between.
+        between. One that grows at the widest comes to a stop.
         """
         goes_on, turns = seen.amplitude, math.nan
         while not abs(turns / goes_on - 1.0) < _CLOSE:
@@ -318,6 +318,8 @@ class Courses:
                 goes_on = tried
             else:
                 turns = tried
+        if goes_on == _WIDEST:
+            return Course("sticks")
         return Course("swings", swing=Swinging(goes_on, seen.frequency))
 
     def _grows(self, deviation: float) -> float | Course:
@@ -367,10 +369,8 @@ def regime_in_loop(axis: Axis, feed: float, limit: Limit | None = None) -> Regim
     if least.damping < 0.0:
         begins.append("even")
     found = [courses.course(begin) for begin in begins]
-    jumps = found[1]
-    if jumps.kind == "sticks":
-        # A swing that grows even where the table all but stops ends as jumps do.
-        found = [jumps if of.swing and of.swing.amplitude == _WIDEST else of for of in found]
+    # One that was followed to a stop only ends as jumps do.
+    found = [found[1] if course == Course("sticks") else course for course in found]
     rest = found[0]
     cycles = [course.stick_slip for course in found if course.stick_slip is not None]
     stick_slip = cycles[0] if cycles else None

@@ -34,5 +34,5 @@ PROBES: Mapping[str, Probe] = {probe.__name__: probe for probe in _PROBES}
 OF_NUMERICAL = frozenset({calls.keeps_its_cycle.__name__})
 """The probes of numerical solutions; the exact block meets long cases in their stead."""
 
-LONG = OF_NUMERICAL | {probe.__name__ for probe in _IN_A_FRESH_PROCESS}
+LONG_PROBES = OF_NUMERICAL | {probe.__name__ for probe in _IN_A_FRESH_PROCESS}
 """The probes that take long: a long run, or a process of their own, half a second and more."""
