@@ -2,8 +2,10 @@
 
 ``python tools/same.py freeze FOLDER OTHERS`` stores answers of this tree: the ``report.json`` of
 verdicts on its own FMUs and on those in OTHERS, the scores of its curves, and the FMUs themselves.
-``python tools/same.py compare OLD NEW`` compares two such folders file by file: of JSON every field
-that is no wording, numbers within 1e-12 (1e-9 of what a fit gave), of an FMU the files in it.
+``python tools/same.py studies FOLDER`` stores what the workbench gives: runs, limits, maps,
+designs, scatter, sweeps. ``python tools/same.py compare OLD NEW`` compares two such folders file
+by file: of JSON every field that is no wording, of datasets every number, within 1e-12 (1e-9 of
+what a fit gave), of an FMU the files in it.
 Exit code 0: the same; 1: different, with the first differences of each file; 2: wrong use.
 """
 
@@ -11,6 +13,7 @@ import argparse
 import json
 import math
 import os
+import shlex
 import subprocess
 import sys
 import zipfile
@@ -20,14 +23,43 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 WORDING = {"because", "failure", "not_applicable", "provenance", "text", "summary"}
 """Keys whose values may change their words, and what tells the day and the place."""
 CLOSED, FITTED = 1e-12, 1e-9
 """Largest part by which a number may be another one."""
+AXIS = "examples/axes/lined_guide.toml"
+STRIBECK = "--law stribeck --law-parameter v_s=1mm/s"
+STUDIES = {
+    "fmu.csv": "simulate --c 2 --stop-time 5 --output-file",
+    "reference.csv": "simulate --engine reference --tau-s 100ms --stop-time 3 --output-file",
+    "stribeck.csv": f"simulate {STRIBECK} --stop-time 3 --output-file",
+    "critical.txt": "critical --c 2 --v 20mm/s",
+    "critical-ageing.txt": "critical --tau-s 100ms --c 5",
+    "critical-stribeck.txt": f"critical {STRIBECK} --c 2",
+    "lined.json": f"design {AXIS} -o {{out}}/lined.html --json",
+    "hydrostatic.json": "design examples/axes/hydrostatic_guide.toml -o {out}/hydro.html --json",
+    "score.txt": "score {out}/fmu.csv --c 2 --json",
+    "map": "map --over 'v=1..200 mm/s log 12' --over 'k=0.1..10 kN/m log 8' --c 2 -o",
+    "map-ageing": "map --over 'v=1..50 mm/s log 6' --over 'tau_s=0.05..1 s 3' --c 5 -o",
+    "map-axis": f"map {AXIS} --over 'feed=0.05..5 mm/s log 5' --over 'axis.mass=100..900 kg 3' -o",
+    "scatter": f"scatter {AXIS} --seed 1 --samples 20 --feed 1mm/s --vary 'axis.mass=± 10 %' -o",
+    "sweep": "sweep {out}/StickSlip.fmu {out}/plan.toml -o",
+}
+"""What the workbench is asked: where the answer goes, by its name, and the words of the command."""
+PLAN = """stop_time = "2 s"
+[parameters]
+mu_s = [0.4, 0.5]
+k = "500..2000 N/m 3"
+[outputs]
+x = ["jump", "period", "max"]
+n_slips = ["last"]
+"""
 SHOWN = 10
 """Differences that are printed of one file."""
 
-Leaves = dict[str, Any]
+Leaves = dict[Any, Any]
 
 
 def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
@@ -53,6 +85,21 @@ def answers(file: Path) -> Leaves:
     if file.suffix == ".fmu":
         with zipfile.ZipFile(file) as archive:
             return {name: sha256(archive.read(name)).hexdigest() for name in archive.namelist()}
+    if file.suffix == ".txt":
+        return dict(enumerate(file.read_text(encoding="utf-8").split()))
+    if file.suffix == ".csv":
+        table = np.genfromtxt(file, delimiter=",", names=True)
+        return {name: table[name] for name in table.dtype.names or ()}
+    if file.suffix == ".zarr":
+        import xarray
+
+        found = xarray.open_zarr(file, consolidated=False)
+        return {str(name): found[name].values for name in found.variables}
+    if file.suffix == ".parquet":
+        import pandas
+
+        columns = pandas.read_parquet(file)
+        return {str(name): columns[name].to_numpy() for name in columns}
     return dict(leaves(json.loads(file.read_text(encoding="utf-8"))))
 
 
@@ -66,6 +113,11 @@ def differences(old: Leaves, new: Leaves, within: float) -> Iterator[str]:
 
 
 def _same(old: Any, new: Any, within: float) -> bool:
+    if isinstance(old, np.ndarray) and old.dtype.kind == "f":
+        same_shape = np.shape(new) == old.shape
+        return same_shape and np.allclose(old, new, rtol=within, atol=0.0, equal_nan=True)
+    if isinstance(old, np.ndarray):
+        return np.array_equal(old, new)
     if isinstance(old, float) and isinstance(new, int | float):
         return math.isclose(old, new, rel_tol=within, abs_tol=0.0)
     return bool(old == new)
@@ -74,9 +126,9 @@ def _same(old: Any, new: Any, within: float) -> bool:
 def compare(old: Path, new: Path) -> int:
     """Compare two folders; print the differences and return the exit code."""
     different = 0
-    for name in sorted({file.name for folder in (old, new) for file in folder.iterdir()}):
-        if not ((old / name).is_file() and (new / name).is_file()):
-            found = ["gone" if (old / name).is_file() else "new"]
+    for name in sorted({name for folder in (old, new) for name in _names(folder)}):
+        if not ((old / name).exists() and (new / name).exists()):
+            found = ["gone" if (old / name).exists() else "new"]
         else:
             within = FITTED if name.startswith("score") else CLOSED
             found = list(differences(answers(old / name), answers(new / name), within))
@@ -85,6 +137,27 @@ def compare(old: Path, new: Path) -> int:
         for line in found[:SHOWN]:
             print(f"  {line}")
     return 1 if different else 0
+
+
+def _names(folder: Path) -> Iterator[str]:
+    """Give the files with answers in a folder and those below it."""
+    for kind in ("*.fmu", "*.json", "*.txt", "*.csv", "*.zarr", "*/*.zarr", "*/*.parquet"):
+        yield from (str(file.relative_to(folder)) for file in folder.glob(kind))
+
+
+def studies(folder: Path) -> None:
+    """Store what the workbench of this tree gives."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _command("build", "--bare", "-o", str(folder))
+    (folder / "plan.toml").write_text(PLAN, encoding="utf-8")
+    for name, asked in STUDIES.items():
+        words = shlex.split(asked.format(out=folder))
+        printed = name.endswith(".txt")
+        ran = _command(*words, *([] if printed else [str(folder / name)]))
+        if ran.returncode:
+            print(ran.stderr, end="")
+        if printed:
+            (folder / name).write_text(ran.stdout, encoding="utf-8")
 
 
 def freeze(folder: Path, others: Path) -> None:
@@ -122,12 +195,17 @@ def main() -> int:
     stored = does.add_parser("freeze", help="store the answers of this tree")
     stored.add_argument("folder", type=Path)
     stored.add_argument("others", type=Path, help="foreign FMUs and curves")
+    workbench = does.add_parser("studies", help="store what the workbench of this tree gives")
+    workbench.add_argument("folder", type=Path)
     compared = does.add_parser("compare", help="compare two stored sets")
     compared.add_argument("old", type=Path)
     compared.add_argument("new", type=Path)
     asked = parser.parse_args()
     if asked.does == "freeze":
         freeze(asked.folder, asked.others)
+        return 0
+    if asked.does == "studies":
+        studies(asked.folder)
         return 0
     return compare(asked.old, asked.new)
 

@@ -5,6 +5,7 @@ import shlex
 from collections.abc import Callable
 from pathlib import Path
 from random import Random
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from fmpy.util import read_csv
 from matplotlib.image import imread
 
-from stickslip.commands.quantities import read_values
+from stickslip.parameters import Parameters
 from tests.page.settings import CORNERS, NAMES, PRESETS, START, block, wide, with_damping
 from tests.page.window import Window
 
@@ -98,7 +99,8 @@ def test_the_command_repeats_the_setting_to_the_last_bit(window: Window) -> None
         options = dict(zip(rest[::2], rest[1::2], strict=True))
         stop = options.pop("--stop-time")
         assert end <= float(stop) <= 1.01 * end
-        values = read_values({n[2:].replace("-", "_"): text for n, text in options.items()})
+        typed: dict[str, Any] = {n[2:].replace("-", "_"): t for n, t in options.items()}
+        values = Parameters(**typed).values
         assert {name: values[name] for name in setting} == setting
     # In the digits and units that a person types.
     window.preset("machine-slideway")

@@ -11,17 +11,17 @@ from hypothesis import strategies as st
 
 import stickslip_ref
 from stickslip.errors import CommandError
+from stickslip.parameters import Parameters
+from stickslip.runs.engines import Experiment, simulate_reference
+from stickslip.runs.run import Run, fitting_interval, sample_times
 from stickslip.show.curve import curve, stick_phases
 from stickslip.show.plot import figure, write_plot
 from stickslip.show.scales import FORCES, LENGTHS, scale_for
-from stickslip.simulate.engines import Experiment, simulate_reference
-from stickslip.simulate.run import Run, fitting_interval, sample_times
-from stickslip_fmu.spec import TABLE
 from stickslip_verification import events_between
 
 
 def run(interval: float = 0.01, stop_time: float = 2.0) -> Run:
-    return simulate_reference(Experiment(TABLE.start_values(), 0.0, stop_time, interval))[0]
+    return simulate_reference(Experiment(Parameters(), 0.0, stop_time, interval))
 
 
 @pytest.mark.parametrize("interval", [0.001, 0.01, 0.05, 0.13, 0.3, 0.31])

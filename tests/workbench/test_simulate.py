@@ -7,15 +7,15 @@ import signal
 import sys
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from fmpy.util import read_csv
 
-from stickslip import cli
-from stickslip.commands import simulate
-from stickslip.errors import CommandError
-from stickslip.simulate.engines import Experiment, experiment, simulate_fmu, simulate_reference
+from stickslip import cli, library
+from stickslip.parameters import Parameters
+from stickslip.runs.engines import Experiment, experiment, simulate_fmu, simulate_reference
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
 from tests.interrupting import PROGRAM, session, wait_for_work
@@ -23,7 +23,7 @@ from tests.python import python, run
 from tests.workbench.running import Command
 
 each_engine = pytest.mark.parametrize("engine", ["fmu", "reference"])
-RUNS = {
+RUNS: dict[str, Any] = {
     "default": {},
     "reversed": {"v": -0.02, "F_ext": 1.0},
     "damped": {"c": 1.0},
@@ -39,9 +39,9 @@ RUNS = {
 @pytest.mark.parametrize("interval", [0.004, 0.03])
 @pytest.mark.parametrize("name", RUNS)
 def test_both_engines_give_the_same_run(fmu_path: Path, name: str, interval: float) -> None:
-    what = Experiment({**TABLE.start_values(), **RUNS[name]}, 0.5, 2.5, interval)
-    fmu, _ = simulate_fmu(what, fmu_path, lambda done, total: None)
-    reference, _ = simulate_reference(what)
+    what = Experiment(Parameters(**RUNS[name]), 0.5, 2.5, interval)
+    fmu = simulate_fmu(what, fmu_path, lambda done, total: None)
+    reference = simulate_reference(what)
     assert fmu.samples.dtype == reference.samples.dtype
     assert fmu.hidden_events == 0
     assert [(e.kind, e.mode) for e in fmu.events] == [(e.kind, e.mode) for e in reference.events]
@@ -57,10 +57,10 @@ def test_both_engines_give_the_same_run(fmu_path: Path, name: str, interval: flo
 
 def test_progress_goes_to_the_end_and_a_run_to_be_drawn_has_fine_samples(fmu_path: Path) -> None:
     seen: list[tuple[float, float]] = []
-    what = experiment(TABLE.start_values(), 1.0, 3.0)
+    what = experiment(Parameters(), 1.0, 3.0)
     simulate_fmu(what, fmu_path, lambda done, total: seen.append((done, total)))
     assert [seen[0], seen[-1]] == [pytest.approx((0.01, 2.0)), pytest.approx((2.0, 2.0))]
-    stiff = {**TABLE.start_values(), "k": 1e7}
+    stiff = Parameters(k=1e7)
     assert experiment(stiff, 0.0, 1.0).output_interval == 0.01
     # w = 3162 rad/s: half a radian is 0.16 ms.
     assert experiment(stiff, 0.0, 1.0, drawn=True).output_interval == 0.01 / 64
@@ -92,8 +92,8 @@ def test_build_prints_path_size_and_digest(command: Command, tmp_path: Path) -> 
 def test_the_fmu_of_a_run_is_the_block_without_its_documentation(
     command: Command, fmu_path: Path
 ) -> None:
-    built = "from pathlib import Path; from stickslip.commands.shared import build_for_run as b"
-    python("-c", f"{built}; b(Path(), 'coulomb')")
+    built = "from pathlib import Path; from stickslip_fmu.packer import build as b"
+    python("-c", f"{built}; b(Path())")
     with zipfile.ZipFile("StickSlip.fmu") as bare, zipfile.ZipFile(fmu_path) as documented:
         names = bare.namelist()
         assert {name.partition("/")[0] for name in names} == {
@@ -152,9 +152,10 @@ def test_the_clamp_of_mu_k_is_told_once(command: Command, engine: str) -> None:
 
 
 def test_a_failing_call_ends_in_the_words_of_the_fmu(fmu_path: Path) -> None:
-    values = {**TABLE.start_values(), "k": -1.0}
-    with pytest.raises(CommandError, match=r"k = -1\.0 N/m is out of range"):
-        simulate_fmu(experiment(values, 0.0, 1.0), fmu_path, lambda done, total: None)
+    p = Parameters()
+    vars(p)["values"]["k"] = -1.0
+    with pytest.raises(RuntimeError, match=r"k = -1\.0 N/m is out of range"):
+        simulate_fmu(experiment(p, 0.0, 1.0), fmu_path, lambda done, total: None)
 
 
 @each_engine
@@ -221,7 +222,7 @@ def test_outputs_that_are_closed_or_full(tmp_path: Path, line: str, code: int, s
 def test_a_fault_of_ours_is_not_wrong_use(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(simulate, "_run", lambda *_: 1 / 0)
+    monkeypatch.setattr(library, "simulate", lambda *_, **__: 1 / 0)
     answer = command("simulate", "--engine", "reference")
     assert answer.code == cli.INTERNAL_ERROR == 70
     assert re.fullmatch(r"stickslip: internal error.*\n", answer.err)

@@ -7,12 +7,12 @@ from dataclasses import replace
 import pytest
 from rich.console import Console, RenderableType
 
+from stickslip.library import simulate
+from stickslip.runs.engines import reference_parameters
 from stickslip.show.critical_table import critical_table
 from stickslip.show.cycle_table import cycle_table
 from stickslip.show.score_table import score_table
 from stickslip.show.verdict_table import verdict_table
-from stickslip.simulate.engines import experiment, reference_parameters, simulate_reference
-from stickslip_fmu.spec import TABLE
 from stickslip_ref import CriticalVelocity, Interval, Regime, StickSlip, Swinging
 from stickslip_score import Cause, Compared, Score
 from stickslip_verification import CheckResult, Verdict
@@ -71,7 +71,7 @@ def test_a_verdict(width: int) -> None:
 
 @widths
 def test_a_cycle(width: int) -> None:
-    run, _ = simulate_reference(experiment(TABLE.start_values(), 0.0, 2.0))
+    run = simulate(None, 2.0, engine="reference")
     jump = row(lines(cycle_table(run, reference_parameters(run.parameters)), width), "delta_x")
     assert jump.count("6.30536") == 2
     assert "3.924" in jump

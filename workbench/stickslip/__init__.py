@@ -1,5 +1,9 @@
-"""The `stickslip` command: build the FMU, simulate it or the reference, verify it.
+"""The stick-slip friction block: its FMU, the theory, verdicts on FMUs and curves, feed axes.
 
-The package is what people touch and nothing more: it reads quantities as people type them, runs
-an engine of the floors below, and shows what came out as a table, a CSV file or a plot.
+``import stickslip as ss``; each name is imported at its first use. `library` has the functions
+that the command is made of; the public names stand in `__init__.pyi`.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -80,3 +80,9 @@ def test_indices_of_the_function_of_ishigami_are_known() -> None:
     assert found.total == pytest.approx([(V1 + V13) / V, V2 / V, V13 / V], abs=0.01)
     for value, ends in ((found.first, found.first_range), (found.total, found.total_range)):
         assert np.all((ends[:, 0] < value) & (value < ends[:, 1]))
+
+
+def test_a_number_that_varies_alone_carries_all_the_scatter() -> None:
+    found = indices(np.arange(24.0), 8, 1)
+    assert found is not None
+    assert (found.first.tolist(), found.total.tolist()) == ([1.0], [1.0])

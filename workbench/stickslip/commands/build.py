@@ -2,16 +2,16 @@
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from stickslip.commands.expanded import command
 from stickslip.commands.options import FrictionLaw
 from stickslip.commands.shared import (
     BUILD_FOLDER,
     COULOMB,
-    build_fmu,
-    build_native_fmu,
+    built,
     long_work,
     pack_evidence,
     say,
@@ -29,17 +29,14 @@ class FmiVersion(StrEnum):
     TWO = "2"
     THREE = "3"
 
-    @property
-    def major(self) -> Literal[2, 3]:
-        """The version as the packer takes it."""
-        return 2 if self is FmiVersion.TWO else 3
-
 
 _CASE = "default"
 """The case that a build judges; `stickslip verify --pack` judges all of them."""
 
 
+@command
 def build(
+    *,
     output: Annotated[
         Path,
         typer.Option(
@@ -77,10 +74,7 @@ def build(
     """
     if this_machine and not native:
         raise CommandError("--this-machine is for --native; the Python FMU is not compiled")
-    if native:
-        fmu = build_native_fmu(output, "-o", fmi.major, this_machine, law)
-    else:
-        fmu = build_fmu(output, "-o", fmi.major, law)
+    fmu = built(output, "-o", native=native, fmi=int(fmi), law=law, this_machine=this_machine)
     failed = False
     if not bare and law == COULOMB:
         verdict = _verdict(fmu)

@@ -5,11 +5,14 @@ from typing import Annotated
 
 import typer
 
+from stickslip.commands.expanded import command
 from stickslip.commands.shared import console
 from stickslip.errors import CommandError
 
 
+@command
 def design(
+    *,
     axis: Annotated[
         Path | None,
         typer.Argument(
@@ -60,11 +63,8 @@ def design(
 
 def _study(file: Path, report: Path, json: Path | None) -> None:
     from stickslip.files import check_writable, writing
+    from stickslip.library import design as designed
     from stickslip.progress import Meter
-    from stickslip.show.design_summary import design_summary
-    from stickslip_design.axis import read_axis_file
-    from stickslip_design.report import data, html
-    from stickslip_design.study import design as verdict_on
 
     targets = {report: "--output"} | ({} if json is None else {json: "--json"})
     for target, option in targets.items():
@@ -74,19 +74,14 @@ def _study(file: Path, report: Path, json: Path | None) -> None:
     if json is not None and _same(report, json):
         raise CommandError(f"--json {json}: the report goes there; name another file")
     with Meter("Studying the axis"):
-        try:
-            verdict = verdict_on(read_axis_file(file))
-        except ValueError as error:
-            raise CommandError(str(error)) from error
-        texts = {report: html(verdict)}
+        found = designed(file)
+        texts = {report: found.html()}
         if json is not None:
-            from json import dumps
-
-            texts[json] = dumps(data(verdict), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+            texts[json] = found.to_json() + "\n"
     for target, text in texts.items():
         with writing(target, targets[target]) as stream:
             stream.write(text.encode("utf-8"))
-    console().print(design_summary(verdict))
+    console().print(found.table())
     print("report:", ", ".join(map(str, texts)))
 
 

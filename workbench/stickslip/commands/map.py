@@ -1,36 +1,17 @@
 """`stickslip map`: the steady motion over ranges of two parameters or more."""
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.commands.laws import read_law
-from stickslip.commands.options import (
-    Cluster,
-    Damping,
-    Fresh,
-    Gravity,
-    GrowthTime,
-    KineticFriction,
-    LawParameter,
-    Load,
-    LogarithmicGrowth,
-    LogarithmTime,
-    MappedLaw,
-    Mass,
-    MeasuredCurve,
-    NormalForce,
-    PullingVelocity,
-    StaticFriction,
-    Stiffness,
-    Workers,
-    Yes,
-)
-from stickslip.commands.quantities import option_name, read_above_zero
+from stickslip.commands.expanded import Only, command
+from stickslip.commands.options import Computing
 from stickslip.commands.shared import say
 from stickslip.errors import CommandError
+from stickslip.parameters import Parameters, read_above_zero
 
 if TYPE_CHECKING:
     import xarray
@@ -39,7 +20,9 @@ if TYPE_CHECKING:
     from stickslip_design.maps.over import Dimension
 
 
+@command
 def map(  # noqa: A001 - the name of the command
+    *,
     axis: Annotated[
         Path | None,
         typer.Argument(
@@ -67,21 +50,11 @@ def map(  # noqa: A001 - the name of the command
             show_default=False,
         ),
     ] = None,
-    m: Mass = None,
-    g: Gravity = None,
-    k: Stiffness = None,
-    c: Damping = None,
-    mu_s: StaticFriction = None,
-    mu_k: KineticFriction = None,
-    tau_s: GrowthTime = None,
-    B: LogarithmicGrowth = None,
-    t_0: LogarithmTime = None,
-    v: PullingVelocity = None,
-    load: Load = None,
-    law: MappedLaw = None,
-    law_parameter: LawParameter = None,
-    curve: MeasuredCurve = None,
-    normal_force: NormalForce = None,
+    p: Annotated[
+        Parameters,
+        Only("m g k c mu_s mu_k tau_s B t_0 v load law own curve normal_force"),
+    ],
+    computing: Computing,
     feed: Annotated[
         str | None,
         typer.Option(
@@ -99,50 +72,34 @@ def map(  # noqa: A001 - the name of the command
             show_default=False,
         ),
     ] = None,
-    workers: Workers = None,
-    cluster: Cluster = None,
-    fresh: Fresh = False,
-    yes: Yes = False,
-) -> None:  # fmt: skip
+) -> None:
     """Map jump, period and regime over two parameters or more: pictures, a page and a dataset."""
-    typed = {"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k, "v": v, "load": load}
-    typed |= {"tau_s": tau_s, "B": B, "t_0": t_0}
-    if axis is None:
-        if feed is not None:
-            raise CommandError("--feed goes with an axis file; the block has --v")
-        law, _, values = read_law(law, typed, law_parameter, curve, normal_force)
-        name = law
-    else:
-        given = [option_name(each) for each, text in typed.items() if text is not None]
-        others = {"--law": law, "--law-parameter": law_parameter, "--curve": curve}
-        given += [each for each, text in others.items() if text is not None]
-        if given:
-            raise CommandError(f"{given[0]} goes with a map of the block; {axis} states the axis")
-        speed = read_above_zero(feed, "m/s", "--feed")
-        values, name = {} if speed is None else {"feed": speed}, axis.stem
     from stickslip.commands.running import computed as run
     from stickslip_design.maps.study import computed
 
-    held = {each: option_name(each) for each, text in typed.items() if text is not None}
-    held |= {each.partition("=")[0]: "--law-parameter" for each in law_parameter or []}
-    held |= {"feed": "--feed"} if feed is not None else {}
-    study, spans = _study(over or [], axis, law or "", values, held, curve, limit)
+    values, name = p.values, p.law
+    held = {each: "--" + each.replace("_", "-") for each in p.given}
+    held |= dict.fromkeys(p.own, "--law-parameter")
+    if axis is None:
+        if feed is not None:
+            raise CommandError("--feed goes with an axis file; the block has --v")
+    else:
+        given = [*held.values(), *(["--curve"] if p.curve else [])]
+        if p.law != Parameters().law:
+            given.append("--law")
+        if given:
+            raise CommandError(f"{given[0]} goes with a map of the block; {axis} states the axis")
+        values = {} if feed is None else {"feed": read_above_zero(feed, "m/s", "feed")}
+        held, name = {} if feed is None else {"feed": "--feed"}, axis.stem
+    study, spans = _study(over or [], axis, p.law, values, held, p.curve, limit)
     folder = output or f"{name}-map"
     _check_folder(folder)
     dataset = computed(
         study,
         spans,
         folder=folder,
-        fresh=fresh,
-        run=lambda place: run(
-            study,
-            place,
-            described="Computing the map",
-            workers=workers,
-            cluster=cluster,
-            fresh=fresh,
-            yes=yes,
-        ),
+        fresh=computing.fresh,
+        run=lambda place: run(study, place, described="Computing the map", **vars(computing)),
     )
     _show(dataset, folder)
 
@@ -151,19 +108,19 @@ def _study(
     over: list[str],
     axis: Path | None,
     law: str,
-    values: dict[str, float],
-    held: dict[str, str],
+    values: Mapping[str, float],
+    held: Mapping[str, str],
     curve: Path | None,
     limit: bool | None,
 ) -> "tuple[GridStudy, tuple[Dimension, ...]]":
-    from stickslip_design.datasets import ExtraMissingError, need
+    from stickslip_design.datasets import need
     from stickslip_design.maps.over import OverError, split
     from stickslip_design.maps.study import study_of
     from stickslip_design.points.slips import native_problem
 
+    for package in ("xarray", "zarr"):
+        need(package)
     try:
-        for package in ("xarray", "zarr"):
-            need(package)
         ranges = split(over)
         for name in ranges:
             of_curve = curve is not None and re.fullmatch(r"shape|n_points|mu_\d+|u_\d+", name)
@@ -173,8 +130,6 @@ def _study(
         study, spans = study_of(ranges, values=values, law=law, axis=axis, limit=limit)
     except OverError as error:
         raise CommandError(f"--over: {error}") from error
-    except (ValueError, ExtraMissingError) as error:
-        raise CommandError(" ".join(str(error).split())) from error
     if study.source.by_slips and (problem := native_problem()) is not None:
         say(f"warning: {problem}; the Python block computes, some hundred times slower")
     return study, spans

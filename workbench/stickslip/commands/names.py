@@ -5,10 +5,13 @@ from typing import Annotated
 
 import typer
 
+from stickslip.commands.expanded import command
 from stickslip.errors import CommandError
 
 
+@command
 def names(
+    *,
     fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="The FMU, 2.0 or 3.0.")],
     output: Annotated[
         Path | None,
@@ -19,14 +22,11 @@ def names(
 ) -> None:
     """Write a names file to begin with, for `stickslip verify --names`; the FMU is run for it."""
     from stickslip.files import writing
-    from stickslip_verification import FmuError, starter
+    from stickslip_verification import starter
 
     if output is not None and output.is_file():
         raise CommandError(f"-o {output}: it is there already, and may have been edited")
-    try:
-        text = starter(fmu)
-    except FmuError as error:
-        raise CommandError(str(error)) from error
+    text = starter(fmu)
     if output is None:
         print(text, end="")
         return

@@ -5,88 +5,53 @@ from typing import Annotated
 
 import typer
 
-from stickslip.commands.options import (
-    Damping,
-    Gravity,
-    KineticFriction,
-    Load,
-    Mass,
-    PullingVelocity,
-    StaticFriction,
-    Stiffness,
-)
-from stickslip.commands.quantities import option_name, read_values
+from stickslip.commands.expanded import Only, command
 from stickslip.commands.shared import say
-from stickslip.errors import CommandError
+from stickslip.parameters import ParameterError, Parameters
 
 DEFAULT_PAGE = Path("stick-slip.html")
 
+_Shown = Annotated[Parameters, Only("m g k c mu_s mu_k v load")]
 
+
+@command
 def page(
+    p: _Shown,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="FILE", help="File to write.")
     ] = DEFAULT_PAGE,
-    m: Mass = None,
-    g: Gravity = None,
-    k: Stiffness = None,
-    c: Damping = None,
-    mu_s: StaticFriction = None,
-    mu_k: KineticFriction = None,
-    v: PullingVelocity = None,
-    load: Load = None,
 ) -> None:
     """Write the interactive page: one HTML file that works without a network."""
-    text = _page({"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k, "v": v, "load": load})
-    _write(text, output)
-    print(f"{output}  {len(text.encode())} bytes")
+    print(f"{output}  {_write(p, output)} bytes")
 
 
-def explore(
-    m: Mass = None,
-    g: Gravity = None,
-    k: Stiffness = None,
-    c: Damping = None,
-    mu_s: StaticFriction = None,
-    mu_k: KineticFriction = None,
-    v: PullingVelocity = None,
-    load: Load = None,
-) -> None:
+@command
+def explore(p: _Shown) -> None:
     """Open the interactive page in the browser: drag a slider, see it stick and slip."""
     import tempfile
     import webbrowser
 
-    text = _page({"m": m, "g": g, "k": k, "c": c, "mu_s": mu_s, "mu_k": mu_k, "v": v, "load": load})
     # The browser reads it after this process has ended, so it stays.
     file = Path(tempfile.mkdtemp(prefix="stickslip-")) / DEFAULT_PAGE
-    _write(text, file)
+    _write(p, file)
     print(file)
     if not webbrowser.open(file.as_uri()):
         say("no browser could be started: open that file in one")
         raise typer.Exit(1)
 
 
-def _page(typed: dict[str, str | None]) -> str:
-    """Assemble the page that begins with the values typed, or with the FMU's start values."""
+def _write(p: Parameters, target: Path) -> int:
+    """Write the page that begins with the values given; return its length in bytes."""
+    from stickslip.files import writing
     from stickslip.page import page as assemble
     from stickslip.page import page_range
 
-    values = read_values(typed)
-    for name, text in typed.items():
+    for name, value in p.given.items():
         low, high, unit = page_range(name)
-        if text is not None and not low <= values[name] <= high:
-            raise CommandError(
-                f"{option_name(name)} {text!r}: the page shows {low:g} to {high:g} {unit}".rstrip()
-            )
-    weight = values["m"] * values["g"]
-    if weight + values["load"] < 0.0:
-        raise CommandError(
-            f"{option_name('load')} {typed['load']!r} would lift the mass of {weight:g} N"
-        )
-    return assemble({name: values[name] for name, text in typed.items() if text is not None})
-
-
-def _write(text: str, target: Path) -> None:
-    from stickslip.files import writing
-
+        if not low <= value <= high:
+            shown = f"{low:g} to {high:g} {unit}".rstrip()
+            raise ParameterError(name, f" {value:g}: the page shows {shown}")
+    content = assemble(dict(p.given)).encode()
     with writing(target, "-o") as stream:
-        stream.write(text.encode())
+        stream.write(content)
+    return len(content)

@@ -5,14 +5,17 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from stickslip.commands.options import Cluster, Fresh, Workers, Yes
+from stickslip.commands.expanded import command, named
+from stickslip.commands.options import Computing
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
     from stickslip_design.tolerances.result import Scatter
 
 
+@command
 def scatter(
+    *,
     axis: Annotated[
         Path, typer.Argument(metavar="AXIS.toml", help="The axis file; its ± count as scatter.")
     ],
@@ -100,43 +103,31 @@ def scatter(
             show_default=False,
         ),
     ] = None,
-    workers: Workers = None,
-    cluster: Cluster = None,
-    fresh: Fresh = False,
-    yes: Yes = False,
+    computing: Computing,
 ) -> None:  # fmt: skip
     """Tell how likely an axis jumps at a feed where its numbers vary, and by how much."""
     from stickslip.commands.running import computed
     from stickslip_design.axis import read_axis_file
     from stickslip_design.chunks import Results, Study
-    from stickslip_design.datasets import ExtraMissingError, need
+    from stickslip_design.datasets import need
     from stickslip_design.tolerances.question import question
     from stickslip_design.tolerances.study import answer
     from stickslip_design.tolerances.words import sentences
 
-    try:
-        asked = question(
-            read_axis_file(axis), vary=_named(vary or [], "--vary"), spread_is=spread_is,
-            correlation=_correlations(correlation or []), feeds=feed or (), samples=samples,
-            indices=indices, seed=seed, hold=hold, solve=solve, within=within,
-        )  # fmt: skip
-        if output is not None:
-            for module in ("xarray", "pandas", "pyarrow"):
-                need(module)
-    except (ValueError, ExtraMissingError) as error:
-        raise CommandError(str(error)) from error
+    asked = question(
+        read_axis_file(axis), vary=named(vary or [], "--vary"), spread_is=spread_is,
+        correlation=_correlations(correlation or []), feeds=feed or (), samples=samples,
+        indices=indices, seed=seed, hold=hold, solve=solve, within=within,
+    )  # fmt: skip
+    if output is not None:
+        for module in ("xarray", "pandas", "pyarrow"):
+            need(module)
 
     def compute(study: Study, name: str) -> Results:
         folder = None if output is None else str(output / "chunks" / name)
-        return computed(
-            study, folder, described=_DESCRIBED[name], workers=workers, cluster=cluster,
-            fresh=fresh, yes=yes,
-        )  # fmt: skip
+        return computed(study, folder, described=_DESCRIBED[name], **vars(computing))
 
-    try:
-        found = answer(asked, compute)
-    except ValueError as error:
-        raise CommandError(str(error)) from error
+    found = answer(asked, compute)
     for sentence in sentences(found):
         print(sentence)
     if output is not None:
@@ -153,22 +144,9 @@ _DESCRIBED = {
 """What is computed in each folder of chunks."""
 
 
-def _named(texts: list[str], option: str) -> dict[str, str]:
-    """Return what stands behind each name; `CommandError` where there is none."""
-    found: dict[str, str] = {}
-    for text in texts:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not (name and equals and value):
-            raise CommandError(f"{option} {text}: write NAME=VALUE")
-        if name in found:
-            raise CommandError(f"{option} {text}: {name} stands twice")
-        found[name] = value
-    return found
-
-
 def _correlations(texts: list[str]) -> dict[tuple[str, str], float]:
     found: dict[tuple[str, str], float] = {}
-    for names, value in _named(texts, "--correlation").items():
+    for names, value in named(texts, "--correlation").items():
         one, comma, other = (part.strip() for part in names.partition(","))
         if not (one and comma and other):
             raise CommandError(f"--correlation {names}={value}: write NAME,NAME=VALUE")

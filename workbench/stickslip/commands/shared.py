@@ -6,7 +6,7 @@ import sys
 import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import CommandError
 
@@ -37,74 +37,23 @@ def console() -> "Console":
     return Console(width=width, markup=False, highlight=False)
 
 
-def build_fmu(
-    target: Path, option: str, fmi_version: Literal[2, 3] = 2, law: str = COULOMB
-) -> Path:
-    """Build the FMU into a file or a folder, which `option` named; `CommandError` if it cannot."""
-    from stickslip.handbook import parts
-    from stickslip_fmu.packer import build
+def built(target: Path, option: str, **options: Any) -> Path:
+    """Build the FMU into a file or a folder, which `option` named; `CommandError` if it cannot.
 
-    with _building(target, option), here_on_path():
-        return build(target, parts(fmi_version, law=law), fmi_version, law)
-
-
-def build_for_run(folder: Path, law: str) -> Path:
-    """Build the FMU without its documentation, which takes a tenth of the time; `CommandError`."""
-    from stickslip_fmu.packer import build
-
-    with _building(folder, "--fmu"), here_on_path():
-        return build(folder, law=law)
-
-
-def build_native_fmu(
-    target: Path, option: str, fmi_version: Literal[2, 3], this_machine: bool, law: str = COULOMB
-) -> Path:
-    """Build the native FMU into a file or a folder, which `option` named; `CommandError` if not.
-
-    For all platforms, or with the compiler of `this_machine` for that alone.
+    The options are those of `library.build`.
     """
-    from stickslip.handbook import parts
-    from stickslip_native.compiler import CompilerError, compiler_for
-    from stickslip_native.packer import build
-
-    with _building(target, option):
-        try:
-            runtime = compiler_for(this_machine).runtime()
-            files = parts(fmi_version, runtime, law)
-            return build(target, files, fmi_version, this_machine, law)
-        except CompilerError as error:
-            raise CommandError(str(error)) from error
-
-
-@contextlib.contextmanager
-def _building(target: Path, option: str) -> Iterator[None]:
-    """Show that an FMU is built, into a file or folder; `CommandError` if it cannot be written."""
-    from stickslip.files import check_writable, make_folder
+    from stickslip.files import check_writable
+    from stickslip.library import build
     from stickslip.progress import Meter
 
-    if target.suffix == ".fmu":
-        make_folder(target.parent, option)
+    if target.suffix == ".fmu" and target.parent.is_dir():
         check_writable(target, option)
-    else:
-        make_folder(target, option)
     with Meter("Building the FMU"):
         try:
-            yield
+            return build(target, **options)
         except OSError as error:
             reason = error.strerror or str(error)
             raise CommandError(f"{option} {target}: cannot write the FMU: {reason}") from error
-        except ValueError as error:
-            raise CommandError(str(error)) from error
-
-
-@contextlib.contextmanager
-def here_on_path() -> Iterator[None]:
-    """Let Python import from the folder that the command runs in, as `python -m` does."""
-    sys.path.append(str(Path.cwd()))
-    try:
-        yield
-    finally:
-        sys.path.remove(str(Path.cwd()))
 
 
 def current_fmu(law: str = COULOMB) -> Path:
@@ -118,14 +67,14 @@ def current_fmu(law: str = COULOMB) -> Path:
     from stickslip_verification.drive.fmu.digest import content_digest
 
     with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
-        built = build_fmu(Path(folder), "--fmu", law=law)
-        there = BUILD_FOLDER / built.name
+        fresh = built(Path(folder), "--fmu", law=law)
+        there = BUILD_FOLDER / fresh.name
         with contextlib.suppress(OSError, zipfile.BadZipFile):
-            if content_digest(there) == content_digest(built):
+            if content_digest(there) == content_digest(fresh):
                 return there
         make_folder(BUILD_FOLDER, "--fmu")
         with writing(there, "--fmu") as stream:
-            stream.write(built.read_bytes())
+            stream.write(fresh.read_bytes())
     return there
 
 

@@ -7,13 +7,16 @@ from typing import Annotated
 
 import typer
 
-from stickslip.commands.options import Cluster, Fresh, Workers, Yes
+from stickslip.commands.expanded import command
+from stickslip.commands.options import Computing
 from stickslip.commands.running import computed as run
 from stickslip.commands.shared import console, say
 from stickslip.errors import CommandError
 
 
+@command
 def sweep(
+    *,
     model: Annotated[
         Path, typer.Argument(metavar="MODEL", help="The FMU or SSP file.", show_default=False)
     ],
@@ -40,46 +43,28 @@ def sweep(
     template: Annotated[
         bool, typer.Option("--template", help="Write a plan with the model's own variables.")
     ] = False,
-    workers: Workers = None,
-    cluster: Cluster = None,
-    fresh: Fresh = False,
-    yes: Yes = False,
+    computing: Computing,
 ) -> None:
     """Run an FMU or SSP file with many settings, and keep numbers of each run."""
-    from stickslip.show.sweep_summary import sweep_summary
-    from stickslip_design.chunks import StudyError
-    from stickslip_design.datasets import ExtraMissingError
-
-    try:
-        if template:
-            _write_template(model, plan)
-            return
-        if plan is None:
-            raise CommandError(
-                "no plan is named; stickslip sweep MODEL --template plan.toml writes one to begin "
-                "with"
-            )
-        from stickslip_design.sweeps.study import computed, file_of, prepare
-
-        study = prepare(model, plan)
-        found = computed(
-            study,
-            output,
-            lambda ready, chunks: run(
-                ready,
-                chunks,
-                described="Sweeping",
-                workers=workers,
-                cluster=cluster,
-                fresh=fresh,
-                yes=yes,
-            ),
+    if template:
+        _write_template(model, plan)
+        return
+    if plan is None:
+        raise CommandError(
+            "no plan is named; stickslip sweep MODEL --template plan.toml writes one to begin with"
         )
-        console().print(sweep_summary(found))
-        if output is not None:
-            say(f"written: {output}/{file_of(study)}")
-    except (StudyError, ExtraMissingError) as error:
-        raise CommandError(str(error)) from error
+    from stickslip.show.sweep_summary import sweep_summary
+    from stickslip_design.sweeps.study import computed, file_of, prepare
+
+    study = prepare(model, plan)
+    found = computed(
+        study,
+        output,
+        lambda ready, chunks: run(ready, chunks, described="Sweeping", **vars(computing)),
+    )
+    console().print(sweep_summary(found))
+    if output is not None:
+        say(f"written: {output}/{file_of(study)}")
 
 
 def _write_template(model: Path, target: Path | None) -> None:

@@ -4,19 +4,18 @@ import math
 import os
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from stickslip.commands.expanded import command
 from stickslip.commands.options import FrictionLaw
 from stickslip.commands.shared import (
     COULOMB,
     console,
     current_fmu,
-    here_on_path,
     long_work,
     pack_evidence,
     tell_of,
@@ -24,13 +23,8 @@ from stickslip.commands.shared import (
 from stickslip.errors import CommandError
 
 if TYPE_CHECKING:
-    from stickslip_verification import (
-        Case,
-        Limits,
-        Meaning,
-        NameMap,
-        Verdict,
-    )
+    from stickslip.library import FmuVerdict
+    from stickslip_verification import Limits
 
 DEFAULT_REPORT = Path("report")
 
@@ -45,7 +39,9 @@ class ContractName(StrEnum):
     PHYSICS = "physics"
 
 
+@command
 def verify(
+    *,
     fmu: Annotated[
         Path | None,
         typer.Option(
@@ -129,80 +125,47 @@ def verify(
     ] = DEFAULT_REPORT,
 ) -> None:
     """Check an FMU and the reference against the truth; exit 0 if all checks pass, else 1."""
+    from stickslip import library
     from stickslip.show import verdict_table as tables
 
-    chosen = _cases(cases)
     if list_:
-        console().print(tables.case_table(chosen))
+        console().print(tables.case_table(library.load_cases(cases)))
         return
     _check(fmu, law, names)
     _check_contract(contract, strict, pack)
-    share = _share(within)
     limits = _limits(time_limit, budget, memory)
     _check_pack(pack, fmu, names, cases)
-    name_map = _names(names, chosen)
+    library.load_cases(cases)
+    library.share(within)
     _check_targets(output)
     fmu = fmu or current_fmu(law)
-    verdict = _verdict(
-        fmu,
-        chosen,
-        names=name_map,
-        contract=None if contract is None else contract.value,
-        strict=strict,
-        jobs=jobs,
-        time_limit=time_limit,
-        limits=limits,
-        sequences=_count_of(sequences, cases),
-        seed=seed,
-        long_probes=cases is None or Path(cases).is_dir(),
-        within=share,
-        full=full or sequences is not None,
-    )
-    written = _write(verdict, chosen, output, full=paper)
+    with long_work("Verifying") as progress:
+        found = library.verify(
+            fmu,
+            cases=cases,
+            names=names,
+            within=within,
+            sequences=sequences,
+            progress=progress,
+            contract=None if contract is None else contract.value,
+            strict=strict,
+            jobs=jobs,
+            time_limit=time_limit,
+            limits=limits,
+            seed=seed,
+            full=full or sequences is not None,
+            command=shlex.join(["stickslip", *sys.argv[1:]]),
+        )
+    written = _write(found, output, full=paper)
     screen = console()
-    if all_:
-        screen.print(tables.verdict_table(verdict, screen.width))
-    else:
-        from stickslip.show.verdict_summary import verdict_summary
-
-        screen.print(verdict_summary(verdict, _meanings(chosen)))
+    screen.print(tables.verdict_table(found.verdict, screen.width) if all_ else found.table())
     for file in written:
         print(file)
     if pack:
-        pack_evidence(fmu, verdict, "--fmu")
+        pack_evidence(fmu, found.verdict, "--fmu")
         tell_of(fmu)
-    if not verdict.passed:
+    if not found.passed:
         raise typer.Exit(1)
-
-
-def _cases(wanted: str | None) -> "list[Case]":
-    """Load the cases that a pattern, a folder or a file names."""
-    from stickslip_verification import CaseError, load_case, load_cases
-
-    try:
-        with here_on_path():
-            if wanted is not None and Path(wanted).is_dir():
-                return load_cases(folder=Path(wanted))
-            if wanted is not None and wanted.endswith(".toml"):
-                return [load_case(Path(wanted))]
-            return load_cases(wanted)
-    except CaseError as error:
-        raise CommandError(str(error)) from error
-
-
-def _count_of(sequences: int | None, cases: str | None) -> int:
-    """Return how many random sequences are tried: all of them, but none beside chosen cases."""
-    from stickslip_verification.suite.sequences import COUNT
-
-    if sequences is None:
-        return 0 if cases is not None else COUNT
-    return sequences
-
-
-def _meanings(cases: "Sequence[Case]") -> "Mapping[str, Meaning]":
-    from stickslip_verification import load_invariants, meanings
-
-    return meanings(cases, load_invariants())
 
 
 def _check_contract(contract: ContractName | None, strict: bool, pack: bool) -> None:
@@ -210,20 +173,6 @@ def _check_contract(contract: ContractName | None, strict: bool, pack: bool) -> 
     for option, given in (("--strict", strict), ("--pack", pack)):
         if contract is not None and given:
             raise CommandError(f"{option} does not go with --contract")
-
-
-def _share(within: str | None) -> float | None:
-    """Read the part by which a quantity of the cycle may be off."""
-    from stickslip.units import parse
-
-    if within is None:
-        return None
-    share = parse(within, "1", "--within", "above 0 and below 1")
-    if not 0.0 < share < 1.0:
-        raise CommandError(
-            f"--within {within}: must be above 0 % and below 100 %, as 1% or as 0.01"
-        )
-    return share
 
 
 def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | None) -> None:
@@ -240,12 +189,8 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
         return
     from stickslip_fmu.laws.named import BUILT_IN, friction_law
     from stickslip_verification.drive.fmu.archive import FmuFile
-    from stickslip_verification.drive.fmu.errors import FmuError
 
-    try:
-        file = FmuFile(fmu)
-    except FmuError as error:
-        raise CommandError(str(error)) from error
+    file = FmuFile(fmu)
     file.close()
     models = [friction_law(name).law.interface.model for name in BUILT_IN]
     if not file.stated.exact or file.model_identifier not in models:
@@ -276,17 +221,6 @@ def _limits(time_limit: float, budget: float | None, memory: float) -> "Limits":
     return Limits(max(Limits.budget, time_limit) if budget is None else budget, memory)
 
 
-def _names(file: Path | None, cases: "Sequence[Case]") -> "NameMap | None":
-    from stickslip_verification import NamesError, load_names
-
-    if file is None:
-        return None
-    try:
-        return load_names(file, [each for case in cases for each in case.own])
-    except NamesError as error:
-        raise CommandError(f"--names {error}") from error
-
-
 def _check_targets(output: Path) -> None:
     """Refuse what cannot be written before the run, not after it."""
     from stickslip.files import check_writable, make_folder
@@ -300,27 +234,13 @@ def _check_targets(output: Path) -> None:
             check_writable(output / name, "-o")
 
 
-def _verdict(fmu: Path, cases: "Sequence[Case]", **options: Any) -> "Verdict":
-    """Judge the FMU; the options are those of `stickslip_verification.verify`."""
-    from stickslip_verification import FmuError, verify
-
-    command = shlex.join(["stickslip", *sys.argv[1:]])
-    # The friction law of a case may stand in a module here.
-    with here_on_path(), long_work("Verifying") as progress:
-        try:
-            return verify(fmu, cases, progress, command=command, **options)
-        except FmuError as error:
-            raise CommandError(str(error)) from error
-
-
-def _write(verdict: "Verdict", cases: "Sequence[Case]", output: Path, *, full: bool) -> list[Path]:
+def _write(found: "FmuVerdict", output: Path, *, full: bool) -> list[Path]:
     """Write the report, and give the files that a person may want to open."""
     from stickslip.progress import Meter
-    from stickslip_verification import write_json, write_report
+    from stickslip_verification import write_json
 
     with Meter("Writing the report"):
         if output.suffix == ".json":
-            write_json(verdict, output)
+            write_json(found.verdict, output)
             return [output]
-        write_report(verdict, output, meanings=_meanings(cases), full=full)
-        return [output / "index.html", output / "report.json"]
+        return [found.report(output, full=full), output / "report.json"]

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from stickslip.simulate.run import Floats, Run
+from stickslip.runs.run import Floats, Run
 
 _POINTS_PER_STEP: Final = 8
 
@@ -58,7 +58,7 @@ def curve(run: Run) -> Curve:
         Time [s], position of the mass and of the pulled end [m], and spring force [N], shape (n,).
     """
     samples = run.samples
-    k, v = run.parameters["k"], run.parameters["v"]
+    k, v = run.parameters.k, run.parameters.v
     at_events = np.array([event.time for event in run.events])
     times = np.concatenate([samples["time"], at_events])
     # An event at the time of a sample stands for both.
@@ -73,7 +73,7 @@ def curve(run: Run) -> Curve:
     t_drawn = np.append((t[:-1, None] + h[:, None] * part).ravel(), t[-1])
     # From event to event a cubic is the best guess at any step; elsewhere a coarse step is drawn
     # straight.
-    smooth = h * math.sqrt(k / run.parameters["m"]) < _LONGEST_SMOOTH_STEP
+    smooth = h * math.sqrt(k / run.parameters.m) < _LONGEST_SMOOTH_STEP
     smooth |= is_event[:-1] & is_event[1:]
     x_drawn = np.interp(t_drawn, t, x)
     curved = np.append(np.repeat(smooth, _POINTS_PER_STEP), False)

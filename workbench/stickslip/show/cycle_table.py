@@ -1,7 +1,7 @@
 """The cycle of a run beside the exact steady cycle and the one that designers write."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from rich.box import SIMPLE_HEAD
@@ -10,9 +10,9 @@ from rich.table import Table
 from rich.text import Text
 
 import stickslip_ref
+from stickslip.runs.run import Run
 from stickslip.show.fitted import Fitted
 from stickslip.show.scales import FORCES, FREQUENCIES, LENGTHS, TIMES, VELOCITIES, Scales, scale_for
-from stickslip.simulate.run import Run
 
 _ROWS: tuple[tuple[str, str, Scales], ...] = (
     ("F_s", "break-away force", FORCES),
@@ -24,6 +24,9 @@ _ROWS: tuple[tuple[str, str, Scales], ...] = (
     ("f", "frequency", FREQUENCIES),
     ("x_dot_peak", "peak velocity", VELOCITIES),
 )
+
+
+_STYLES = {"measured": "bold", "exact": "", "simplified": "dim"}
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class Row:
 
 
 def cycle_rows(run: Run, p: stickslip_ref.Parameters | None) -> Iterator[Row]:
-    """Yield the rows of the table: the last cycle of the run, and both columns of the theory.
+    """Return the rows of the table: the last cycle of the run, and both columns of the theory.
 
     Without parameters, under a friction law without such formulas, both columns are empty.
     """
@@ -50,16 +53,13 @@ def cycle_rows(run: Run, p: stickslip_ref.Parameters | None) -> Iterator[Row]:
     if p is not None and stickslip_ref.COULOMB.ages(p):
         # The output shows the value of the last sample, and both theories that of the break-away.
         seen -= {"F_s"}
+    return _rows({name: float(run.last[name]) for name in seen}, exact, designers)
+
+
+def _rows(measured: Mapping[str, float], exact: object, designers: object) -> Iterator[Row]:
     for name, meaning, scales in _ROWS:
-        measured = float(run.last[name]) if name in seen else math.nan
-        yield Row(
-            name,
-            meaning,
-            scales,
-            measured,
-            float(getattr(exact, name, math.nan)),
-            float(getattr(designers, name, math.nan)),
-        )
+        both = (float(getattr(each, name, math.nan)) for each in (exact, designers))
+        yield Row(name, meaning, scales, measured.get(name, math.nan), *both)
 
 
 def cycle_table(run: Run, p: stickslip_ref.Parameters | None) -> RenderableType:
@@ -70,7 +70,7 @@ def cycle_table(run: Run, p: stickslip_ref.Parameters | None) -> RenderableType:
     """
     rows = list(cycle_rows(run, p))
     if p is None:
-        return _table(_title(run), rows, explained=True, compared=False, theory=False)
+        return _table(_title(run), rows, ("measured",))
     forms = [
         _table(_title(run), rows, explained=explained, compared=compared)
         for explained, compared in ((True, True), (False, True), (False, False))
@@ -85,32 +85,44 @@ def cycle_table(run: Run, p: stickslip_ref.Parameters | None) -> RenderableType:
     return Fitted(forms, *(Text(note) for note in notes))
 
 
+def theory_table(
+    exact: stickslip_ref.Cycle, designers: stickslip_ref.SimplifiedCycle
+) -> RenderableType:
+    """Make the table of the steady cycle, exact and as designers write it."""
+    rows = list(_rows({}, exact, designers))
+    return _table("Steady cycle", rows, ("exact", "simplified"))
+
+
 def _table(
-    title: str, rows: Sequence[Row], *, explained: bool, compared: bool, theory: bool = True
+    title: str,
+    rows: Sequence[Row],
+    columns: Sequence[str] = ("measured", "exact", "simplified"),
+    *,
+    explained: bool = True,
+    compared: bool = True,
 ) -> Table:
     table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD)
     if explained:
         table.add_column("quantity", overflow="fold")
     table.add_column("" if explained else "quantity", overflow="fold")
     table.add_column("unit", overflow="fold")
-    columns = (("measured", "bold"), ("exact", ""), ("simplified", "dim"))
-    for heading, style in columns if theory else columns[:1]:
-        table.add_column(heading, justify="right", style=style, overflow="fold")
-        if compared and heading != "exact":
+    compared = compared and "exact" in columns
+    for name in columns:
+        style = _STYLES[name]
+        table.add_column(name, justify="right", style=style, overflow="fold")
+        if compared and name != "exact":
             table.add_column("from exact", justify="right", style=style, overflow="fold")
     for row in rows:
         shown = next((x for x in (row.exact, row.measured, row.simplified) if x == x), 0.0)
         scale = scale_for(shown, row.scales)
-        table.add_row(
-            *([row.meaning] if explained else []),
-            row.name,
-            scale.symbol,
-            _number(row.measured / scale.size),
-            *([_deviation(row.measured, row.exact)] if compared else []),
-            *([_number(row.exact / scale.size)] if theory else []),
-            *([_number(row.simplified / scale.size)] if theory else []),
-            *([_deviation(row.simplified, row.exact)] if compared else []),
-        )
+        cells = [row.meaning] if explained else []
+        cells += [row.name, scale.symbol]
+        for name in columns:
+            value: float = getattr(row, name)
+            cells.append(_number(value / scale.size))
+            if compared and name != "exact":
+                cells.append(_deviation(value, row.exact))
+        table.add_row(*cells)
     return table
 
 

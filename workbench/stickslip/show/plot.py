@@ -8,9 +8,9 @@ import numpy as np
 
 from stickslip.errors import CommandError
 from stickslip.files import writing
+from stickslip.runs.run import Run
 from stickslip.show.curve import Curve, curve, points, stick_phases
 from stickslip.show.scales import FORCES, LENGTHS, STIFFNESSES, TIMES, VELOCITIES, Scale, scale_for
-from stickslip.simulate.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -92,12 +92,17 @@ def figure(run: Run) -> "Figure":
 
     A run with hidden events is drawn as its samples only: what lies between them is not known.
     """
+    import matplotlib
     from matplotlib.figure import Figure
 
+    with matplotlib.rc_context(_STYLE):
+        return _drawn(run, Figure(figsize=(10.0, 6.4), layout="constrained"))
+
+
+def _drawn(run: Run, page: "Figure") -> "Figure":
     drawn = points(run) if run.hidden_events else curve(run)
     start, stop = float(run.samples["time"][0]), float(run.last["time"])
     time = scale_for(max(abs(start), abs(stop)), TIMES, 0.1)
-    page = Figure(figsize=(10.0, 6.4), layout="constrained")
     upper, lower = page.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     for panel in (upper, lower):
         for begin, end in () if run.hidden_events else stick_phases(run):
@@ -145,7 +150,7 @@ def _draw_force(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
     panel.plot(drawn.t / time.size, drawn.F / force.size, color=_ORANGE, **look)
     for line in lines.values():
         panel.axhline(line / force.size, color=_INK, lw=1.0, ls=(0, (5, 3)), zorder=1.5)
-    k = run.parameters["k"]
+    k = run.parameters.k
     _mark(panel, run, time, [k * event.z / force.size for event in run.events], _ORANGE)
     panel.set_ylabel(f"spring force $F$  [{force.symbol}]")
     low = min(0.0, *drawn.F, *lines.values())
@@ -177,15 +182,15 @@ def _draw_force(panel: "Axes", run: Run, drawn: Curve, time: Scale) -> None:
 
 def _break_away_lines(run: Run) -> dict[int, float]:
     """Return the spring force [N] of break-away for each direction in which this run slips."""
-    F_s, F_ext = float(run.last["F_s"]), run.parameters["F_ext"]
+    F_s, F_ext = float(run.last["F_s"]), run.parameters.F_ext
     signs = {event.mode for event in run.events} | set(run.samples["mode"].tolist())
     signs -= {0}
-    signs = signs or {-1 if run.parameters["v"] < 0.0 else 1}
+    signs = signs or {-1 if run.parameters.v < 0.0 else 1}
     return {sign: sign * F_s - F_ext for sign in sorted(signs)}
 
 
 def _line_name(run: Run, sign: int) -> str:
-    external = r" - F_\mathrm{ext}" if run.parameters["F_ext"] else ""
+    external = r" - F_\mathrm{ext}" if run.parameters.F_ext else ""
     return f"${'-' if sign < 0 else ''}F_s{external}$"
 
 
@@ -196,7 +201,7 @@ def _overshoot(run: Run, drawn: Curve, sign: int) -> float:
     for event, end in zip(run.events, ends, strict=False):
         if event.kind == "break-away" and event.mode == sign:
             slip = drawn.F[(drawn.t >= event.time) & (drawn.t <= end)]
-            furthest = max(furthest, *(sign * (slip - run.parameters["k"] * event.z)))
+            furthest = max(furthest, *(sign * (slip - run.parameters.k * event.z)))
     return furthest
 
 
@@ -228,18 +233,18 @@ def _points(run: Run, factor: float = 1.0) -> dict[str, Any]:
 
 def _title(run: Run) -> str:
     p = run.parameters
-    stiffness = scale_for(p["k"], STIFFNESSES)
-    speed = scale_for(abs(p["v"]), VELOCITIES)
+    stiffness = scale_for(p.k, STIFFNESSES)
+    speed = scale_for(abs(p.v), VELOCITIES)
     words = [
-        f"$m$ = {_signed(p['m'])} kg",
-        f"$k$ = {_signed(p['k'] / stiffness.size)} {stiffness.symbol}",
-        f"$v$ = {_signed(p['v'] / speed.size)} {speed.symbol}",
-        f"$\\mu_s$ = {_signed(p['mu_s'])}",
+        f"$m$ = {_signed(p.m)} kg",
+        f"$k$ = {_signed(p.k / stiffness.size)} {stiffness.symbol}",
+        f"$v$ = {_signed(p.v / speed.size)} {speed.symbol}",
+        f"$\\mu_s$ = {_signed(p.mu_s)}",
         f"$\\mu_k$ = {_signed(float(run.last['mu_k_used']))}",
     ]
-    words += [f"$c$ = {_signed(p['c'])} N·s/m"] if p["c"] else []
-    words += [f"load = {_signed(p['load'])} N"] if p["load"] else []
-    words += [f"$F_\\mathrm{{ext}}$ = {_signed(p['F_ext'])} N"] if p["F_ext"] else []
+    words += [f"$c$ = {_signed(p.c)} N·s/m"] if p.c else []
+    words += [f"load = {_signed(p.load)} N"] if p.load else []
+    words += [f"$F_\\mathrm{{ext}}$ = {_signed(p.F_ext)} N"] if p.F_ext else []
     return f"Stick-slip ({run.engine}):  " + ",  ".join(words)
 
 

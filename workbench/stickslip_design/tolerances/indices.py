@@ -171,6 +171,9 @@ def indices(values: Floats, rows: int, seed: int) -> Indices | None:
 
 def _estimated(parts: Floats) -> tuple[Floats, Floats]:
     """Return the indices of first and total order from the results at A, B and each mixture."""
+    if len(parts) == 3:
+        # A number that varies alone carries all of it; SciPy fails there.
+        return np.ones(1), np.ones(1)
     with np.errstate(invalid="ignore", divide="ignore"):
         found = sobol_indices(
             func={"f_A": parts[:1], "f_B": parts[1:2], "f_AB": parts[2:, np.newaxis]},

@@ -5,10 +5,9 @@ from typing import Final
 from xml.etree.ElementTree import Element, SubElement
 
 from stickslip.handbook.evidence.xml_file import xml_file
-from stickslip.simulate.csv_file import csv_bytes
-from stickslip.simulate.engines import DEFAULT_STEP, experiment, simulate_fmu
-from stickslip_fmu.interface import table_of
-from stickslip_fmu.laws.named import friction_law
+from stickslip.parameters import Parameters
+from stickslip.runs.csv_file import csv_bytes
+from stickslip.runs.engines import DEFAULT_STEP, experiment, simulate_fmu
 
 STOP_TIME: Final = 10.0
 TOLERANCE: Final = 1e-9
@@ -25,14 +24,15 @@ def result_file(fmu: Path, law: str) -> bytes:
 
     Raises
     ------
-    CommandError
+    ParameterError, FmuError
         If the FMU cannot be simulated.
     """
-    table = table_of(friction_law(law).law.interface)
-    values = table.start_values()
-    what = experiment(values, 0.0, STOP_TIME, DEFAULT_STEP, law=law, table=table)
-    run, _ = simulate_fmu(what, fmu, lambda done, total: None)
-    names = [row.name for row in table.rows if row.causality == "output" and row.unit != _LEFT_OUT]
+    p = Parameters(law=law)
+    what = experiment(p, 0.0, STOP_TIME, DEFAULT_STEP)
+    run = simulate_fmu(what, fmu, lambda done, total: None)
+    names = [
+        row.name for row in p.table.rows if row.causality == "output" and row.unit != _LEFT_OUT
+    ]
     return csv_bytes(run.samples[["time", *names]])
 
 

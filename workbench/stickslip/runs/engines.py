@@ -15,10 +15,11 @@ import numpy as np
 
 import stickslip_ref
 from fmi.table import Table, Variable
-from stickslip.errors import CommandError
+from stickslip.parameters import ParameterError, Parameters, read_above_zero, read_as
 from stickslip.progress import deferred_interrupt
-from stickslip.simulate.run import Run, drawable_interval, fitting_interval, sample_times
+from stickslip.runs.run import Run, drawable_interval, fitting_interval, sample_times
 from stickslip_design.curve_file import CURVE
+from stickslip_design.quantity import QuantityError
 from stickslip_fmu.spec import TABLE
 from stickslip_verification import Event, Transition, drive, events_between, truth
 from stickslip_verification.truth import COULOMB_NAME
@@ -29,21 +30,19 @@ Progress = Callable[[float, float], None]
 DEFAULT_STEP: Final = 0.01
 """The communication step of the FMU's default experiment [s]."""
 
+LARGEST_SAMPLE_COUNT: Final = 1_000_000
+"""Samples of a run: they take 1.5 GB and a minute."""
+
 _COLUMN_TYPES: Final = {"Real": np.float64, "Integer": np.int32, "Boolean": np.bool_}
 
 
 class Experiment(NamedTuple):
-    """What is simulated: every parameter and input by name (SI), and the times [s].
+    """What is simulated, and the times [s]."""
 
-    `law` is the name of the friction law; `table` its variable table.
-    """
-
-    parameters: Mapping[str, float]
+    parameters: Parameters
     start_time: float
     stop_time: float
     output_interval: float
-    law: str = COULOMB_NAME
-    table: Table = TABLE
 
     @property
     def duration(self) -> float:
@@ -52,45 +51,68 @@ class Experiment(NamedTuple):
 
 
 def experiment(
-    parameters: Mapping[str, float],
-    start_time: float,
-    stop_time: float,
-    output_interval: float | None = None,
+    p: Parameters,
+    start_time: float | str,
+    stop_time: float | str,
+    output_interval: float | str | None = None,
     *,
     drawn: bool = False,
-    law: str = COULOMB_NAME,
-    table: Table = TABLE,
 ) -> Experiment:
     """Make an experiment; where no interval is given, choose one.
 
     That is the step of the default experiment, doubled as fmpy does until 1000 are enough, and
     halved for a run that is to be drawn until its slips are smooth.
+
+    Raises
+    ------
+    ParameterError
+        If a text is no time, the stop is not after the start, or the interval is not positive or
+        makes more than a million samples.
     """
+    start, stop = _time(start_time, "start_time"), _time(stop_time, "stop_time")
+    if not stop > start:
+        raise ParameterError(
+            "stop_time",
+            f" {stop_time!r} is out of range: it must be after the start, > {start:g} s",
+        )
+    duration = stop - start
     if output_interval is None:
-        duration = stop_time - start_time
-        output_interval = fitting_interval(duration, DEFAULT_STEP)
+        interval = fitting_interval(duration, DEFAULT_STEP)
         if drawn:
-            w = math.sqrt(parameters["k"] / parameters["m"])
-            output_interval = drawable_interval(duration, output_interval, w)
-    return Experiment(parameters, start_time, stop_time, output_interval, law, table)
+            interval = drawable_interval(duration, interval, math.sqrt(p.k / p.m))
+        return Experiment(p, start, stop, interval)
+    interval = read_above_zero(output_interval, "s", "output_interval")
+    smallest = max(duration / LARGEST_SAMPLE_COUNT, math.ulp(max(abs(start), abs(stop))))
+    if interval < smallest:
+        raise ParameterError(
+            "output_interval",
+            f" {output_interval!r} is out of range: it must be at least {smallest:.3g} s for a run "
+            f"of {duration:g} s, a million samples",
+        )
+    return Experiment(p, start, stop, interval)
 
 
-def reference_parameters(
-    values: Mapping[str, float], law: str = COULOMB_NAME
-) -> stickslip_ref.Parameters:
-    """Return values by name (SI) as the reference takes them, the friction law's own among them.
+def _time(given: float | str, name: str) -> float:
+    try:
+        return read_as(given, "s")
+    except QuantityError as error:
+        raise ParameterError(name, f" {given!r} {error}") from None
+
+
+def reference_parameters(p: Parameters) -> stickslip_ref.Parameters:
+    """Return parameters as the reference takes them, the friction law's own among them.
 
     Raises
     ------
     ValueError
         If they do not go together, or one that is not at its start value is none of the reference.
     """
-    found = stickslip_ref.friction_law(law)
+    found, values = stickslip_ref.friction_law(p.law), p.values
     own = {name: values[name] for name in found.parameters}
     shared = {name: value for name, value in values.items() if name in truth.START_VALUES}
     for name in values.keys() - own.keys() - shared.keys():
         if values[name] != TABLE.by_name[name].start:
-            raise ValueError(f"{name}: the reference of the friction law {law} has no {name}")
+            raise ValueError(f"{name}: the reference of the friction law {p.law} has no {name}")
     with warnings.catch_warnings():
         if own.get("shape") == CURVE:
             # A curve takes the place of mu_k, which is not clamped then.
@@ -104,54 +126,56 @@ def expected_slips(what: Experiment) -> float | None:
     None where that is not known: the reference does not have the friction law, the motion does not
     repeat, or the pulled end stands still.
     """
+    law = what.parameters.law
     try:
-        p = reference_parameters(what.parameters, what.law)
-        if what.law == COULOMB_NAME:
+        p = reference_parameters(what.parameters)
+        if law == COULOMB_NAME:
             period = float(stickslip_ref.steady_cycle(p).T)
         else:
-            cycle = stickslip_ref.regime(p, what.law).stick_slip
+            cycle = stickslip_ref.regime(p, law).stick_slip
             period = cycle.period if cycle else math.nan
     except (ValueError, RuntimeError):
         return None
     return what.duration / period if period > 0.0 else None
 
 
-def simulate_reference(what: Experiment) -> tuple[Run, list[str]]:
-    """Simulate with `stickslip_ref`.
+def check_slips(what: Experiment, most: int) -> None:
+    """Refuse a run that would have many more slips than anybody waits for."""
+    # No slip is shorter than half a swing of the mass on its spring, so most runs are short enough.
+    half_swing = math.pi * math.sqrt(what.parameters.m / what.parameters.k)
+    if what.duration / half_swing <= most:
+        return
+    slips = expected_slips(what)
+    if slips is not None and slips > most:
+        raise ParameterError(
+            "stop_time",
+            f": the run has about {slips:.3g} slips, and {most} are allowed; shorten it, or allow "
+            f"them by --most-slips {math.ceil(slips)}",
+        )
 
-    Returns
-    -------
-    Run, list of str
-        The run, and the warnings in the order they were given.
 
-    Raises
-    ------
-    CommandError
-        If the reference refuses the values or cannot finish.
-    """
+def simulate_reference(what: Experiment) -> Run:
+    """Simulate with `stickslip_ref`; raises RuntimeError if it cannot finish."""
     times = sample_times(what.start_time, what.stop_time, what.output_interval)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        try:
-            parameters = reference_parameters(what.parameters, what.law)
-            trajectory = stickslip_ref.simulate(
-                parameters,
-                what.stop_time,
-                start_time=what.start_time,
-                times=times,
-                law=what.law,
-                own=parameters.own,
-            )
-        except (ValueError, RuntimeError) as error:
-            raise CommandError(_one_line(error)) from error
+        parameters = reference_parameters(what.parameters)
+        trajectory = stickslip_ref.simulate(
+            parameters,
+            what.stop_time,
+            start_time=what.start_time,
+            times=times,
+            law=what.parameters.law,
+            own=parameters.own,
+        )
     events = tuple(
         Event(event.time, Transition(event.kind), event.mode, event.x, event.z)
         for event in trajectory.events
     )
     columns = {output.name: getattr(trajectory, output.name) for output in _outputs(TABLE)}
     samples = _samples(columns, times)
-    run = Run("reference", dict(what.parameters), samples, events)
-    return run, [str(warning.message) for warning in caught]
+    notes = tuple(str(warning.message) for warning in caught)
+    return Run("reference", what.parameters, samples, events, notes=notes)
 
 
 def _outputs(table: Table) -> list[Variable]:
@@ -175,7 +199,7 @@ def _samples(columns: Mapping[str, Any], times: np.ndarray[Any, Any]) -> np.ndar
     return samples
 
 
-def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, list[str]]:
+def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> Run:
     """Simulate the FMU in the file `fmu`.
 
     Parameters
@@ -187,33 +211,26 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, 
     progress
         Called after each communication step.
 
-    Returns
-    -------
-    Run, list of str
-        The run, and the warnings of the FMU in the order they were given.
-
     Raises
     ------
-    CommandError
+    ParameterError, FmuError
         If the file is not an FMU that can be simulated, or the FMU fails; then with the FMU's own
         message.
     """
+    table, values = what.parameters.table, what.parameters.values
     times = sample_times(what.start_time, what.stop_time, what.output_interval)
-    file = _opened(fmu, what.table)
-    its = [row for row in what.table.rows if row.settable and row.name not in truth.START_VALUES]
+    file = _opened(fmu, table)
+    its = [row for row in table.rows if row.settable and row.name not in truth.START_VALUES]
     file.look_for(
-        truth.Parameter(row.name, row.unit, what.parameters[row.name], truth.Kind.TUNABLE)
-        for row in its
+        truth.Parameter(row.name, row.unit, values[row.name], truth.Kind.TUNABLE) for row in its
     )
-    lacking = [
-        row.name for row in its if not file.has(row.name) and what.parameters[row.name] != row.start
-    ]
+    lacking = [row.name for row in its if not file.has(row.name) and values[row.name] != row.start]
     if lacking:
-        raise CommandError(
-            f"--fmu {fmu}: the FMU has no parameter {', '.join(lacking)} of the friction law"
+        raise ParameterError(
+            "fmu", f" {fmu}: the FMU has no parameter {', '.join(lacking)} of the friction law"
         )
     setting = drive.Setting(
-        {name: value for name, value in what.parameters.items() if file.has(name)},
+        {name: value for name, value in values.items() if file.has(name)},
         [drive.CommunicationStep(float(h), {}) for h in np.diff(times)],
         what.start_time,
     )
@@ -232,32 +249,28 @@ def simulate_fmu(what: Experiment, fmu: Path, progress: Progress) -> tuple[Run, 
         except drive.FmuError as error:
             # The last line that the FMU wrote is its own; its wrapper dresses it up in the log.
             own = [line for line in said.getvalue().split("\n") if line.strip()]
-            raise CommandError(own[-1] if own else str(error)) from error
+            raise drive.FmuError(own[-1] if own else str(error)) from error
         finally:
             file.close()
     columns = {name: np.append(run.initial[name], run.outputs[name]) for name in run.outputs}
     samples = _samples(columns, times[: len(run.times) + 1])
-    events, hidden = events_between(samples, what.parameters["v"])
-    messages = [" ".join(text.split()) for text in run.messages]
-    return Run("fmu", dict(what.parameters), samples, events, hidden), messages
+    events, hidden = events_between(samples, what.parameters.v)
+    notes = tuple(" ".join(text.split()) for text in run.messages)
+    return Run("fmu", what.parameters, samples, events, hidden, notes)
 
 
 def _opened(fmu: Path, table: Table) -> drive.FmuFile:
     if not fmu.is_file():
         reason = "it is not a file" if fmu.exists() else "there is no such file"
-        raise CommandError(f"--fmu {fmu}: {reason}")
+        raise ParameterError("fmu", f" {fmu}: {reason}")
     try:
         file = drive.FmuFile(fmu)
     except drive.FmuError as error:
-        raise CommandError(f"--fmu {error}") from error
+        raise ParameterError("fmu", f" {error}") from error
     if file.problems:
-        raise CommandError(f"--fmu {fmu}: not an FMU: {file.problems[0]}")
+        raise ParameterError("fmu", f" {fmu}: not an FMU: {file.problems[0]}")
     common = (output for output in _outputs(table) if output.name in TABLE.by_name)
     missing = [output.name for output in common if not file.has(output.name)]
     if missing:
-        raise CommandError(f"--fmu {fmu}: the FMU has no output {', '.join(missing)}")
+        raise ParameterError("fmu", f" {fmu}: the FMU has no output {', '.join(missing)}")
     return file
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split()) or type(error).__name__

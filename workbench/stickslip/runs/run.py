@@ -1,13 +1,13 @@
 """One simulation run, whatever engine made it: samples of every output, and the events between."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.parameters import Parameters
 from stickslip_verification.model.events import Event
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -22,7 +22,7 @@ class Run:
     engine
         ``"fmu"`` or ``"reference"``.
     parameters
-        Every parameter and input by name, SI.
+        The block that was run.
     samples
         Structured array, shape (n,), as fmpy gives it: ``time`` and every output by its name, SI.
     events
@@ -30,13 +30,16 @@ class Run:
     hidden_events
         Number of sampling intervals that hold more transitions than the samples tell apart;
         `events` lacks those.
+    notes
+        The warnings of the engine, in the order they were given.
     """
 
     engine: str
-    parameters: Mapping[str, float]
+    parameters: Parameters
     samples: NDArray[np.void]
     events: tuple[Event, ...]
     hidden_events: int = 0
+    notes: tuple[str, ...] = ()
 
     @property
     def last(self) -> np.void:

@@ -1,0 +1,143 @@
+"""`import stickslip as ss`: what the command does, from Python."""
+
+import inspect
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from tests.needs import needs
+from tests.python import python
+
+AXIS = {
+    "axis": {"mass": "500 kg", "stiffness": "40 N/um", "zeta": "5 %"},
+    "friction": {"mu_s": 0.20, "mu_k": 0.15},
+    "demand": {"feeds": ["2 mm/min", "1 mm/s"]},
+}
+RESULTS: dict[str, Callable[[], Any]] = {
+    "Parameters": lambda: ss.Parameters(v="5 mm/s", law="stribeck", own={"v_s": "1 mm/s"}),
+    "cycle": ss.cycle,
+    "critical": lambda: ss.critical(ss.Parameters(c=2, v="20 mm/s")),
+    "simulate": lambda: ss.simulate(ss.Parameters(c=2), "2 s", engine="reference"),
+    "design": lambda: ss.design(AXIS),
+}
+
+
+def test_texts_with_units_and_numbers_in_si_are_the_same_parameters() -> None:
+    typed = ss.Parameters(v="20 mm/s", k="1 N/mm", m="500 g")
+    assert typed == ss.Parameters(v=0.02, k=1000.0, m=0.5)
+    assert (typed.v, typed.k, typed.mu_s) == (0.02, 1000.0, 0.5)
+    assert repr(typed) == "Parameters(m='0.5 kg', k='1000 N/m', v='0.02 m/s')"
+
+
+@pytest.mark.parametrize(
+    ("given", "reason"),
+    [
+        ({"k": "-1 N/m"}, "k '-1 N/m': k = -1.0 N/m is out of range: it must be finite and above"),
+        ({"v": "5 N"}, "v '5 N' is a force; expected a velocity in m/s"),
+        ({"load": -20}, "load = -20.0 N is out of range: it must be at least -m g"),
+        ({"law": "stribeck", "tau_s": 1}, "tau_s: the friction law stribeck has no tau_s"),
+        ({"own": {"v_s": 1}}, "v_s: the friction law has no such parameter; it has tau_s"),
+        ({"law": "none"}, "law: 'none' is no friction law"),
+    ],
+)
+def test_parameters_refuse_what_the_block_refuses(given: dict[str, Any], reason: str) -> None:
+    with pytest.raises(ss.ParameterError) as refusal:
+        ss.Parameters(**given)
+    assert str(refusal.value).startswith(reason)
+
+
+def test_block_reference_and_closed_form_give_one_cycle() -> None:
+    p = ss.Parameters(c=2)
+    exact = ss.cycle(p).exact
+    for engine in ("block", "reference"):
+        run = ss.simulate(p, "3 s", engine=engine)
+        # The reference integrates each slip to some 1e-13 of its scale.
+        assert run["T"][-1] == pytest.approx(exact.T, rel=1e-11)
+        assert run["delta_x"][-1] == pytest.approx(exact.delta_x, rel=1e-11)
+        assert np.all(np.diff(run["x"]) >= 0.0)
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_a_result_shows_itself_in_few_lines_and_prints_nothing(
+    name: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    result = RESULTS[name]()
+    assert 0 < len(repr(result).splitlines()) <= 12
+    assert len(repr(result)) < 1000
+    if isinstance(result, ss.library.Shown):
+        assert "<pre>" in result._repr_html_()
+        json.loads(result.to_json())
+    if hasattr(result, "plot"):
+        assert result.plot().axes
+    assert capfd.readouterr() == ("", "")
+
+
+@needs("studies")
+def test_a_run_and_a_map_carry_their_units() -> None:
+    run = RESULTS["simulate"]()
+    frame = run.to_dataframe()
+    assert frame.attrs["units"]["x_dot"] == "m/s"
+    assert frame["x"].iloc[-1] == run["x"][-1]
+    over: dict[str, Any] = {"v": "1..200 mm/s log 4", "k": [1e3, 1e4]}
+    found = ss.map(over, ss.Parameters(c=2), workers=1)
+    assert found.sizes == {"v": 4, "k": 2}
+    assert found.delta_x.attrs["units"] == "m"
+    exact = ss.cycle(ss.Parameters(c=2, v=1e-3, k=1e4)).exact
+    assert float(found.delta_x.sel(v=1e-3, k=1e4)) == exact.delta_x
+
+
+def test_an_axis_of_a_dictionary_is_that_of_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "axis.toml"
+    file.write_text("\n".join(ss.library._toml(AXIS)), encoding="utf-8")
+    found = ss.design(AXIS)
+    assert found.verdict.sentence == ss.design(file).verdict.sentence
+    assert found.report(tmp_path / "axis.html").read_bytes().startswith(b"<!doctype html>")
+
+
+def test_an_fmu_is_built_verified_and_reported(tmp_path: Path) -> None:
+    fmu = ss.build(tmp_path)
+    found = ss.verify(fmu, cases="one-step")
+    assert found.passed
+    assert all(row.passed for row in found.rows if row.not_applicable is None)
+    assert "passed, 0 failed" in repr(found)
+    assert found.report(tmp_path / "report").is_file()
+    ss.simulate(stop_time="5 s", engine=fmu).write_csv(tmp_path / "run.csv")
+    scored = ss.score(tmp_path / "run.csv")
+    assert scored.score.cause == "exact"
+
+
+@pytest.mark.gate
+@needs("studies")
+def test_the_script_of_the_readme_does_what_its_commands_do(tmp_path: Path) -> None:
+    (tmp_path / "axis.toml").write_text("\n".join(ss.library._toml(AXIS)), encoding="utf-8")
+    tour = Path(__file__).parents[2] / "examples" / "tour.py"
+    head, *lines = tour.read_text(encoding="utf-8").partition('__main__":\n')[2].splitlines()
+    readme = (tour.parents[1] / "README.md").read_text(encoding="utf-8")
+    assert all(line.strip() in readme for line in (head, *lines))
+    done = python(tour, cwd=tmp_path)
+    exact = ss.cycle(ss.Parameters(c=2)).exact.delta_x
+    assert done.stdout.startswith(f"{exact!r} (Interval(low=0.0")
+    for name in ("run.csv", "run.png", "axis.html", "build/StickSlip.fmu"):
+        assert (tmp_path / name).is_file()
+
+
+def test_importing_the_library_imports_nothing_heavy() -> None:
+    heavy = ("numpy", "scipy", "matplotlib", "fmpy", "rich", "typer", "xarray")
+    code = f"import sys, stickslip; print([name for name in {heavy!r} if name in sys.modules])"
+    assert python("-c", code).stdout == "[]\n"
+
+
+def test_every_public_name_documents_itself() -> None:
+    for name in dir(ss):
+        found = getattr(ss, name)
+        assert inspect.getdoc(found), name
+        if inspect.isfunction(found):
+            assert "Raises" in str(inspect.getdoc(found)), name
+            assert inspect.signature(found).return_annotation is not inspect.Signature.empty
+    assert "stickslip.library" in sys.modules
