@@ -1,4 +1,4 @@
-"""What a chunk of a study costs beyond its points, and how well two workers share the work."""
+"""What a chunk of a study costs beyond its points."""
 
 import json
 import os
@@ -7,17 +7,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from stickslip_design.chunks import Columns, run
-from stickslip_design.chunks.chunk import packed
+from benchmarks.settings import Busy
 from stickslip_design.chunks.crew import Crew, cluster, processes
 from stickslip_design.chunks.manifest import STUDY, manifest_of, settle
 from stickslip_design.chunks.store import store_of
@@ -27,53 +22,11 @@ from stickslip_design.chunks.work import Done, Job, compute
 CHUNKS = 1000
 AHEAD = 8
 """Chunks that wait: the time of a chunk is then that of the slowest part, and no round trip."""
-POINTS = 4000
 ROOT = Path(__file__).parents[1]
 
 
-@dataclass(frozen=True)
-class Busy:
-    """A study whose points keep a core busy.
-
-    Attributes
-    ----------
-    count
-        Number of points.
-    work
-        Sines of 1000 numbers that a point takes; 4 us each.
-    """
-
-    count: int
-    work: int = 0
-    quantum: int = 1
-
-    @property
-    def identity(self) -> Mapping[str, Any]:
-        """The results depend on the work alone."""
-        return {"work": self.work}
-
-    def compute(self, start: int, stop: int) -> Columns:
-        """Return a number a point."""
-        x = np.linspace(0.0, 1.0, 1000)
-        sums = np.zeros(stop - start)
-        for index in range(stop - start):
-            for _ in range(self.work):
-                sums[index] += np.sin(x * (start + index)).sum()
-        return {"x": sums}
-
-
-@dataclass(frozen=True)
-class Overhead:
-    """Seconds of a chunk without work, by who computes it; bytes of its file without data."""
-
-    here: float
-    process: float
-    dask: float
-    file: int
-
-
-def measure_overhead() -> Overhead:
-    """Measure what a chunk costs: here, in one worker process, and in one dask worker."""
+def measure_chunks() -> tuple[float, float, float]:
+    """Return the time of a chunk without work [s]: here, in a worker process, in a dask worker."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         study = Busy(CHUNKS)
@@ -93,8 +46,7 @@ def measure_overhead() -> Overhead:
             process = _time_of_a_chunk(crew, job, chunks, 1)
         with _dask(folder) as address, cluster(address) as crew:
             dask = _time_of_a_chunk(crew, job, chunks, AHEAD)
-        size = len(packed(chunks[0], job.key, study.compute(0, 1))) - np.float64().nbytes
-        return Overhead(here, process, dask, size)
+        return here, process, dask
 
 
 def _time_of_a_chunk(crew: Crew, job: Job, chunks: list[Chunk], ahead: int) -> float:
@@ -140,17 +92,3 @@ def _dask(folder: Path) -> Iterator[str]:
         for process in reversed(started):
             process.terminate()
             process.wait()
-
-
-def measure_sharing() -> tuple[float, float]:
-    """Return the time of a study of some 30 s [s], in this process and by two workers.
-
-    Its chunks take a second; the start of the workers is in the time.
-    """
-    study = Busy(POINTS, work=1000)
-    times = []
-    for workers in (1, 2):
-        begin = time.perf_counter()
-        run(study, workers=workers)
-        times.append(time.perf_counter() - begin)
-    return times[0], times[1]

@@ -9,10 +9,9 @@ import statistics
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from stickslip.page import page as page_text
 from tests.page.browser import ARGUMENTS
@@ -110,43 +109,11 @@ class NoBrowserError(Exception):
     """The page cannot be measured here; the message says what is missing."""
 
 
-@dataclass(frozen=True)
-class PageTimes:
-    """Times [s], each of the median of some rounds of 100 moves of the slider of k.
-
-    Attributes
-    ----------
-    median, late
-        What the browser is busy with a move: to take it, and from the start of the frame to its
-        end, style, layout and paint included. Median and 95th percentile.
-    work
-        The same without paint: what the page itself does. Median.
-    seen
-        From the move to the end of its frame, the wait for the frame before included. Median.
-    burst
-        From the first of 100 moves at once to the end of the frame that shows the last.
-    after_burst
-        From the move that follows such a burst to the end of its frame.
-    """
-
-    median: float
-    late: float
-    work: float
-    seen: float
-    burst: float
-    after_burst: float
-
-
-@dataclass(frozen=True)
-class Opening:
+class Opening(NamedTuple):
     """The opening of a page file.
 
-    Attributes
-    ----------
-    first
-        From the navigation to the end of the frame after the script has drawn [s], median.
-    shift
-        The cumulative layout shift in the second that follows [1], the largest.
+    `first` is the time from the navigation to the end of the frame after the script has drawn [s],
+    median; `shift` the cumulative layout shift in the second that follows [1], the largest.
     """
 
     first: float
@@ -206,13 +173,17 @@ def measure_openings(files: Sequence[Path]) -> list[Opening]:
     ]
 
 
-def measure_moves(file: Path) -> dict[str, PageTimes]:
-    """Open the page and move its slider, with each of `PLACES` in sight.
+def measure_moves(file: Path) -> dict[str, dict[str, float]]:
+    """Open the page and move its slider, with each of `PLACES` in sight; return times [s].
 
-    Parameters
-    ----------
-    file
-        The page; a place that it does not have is left out.
+    Each is the median of some rounds of 100 moves of the slider of k:
+
+    - "median", "late": what the browser is busy with a move, to take it, and from the start of the
+      frame to its end, style, layout and paint included; median and 95th percentile.
+    - "work": the same without paint. "seen": from the move to the end of its frame, the wait for
+      the frame before included. Medians.
+    - "burst": from the first of 100 moves at once to the end of the frame that shows the last;
+      "after": from the move that follows such a burst to the end of its frame.
 
     Raises
     ------
@@ -234,24 +205,22 @@ def measure_moves(file: Path) -> dict[str, PageTimes]:
             rounds = [page.evaluate(_MEASURE, _positions(n)) for n in range(ROUNDS)]
             if any(each["different"] < MOVES for each in rounds):
                 raise RuntimeError("a move of #k-slider did not change the stiffness of the page")
-            times[place] = _times(rounds)
+            times[place] = {
+                name: 1e-3 * statistics.median(of(each[key]) for each in rounds)
+                for name, key, of in _FIGURES
+            }
     return times
 
 
-def _times(rounds: Sequence[Mapping[str, Any]]) -> PageTimes:
-    return PageTimes(
-        median=_usual(rounds, "redraw", statistics.median),
-        late=_usual(rounds, "redraw", _percentile_95),
-        work=_usual(rounds, "work", statistics.median),
-        seen=_usual(rounds, "seen", statistics.median),
-        burst=_usual(rounds, "burst", float),
-        after_burst=_usual(rounds, "after", float),
-    )
-
-
-def _usual(rounds: Sequence[Mapping[str, Any]], name: str, of: Callable[[Any], float]) -> float:
-    """Give the median of the rounds' figures, [ms] there and [s] here."""
-    return 1e-3 * statistics.median(of(each[name]) for each in rounds)
+_FIGURES: tuple[tuple[str, str, Callable[[Any], float]], ...] = (
+    ("median", "redraw", statistics.median),
+    ("late", "redraw", lambda times: statistics.quantiles(times, n=20)[-1]),
+    ("work", "work", statistics.median),
+    ("seen", "seen", statistics.median),
+    ("burst", "burst", float),
+    ("after", "after", float),
+)
+"""Name of a time, what the page's script calls it, and what is made of the 100 of a round."""
 
 
 def _positions(seed: int) -> list[float]:
@@ -259,10 +228,6 @@ def _positions(seed: int) -> list[float]:
     positions = [(n + 0.5) / MOVES for n in range(MOVES)]
     Random(seed).shuffle(positions)
     return positions
-
-
-def _percentile_95(times: Sequence[float]) -> float:
-    return statistics.quantiles(times, n=20)[-1]
 
 
 def main() -> None:
@@ -284,7 +249,7 @@ def main() -> None:
             for place, times in measure_moves(file).items():
                 print(
                     f"slider to redraw, {name}, {place} in sight:"
-                    f" median {1e3 * times.median:.1f} ms, 95 % {1e3 * times.late:.1f} ms"
+                    f" median {1e3 * times['median']:.1f} ms, 95 % {1e3 * times['late']:.1f} ms"
                 )
 
 

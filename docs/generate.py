@@ -14,12 +14,12 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from pydantic import TypeAdapter
+from rules_of_thumb import pages
 
 from fmi.model import Spec
 from fmi.table import Variable
 from stickslip_design.axis.keys import ANY, BY_SECTION, SECTIONS
 from stickslip_design.axis.template import example
-from stickslip_design.claims import pages
 from stickslip_fmu.laws.named import BUILT_IN, COULOMB_NAME, friction_law
 from stickslip_fmu.packer import build
 from stickslip_fmu.spec import TABLE, spec_of

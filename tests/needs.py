@@ -11,6 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
 from collections.abc import Callable, Iterable
 from functools import cache, partial
@@ -18,9 +19,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-
-from stickslip.errors import CommandError
-from stickslip.host.launch import prepare
 
 ROOT = Path(__file__).parents[1]
 HIDDEN_LIBPYTHON = "STICKSLIP_TESTS_WITHOUT_LIBPYTHON"
@@ -33,6 +31,11 @@ TSC = ("npx", "--yes", "--package", "typescript@6.0.3", "--", "tsc")
 PUPPETEER = ("npx", "--yes", "--package", "puppeteer-core@24.43.1", "--", "node")
 """The command of node with puppeteer-core, which drives Firefox by WebDriver BiDi: its version is
 said here alone, npm gets and keeps it. Playwright drives no Firefox but its own."""
+
+LIBPYTHON = Path(
+    sysconfig.get_config_var("LIBDIR") or "", sysconfig.get_config_var("INSTSONAME") or ""
+)
+"""The shared library of this Python, if it has one."""
 
 SMOKE = ROOT / "tests" / "page" / "firefox" / "smoke.js"
 """The script that drives Firefox."""
@@ -143,12 +146,8 @@ def _python(extra: str, program: str, packages: str = "") -> None:
 
 def _libpython() -> None:
     package = "libpython{}.{}".format(*sys.version_info)
-    try:
-        if os.environ.get(HIDDEN_LIBPYTHON):
-            raise CommandError(f"{HIDDEN_LIBPYTHON} is set")
-        prepare([], None, os.environ)
-    except CommandError as error:
-        raise LackingError(str(error), f"apt-get install {package}") from None
+    if os.environ.get(HIDDEN_LIBPYTHON) or ".so" not in LIBPYTHON.name or not LIBPYTHON.is_file():
+        raise LackingError(f"there is no {LIBPYTHON}", f"apt-get install {package}")
 
 
 def _proxyfmu() -> None:

@@ -1,23 +1,28 @@
-"""Runs an SSP file in one of three masters and writes what they record to a CSV file.
+"""Runs FeedAxis.ssp in one of three masters and writes what they record to a CSV file.
 
 A program of its own that knows nothing of the project, since a simulator does not either:
-`python masters.py fmpy|ecos|libcosim FeedAxis.ssp STOP STEP OUT.csv NAME ...` with NAMEs such as
-table.x. All three step both FMUs over the same interval with what was given at its start.
+`python masters.py fmpy|ecos|libcosim FeedAxis.ssp STOP STEP OUT.csv`. All three step both FMUs over
+the same interval with what was given at its start.
 """
 
 import csv
 import sys
 import tempfile
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+
+NAMES = (
+    *("table.F", "table.x", "table.x_dot", "table.delta_x"),
+    *("drive.v", "drive.x_motor", "drive.x_command", "drive.F_motor"),
+)
+"""What is recorded, as component.variable."""
 
 Rows = list[list[float]]
-"""Time [s], then the values in the order of the names: one row for each communication point."""
+"""Time [s], then the values of `NAMES` [SI]: one row for each communication point."""
 
 
-def run_in_fmpy(ssp: Path, stop: float, step: float, names: Sequence[str]) -> Rows:
+def run_in_fmpy(ssp: Path, stop: float, step: float) -> Rows:
     """Run it in fmpy's simulation of SSP files."""
     from fmpy.ssp.simulation import simulate_ssp
     from fmpy.ssp.ssd import read_ssd
@@ -26,18 +31,15 @@ def run_in_fmpy(ssp: Path, stop: float, step: float, names: Sequence[str]) -> Ro
     bindings = read_ssd(str(ssp)).system.parameterBindings
     (parameters,) = [each for binding in bindings for each in binding.parameterValues]
     # Half a step short of the end, lest a rounding adds a step.
-    rows = simulate_ssp(
-        str(ssp), stop_time=stop - 0.5 * step, step_size=step, parameter_set=parameters
-    )
+    end = stop - 0.5 * step
+    rows = simulate_ssp(str(ssp), stop_time=end, step_size=step, parameter_set=parameters)
     # It dates a row with the start of the step at whose end the outputs were read.
-    return [
-        [step * (index + 1), *(float(row[name]) for name in names)]
-        for index, row in enumerate(rows)
-    ]
+    columns = [rows[name].tolist() for name in NAMES]
+    return [[step * (index + 1), *row] for index, row in enumerate(zip(*columns, strict=True))]
 
 
-def run_in_ecos(ssp: Path, stop: float, step: float, names: Sequence[str]) -> Rows:
-    """Run it in ecos."""
+def run_in_ecos(ssp: Path, stop: float, step: float) -> Rows:
+    """Run it in ecos, which names a variable component::variable."""
     from ecospy import EcosSimulation
 
     rows = []
@@ -47,15 +49,14 @@ def run_in_ecos(ssp: Path, stop: float, step: float, names: Sequence[str]) -> Ro
             raise RuntimeError("ecos could not initialize the system")
         for index in range(round(stop / step)):
             simulation.step()
-            # ecos names a variable component::variable.
-            values = [simulation.get_real(name.replace(".", "::")) for name in names]
+            values = [simulation.get_real(name.replace(".", "::")) for name in NAMES]
             rows.append([step * (index + 1), *values])
         simulation.terminate()
     return rows
 
 
-def run_in_libcosim(ssp: Path, stop: float, step: float, names: Sequence[str]) -> Rows:
-    """Run it in libcosim."""
+def run_in_libcosim(ssp: Path, stop: float, step: float) -> Rows:
+    """Run it in libcosim, which reads the unpacked folder and counts whole nanoseconds."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
     from libcosimpy.CosimObserver import CosimObserver
@@ -63,49 +64,37 @@ def run_in_libcosim(ssp: Path, stop: float, step: float, names: Sequence[str]) -
     log_output_level(CosimLogLevel.WARNING)
     rows = []
     with tempfile.TemporaryDirectory(prefix="feed-axis-") as folder:
-        # It reads the unpacked folder; time is in whole nanoseconds.
         with zipfile.ZipFile(ssp) as archive:
             archive.extractall(folder)
         execution = CosimExecution.from_ssp_file(folder, round(step * 1e9))
         observer = CosimObserver.create_last_value()
         execution.add_observer(observer)
-        where = [_place(execution, name) for name in names]
+        slaves = {
+            each: execution.slave_index_from_instance_name(each) for each in ("table", "drive")
+        }
+        where = {
+            f"{component}.{variable.name.decode()}": (slave, variable.reference)
+            for component, slave in slaves.items()
+            for variable in execution.slave_variables(slave)
+        }
         for index in range(round(stop / step)):
             if not execution.step():
                 raise RuntimeError(f"libcosim failed in step {index}")
-            values = [
-                observer.last_real_values(slave, [reference])[0] for slave, reference in where
-            ]
+            places = [where[name] for name in NAMES]
+            values = [observer.last_real_values(slave, [each])[0] for slave, each in places]
             rows.append([step * (index + 1), *values])
     return rows
 
 
-def _place(execution: Any, name: str) -> tuple[int, int]:
-    """Return index and value reference of component.variable in libcosim."""
-    component, _, variable = name.partition(".")
-    slave = execution.slave_index_from_instance_name(component)
-    for each in execution.slave_variables(slave):
-        if each.name.decode() == variable:
-            return slave, each.reference
-    raise RuntimeError(f"libcosim knows no variable {name}")
-
-
-MASTERS: dict[str, Callable[[Path, float, float, Sequence[str]], Rows]] = {
+MASTERS: dict[str, Callable[[Path, float, float], Rows]] = {
     "fmpy": run_in_fmpy,
     "ecos": run_in_ecos,
     "libcosim": run_in_libcosim,
 }
 
-
-def main() -> None:
-    """Run what the command line says."""
-    master, ssp, stop, step, target, *names = sys.argv[1:]
-    rows = MASTERS[master](Path(ssp), float(stop), float(step), names)
+if __name__ == "__main__":
+    _, master, ssp, stop, step, target = sys.argv
     with Path(target).open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream)
-        writer.writerow(["time", *names])
-        writer.writerows([map(repr, row) for row in rows])
-
-
-if __name__ == "__main__":
-    main()
+        writer.writerow(["time", *NAMES])
+        writer.writerows(MASTERS[master](Path(ssp), float(stop), float(step)))

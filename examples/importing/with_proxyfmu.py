@@ -1,6 +1,6 @@
 """The block in Ecos, in a process of its own. StickSlip.fmu lies in the working folder.
 
-To be started with the libpython that the block needs: stickslip host -- python with_proxyfmu.py
+To be started with libpython preloaded: LD_PRELOAD="$LIBPYTHON" python with_proxyfmu.py
 """
 
 from pathlib import Path

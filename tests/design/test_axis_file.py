@@ -6,8 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from examples.feed_axis.axis import Axis as ServoAxis
-from examples.feed_axis.designed import designed
 from stickslip_design.axis import (
     Axis,
     AxisError,
@@ -22,6 +20,7 @@ from stickslip_design.axis import (
     template,
 )
 from stickslip_design.axis.keys import KEYS
+from tests.examples.axes import Axis as ServoAxis
 
 RIGID = {
     "axis": {"mass": '"500 kg"', "stiffness": '"50 N/um"'},
@@ -82,8 +81,8 @@ def test_the_least_file_is_a_table_on_a_rigid_drive() -> None:
 
 def test_the_example_is_to_the_bit_the_axis_of_the_feed_axis_fmus() -> None:
     axis, servo = axis_of(example()), ServoAxis()
-    assert axis.drive == designed(servo).drive
-    assert axis.block(servo.feed) == designed(servo).block(servo.feed)
+    assert axis.drive == servo.designed.drive
+    assert axis.block(servo.feed) == servo.designed.block(servo.feed)
     assert axis.demand == Demand(feeds=(5e-4, 2e-3, 5e-3), acceleration=servo.acceleration)
 
 

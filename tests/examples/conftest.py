@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from examples.feed_axis.build import build_drive
+from examples.feed_axis.system import build_drive
 from tests.sharing import made_once
 
 

@@ -9,14 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from examples.feed_axis.axis import Axis, critically_damped
-from examples.feed_axis.designed import designed
-from examples.feed_axis.monolithic import solve
 from examples.feed_axis.servo_drive.model import ServoDrive
 from examples.feed_axis.servo_drive.table import Settings
+from examples.feed_axis.whole_loop import solve
+from fmi.model import ModelError
 from stickslip_design.loop.stability import is_stable
 from stickslip_fmu.block import Block
 from tests.fmu.blocks import make_block
+
+from .axes import Axis, critically_damped
 
 EXACT: dict[str, Any] = {"resolution_motor": 0.0, "resolution_table": 0.0}
 """Without encoder counts, whose rounding would hide how errors shrink."""
@@ -34,30 +35,40 @@ def servo(values: Mapping[str, float]) -> ServoDrive:
 
 @dataclass
 class Motion:
-    """Times [s] and positions of the table [m] at communication points; the block."""
+    """Times [s], positions of table and motor [m] at communication points; the block."""
 
     block: Block
     time: list[float] = field(default_factory=lambda: [0.0])
     x: list[float] = field(default_factory=lambda: [0.0])
+    x_motor: list[float] = field(default_factory=lambda: [0.0])
 
-    def off(self, truth: Any, axis: Axis) -> float:
-        """Return the largest error of the table's position [m] at the samples of the truth."""
-        where = np.searchsorted(self.time, np.array(truth.time) - 1e-9)
-        return float(np.max(np.abs(np.array(self.x)[where] - truth.column("x", axis))))
+    def off(self, truth: Any) -> float:
+        """Return the largest error of the table's position [m] where the truth has a sample."""
+        own, samples = np.array(self.time), np.array(truth.time)
+        where = np.minimum(np.searchsorted(own, samples - 1e-9), len(own) - 1)
+        both = np.abs(own[where] - samples) < 1e-9
+        return float(np.max(np.abs(np.array(self.x)[where] - truth.column("x"))[both]))
 
 
-def couple(axis: Axis, steps: Iterable[float]) -> Motion:
-    block, drive = make_block(**axis.of_table()), servo(axis.of_drive()).drive
+def couple(axis: Axis, steps: Iterable[float], first: str = "") -> Motion:
+    """Step both with what the other gave at the start, or one of them `first`."""
+    block, drive = make_block(**axis.values["table"]), servo(axis.values["drive"]).drive
     motion = Motion(block)
     block.refresh()
     for h in steps:
-        v, F, x = drive.output, float(block.F), float(block.x)
-        block.set("v", v)
+        F, x = float(block.F), float(block.x)
+        if first == "drive":
+            drive.advance(h, F, x)
+        block.set("v", drive.output)
         block.advance(motion.time[-1], h)
-        drive.advance(h, F, x)
         block.refresh()
+        if first == "table":
+            F, x = float(block.F), float(block.x)
+        if first != "drive":
+            drive.advance(h, F, x)
         motion.time.append(motion.time[-1] + h)
         motion.x.append(float(block.x))
+        motion.x_motor.append(drive.x)
     return motion
 
 
@@ -76,7 +87,7 @@ def last_jump(axis: Axis, limit: float, duration: float, share: float) -> float:
     began = 3.0 * axis.F_s / (axis.k * slow)
     reached = began + 0.4 * duration
     course = [(0.0, 0.0), (0.1, slow), (began, slow), (reached, low), (reached + duration, high)]
-    last, _ = solve(axis, course[-1][0], course).jumps[-1]
+    last, _ = solve(axis.values, course[-1][0], course).jumps[-1]
     return float(np.interp(last, *np.array(course).T))
 
 
@@ -97,7 +108,8 @@ def random_axis(seed: int) -> Axis:
         changes |= choice([{}, {"low_pass": even(150.0, 1000.0)}, LOW_PASS])
         changes |= choice([{}, NOTCH, {**NOTCH, "notch": even(100.0, 600.0)}])
         # Its sample may be too long for its motion.
-        with suppress(ValueError):
+        with suppress(ModelError):
             axis = Axis(**changes, **EXACT)
-            if is_stable(designed(axis)):
+            servo(axis.values["drive"])
+            if is_stable(axis.designed):
                 return axis

@@ -5,13 +5,12 @@ from pathlib import Path
 import pytest
 
 from examples.feed_axis import study
-from examples.feed_axis.axis import Axis
-from examples.feed_axis.designed import designed
 from stickslip_design.critical import estimated_critical_feed
 
 TEXT = (Path(__file__).parents[2] / "docs" / "feed-axis.md").read_text(encoding="utf-8")
 CREEP = study.rows_of(TEXT, "creep")
 HUNTING = study.rows_of(TEXT, "hunting")
+COUPLING = study.rows_of(TEXT, "coupling")
 
 
 def test_creeping_and_hunting_in_the_runs_are_those_of_the_design_tool() -> None:
@@ -34,18 +33,19 @@ def test_creeping_and_hunting_in_the_runs_are_those_of_the_design_tool() -> None
 
 
 def test_what_takes_the_wind_up_away_ends_hunting_and_leaves_an_error() -> None:
-    axis = Axis()
+    axis, drive = study.BASE, study.BASE.drive
+    assert drive is not None
     left = {name: abs(float(row[6])) for name, row in HUNTING.items() if row[1] == "yes"}
     assert left.pop("position on the motor") < axis.F_s / axis.k * 1e6
-    assert left.pop("no integral") < axis.F_s / (axis.K_p * axis.K_v) * 1e6
+    assert left.pop("no integral") < axis.F_s / (drive.K_p * drive.K_v) * 1e6
     assert left.pop("dead band of 7 µm *") <= 7.1
     assert left == {}
 
 
 def test_the_damping_ratio_estimates_the_limit_within_7_percent_but_for_two_variants() -> None:
     off = {
-        each.name: 1e3 * estimated_critical_feed(designed(each.axis)) / float(CREEP[each.name][8])
-        for each in study.CREEPING
+        name: 1e3 * estimated_critical_feed(study.VARIANTS[name]) / float(CREEP[name][8])
+        for name in study.CREEPING
     }
     # The table has two digits.
     assert off.pop("stiffer, k = 100 N/µm") == pytest.approx(1.20, abs=0.01)

@@ -1,17 +1,15 @@
 """What the design tool computes of an axis, and the whole loop in time."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from examples.feed_axis.axis import Axis
-from examples.feed_axis.designed import designed
-from examples.feed_axis.monolithic import solve
+from examples.feed_axis.whole_loop import solve
 from stickslip_design.loop.jumps import limit_of_jumps
 from stickslip_design.loop.stability import swing
 
+from .axes import Axis
 from .coupled import EXACT, FILTERED, last_jump, random_axis, velocity_loop
 
 AXIS = Axis(**EXACT)
@@ -27,8 +25,8 @@ AXIS = Axis(**EXACT)
     ],
 )
 def test_the_search_knows_what_is_between_a_sample_and_the_motion(changes: dict[str, Any]) -> None:
-    axis = replace(AXIS, **changes)
-    limit = limit_of_jumps(designed(axis)).feed
+    axis = AXIS.but(**changes)
+    limit = limit_of_jumps(axis.designed).feed
     # The feed rises by 0.02 % or so in a jump; the search ends within 0.05 %.
     assert last_jump(axis, limit, 5.0, 0.02) == pytest.approx(limit, rel=5e-3)
 
@@ -37,7 +35,7 @@ def test_the_search_knows_what_is_between_a_sample_and_the_motion(changes: dict[
 @pytest.mark.parametrize("seed", range(50))
 def test_the_search_ends_where_a_random_axis_stops_jumping(seed: int) -> None:
     axis = random_axis(seed)
-    limit = limit_of_jumps(designed(axis)).feed
+    limit = limit_of_jumps(axis.designed).feed
     # The feed rises faster than above.
     assert last_jump(axis, limit, 8.0, 0.03) == pytest.approx(limit, rel=0.01)
 
@@ -57,10 +55,10 @@ def test_what_a_ramp_leaves_of_oscillation_decays_or_grows_by_the_damping_ratio(
     changes: dict[str, Any], grows: bool
 ) -> None:
     # Fast enough for the table to slide all the time.
-    axis = replace(AXIS, feed=0.05, acceleration=1.0, **changes)
-    mode = swing(designed(axis))
+    axis = AXIS.but(feed=0.05, acceleration=1.0, **changes)
+    mode = swing(axis.designed)
     assert (mode.damping < 0.0) == grows
-    x_dot = solve(axis, 0.5).column("x_dot", axis)
+    x_dot = solve(axis.values, 0.5).column("x_dot")
     assert x_dot[40:].min() > 0.0
     # All else has decayed by exp(-25 * 0.2) = 7e-3 or more by now, and is smooth: of that a second
     # difference over half a period, 11 ms, leaves (25 * 0.011)^2 = 8 %, 5e-4 in all.
@@ -77,7 +75,7 @@ def test_what_a_ramp_leaves_of_oscillation_decays_or_grows_by_the_damping_ratio(
 def test_without_control_the_slideway_damps_alone() -> None:
     axis = Axis(omega_v=0.0, K_v=0.0, T_n=0.0, d=0.0)
     w = np.sqrt(axis.k / axis.m + axis.k / axis.m_d)
-    mode = swing(designed(axis))
+    mode = swing(axis.designed)
     # Drive and table against each other; the next terms are smaller by the damping ratio's square
     # and by the masses'.
     assert mode.w == pytest.approx(w, rel=1e-3)
@@ -87,7 +85,7 @@ def test_without_control_the_slideway_damps_alone() -> None:
 
 def test_gravity_is_one_number_of_table_design_tool_and_whole_loop() -> None:
     axis = Axis(g=4.905)
-    assert axis.of_table()["g"] == designed(axis).g == 4.905
+    assert axis.values["table"]["g"] == axis.designed.g == 4.905
     # Half the weight breaks away at half the force, to what a sample adds.
-    F, x = (solve(axis, 0.15).column(name, axis) for name in ("F", "x"))
+    F, x = (solve(axis.values, 0.15).column(name) for name in ("F", "x"))
     assert float(F[x == 0.0].max()) == pytest.approx(0.5 * 981.0, rel=1e-2)

@@ -1,15 +1,16 @@
 """The host written in C: compiled, started with a libpython, given scripts of calls."""
 
 import subprocess
+import sys
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from stickslip.host.launch import prepare
 from stickslip_fmu.spec import TABLE
 from tests.importers.cases import STEP, Case
 from tests.importers.running import Rows
+from tests.needs import LIBPYTHON
 from tests.python import run
 
 SOURCE = Path(__file__).parents[2] / "examples" / "importing" / "host.c"
@@ -57,7 +58,9 @@ class Host:
 
 
 def with_libpython(program: Path, fmu: Path) -> Host:
-    return Host(program, fmu, {**_BARE, **prepare([str(program)], None, _BARE).changes})
+    # Its standard library is looked for from the first python3 on PATH.
+    path = f"{sys.base_prefix}/bin:{_BARE['PATH']}"
+    return Host(program, fmu, {**_BARE, "PATH": path, "LD_PRELOAD": str(LIBPYTHON)})
 
 
 def without_libpython(program: Path, fmu: Path) -> Host:

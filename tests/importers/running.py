@@ -1,17 +1,16 @@
 """Runs an importer in a process that cannot import the project."""
 
 import atexit
-import os
 from collections.abc import Mapping
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from stickslip.host.launch import prepare
 from tests.driver import Host
 from tests.importers.cases import CASES
 from tests.importers.inside import act
+from tests.needs import LIBPYTHON
 
 INSIDE = Path(__file__).with_name("inside")
 IMPORTERS = tuple(sorted(file.stem.removeprefix("by_") for file in INSIDE.glob("by_*.py")))
@@ -28,14 +27,14 @@ the second, `nested`; of the case `restart` the second run in the same process, 
 
 @cache
 def host(importer: str) -> Host:
-    """Return the process of an importer, with what `stickslip host` sets where it needs that."""
+    """Return the process of an importer, with libpython preloaded where it needs that."""
     process = Host(**preload(importer))
     atexit.register(process.end)
     return process
 
 
 def preload(importer: str) -> Mapping[str, str]:
-    return prepare([importer], None, os.environ).changes if importer in NOT_PYTHON else {}
+    return {"LD_PRELOAD": str(LIBPYTHON)} if importer in NOT_PYTHON else {}
 
 
 def ask(importer: str, what: str, *arguments: Any, process: Host | None = None) -> tuple[Any, str]:

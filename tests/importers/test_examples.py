@@ -15,7 +15,7 @@ from tests.contributing import walk
 from tests.importers.cases import CASES
 from tests.importers.judging import deviations
 from tests.importers.running import IMPORTERS, NOT_PYTHON, Rows
-from tests.needs import each, needs
+from tests.needs import LIBPYTHON, each, needs
 
 ROOT = Path(__file__).parents[2]
 DOCUMENT = (ROOT / "docs" / "importing.md").read_text(encoding="utf-8")
@@ -90,7 +90,7 @@ def test_ecos_runs_the_block_in_its_own_process_where_it_may(folder: Path) -> No
         program.chmod(0o644)
     shutil.copy(SCRIPTS["proxyfmu"], folder)
     path = "export PYTHONPATH=packages\n"
-    before = walk(f"{path}stickslip host -- python with_proxyfmu.py 2>&1 || true", folder)
+    before = walk(f"{path}LD_PRELOAD={LIBPYTHON} python with_proxyfmu.py 2>&1 || true", folder)
     [symptom] = re.findall("^.*`(Unable to create/bind .*?)`", DOCUMENT, re.MULTILINE)
     assert symptom in before
 
@@ -106,9 +106,7 @@ def test_ecos_runs_the_block_in_its_own_process_where_it_may(folder: Path) -> No
 def test_the_lines_for_a_host_in_c_compile_it_and_run_it(folder: Path) -> None:
     # An FMU without its evidence is made sooner.
     lines = shell_lines("A host written in C").replace("stickslip build", "stickslip build --bare")
-    # Of `stickslip host --show`, which by hand gives the same.
-    assert "LD_PRELOAD=/" in walk(lines, folder)
-    assert (folder / "run.csv").read_bytes() == (folder / "by-hand.csv").read_bytes()
+    walk(lines, folder)
     table = columns(folder / "run.csv")
     assert (len(table["x"]), table["time"][-1], table["n_slips"][-1]) == (1001, 10.0, 31.0)
     first, second = np.loadtxt(folder / "rollback.csv", delimiter=",")

@@ -1,19 +1,23 @@
-"""The cures of the page: their numbers are those of Python, and a button does what it says."""
+"""The cures of the page: their numbers against the exact solution, and what a button does."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Iterator
+from dataclasses import replace
 from random import Random
+from typing import Any
 
+import numpy as np
 import pytest
 
-from stickslip_design.cures import cures
-from stickslip_ref import coulomb_limit
+from stickslip_ref import Parameters, coulomb_limit, steady_cycle
+from stickslip_verification import truth
 from tests.page.exact import is_decidable
-from tests.page.settings import CORNERS, PRESETS, START, Setting, batch, parameters
+from tests.page.settings import NAMES, PRESETS, START, batch, parameters
 from tests.page.window import Window
 
 NEAR = 1e-9
-"""Largest relative difference between the page and Python: a root that is searched, in both."""
+"""Largest relative error of a searched root, and the distance to a limit of the cycle at which its
+two sides are told apart: rounding of the parameters moves it by 1e-16 times at most 1e3."""
 
 PRESS = """
 async settings => {
@@ -53,37 +57,116 @@ def loaded_and_lifted(size: int) -> list[dict[str, float]]:
     return [each for each in chosen if is_decidable(each)]
 
 
-def near(got: float | None, expected: float | None, scale: float = 0.0) -> bool:
-    """Tell whether two numbers, of which both may be missing, are the same."""
-    own, other = (math.nan if each is None else each for each in (got, expected))
-    return bool(own == pytest.approx(other, rel=NEAR, abs=NEAR * scale, nan_ok=True))
+def blocks(count: int) -> Iterator[Parameters]:
+    """Draw blocks with a cycle, undamped or damped, with load, lift and without."""
+    draw = Random("cures")
+    while count:
+        mu_s = draw.uniform(0.02, 1.5)
+        m, g, k = (math.exp(draw.uniform(*ends)) for ends in ((-5, 5), (0, 3.4), (2, 9)))
+        zeta = draw.choice([0.0, math.exp(draw.uniform(-9, -0.1))])
+        block = Parameters(
+            m=m, g=g, load=m * g * draw.choice([0.0, 0.0, -0.9, -0.3, 1.0, 3.0, 30.0]), k=k,
+            c=2.0 * zeta * math.sqrt(k * m), mu_s=mu_s,
+            mu_k=mu_s * (1.0 - math.exp(draw.uniform(-6.9, 0.0))),
+            v=math.exp(draw.uniform(-9, -1)),
+        )  # fmt: skip
+        if steady_cycle(block).exists:
+            count -= 1
+            yield block
 
 
-def test_each_value_and_each_lack_of_one_is_that_of_python(
-    window: Window, sized: Callable[[int], int]
-) -> None:
-    settings: list[Setting] = [*loaded_and_lifted(sized(1000)), *PRESETS.values()]
-    settings += CORNERS.values()
-    answers = window.js(
-        """all => all.map(p => {
-          stickslip.set(p, null);
-          return stickslip.cures(stickslip.setting);
-        })""",
-        settings,
+def exact_jump(p: Parameters) -> float | None:
+    """Return the jump [m] in high precision, None without a cycle."""
+    cycle = truth.steady_cycle(settings_of(p))
+    return None if cycle is None else abs(float(cycle["delta_x"]))
+
+
+def settings_of(p: Parameters) -> dict[str, float]:
+    return {name: float(getattr(p, name)) for name in NAMES}
+
+
+def cures(window: Window, blocks: list[Parameters]) -> list[Any]:
+    return list(
+        window.js(
+            "all => all.map(p => (stickslip.set(p, null), stickslip.cures(stickslip.setting)))",
+            [settings_of(p) for p in blocks],
+        )
     )
-    offered = 0
-    for values, got in zip(settings, answers, strict=True):
-        python = cures(parameters(values))
-        assert [each["name"] for each in got["cures"]] == [each.name for each in python.cures]
-        assert near(got["jump"], python.jump)
-        assert near(got["v_c"], python.v_c)
-        offered += bool(python.cures)
-        for each, cure in zip(got["cures"], python.cures, strict=True):
-            # The load is what the weight leaves of the normal force, and is as exact as they are.
-            weight = values["m"] * values["g"] if cure.name == "normal force" else 0.0
-            for key in ("now", "halve", "end", "least"):
-                assert near(each[key], getattr(cure, key), weight), (values, cure, key)
-    assert offered > len(settings) / 2
+
+
+def at(p: Parameters, cure: Any, value: Any) -> Parameters:
+    return replace(p, **{cure["parameter"]: value})
+
+
+def beside(p: Parameters, cure: Any, by: float) -> float:
+    """Return a cure's limit, moved by a part of its distance to where nothing presses."""
+    base = {"gap": float(p.mu_s), "normal force": -float(p.m) * float(p.g)}.get(cure["name"], 0.0)
+    further = 1.0 if cure["name"] in ("stiffer", "damping", "faster") else -1.0
+    return float(base + (cure["end"] - base) * (1.0 + further * by))
+
+
+def test_a_halving_value_halves_the_jump_and_a_limit_ends_the_cycle(window: Window) -> None:
+    drawn = [*blocks(16), *(parameters(each) for each in PRESETS.values())]
+    halving = limits = 0
+    for p, found in zip(drawn, cures(window, drawn), strict=True):
+        jump = exact_jump(p)
+        assert jump is not None
+        # Roundings times the conditioning of the parameters drawn.
+        assert found["jump"] == pytest.approx(jump, rel=1e-12)
+        for cure in found["cures"]:
+            assert (cure["halve"] is None) is (cure["least"] > 0.5)
+            if cure["halve"] is not None:
+                halving += 1
+                halved = exact_jump(at(p, cure, cure["halve"]))
+                assert halved == pytest.approx(0.5 * jump, rel=NEAR)
+            if cure["end"] is not None:
+                limits += 1
+                assert exact_jump(at(p, cure, beside(p, cure, -NEAR))) is not None, cure
+                assert exact_jump(at(p, cure, beside(p, cure, NEAR))) is None, cure
+            if p.c == 0.0:
+                assert (cure["end"] is not None) is (cure["name"] == "damping")
+            if cure["name"] == "damping":
+                assert cure["least"] > 0.5
+    assert min(halving, limits) > 30
+
+
+def test_on_the_way_to_a_cure_the_jump_falls_all_the_time(window: Window) -> None:
+    drawn = list(blocks(20))
+    for p, found in zip(drawn, cures(window, drawn), strict=True):
+        jump = found["jump"]
+        for cure in found["cures"]:
+            sign = 1.0 if cure["name"] in ("softer", "faster") else -1.0
+            goal = cure["halve"] if cure["end"] is None else beside(p, cure, -NEAR)
+            if goal is None:
+                continue
+            # A second limit or halving value before the one given would show.
+            jumps = np.abs(steady_cycle(at(p, cure, np.linspace(cure["now"], goal, 40))).delta_x)
+            assert np.isfinite(jumps).all(), cure
+            # Roundings of the jump.
+            assert (sign * np.diff(jumps) >= -1e-12 * jump).all(), cure
+            assert np.min(jumps) >= cure["least"] * jump * (1.0 - 1e-12), cure
+
+
+def test_where_load_brings_the_cycle_back_the_first_limit_is_given(window: Window) -> None:
+    p = Parameters(m=100.0, g=10.0, load=300.0, k=1e6, c=60.0, mu_s=0.3, mu_k=0.2)
+    masses = np.geomspace(1.0, 100.0, 400)
+    v_c = np.asarray(coulomb_limit(replace(p, m=masses)))
+    lowest = int(np.argmin(v_c))
+    assert 0 < lowest < 399
+    p = replace(p, v=1.0001 * float(v_c[lowest]))
+    [found] = cures(window, [p])
+    (lighter,) = (each for each in found["cures"] if each["name"] == "lighter")
+    # Near its minimum the limit is flat.
+    assert lighter["end"] == pytest.approx(float(masses[lowest]), rel=0.05)
+    for factor, exists in ((1.0 + NEAR, True), (1.0 - NEAR, False), (0.3, True)):
+        assert (exact_jump(replace(p, m=factor * lighter["end"])) is not None) == exists
+
+
+@pytest.mark.parametrize("p", [Parameters(c=20.0, v=1.0), Parameters(c=1e4)])
+def test_a_block_without_cycle_needs_no_cure(window: Window, p: Parameters) -> None:
+    [found] = cures(window, [p])
+    assert found["cures"] == []
+    assert found["jump"] is None or math.isnan(found["jump"])
 
 
 @pytest.fixture
@@ -99,9 +182,10 @@ def test_a_button_halves_the_jump_or_ends_the_cycle_and_changes_nothing_else(tab
         assert each["changed"] == [each["parameter"]], each
         if each["aim"] == "end":
             assert each["exists"] is False, each
-            name, python = each["parameter"], cures(parameters(each["values"])).cures
+            name = each["parameter"]
+            [found] = cures(table, [parameters(each["values"])])
             # A round value, at most 2 % beyond the limit.
-            ends = [cure.end or math.inf for cure in python if cure.parameter == name]
+            ends = [cure["end"] or math.inf for cure in found["cures"] if cure["parameter"] == name]
             near_one = any(math.isclose(each["now"][name], end, rel_tol=0.02) for end in ends)
             assert name in ("load", "mu_k") or near_one, each
         else:

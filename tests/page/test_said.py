@@ -5,12 +5,11 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
 import pytest
+from docs.rules_of_thumb import march
 from scipy.optimize import brentq
 
 from stickslip.page import texts
-from stickslip_design.claims.verlet import march
 from stickslip_ref import coulomb_limit, simplified, steady_cycle
 from tests.page.drawing import SIZES
 from tests.page.settings import START, Setting, parameters, table
@@ -66,15 +65,9 @@ def spring(p: Setting) -> Numbers:
 
 def scripted(p: Setting) -> Numbers:
     """Return by how much a script of this step is off."""
-    own = {name: p[name] for name in ("m", "g", "mu_s", "mu_k")}
-    at = np.array([p["k"]]), np.array([p["v"]])
-    made = march(*at, h=STEP, block=own, cycles=1, longest=np.array([100.0]))
-    exact, first = steady_cycle(parameters(p)), parameters(p).F_s / (p["k"] * p["v"])
-    off = {
-        name: float(getattr(made, name)[0, 0] / getattr(exact, name)) - 1.0
-        for name in ("T", "t_slip", "t_stick", "delta_x")
-    }
-    return {"break_away": float(made.break_away[0] / first) - 1.0, **off}
+    made = march(parameters(p), STEP, cycles=1, longest=100.0).values
+    exact = {**vars(steady_cycle(parameters(p))), "break_away": first_stick(p)}
+    return {name: float(value / exact[name]) - 1.0 for name, (value,) in made.items()}
 
 
 def off_at(p: Setting, v: float) -> float:

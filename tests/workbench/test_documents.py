@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 
-from examples.feed_axis.axis import Axis as ExampleAxis
-from examples.feed_axis.run import write_all
+from examples.feed_axis.system import Move, build_all
 from stickslip_design.axis import Axis, axis_of, example, read_axis_file
 from stickslip_design.axis.keys import KEYS
 from stickslip_design.critical import critical_feed
@@ -53,7 +52,7 @@ def test_a_command_prints_what_its_page_quotes(
     line: str, quoted: str, command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if "FeedAxis.ssp" in line:
-        write_all(tmp_path, ExampleAxis())
+        build_all(tmp_path, axis_of(example()), Move(5e-4))
     if CLUSTER in line:
         quoted = next(text for first, text in ASKED if line.startswith(f"{first} --cluster"))
         (tmp_path / "dask").mkdir()

@@ -16,7 +16,6 @@ from stickslip.advice import advised
 from stickslip.commands.build import build
 from stickslip.commands.critical import critical
 from stickslip.commands.design import design
-from stickslip.commands.host import host
 from stickslip.commands.map import map as map_
 from stickslip.commands.names import names
 from stickslip.commands.page import explore, page
@@ -47,7 +46,7 @@ app = typer.Typer(
 
 COMMANDS = (
     *(build, simulate, critical, design, map_, scatter, sweep, explore, page),
-    *(verify, names, score, host),
+    *(verify, names, score),
 )
 for command in COMMANDS:
     # Told whole: what is made of the text by itself is cut after 45 letters.

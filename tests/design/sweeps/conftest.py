@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 from pythonfmu.builder import FmuBuilder
 
-from examples.feed_axis.axis import Axis
-from examples.feed_axis.build import build_drive
-from examples.feed_axis.ssp import write_ssp
+from examples.feed_axis.system import Move, build_drive, start_values, write_ssp
+from stickslip_design.axis import axis_of, example
 
 HERE = Path(__file__).parent
 
@@ -25,4 +24,4 @@ def feed_axis(fmu_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("feed_axis")
     shutil.copy(fmu_path, folder / "StickSlip.fmu")
     build_drive(folder)
-    return write_ssp(folder / "FeedAxis.ssp", Axis(), folder)
+    return write_ssp(folder / "FeedAxis.ssp", start_values(axis_of(example()), Move(5e-4)), folder)

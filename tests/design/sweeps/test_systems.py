@@ -1,13 +1,15 @@
 """Sweeps over systems: an SSP file's FMUs side by side, wired as it says."""
 
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from examples.feed_axis.axis import Axis
-from examples.feed_axis.coupling import simulate
+from examples.feed_axis.runs import simulate
+from examples.feed_axis.system import Move, start_values
+from stickslip_design.axis import axis_of, example
 from stickslip_design.sweeps import SweepError, read_model
 from stickslip_design.sweeps.study import prepare
 from tests.design.sweeps.test_runs import results
@@ -24,7 +26,8 @@ def test_a_system_moves_to_the_bit_as_in_the_loop_of_the_example(feed_axis: Path
     columns = results(feed_axis, PLAN)
     assert columns["failure"].tolist() == ["", ""]
     for place, m in enumerate((450.0, 500.0)):
-        run = simulate(feed_axis.parent, Axis(feed=2e-3, m=m), 0.02)
+        values = start_values(replace(axis_of(example()), m=m), Move(2e-3))
+        run = simulate(feed_axis.parent, values, 0.02)
         assert columns["table.x"][place] == run["x"][-1]
         assert columns["table.x.max"][place] == np.max(run["x"])
         assert columns["drive.F_motor"][place] == run["F_motor"][-1]

@@ -5,13 +5,11 @@ is linear, so the motion is a matrix exponential; transitions are located by roo
 here is shared with the drive's FMU or with the block.
 """
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from types import SimpleNamespace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +17,7 @@ from scipy import signal
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from .axis import Axis
+from .system import Values
 
 Vector = NDArray[np.float64]
 
@@ -27,57 +25,59 @@ Vector = NDArray[np.float64]
 # between transitions and commands: friction of the slideway, without its viscous part, which is in
 # the matrix, dry friction of the motor, and the force that the motor's tends to.
 _X_MOTOR, _V_MOTOR, _X, _X_DOT, _F_MOTOR, _FRICTION, _DRY, _COMMAND = range(8)
-_SIZE: Final = 8
-
-_LOOKS: Final = 8
+_SIZE = 8
+_COLUMNS = {"x": _X, "x_dot": _X_DOT, "x_motor": _X_MOTOR, "F_motor": _F_MOTOR}
+_LOOKS = 8
 """Looks for a transition per stretch: at most 31 us apart, in a slip that lasts 9 ms or more."""
-
-_SAME: Final = 1e-9
+_SAME = 1e-9
 """Times closer than this, relative to a sample, are the same."""
+
+
+_FILTERS = ("low_pass", "low_pass_damping", "notch", "notch_damping", "notch_depth")
+
+
+class _Numbers(SimpleNamespace):
+    """The parameters of both FMUs by name, and `m_d`, the inertia of the drive at the slide."""
 
 
 @dataclass
 class Trajectory:
-    """The motion at the samples: times [s], and a row of the state for each."""
+    """Times [s] and states at the samples; times [s] and lengths [m] of the completed slips."""
 
+    k: float
     time: list[float] = field(default_factory=list)
     state: list[Vector] = field(default_factory=list)
-    command: list[float] = field(default_factory=list)
     jumps: list[tuple[float, float]] = field(default_factory=list)
-    """Time [s] and length [m] of each completed slip."""
 
-    def column(self, name: str, axis: Axis) -> Vector:
-        """Return `time`, `x`, `x_dot`, `x_motor`, `F` or `x_command` [SI] at the samples."""
-        if name == "time":
-            return np.array(self.time)
-        if name == "x_command":
-            return np.array(self.command)
+    def column(self, name: str) -> Vector:
+        """Return `x`, `x_dot`, `x_motor`, `F_motor` or `F` [SI] at the samples."""
         states = np.array(self.state)
         if name == "F":
-            stretch: Vector = states[:, _X_MOTOR] - states[:, _X]
-            return axis.k * stretch
-        where = {"x": _X, "x_dot": _X_DOT, "x_motor": _X_MOTOR, "F_motor": _F_MOTOR}[name]
-        chosen: Vector = states[:, where]
+            force: Vector = self.k * (states[:, _X_MOTOR] - states[:, _X])
+            return force
+        chosen: Vector = states[:, _COLUMNS[name]]
         return chosen
 
 
 def solve(
-    axis: Axis, stop_time: float, course: Sequence[tuple[float, float]] | None = None
+    values: Values, stop_time: float, course: Sequence[tuple[float, float]] | None = None
 ) -> Trajectory:
     """Simulate the loop from rest; one row at each sample of the controller, the end included.
 
     Parameters
     ----------
-    axis
-        The numbers of the axis.
+    values
+        Start values of both FMUs, `system.start_values`.
     stop_time
         End [s].
     course
-        Times [s] and speeds [m/s] between which the set point's speed changes evenly, in the place
-        of the axis's own.
+        Times [s] and speeds [m/s] between which the set point's speed changes evenly; None: as the
+        drive's own.
     """
+    axis = _Numbers(**{**dict.fromkeys(_FILTERS, 0.0), **values["drive"], **values["table"]})
+    axis.m_d = axis.J * (2.0 * math.pi / axis.pitch) ** 2
     plant, control = _Plant(axis), _Control(axis)
-    result = Trajectory()
+    result = Trajectory(axis.k)
     state = np.zeros(_SIZE)
     times = axis.T_s * np.arange(round(stop_time / axis.T_s) + 1.0)
     positions, speeds = _commanded(_course(axis) if course is None else course, times)
@@ -86,12 +86,10 @@ def solve(
     late = max(delay - whole, 0.0) * axis.T_s
     late = late if late > _SAME * axis.T_s else 0.0
     waiting = deque([0.0] * (whole + 1))
-    for time, position, speed in zip(
-        times.tolist(), positions.tolist(), speeds.tolist(), strict=True
-    ):
+    rows = zip(times.tolist(), positions.tolist(), speeds.tolist(), strict=True)
+    for time, position, speed in rows:
         result.time.append(time)
         result.state.append(state.copy())
-        result.command.append(position)
         waiting.append(control.force(position, speed, float(state[_X_MOTOR]), float(state[_X])))
         # For the first part of the sample the command of one sample more ago still acts.
         waiting.popleft()
@@ -103,13 +101,12 @@ def solve(
 
 
 class _Plant:
-    """Drive and table.
+    """Drive and table: `table` and `motor` are the directions of motion, 0 at rest.
 
-    `table` is the direction in which the table slips, 0 while it sticks; `motor` that of the motor,
-    which without dry friction always moves.
+    Without dry friction the motor always moves.
     """
 
-    def __init__(self, axis: Axis) -> None:
+    def __init__(self, axis: _Numbers) -> None:
         self._axis = axis
         self._k, self._dry = axis.k, axis.dry
         self._F_s = axis.mu_s * axis.m * axis.g
@@ -125,7 +122,6 @@ class _Plant:
         self._looks: dict[tuple[tuple[bool, bool], float], Vector] = {}
 
     def command(self, state: Vector, force: float) -> None:
-        """Let another command [N] act on the motor."""
         state[_COMMAND] = force
         if not self._axis.lag:
             state[_F_MOTOR] = force
@@ -175,10 +171,7 @@ class _Plant:
         found = self._looks.get(key)
         if found is None:
             step = expm(self._rates[self._mode] * (duration / _LOOKS))
-            found = np.empty((_LOOKS, _SIZE, _SIZE))
-            found[0] = step
-            for look in range(1, _LOOKS):
-                found[look] = step @ found[look - 1]
+            found = np.array([np.linalg.matrix_power(step, n + 1) for n in range(_LOOKS)])
             if keep:
                 self._looks[key] = found
         return found
@@ -197,18 +190,14 @@ class _Plant:
         It is force in stick and speed in slip.
         """
         pull = self._k * (states[:, _X_MOTOR] - states[:, _X])
-        margins = np.empty((len(states), 2))
-        if self._table:
-            margins[:, 0] = self._table * states[:, _X_DOT]
-        else:
-            margins[:, 0] = self._F_s - np.abs(pull)
+        of_table = self._table * states[:, _X_DOT] if self._table else self._F_s - np.abs(pull)
         if not self._dry:
-            margins[:, 1] = 1.0
+            of_motor = np.ones(len(states))
         elif self._motor:
-            margins[:, 1] = self._motor * states[:, _V_MOTOR]
+            of_motor = self._motor * states[:, _V_MOTOR]
         else:
-            margins[:, 1] = self._dry - np.abs(states[:, _F_MOTOR] - pull)
-        return margins
+            of_motor = self._dry - np.abs(states[:, _F_MOTOR] - pull)
+        return np.column_stack((of_table, of_motor))
 
     def _turn(
         self, which: int, time: float, state: Vector, jumps: list[tuple[float, float]]
@@ -232,7 +221,7 @@ class _Plant:
         state[_FRICTION] = self._table * self._F_k
 
 
-def _rates(axis: Axis, *, slips: bool, moves: bool) -> Vector:
+def _rates(axis: _Numbers, *, slips: bool, moves: bool) -> Vector:
     """Return the matrix of d state/dt = rates @ state, by whether table and motor move."""
     rates = np.zeros((_SIZE, _SIZE))
     if moves:
@@ -253,10 +242,9 @@ def _rates(axis: Axis, *, slips: bool, moves: bool) -> Vector:
 class _Control:
     """The sampled controller, written from docs/feed-axis.md (2)."""
 
-    def __init__(self, axis: Axis) -> None:
+    def __init__(self, axis: _Numbers) -> None:
         self._axis = axis
-        self._integral = 0.0
-        self._before = 0.0
+        self._integral = self._before = 0.0
         self._filters = [_Sampled(*each, axis.T_s) for each in _filters(axis)]
 
     def force(self, command: float, command_speed: float, x_motor: float, x: float) -> float:
@@ -270,9 +258,9 @@ class _Control:
             error = 0.0
         deviation = axis.K_v * error + axis.velocity_feedforward * command_speed - speed
         growth = axis.K_p * deviation * axis.T_s / axis.T_n if axis.T_n else 0.0
-        feed_forward = axis.friction_feedforward * ((command_speed > 0.0) - (command_speed < 0.0))
+        feed_forward = axis.friction_feedforward * float(np.sign(command_speed))
         unlimited = axis.K_p * deviation + self._integral + growth + feed_forward
-        force = min(max(unlimited, -axis.F_max), axis.F_max)
+        force = float(min(max(unlimited, -axis.F_max), axis.F_max))
         if force == unlimited or growth * force <= 0.0:
             self._integral += growth
         for each in self._filters:
@@ -283,14 +271,8 @@ class _Control:
 class _Sampled:
     """A filter of the force, sampled, in state space.
 
-    Parameters
-    ----------
-    above, below
-        Coefficients of its transfer function, of (s/w)^n downwards, w being its frequency.
-    frequency
-        That at which the sampled filter does what the other does [Hz].
-    T_s
-        Sample time [s].
+    Its transfer function has coefficients above and below of (s/w)^n downwards; at the frequency
+    [Hz], that of w, the sampled filter does what the other does.
     """
 
     def __init__(
@@ -308,7 +290,7 @@ class _Sampled:
         return out
 
 
-def _filters(axis: Axis) -> list[tuple[list[float], list[float], float]]:
+def _filters(axis: _Numbers) -> list[tuple[list[float], list[float], float]]:
     found: list[tuple[list[float], list[float], float]] = []
     if axis.low_pass and axis.low_pass_damping:
         found.append(([0, 0, 1], [1, 2 * axis.low_pass_damping, 1], axis.low_pass))
@@ -324,17 +306,15 @@ def _counted(position: float, resolution: float) -> float:
     return resolution * math.floor(position / resolution + 0.5) if resolution else position
 
 
-def _course(axis: Axis) -> Sequence[tuple[float, float]]:
+def _course(axis: _Numbers) -> Sequence[tuple[float, float]]:
     """Return the corners of the trapezoid of the set point: times [s] and speeds [m/s]."""
-    peak = abs(axis.feed)
+    peak = axis.feed
     if axis.distance:
         peak = min(peak, math.sqrt(axis.acceleration * axis.distance))
-    if peak == 0.0:
-        return [(0.0, 0.0)]
-    ramp, speed = peak / axis.acceleration, math.copysign(peak, axis.feed)
-    corners = [(0.0, 0.0), (ramp, speed)]
+    corners = [(0.0, 0.0), (peak / axis.acceleration, peak)]
     if axis.distance:
-        corners += [(axis.distance / peak, speed), (axis.distance / peak + ramp, 0.0)]
+        end = axis.distance / peak
+        corners += [(end, peak), (end + peak / axis.acceleration, 0.0)]
     return corners
 
 
