@@ -11,7 +11,7 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from stickslip_verification.model.whole_file import replacing
+from stickslip_verification.model.data_file import replacing
 from stickslip_verification.suite.faults import MASTER, Mutant, MutantError, parsed
 
 DESCRIPTION = "modelDescription.xml"

@@ -23,10 +23,8 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from stickslip_verification.drive import workers
-from stickslip_verification.drive.fmu.archive import REQUIRED
-from stickslip_verification.drive.fmu.description import Declared, read_description, shown
-from stickslip_verification.drive.fmu.errors import FmuError
-from stickslip_verification.drive.fmu.instance import FLOATING
+from stickslip_verification.drive.fmu.description import Declared, FmuError, read_description, shown
+from stickslip_verification.drive.fmu.instance import FLOATING, REQUIRED
 from stickslip_verification.drive.fmu.names import (
     INPUT_UNITS,
     NOT_THERE,
@@ -37,7 +35,7 @@ from stickslip_verification.drive.fmu.names import (
     as_ours,
     looks_like,
 )
-from stickslip_verification.drive.stepping import CommunicationStep, Setting
+from stickslip_verification.drive.masters import CommunicationStep, Setting
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.units import Unit

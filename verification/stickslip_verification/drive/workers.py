@@ -17,17 +17,14 @@ from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
-from stickslip_verification.drive import convergence
 from stickslip_verification.drive import exact as motions
-from stickslip_verification.drive.answer import Answer, answer_of
-from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.exact import kept
+from stickslip_verification.drive.fmu.description import FmuError
+from stickslip_verification.drive.fmu.instance import FmuFile
 from stickslip_verification.drive.fmu.names import NameMap, Variable
-from stickslip_verification.drive.kept import kept
-from stickslip_verification.drive.masters import MANNERS, RUNS, Master, run_case
-from stickslip_verification.drive.probes.table import PROBES
-from stickslip_verification.drive.processes import LostError, Worker
-from stickslip_verification.drive.stepping import Setting
+from stickslip_verification.drive.masters import MANNERS, RUNS, Master, Setting, run_case
+from stickslip_verification.drive.probes.environments import PROBES
+from stickslip_verification.drive.processes import Answer, LostError, Worker, answer_of
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Hook
@@ -75,10 +72,10 @@ def allowed(jobs: int) -> int:
 
 
 exact = partial(kept, motions.exact_motion)
-reference = partial(kept, convergence.run_reference)
+reference = partial(kept, motions.run_reference)
 spreads = partial(kept, motions.spreads)
 changes = partial(kept, motions.changes)
-observed_order = partial(kept, convergence.observe)
+observed_order = partial(kept, motions.observe)
 """Tasks about a case, without an FMU."""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import matplotlib as mpl
@@ -11,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
+from numpy.typing import NDArray
 
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import (
@@ -21,9 +23,96 @@ from stickslip_verification.model.verdict import (
     ObservedOrder,
     Verdict,
 )
-from stickslip_verification.report import curve
-from stickslip_verification.report.house_style import BLUE, GREY, INK, ORANGE, SOFT, STYLE
-from stickslip_verification.report.svg import as_part
+from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, SOFT, STYLE, as_part
+
+PIECES = 400
+"""Straight pieces over the whole time that a slip is drawn with: about one per point of width."""
+
+SAME_TIME = 1e-12
+"""Part of the run's length within which an event is at a communication point."""
+
+FAITHFUL = 0.015
+"""Part of the plotted range by which a cubic may miss the motion: about the width of the line."""
+
+UNEVEN = 10.0
+"""Ratio of two neighbouring gaps above which the shorter tells nothing of the longer."""
+
+AT_ONCE = 0.005
+"""Part of the run's length below which a slip is drawn as a jump."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """What is drawn of a motion: time [s], positions [m] and spring force [N], ``(n,)`` each.
+
+    ``joined`` tells whether lines may join the points: it is False where more happens between two
+    samples than they can tell.
+    """
+
+    t: Series
+    x: Series
+    x_pull: Series
+    F: Series
+    joined: bool
+
+
+def curve(motion: Motion) -> Curve:
+    """Return the line through samples and events of the exact motion, straight in stick.
+
+    In slip it is the cubic through positions and velocities. The pulled end moves straight between
+    two samples. Where the samples are too coarse, it is the samples alone.
+    """
+    exact = motion.exact
+    at = {name: np.append(exact.initial[name], exact.outputs[name]) for name in exact.initial}
+    times, x, x_pull, F, z = np.append(0.0, exact.times), at["x"], at["x_pull"], at["F"], at["z"]
+    near = SAME_TIME * times[-1]
+    events = [each for each in motion.events if np.min(np.abs(times - each.time)) > near]
+    t, order = np.unique([*times, *(each.time for each in events)], return_index=True)
+    places, speeds = [*x, *(each.x for each in events)], [*at["x_dot"], *np.zeros(len(events))]
+    nodes = np.array((t, np.array(places)[order], np.array(speeds)[order]))
+    slips = np.any(nodes[2:, 1:] != 0.0, axis=0) | np.any(nodes[1:, :-1] != nodes[1:, 1:], axis=0)
+    if not _faithful(nodes, slips, np.ptp(z)):
+        return Curve(times, x, x_pull, F, joined=False)
+    pieces = np.where(slips, np.maximum(2, np.round(PIECES * np.diff(t) / t[-1])), 1).astype(int)
+    left, right = (np.repeat(each, pieces + 1, axis=1) for each in (nodes[:, :-1], nodes[:, 1:]))
+    gaps = zip(t, t[1:], pieces + 1, strict=False)
+    drawn = np.concatenate([np.linspace(*each) for each in gaps])
+    line, pull = _cubic(left, right, drawn), np.interp(drawn, times, x_pull)
+    # The stiffness up to a sample; where the spring is slack, that of the next one.
+    taut = np.flatnonzero(z)
+    next_taut = np.searchsorted(taut, np.searchsorted(times, right[0])).clip(max=taut.size - 1)
+    k = (F[taut] / z[taut])[next_taut] if taut.size else 0.0
+    return Curve(drawn, line, pull, k * (pull - line), joined=True)
+
+
+def _cubic(left: Series, right: Series, t: Series) -> Series:
+    """Return x at times on the cubics between nodes: rows of time, position and velocity."""
+    gap = right[0] - left[0]
+    s = (t - left[0]) / gap
+    rise = s * s * (3.0 - 2.0 * s)
+    bent = gap * s * (1.0 - s) * ((1.0 - s) * left[2] - s * right[2])
+    return np.asarray((1.0 - rise) * left[1] + rise * right[1] + bent)
+
+
+def _faithful(nodes: Series, slips: NDArray[np.bool_], swing: float) -> bool:
+    """Tell whether the cubics are the motion.
+
+    The error of a cubic at s h of a gap h goes with ``(s (1 - s))^2 h^4``. A cubic over two gaps
+    that leaves out the node between them shows it there, and so what it is within one gap.
+    """
+    gaps = np.diff(nodes[0])
+    if not gaps.size:
+        return False
+    before, middle, after = nodes[:, :-2], nodes[:, 1:-1], nodes[:, 2:]
+    missed = np.abs(_cubic(before, after, middle[0]) - middle[1])
+    long, short = (choose(gaps[:-1], gaps[1:]) for choose in (np.maximum, np.minimum))
+    inner = slips[:-1] & slips[1:] & (middle[2] != 0.0) & (long < UNEVEN * short)
+    seen = 16.0 * (gaps[:-1] * gaps[1:]) ** 2 * FAITHFUL * min(float(np.ptp(nodes[1])), swing)
+    # A slip without a sample inside shows where it ends, not how it goes.
+    jumps = slips & (nodes[2, :-1] == 0.0) & (nodes[2, 1:] == 0.0)
+    known = not np.any(jumps & (gaps > AT_ONCE * nodes[0, -1]))
+    return known and not np.any(inner & (missed * long**4 > seen))
+
 
 SIDES: Final = (("fmu", "FMU", BLUE, "o", 4.0), ("reference", "reference", ORANGE, "x", 3.4))
 
@@ -78,7 +167,7 @@ def draw_case(motion: Motion, tolerances: Mapping[str, float]) -> str:
         panels = page.subplots(
             3, 1, sharex=True, height_ratios=(5.0, 4.0, 4.5), gridspec_kw=place
         ).tolist()
-        line = curve.curve(motion)
+        line = curve(motion)
         time, prefix = _scale(float(line.t[-1]), 0.1)
         end = float(line.t[-1]) / time or 1.0
         # Single points at the ends stand free of the frame.
@@ -131,7 +220,7 @@ def _course_tolerances(checks: Sequence[CheckResult], case: str) -> dict[str, fl
     }
 
 
-def _draw_positions(panel: Axes, motion: Motion, line: curve.Curve, time: float) -> None:
+def _draw_positions(panel: Axes, motion: Motion, line: Curve, time: float) -> None:
     length, name = _scale(float(np.max(np.abs([line.x, line.x_pull]))))
     panel.set_ylabel(f"position  [{name}m]")
     _range(panel, np.concatenate((line.x, line.x_pull)) / length)
@@ -141,7 +230,7 @@ def _draw_positions(panel: Axes, motion: Motion, line: curve.Curve, time: float)
     _legend(panel)
 
 
-def _draw_force(panel: Axes, motion: Motion, line: curve.Curve, time: float) -> None:
+def _draw_force(panel: Axes, motion: Motion, line: Curve, time: float) -> None:
     exact = motion.exact
     F_s = np.concatenate(([exact.initial["F_s"]], exact.outputs["F_s"]))
     times = np.concatenate(([0.0], exact.times))
@@ -214,7 +303,7 @@ def _errors(exact: Run, run: Run | None, quantity: str) -> Series | None:
 
 
 def _draw_line(
-    panel: Axes, line: curve.Curve, y: Series, time: float, color: str, width: float, name: str
+    panel: Axes, line: Curve, y: Series, time: float, color: str, width: float, name: str
 ) -> None:
     if line.joined:
         panel.plot(line.t / time, y, color=color, lw=width, label=name, solid_joinstyle="miter")
@@ -243,7 +332,7 @@ def _every(motion: Motion) -> int:
     return max(1, -(-len(motion.exact.times) // MARKS))
 
 
-def _what_is_marked(motion: Motion, line: curve.Curve) -> str:
+def _what_is_marked(motion: Motion, line: Curve) -> str:
     count, every = len(motion.exact.times), _every(motion)
     what = f"{count} sample{'s' if count > 1 else ''}"
     marked = what if every == 1 else f"markers: 1 in {every} of {what}"

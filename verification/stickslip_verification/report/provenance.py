@@ -9,8 +9,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.fmu.digest import content_digest
+from stickslip_verification.drive.fmu.description import content_digest
+from stickslip_verification.drive.fmu.instance import FmuFile
 
 TRUST = (
     "The FMU ran in processes of the suite, and shares them with the code that drives it. One that "

@@ -13,8 +13,7 @@ from stickslip_verification.drive import workers
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.model.verdict import Detection, KillMatrix
 from stickslip_verification.run.comparisons import compare
-from stickslip_verification.run.experiment import Experiment, Progress
-from stickslip_verification.run.runs import run_all
+from stickslip_verification.run.experiment import Experiment, Progress, run_all
 from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantError
 
 LONGEST = 100.0

@@ -1,44 +1,105 @@
 """The suite as a whole: an FMU and the reference judged, faults planted, a verdict."""
 
 import math
-from collections.abc import Collection, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.exact import Exact
-from stickslip_verification.drive.fmu.archive import FmuFile, require
-from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.description import FmuError
+from stickslip_verification.drive.fmu.instance import FmuFile, require
 from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.drive.masters import can_run, fitting, law_of, may_change, require_law
 from stickslip_verification.drive.planting import carries_source
-from stickslip_verification.drive.probes.table import LONG_PROBES, OF_NUMERICAL
-from stickslip_verification.drive.stepping import can_run, fitting, law_of, may_change, require_law
-from stickslip_verification.judge.contract import CONTRACTS, Wanted, chosen_contract
-from stickslip_verification.model.verdict import Klass, Motion, Question, Table, Verdict
+from stickslip_verification.drive.probes.environments import LONG_PROBES, OF_NUMERICAL
+from stickslip_verification.judge.checks import (
+    CONTRACTS,
+    Contract,
+    Wanted,
+    chosen_contract,
+    of_invariant,
+)
+from stickslip_verification.model.verdict import (
+    CheckResult,
+    Klass,
+    Motion,
+    Question,
+    Table,
+    Verdict,
+)
 from stickslip_verification.report import provenance
-from stickslip_verification.run.comparisons import compare
-from stickslip_verification.run.coverage import coverage_table, gaps
+from stickslip_verification.run.comparisons import compare, compare_numerical, solution
 from stickslip_verification.run.experiment import (
     Baseline,
     Experiment,
     Progress,
+    Runs,
     compute,
     random_tests,
+    repeat_failed,
+    run_all,
 )
 from stickslip_verification.run.kill_matrix import detect
-from stickslip_verification.run.numerical import compare_numerical, solution
 from stickslip_verification.run.questions import questions
-from stickslip_verification.run.runs import Runs, repeat_failed, run_all
-from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.family import long_cases
+from stickslip_verification.suite.cases import Case, long_cases
 from stickslip_verification.suite.faults import Mutant, MutantError
-from stickslip_verification.suite.invariants import Invariants, load_invariants
-from stickslip_verification.suite.other_laws import under_law, with_dwell
-from stickslip_verification.suite.sequences import SEED, Scope, draw_sequences
+from stickslip_verification.suite.invariants import Invariants, Manner, load_invariants
+from stickslip_verification.suite.sequences import (
+    CELLS,
+    COUNT,
+    DAMPINGS,
+    PHASES,
+    ROWS,
+    SEED,
+    Cell,
+    RandomSequence,
+    Scope,
+    coverage,
+    draw_sequences,
+    under_law,
+    with_dwell,
+)
 from stickslip_verification.truth import COULOMB, COULOMB_NAME
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
+
+
+def coverage_table(sequences: Sequence[RandomSequence], seed: int, scope: Scope) -> Table:
+    """Count how often what changed in which phase, at which damping."""
+    counts = coverage(sequences)
+    reasons = Counter(scope.hindrance(cell) for cell in CELLS if not counts[cell])
+    rows: list[list[str | int]] = []
+    for row, phase in product(ROWS, PHASES):
+        cells = (Cell(row, phase, damping) for damping in DAMPINGS)
+        rows.append([f"{row}, in {phase}", *(counts[cell] for cell in cells)])
+    return Table(
+        title="Random sequences",
+        about="How often what changed in which phase, at which damping from then on: "
+        f"{len(sequences)} sequences of seed {seed}.",
+        head=("what changes, and when", *DAMPINGS),
+        rows=rows,
+        note=" ".join(f"{n} cells cannot be filled: {why}." for why, n in reasons.items() if why),
+    )
+
+
+def gaps(
+    sequences: Sequence[RandomSequence],
+    scope: Scope,
+    contract: Contract,
+    manners: Sequence[Manner],
+) -> Iterator[CheckResult]:
+    """Yield a failure of the suite where sequences that should fill the table leave cells empty."""
+    counts = coverage(sequences)
+    empty = [cell for cell in CELLS if not counts[cell] and scope.hindrance(cell) is None]
+    if len(sequences) >= COUNT and empty and manners:
+        cells = "; ".join(", ".join(cell) for cell in empty)
+        failure = f"the suite itself: its random sequences have no {cells}"
+        yield of_invariant(manners[0], "", contract, failure=failure)
+
 
 WITHIN = 1e-6
 """What a numerical solution has to be within where nothing else is asked for."""
@@ -214,7 +275,7 @@ def _motion(runs: Runs, baseline: Baseline, exact: Exact) -> Motion:
     case = baseline.case
     sides = {"fmu": runs.plain[case.id].value, "reference": baseline.reference.value}
     ran = {name: run for name, run in sides.items() if run is not None}
-    shown = (case.id, case.title, case.about, exact.record, exact.event_times)
+    shown = (case.id, case.title, case.about, exact.record, exact.events)
     return Motion(*shown, records=ran, group=case.group)
 
 

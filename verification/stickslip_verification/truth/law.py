@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from stickslip_verification.truth.march import March
+from stickslip_verification.truth.march import Friction, March, NearRest
 from stickslip_verification.truth.parameters import (
     Context,
     Number,
@@ -13,7 +13,6 @@ from stickslip_verification.truth.parameters import (
     Parameter,
     used_mu_k,
 )
-from stickslip_verification.truth.pieces import Friction, NearRest
 from stickslip_verification.truth.series import Series
 
 

@@ -15,8 +15,8 @@ from collections.abc import Mapping, Sequence
 from enum import IntEnum
 
 from stickslip_verification.truth.law import FrictionLaw
+from stickslip_verification.truth.march import NearRest
 from stickslip_verification.truth.parameters import Context, Kind, Number, Numbers, Parameter
-from stickslip_verification.truth.pieces import NearRest
 from stickslip_verification.truth.series import Series
 
 MOST_POINTS = 12

@@ -239,8 +239,8 @@ def _check_pack(pack: bool, fmu: Path | None, names: Path | None, wanted: str | 
     if fmu is None:
         return
     from stickslip_fmu.laws.named import BUILT_IN, friction_law
-    from stickslip_verification.drive.fmu.archive import FmuFile
-    from stickslip_verification.drive.fmu.errors import FmuError
+    from stickslip_verification.drive.fmu.description import FmuError
+    from stickslip_verification.drive.fmu.instance import FmuFile
 
     try:
         file = FmuFile(fmu)

@@ -9,8 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator
 from pydantic.dataclasses import dataclass as model
 
-from stickslip_verification.drive.fmu.description import NUMBERS, Declared, Description
-from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.description import NUMBERS, Declared, Description, FmuError
 from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile, Written
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.model.units import Conversion, Unit, conversion, spelled
