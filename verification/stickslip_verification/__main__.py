@@ -66,7 +66,6 @@ def _planted(chosen: argparse.Namespace) -> Verdict:
 
 
 def _lines(verdict: Verdict) -> Iterator[str]:
-    """Say what became of the faults, and whether the FMU without one passes."""
     kills = verdict.kills
     assert isinstance(kills, KillMatrix)
     for row in kills.rows:

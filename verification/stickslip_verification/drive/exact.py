@@ -42,8 +42,7 @@ MOTIONS, FEW = 8, 3
 """How many motions near the exact one are followed for each; and how many of a friction law that is
 marched by series, which takes a hundred times as long, for each second of the parts."""
 
-PART = 1e-4
-"""By how much a parameter is larger for its changes."""
+PART = 1e-4  # by how much a parameter is larger for its changes
 
 
 @dataclass(frozen=True)
@@ -182,7 +181,6 @@ def _off(
 def _follow(
     case: Case, parameters: Mapping[str, float], changes: Sequence[Mapping[str, float]]
 ) -> Run:
-    """Follow a case with other values, in doubles."""
     steps = [truth.Step(step.h, dict(new)) for step, new in zip(case.steps, changes, strict=True)]
     return record_of(case, truth.run(parameters, steps, digits=None, law=case.law))
 
@@ -229,7 +227,6 @@ def simulate_reference(case: Case, rtol: float | None = None) -> stickslip_ref.T
 
 
 def _split(case: Case, values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
-    """Divide values into the model's and those of the friction law's own parameters."""
     names = {each.name for each in case.own}
     own = {name: value for name, value in values.items() if name in names}
     return {name: value for name, value in values.items() if name not in names}, own

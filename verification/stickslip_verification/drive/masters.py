@@ -196,8 +196,7 @@ def need_ability(able: bool, what: str) -> None:
 AfterStep = Callable[[float], bool]
 """Called with the time since the start [s] after each step; True ends the run there."""
 
-_PIECES = (0.3, 0.45)
-"""Parts of a step that it is cut into, the rest being the last."""
+_PIECES = (0.3, 0.45)  # parts of a step that it is cut into, the rest being the last
 
 _ROLLBACKS, _REPEATED, _STATES = 5, 20, 100
 """How often a run is set back, over how many steps each time; states that exist at once, once."""
@@ -456,8 +455,7 @@ def _step_other_before(m: Master) -> None:
     m.set()
 
 
-run_case = Way()
-"""Drives a fresh instance of an FMU through a case, plainly."""
+run_case = Way()  # drives a fresh instance of an FMU through a case, plainly
 
 RUNS: Mapping[str, Way] = {
     "mirror": _symmetric(MIRROR),

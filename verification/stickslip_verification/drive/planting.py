@@ -83,7 +83,6 @@ def _read(fmu: Path) -> dict[str, bytes]:
 
 
 def _package(fmu: Path, entries: Mapping[str, bytes]) -> str:
-    """Return the name of the packed package, which the slave's file is called after."""
     slave = entries.get(_SLAVE_MODULE, b"").decode("utf-8", errors="replace").strip()
     package = slave.removesuffix(_SLAVE_ENDING)
     packed = f"{RESOURCES}{package}/__init__.py" in entries
@@ -99,7 +98,6 @@ def _apply(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
         return MutantError(mutant.file, where, reason)
 
     def file_of(field: str, end: str, named: str) -> str:
-        """Return the one entry of the packed source whose path ends so."""
         files = [name for name in entries if name.startswith(folder) and f"/{name}".endswith(end)]
         if len(files) == 1:
             return files[0]

@@ -78,11 +78,8 @@ def reason(error: BaseException) -> str:
 MOST_ANSWERED: Final = 2**30
 """Bytes of one answer that are taken; the longest record of the suite has some 10^7."""
 
-ENDING: Final = 5.0
-"""Seconds in which a guard ends its descendants; then it is ended itself."""
-
-LONGEST_SILENCE: Final = 20
-"""Seconds in which nothing comes of an answer that was begun."""
+ENDING: Final = 5.0  # seconds in which a guard ends its descendants; then it is ended itself
+LONGEST_SILENCE: Final = 20  # seconds in which nothing comes of an answer that was begun
 
 SHORT_FOLDER, LONGEST_FOLDER = "/tmp", 70
 """Where sockets go if the folder for temporary files has a name of more bytes: the path of a socket
@@ -184,7 +181,6 @@ class Worker:
 def _serve(
     connection: Connection, begin: Task, arguments: tuple[Any, ...], memory: int | None
 ) -> None:
-    """Do what is sent, till the connection is closed."""
     # Ctrl-C is for the process that asks.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     discard_prints()

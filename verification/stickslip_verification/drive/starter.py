@@ -112,8 +112,7 @@ _ALONE: Final = {
 }
 """What the others are set to [SI], each alone."""
 
-_STEPS: Final = (CommunicationStep(2.5e-3, {}),) * 800
-"""Seven periods."""
+_STEPS: Final = (CommunicationStep(2.5e-3, {}),) * 800  # seven periods
 
 _SAME, _OTHER, _SAME_NUMBER = 0.1, 0.5, 1e-3
 """Mean distance of two curves, in mean deviations of ours, up to which they are one motion to a
@@ -126,8 +125,7 @@ _MOVING: Final = ("x", "x_dot", "z", "F", "F_friction")
 """Outputs that prove the motion of a block. They are compared in the first half of the run, before
 a crude solver is late, the others in the second, when the meter knows all."""
 
-_PROOF: Final = 0.9
-"""Sum of what these prove, each 1 if followed exactly and 0 at `_SAME`."""
+_PROOF: Final = 0.9  # sum of what these prove, each 1 if followed exactly and 0 at `_SAME`
 
 _DIRECTED: Final = {each.name for each in PARAMETERS if each.directed} | {
     name for name, quantity in QUANTITIES.items() if quantity.directed
@@ -203,7 +201,6 @@ def _candidate(ours: str, theirs: Declared, units: Mapping[str, Unit]) -> Variab
 
 
 def _likeness(ours: str, theirs: Declared) -> float:
-    """Score a variable that fits; 0 if nothing is said."""
     needs, may = (set(part.split()) for part in f"{_TABLES['quantities'][ours]} | ".split("|")[:2])
     name, text = _words(theirs.name), _words(theirs.description)
     by_unit = {_TABLES["by_unit"].get(UNITS[ours], "")} if theirs.unit else set()
@@ -299,7 +296,6 @@ def _or(others: Sequence[Variable]) -> str:
 
 
 def _quoted(name: str) -> str:
-    """Return a name as a TOML string."""
     return json.dumps(name, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
@@ -309,8 +305,6 @@ def _plain(text: str) -> str:
 
 
 class _Trial:
-    """Runs of one FMU and of the reference through the same steps."""
-
     def __init__(self, pool: workers.Pool, fitting: Sequence[Variable]) -> None:
         self.pool = pool
         self.variables = {f"{each.name} = {each.their_name}": each for each in fitting}

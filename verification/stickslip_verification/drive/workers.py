@@ -32,8 +32,7 @@ from stickslip_verification.suite.invariants import Probe
 
 T = TypeVar("T")
 
-NOT_MADE = "not finished"
-"""Beginning of the failure of a run for which no time was left."""
+NOT_MADE = "not finished"  # beginning of the failure of a run for which no time was left
 
 TIME_LIMIT = PROBE_LIMIT = 60.0
 """Seconds that one run of a case, or one probe, may take; the longest of the suite takes a few."""
@@ -71,12 +70,12 @@ def allowed(jobs: int) -> int:
     return min(jobs, MOST_PER_PROCESSOR * jobs_here())
 
 
+# Tasks about a case, without an FMU.
 exact = partial(kept, motions.exact_motion)
 reference = partial(kept, motions.run_reference)
 spreads = partial(kept, motions.spreads)
 changes = partial(kept, motions.changes)
 observed_order = partial(kept, motions.observe)
-"""Tasks about a case, without an FMU."""
 
 
 def open_fmu() -> bool:
@@ -117,8 +116,6 @@ def trial_run(setting: Setting, variables: Mapping[str, Variable], names: Sequen
 
 @dataclass(eq=False)
 class _Task:
-    """A task with its time limit [s], and its answer once there is one."""
-
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
     limit: float
@@ -127,7 +124,6 @@ class _Task:
 
     @property
     def seconds(self) -> float:
-        """How long it has been running [s]."""
         return time.monotonic() - self.begun
 
 
@@ -233,8 +229,7 @@ class Pool:
         return (self._lost + running) / max(1, len(self._busy) + len(self._idle))
 
 
-_OPENED: list[Callable[[], FmuFile]] = []
-"""Opens the FMU of a worker, once."""
+_OPENED: list[Callable[[], FmuFile]] = []  # opens the FMU of a worker, once
 
 
 def _begin(folder: str, opened: Callable[[], FmuFile] | None) -> None:

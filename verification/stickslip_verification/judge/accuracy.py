@@ -152,17 +152,13 @@ STANDS_OUT: Final = 20.0
 SPREAD: Final = 4.0
 """How often the spread of nearby motions a solution may be off: they are only a few of all."""
 
-SATURATED: Final = 0.1
-"""A point counts while the spread is below this part of the largest value."""
-
-LEAST: Final = 1e-13
-"""Below it delta is rounding."""
+SATURATED: Final = 0.1  # a point counts while the spread is below this part of the largest value
+LEAST: Final = 1e-13  # below it delta is rounding
 
 FLOOR: Final = 5e-11
 """Delta that any solution may have: the arithmetic of an exact block, which no user sees."""
 
-IN_STICK: Final = "x in stick"
-"""What is off where the mass creeps."""
+IN_STICK: Final = "x in stick"  # what is off where the mass creeps
 
 STILL: Final = 2e-4
 """Part of the pull's way that the mass may move in stick: honest solvers none, the switch model a
@@ -174,17 +170,14 @@ DIVERGED: Final = 1.0
 REPEATS: Final = 0.25
 """Distance of the quartiles over the median of an offset that repeats; honest solvers: above 0.3,
 parameters off by 0.1 to 1 % in an accurate one: below 0.18 (measured)."""
-LEFT: Final = 0.4
-"""What an offset may leave of the deviation in the middle case."""
-_ENOUGH: Final = 5
-"""Fewest cases that an offset is taken from."""
+LEFT: Final = 0.4  # what an offset may leave of the deviation in the middle case
+_ENOUGH: Final = 5  # fewest cases that an offset is taken from
 _NEAR: Final = 6
 """Points count that are not saturated at this one of `OFF`: there the motion is nearly linear."""
 _MOVES: Final = 1e-3
 """Least change, over the largest value, of a parameter that matters in a case, for each part."""
 
-_CREEP: Final = 1e-6
-"""A slip that is slower, over the largest speed, may be called a stick."""
+_CREEP: Final = 1e-6  # a slip that is slower, over the largest speed, may be called a stick
 
 _ALIKE: Final = 4
 """How many solvers are matched, the nearest ones: more of them excuse a fault, fewer accuse."""

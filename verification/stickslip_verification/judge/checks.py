@@ -485,7 +485,6 @@ def same_run(empty: CheckResult, plain: Run, other: Run, band: Band) -> CheckRes
 
 
 def _with_start(record: Run) -> dict[str, Series]:
-    """Return the samples of each output, that after initialization first."""
     return {
         name: np.concatenate(([record.initial[name]], record.outputs[name]))
         for name in OUTPUT_NAMES

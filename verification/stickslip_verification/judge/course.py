@@ -290,8 +290,7 @@ Wide = NDArray[np.longdouble]
 
 _PRODUCT = "ijn,jkn->ikn"
 _TERMS = 24
-_LARGEST = 0.25
-"""A series of so many terms is exact to 1e-30 for matrices of this norm."""
+_LARGEST = 0.25  # a series of so many terms is exact to 1e-30 for matrices of this norm
 
 
 @dataclass(frozen=True)

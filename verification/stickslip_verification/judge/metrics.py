@@ -69,7 +69,6 @@ def never_past_rest(course: Course) -> Residual:
 
 
 def _missed(course: Course, name: str) -> Wide:
-    """Return an output at the end of the steps in slip, less what the equation of slip gives."""
     chosen = course.slip
     equations = slips(course, chosen, course.mode[1])
     moved = equations.move(state(course, chosen), course.h[chosen])
@@ -146,7 +145,6 @@ def _at_break_away(course: Course) -> tuple[Series, Series, Mask]:
 
 
 def _beyond(left: Series, allowed: Series) -> Series:
-    """Return what of a residual is more than the dating of an event may leave over."""
     return np.sign(left) * np.maximum(np.abs(left) - allowed, 0.0)
 
 

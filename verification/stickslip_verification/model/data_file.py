@@ -35,12 +35,7 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
     """Open a file that takes the place of `path` when the block ends well.
 
     It is written next to its place, in a folder that exists. Where the block fails, `path` is left
-    as it was.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written, as on a full disk; it names `path`.
+    as it was. `OSError`, which names `path`, if the file cannot be written, as on a full disk.
     """
     part = path.parent / f".{secrets.token_hex(8)}{_PART}"
     try:
@@ -75,8 +70,7 @@ def write_all(files: Mapping[Path, str | bytes]) -> None:
             stream.flush()
 
 
-Place = Sequence[str | int]
-"""Path of a field: names, and numbers in lists."""
+Place = Sequence[str | int]  # path of a field: names, and numbers in lists
 
 Shape = TypeVar("Shape")
 
@@ -211,10 +205,7 @@ class DataError(ValueError):
 class DataFile:
     """A TOML file: its text, its data, and refusals of what stands in it, of the kind `error`.
 
-    Raises
-    ------
-    DataError
-        The file cannot be read, is no UTF-8 or no TOML; it is of the kind `error`.
+    It is refused where it cannot be read, is no UTF-8 or no TOML.
     """
 
     def __init__(self, path: Path, error: type[DataError]) -> None:

@@ -8,8 +8,7 @@ from typing import Any, Final
 
 from stickslip_verification.model.run import Event, Run
 
-SEQUENCE: Final = "sequence-"
-"""Start of the case id of a random sequence; the rest is its number."""
+SEQUENCE: Final = "sequence-"  # start of the case id of a random sequence; the rest is its number
 
 
 class Kind(StrEnum):
@@ -174,8 +173,7 @@ class KillMatrix:
         return all(row.caught for row in self.rows) and all(self.kills_nothing.values())
 
 
-LIKELIEST = "What is it likeliest to do instead?"
-"""Asked of a model that is wrong."""
+LIKELIEST = "What is it likeliest to do instead?"  # asked of a model that is wrong
 
 
 @dataclass(frozen=True)

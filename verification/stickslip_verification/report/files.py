@@ -62,11 +62,8 @@ def _plain(value: Any) -> Any:
     return value
 
 
-ABOUT_THE_FMU = "the FMU"
-"""Class name of the checks that belong to no case."""
-
-THE_VERDICT = "the verdict"
-"""Class name of what a verdict needs beyond its checks."""
+ABOUT_THE_FMU = "the FMU"  # class name of the checks that belong to no case
+THE_VERDICT = "the verdict"  # class name of what a verdict needs beyond its checks
 
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 

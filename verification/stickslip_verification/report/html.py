@@ -1,7 +1,5 @@
 """The report as one page that asks for nothing outside itself, and the files with it."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -34,17 +32,13 @@ from stickslip_verification.suite.cases import Meaning
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
 
-NEAREST = 10
-"""How many margins the page names."""
-
-ITSELF = "The FMU itself"
-"""The group of what is checked on the FMU and not on a motion."""
+NEAREST = 10  # how many margins the page names
+ITSELF = "The FMU itself"  # the group of what is checked on the FMU and not on a motion
 
 SEQUENCES = "Random sequences"
 """The group of the random sequences, of which the page shows those that did not pass."""
 
-Numbered = tuple[int, CheckResult]
-"""A result and its number in the verdict."""
+Numbered = tuple[int, CheckResult]  # a result and its number in the verdict
 
 
 class FailedCheck(NamedTuple):
@@ -86,14 +80,8 @@ def render(
 ) -> str:
     """Return the report as HTML; the same but for its last block for the same results.
 
-    Parameters
-    ----------
-    verdict
-        What came out.
-    meanings
-        For a check, what its failure means.
-    full
-        Whether every comparison is printed; else a case that passed is printed as one line.
+    `meanings` say what a failure of a check means. Unless it is `full`, a case that passed is
+    printed as one line.
     """
     failures = failed_checks(verdict, (Outcome.FAIL,))
     pictures = plots.draw_cases(verdict)
@@ -175,7 +163,6 @@ def failed_checks(verdict: Verdict, outcomes: Collection[Outcome]) -> list[Faile
 def _likeliest(
     verdict: Verdict, failures: Sequence[FailedCheck], meanings: Mapping[str, Meaning]
 ) -> str:
-    """Return the likeliest cause of a failure, from the runs or else the first failed check."""
     for question in verdict.questions:
         if question.asked == LIKELIEST:
             return question.answer
@@ -225,13 +212,11 @@ def _groups(verdict: Verdict) -> list[Group]:
 
 
 def _later(numbered: Numbered) -> int:
-    """Order by failures, what is noted, and the rest as it ran."""
     result = numbered[1]
     return 0 if result.failed else 1 if result.verdict == Outcome.NOTED else 2
 
 
 def _nearest(verdict: Verdict) -> list[Numbered]:
-    """Return the passed results that use most of their tolerance."""
     passed = [(n, r) for n, r in enumerate(verdict.checks) if r.verdict == Outcome.PASS]
     most = sorted(passed, key=lambda numbered: -used(numbered[1]))[:NEAREST]
     return [(number, result) for number, result in most if used(result) > 0.0]
@@ -245,15 +230,10 @@ _NAMES = {"2.0": "StickSlip.fmu", "3.0": "StickSlip_fmi3.fmu"}
 
 
 def packed_report(verdict: Verdict) -> str:
-    """Return the report that goes into the FMU it judges.
+    """Return the report that goes into the FMU it judges, our own.
 
     It names the FMU by the digest of its content without extra/, so that it can be put there, and
     carries neither date nor place: the same FMU and the same suite give the same bytes.
-
-    Parameters
-    ----------
-    verdict
-        What came out, for our own FMU.
     """
     cases: dict[str, list[CheckResult]] = {SHOWN: []}
     for result in verdict.checks:

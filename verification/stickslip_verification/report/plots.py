@@ -1,7 +1,5 @@
 """The pictures of the report as SVG: the motion of a case, and an observed order."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -28,17 +26,13 @@ from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, SOFT, STY
 PIECES = 400
 """Straight pieces over the whole time that a slip is drawn with: about one per point of width."""
 
-SAME_TIME = 1e-12
-"""Part of the run's length within which an event is at a communication point."""
+SAME_TIME = 1e-12  # part of the run's length within which an event is at a communication point
 
 FAITHFUL = 0.015
 """Part of the plotted range by which a cubic may miss the motion: about the width of the line."""
 
-UNEVEN = 10.0
-"""Ratio of two neighbouring gaps above which the shorter tells nothing of the longer."""
-
-AT_ONCE = 0.005
-"""Part of the run's length below which a slip is drawn as a jump."""
+UNEVEN = 10.0  # ratio of two neighbouring gaps above which the shorter tells nothing of the longer
+AT_ONCE = 0.005  # part of the run's length below which a slip is drawn as a jump
 
 
 @dataclass(frozen=True)
@@ -116,8 +110,7 @@ def _faithful(nodes: Series, slips: NDArray[np.bool_], swing: float) -> bool:
 
 SIDES: Final = (("fmu", "FMU", BLUE, "o", 4.0), ("reference", "reference", ORANGE, "x", 3.4))
 
-MARKS: Final = 40
-"""Markers of a side in a panel: more hide the line that they lie on."""
+MARKS: Final = 40  # markers of a side in a panel: more hide the line that they lie on
 
 NOTHING: Final = 1e-18
 """Where an error of exactly 0 is drawn: below half a rounding of the scale, 1.1e-16."""
@@ -125,11 +118,8 @@ NOTHING: Final = 1e-18
 TOLERANCES_APART: Final = 30.0
 """Ratio of two tolerances from which their lines have room for a name each."""
 
-HOPELESS: Final = 1e6
-"""The largest error, as part of the scale, that the panel makes room for."""
-
-SIZE: Final = (480.0, 412.0)
-"""Width and height of the picture of a case [pt]."""
+HOPELESS: Final = 1e6  # the largest error, as part of the scale, that the panel makes room for
+SIZE: Final = (480.0, 412.0)  # width and height of the picture of a case [pt]
 
 _DASHED: Final = (0, (5, 3))
 _PREFIXES: Final = ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
@@ -152,14 +142,8 @@ def draw_case(motion: Motion, tolerances: Mapping[str, float]) -> str:
     """Draw a case as SVG: positions, spring force, and the errors of both sides below.
 
     The exact motion is the line, the sides are markers on it. The lowest panel has the errors of x
-    and F, each over the largest magnitude of the exact course, on a logarithmic scale.
-
-    Parameters
-    ----------
-    motion
-        What was driven.
-    tolerances
-        For each side, the tolerance of the course of x as part of its scale, where there is one.
+    and F, each over the largest magnitude of the exact course, on a logarithmic scale, with the
+    `tolerances` of the course of x by side.
     """
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(SIZE[0] / 72.0, SIZE[1] / 72.0))
@@ -212,7 +196,6 @@ def draw_order(order: ObservedOrder, number: int) -> str:
 
 
 def _course_tolerances(checks: Sequence[CheckResult], case: str) -> dict[str, float]:
-    """Return the tolerance of the course of x on each side of a case, as part of its scale."""
     return {
         result.side: result.tolerance
         for result in checks
@@ -340,7 +323,6 @@ def _what_is_marked(motion: Motion, line: Curve) -> str:
 
 
 def _legend(panel: Axes) -> None:
-    """Name the lines in the strip above the panel."""
     place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.99), "ncols": 4}
     panel.legend(**place, borderpad=0.0, borderaxespad=0.2, columnspacing=1.4, handlelength=1.7)
 
@@ -352,7 +334,6 @@ def _range(panel: Axes, values: Series, above: float = 0.07) -> None:
 
 
 def _scale(largest: float, above: float = 2.0) -> tuple[float, str]:
-    """Return the size of the unit that makes `largest` a handy number, and its SI prefix."""
     for size, prefix in _PREFIXES:
         if largest >= above * size and (size <= 1.0 or largest >= 1e4):
             return size, prefix

@@ -52,8 +52,7 @@ OF_EXACT: Final = frozenset(
 )
 """Probes that ask for the very instant of a transition."""
 
-OF_OWN_LAW: Final = 1e-7
-"""Delta that is expected under a friction law that the solvers do not know."""
+OF_OWN_LAW: Final = 1e-7  # delta that is expected under a friction law that the solvers do not know
 
 EXCUSED: Final = 0.1
 """Part of the random sequences in which an honest solver may stand out, since it decides of stick
@@ -62,16 +61,14 @@ and slip one step late where others do not: there it may err as in the worst cas
 MANY: Final = 20
 """Cases of which an honest solver without its kin stands out in one, by up to 36 (measured)."""
 
-FEW: Final = 5
-"""In fewer cases nothing is said of all of them."""
+FEW: Final = 5  # in fewer cases nothing is said of all of them
 
 OF_OUTPUT: Final = 100.0
 """How many times the delta of the motion another output may be off: it may lag by a step."""
 
 TOO_STIFF: Final = "the block is too stiff here for steps so long"
 
-CERTAIN: Final = 3
-"""Cases that stand out from which on the model is wrong, whatever else is tried."""
+CERTAIN: Final = 3  # cases that stand out from which on the model is wrong, whatever else is tried
 
 AS_MUCH: Final = 10.0
 """How many times the delta of the plain run the run of other steps may have (measured: up to 5)."""
@@ -213,7 +210,6 @@ def _judge(
     like: Matched,
     expected: float,
 ) -> CheckResult:
-    """Judge a run: a plain one by its motion, another one by the plain one."""
     if answer.value is None:
         return without(empty, answer)
     if plain is None:
@@ -283,7 +279,6 @@ def as_large(like: Matched) -> tuple[str, float]:
 
 
 def _of_motion(empty: CheckResult, plain: Plain, like: Matched, expected: float) -> CheckResult:
-    """Judge a plain run: its motion against honest solvers, the rest against its motion."""
     ruler, run, tolerance = plain.ruler, plain.run, STANDS_OUT * expected
     worst = plain.motion
     if worst.delta <= tolerance:

@@ -19,11 +19,8 @@ from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantErr
 LONGEST = 100.0
 """Cases of more simulated time [s] are left out: a mutant that integrates would take minutes."""
 
-_AT_ONCE = 40
-"""Random sequences that a mutant is tried on before it is seen whether one detects it."""
-
-TIME_LIMIT = 20.0
-"""Seconds that a mutant may take for one run of a case."""
+_AT_ONCE = 40  # random sequences that a mutant is tried on before it is seen whether one detects it
+TIME_LIMIT = 20.0  # seconds that a mutant may take for one run of a case
 
 
 def detect(
@@ -40,17 +37,13 @@ def detect(
 
     Checks that fail only by the time limit do not count. A mutant that does not finish a case for
     another reason fails the check of that alone, since nothing was compared. Cases of more than
-    `LONGEST` are left out. `jobs` mutants are tried at once, each in a process of its own;
-    `progress` counts them. ``opened`` are further arguments of `workers.Pool`.
+    `LONGEST` are left out; `MutantError` if no case is short enough. `jobs` mutants are tried at
+    once, each in a process of its own; `progress` counts them. ``opened`` are further arguments of
+    `workers.Pool`.
 
     Each mutant is tried on every check where the matrix is to be `whole`; else on what its
     description foretells, part by part up to the first such check that fails, and on everything
     only if none of them detects it. Idle checks are not known then.
-
-    Raises
-    ------
-    MutantError
-        No case is short enough.
     """
     short = [each for each in experiment.baseline if each.case.stop_time <= LONGEST]
     if not short:

@@ -38,8 +38,7 @@ THEORY = Path(__file__).parents[3] / "docs" / "theory.md"
 VAGUE = ("somehow", "good enough", "seems", "for now", "should work", "empirical", "tuned", "magic")
 """Words that are no reason."""
 
-SHORTEST = 20
-"""Characters below which a reason says nothing."""
+SHORTEST = 20  # characters below which a reason says nothing
 
 
 def lint(folder: Path = CASES_FOLDER) -> list[str]:
@@ -74,7 +73,6 @@ def _ids(cases: Sequence[Case]) -> Iterator[str]:
 
 
 def _motion(case: Case, exact: Exact) -> Iterator[str]:
-    """Compare what a case states of its exact motion with it."""
     stated, happens = case.facts, exact.facts
     if stated is None:
         zero = {check.quantity for check in case.checks if check.because["fmu"] == ZERO}

@@ -33,11 +33,8 @@ from stickslip_verification.suite.cases import Case
 from stickslip_verification.truth.course import BUILT_IN
 from stickslip_verification.truth.parameters import CHANGEABLE
 
-EXPLAINS: Final = 0.1
-"""Most of the mean deviation that a cause may leave."""
-
-WORST: Final = 3
-"""How many failed runs are tried."""
+EXPLAINS: Final = 0.1  # most of the mean deviation that a cause may leave
+WORST: Final = 3  # how many failed runs are tried
 
 OTHERS: Final = 15
 """How many runs in which the FMU is right are compared with a cause, the shortest ones."""
@@ -150,7 +147,6 @@ def _creep(shown: Shown) -> float | None:
 
 
 def _models() -> Iterator[tuple[str, Model]]:
-    """Yield in words what models make of what is set, and of the equation of slip."""
     for name in ("c", "load", "F_ext", "x_dot_start", "z_start"):
         yield f"{name} is ignored", partial(_valued, name=name, factor=0.0)
     for name in ("v", "load", "F_ext", "x_dot_start", "z_start"):
@@ -242,8 +238,7 @@ def _damping(shown: Shown) -> Series:
     return np.array(forces)
 
 
-TOO_ROUGH: Final = 0.03
-"""Delta in the middle case from which on nothing can be told."""
+TOO_ROUGH: Final = 0.03  # delta in the middle case from which on nothing can be told
 
 ROUGH_CYCLE: Final = 0.05
 """Error of jump or period in the middle case from which on nothing can be told."""
@@ -257,11 +252,8 @@ CYCLE: Final[Mapping[str, str]] = {
 }
 """What a cycle is described by, and the outputs that show it; of the force the largest."""
 
-MOST_ASKED: Final = 50.0
-"""Above it [%] no error is one of the steps."""
-
-_EXACT: Final = 1e-11
-"""A solution whose middle delta is below this one is exact."""
+MOST_ASKED: Final = 50.0  # above it [%] no error is one of the steps
+_EXACT: Final = 1e-11  # a solution whose middle delta is below this one is exact
 
 
 @dataclass(frozen=True)
@@ -397,12 +389,10 @@ def _model(
 
 
 def _plain(result: CheckResult) -> bool:
-    """Whether a check holds a plain run against the exact motion."""
     return result.truth == Kind.CLOSED_FORM
 
 
 def _likeliest(solved: Solution, failed: Sequence[CheckResult], runs: Runs) -> str:
-    """Name the one cause of the runs that are farthest off, if it explains them all."""
     shown = {
         case: Shown(plain.case, plain.ruler.exact.record, plain.run)
         for case, plain in solved.plain.items()
@@ -428,7 +418,6 @@ def _likeliest(solved: Solution, failed: Sequence[CheckResult], runs: Runs) -> s
 
 
 def _set(case: Case) -> str:
-    """Say what a random sequence sets and changes."""
     values = ", ".join(f"{name} = {value:.4g}" for name, value in case.parameters.items())
     changed = ", ".join(dict.fromkeys(name for step in case.steps for name in step.changes))
     return f" {case.id} sets {values} (SI)" + (f" and changes {changed}." if changed else ".")
@@ -456,7 +445,6 @@ def _accuracy(solved: Solution, errors: Sequence[Errors], within: float, middle:
 
 
 def _class(like: Matched, middle: float) -> str:
-    """Name how accurate a solver is in the words of its users."""
     if middle < _EXACT:
         return "the exact motion, to rounding"
     name, factor = as_large(like)

@@ -104,11 +104,8 @@ class Experiment(Written):
 def communication_steps(file: DataFile, experiment: Experiment) -> tuple[CommunicationStep, ...]:
     """Lay out the steps of an experiment, with the changes at their communication points.
 
-    Raises
-    ------
-    DataError
-        The steps do not end at the stop time, a change lies between two of them, or they are too
-        many.
+    `DataError` if the steps do not end at the stop time, a change lies between two of them, or they
+    are too many.
     """
     stop_time, changes = experiment.stop_time, experiment.changes
     for n, change in enumerate(changes):
@@ -369,19 +366,10 @@ class CaseFile(Written):
 
 
 def load_cases(pattern: str | None = None, folder: Path | None = None) -> list[Case]:
-    """Read the cases of a folder, in the order of their names.
+    """Read the cases of a folder, by default the suite's own, in the order of their names.
 
-    Parameters
-    ----------
-    pattern
-        Shell pattern on the ids (``damped-*``); None takes all.
-    folder
-        Where the TOML files are; None takes the suite's own.
-
-    Raises
-    ------
-    CaseError
-        A file is broken (also one that the pattern leaves out), two share an id, or none matches.
+    `pattern` is a shell pattern on the ids (``damped-*``). `CaseError` if a file is broken (also
+    one that the pattern leaves out), two share an id, or none matches.
     """
     folder = CASES_FOLDER if folder is None else folder
     if not folder.is_dir():

@@ -76,7 +76,6 @@ class Override(Written):
     code: str
 
     def __post_init__(self) -> None:
-        """Refuse what is no Python 3.8, or does not define what it replaces."""
         if self.module == MASTER and self.path not in HOOKS:
             raise ValueError(f"no such call of the master; there are {', '.join(HOOKS)}")
         try:
@@ -120,7 +119,6 @@ class Substitution(Written):
     replace: str
 
     def __post_init__(self) -> None:
-        """Refuse one that changes nothing."""
         if self.find == self.replace:
             raise ValueError("replace is what it replaces")
 
@@ -157,25 +155,14 @@ class Mutant(Written):
         return bool(self.substitutions or self.additions) or len(self.hooks) < len(self.overrides)
 
 
-FaultFile = ById[Mutant]
-"""Faults to plant in the stick-slip FMU, by their ids."""
+FaultFile = ById[Mutant]  # faults to plant in the stick-slip FMU, by their ids
 
 
 def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> list[Mutant]:
-    """Read planted faults, in the order of their ids.
+    """Read planted faults from a TOML file or a folder of them, in the order of their ids.
 
-    Parameters
-    ----------
-    pattern
-        Shell pattern on the ids (``state-*``); None takes all.
-    files
-        A TOML file, or a folder of them.
-
-    Raises
-    ------
-    MutantError
-        A description is broken (also one that the pattern leaves out), two have one id, or none
-        matches.
+    `pattern` is a shell pattern on the ids (``state-*``). `MutantError` if a description is broken
+    (also one that the pattern leaves out), two have one id, or none matches.
     """
     mutants: dict[str, Mutant] = {}
     for path in sorted(files.glob("*.toml")) if files.is_dir() else [files]:

@@ -144,7 +144,6 @@ class Invariants(Written):
     orders: ById[Order] = ()
 
     def __iter__(self) -> Iterator[Invariant]:
-        """Yield every invariant."""
         for family in self.SOME:
             yield from getattr(self, family)
 
@@ -161,10 +160,7 @@ class Invariants(Written):
 def load_invariants(folder: Path = FOLDER) -> Invariants:
     """Read every TOML file of a folder, in the order of their names.
 
-    Raises
-    ------
-    InvariantError
-        A file is broken, or two invariants share an id.
+    `InvariantError` if a file is broken, or two invariants share an id.
     """
     families: dict[str, list[Any]] = {family: [] for family in Invariants.SOME}
     files: dict[str, Path] = {}

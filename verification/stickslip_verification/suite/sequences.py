@@ -5,8 +5,6 @@ the next moments allow, the one that has happened least so far comes next. So a 
 sequences fill the whole table of `coverage`, whatever the seed.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import Counter
@@ -170,8 +168,6 @@ def _draw(seed: int, number: int, counts: Mapping[Cell, int], scope: Scope) -> R
 
 
 class _Plan:
-    """A sequence that grows, change by change."""
-
     def __init__(self, draw: Random, counts: Mapping[Cell, int], scope: Scope) -> None:
         self._draw = draw
         self._counts = Counter(counts)
@@ -354,7 +350,6 @@ class _Plan:
         return 0.0 if way < 0.45 and name != "v" else drawn
 
     def _damper(self, m: float, w: float, damping: str) -> float:
-        """Draw the coefficient c [N.s/m] of a damping."""
         ratio = {
             UNDAMPED: 0.0,
             BELOW: _log_uniform(self._draw, 3e-4, 0.9),

@@ -4,8 +4,6 @@ Everything is counted along the slip: a slip backward is the mirror image of one
 pulling speed V = s v carries the sign and the speed of the mass is never negative.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Protocol
 
@@ -26,8 +24,6 @@ from stickslip_verification.truth.series import Series, safeguarded_zero
 
 
 class _Fall(NamedTuple):
-    """The first stretch of time with falling velocity."""
-
     start: Number
     stop: Number | None  # None where it never turns
 
@@ -174,27 +170,15 @@ def _single_turn(
 class Slip:
     """A slip with all inputs and parameters constant, from its start (or their last change) on.
 
-    Parameters
-    ----------
-    direction
-        s = +1 or -1.
-    speed
-        s x_dot at the start [m/s]; exactly 0 for a slip from rest, else positive.
-    acceleration
-        s x_ddot at the start [m/s2]; from rest >= 0, and 0 only if the pull goes along.
+    It starts in the `direction` s with the `speed` s x_dot [m/s], exactly 0 from rest, and the
+    `acceleration` s x_ddot [m/s2], from rest >= 0, and 0 only if the pull goes along.
 
-    Attributes
-    ----------
-    duration
-        Time from here to the end of the slip [s]; None if it never ends. docs/theory.md (5).
-    end_acceleration
-        s x_ddot at that end [m/s2], <= 0; undamped from rest exactly -acceleration.
-    margin
-        How clearly the slip ends or goes on: |p_min| / (|V| + |rho_min|) at the minimum that
-        decides (0: it just touches zero); None where no number decides, as in an undamped slip
-        from rest or against the pull, which end by structure.
-    decided_after
-        Time from here at which that decision has been met [s].
+    ``duration`` [s] is the time from here to its end, docs/theory.md (5), None if it never ends;
+    ``end_acceleration`` [m/s2] is s x_ddot there, <= 0, undamped from rest exactly -acceleration.
+    ``margin`` says how clearly it ends or goes on: |p_min| / (|V| + |rho_min|) at the minimum that
+    decides (0: it just touches zero); None where no number decides, as in an undamped slip from
+    rest or against the pull, which end by structure. ``decided_after`` [s] is when that has been
+    met.
     """
 
     def __init__(
@@ -463,26 +447,11 @@ COULOMB = Coulomb()
 def steady_cycle(parameters: Mapping[str, float], *, digits: int = 50) -> dict[str, Number] | None:
     """Return the steady stick-slip cycle of exactly these numbers, or None where there is none.
 
-    Parameters
-    ----------
-    parameters
-        m g k c mu_s mu_k v load (SI), the rest at their start values; F_ext and the start do
-        not matter to a cycle.
-    digits
-        Decimal digits that the result carries.
-
-    Returns
-    -------
-    dict
-        F_s [N], Delta [m], lambda_ [1], spring_drop [m], delta_x [m], t_slip [s], t_stick [s],
-        T [s], f [Hz], x_dot_peak [m/s]; lengths and x_dot_peak with the sign of v.
-        docs/theory.md (7) to (11) without damping, (13) with. None for v = 0 and, damped, for
-        lambda < lambda_c.
-
-    Raises
-    ------
-    ValueError
-        Naming the parameter, its value and its range.
+    That is for v = 0 and, damped, for lambda < lambda_c. `parameters` are m g k c mu_s mu_k v load
+    (SI), the rest at their start values; F_ext and the start do not matter. `ValueError` names a
+    parameter, its value and its range. docs/theory.md (7) to (11) without damping, (13) with: F_s
+    [N], Delta [m], lambda_ [1], spring_drop [m], delta_x [m], t_slip [s], t_stick [s], T [s], f
+    [Hz], x_dot_peak [m/s], to `digits` decimal digits; lengths and x_dot_peak with the sign of v.
     """
     context = high_precision(digits)
     n = exact(context, complete(parameters))
@@ -513,22 +482,9 @@ def steady_cycle(parameters: Mapping[str, float], *, digits: int = 50) -> dict[s
 def critical_lambda(zeta: float, *, digits: int = 50) -> Number:
     """Return lambda_c(zeta), the least lambda = w Delta/|v| with a cycle, docs/theory.md (13).
 
-    Parameters
-    ----------
-    zeta
-        Damping ratio c/(2 m w) [1], a double or a number of high precision, taken exactly.
-    digits
-        Decimal digits that the result carries.
-
-    Returns
-    -------
-    Number
-        0 for zeta = 0 (a cycle at every speed), +inf for zeta >= 1 (at none).
-
-    Raises
-    ------
-    ValueError
-        If zeta is negative or no number.
+    0 for zeta = 0 (a cycle at every speed), +inf for zeta >= 1 (at none). The damping ratio c/(2 m
+    w) [1] is a double or a number of high precision, taken exactly; the result carries `digits`
+    decimal digits. `ValueError` if zeta is negative or no number.
     """
     context = high_precision(digits)
     ratio = context.mpf(zeta)

@@ -1,7 +1,5 @@
 """The contract of a friction law in the truth."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 

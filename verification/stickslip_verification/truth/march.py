@@ -6,8 +6,6 @@ so its sign at turns and ends decides: no zero is missed, however shallow. A cor
 is met where u passes its speed, a knot; that is isolated by the same bounds.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -273,23 +271,10 @@ _KNOT_BITS = 16  # a piece that ends within 2^16 roundings of the largest speed 
 class March:
     """A slip from its start (or the last change of a parameter) on; times count from there.
 
-    Parameters
-    ----------
-    direction
-        s = +1 or -1.
-    speed
-        u at the start [m/s]; exactly 0 for a slip from rest, else positive.
-    acceleration
-        u' at the start [m/s2].
-    state
-        The friction law's own state at the start.
-
-    Attributes
-    ----------
-    duration
-        Time from the start to the end of the slip [s]; None if `reach` has met no end yet.
-    end_acceleration
-        u' at that end [m/s2], <= 0; exactly 0 where u only touches zero.
+    It starts in the `direction` s with the `speed` u [m/s], exactly 0 from rest, else positive,
+    with u' = `acceleration` [m/s2] and the friction law's own `state`. ``duration`` [s] is the time
+    to its end, None if `reach` has met none yet; ``end_acceleration`` [m/s2] is u' there, <= 0,
+    exactly 0 where u only touches zero.
     """
 
     def __init__(
@@ -434,7 +419,6 @@ class March:
             return
 
     def _next_piece(self) -> Piece:
-        """Return the piece that follows the last one."""
         zero = self._context.zero
         if self._pieces:
             start = self._pieces[-1].end()
@@ -527,5 +511,4 @@ class March:
         return self._make.in_logarithm(start, end) if end >= 2 * u else None
 
     def _at_rest(self) -> Series:
-        """Return the friction at rest as a constant series."""
         return Series(self._context, [self._dry(self._context.zero)])

@@ -7,8 +7,6 @@ zero when they are equal (the gap between the frictions, the square under the ro
 stop), never on the sign of a rounded result.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -316,7 +314,6 @@ class Motion:
         return hold if isinstance(hold, Series) else Series(self._context, [hold])
 
     def _hold(self, age: Number, state: tuple[Number, ...]) -> Number:
-        """Return the break-away force [N] at the age [s]."""
         return self._hold_series(age, state).term(0)
 
     def _sliding(self, speed: Number = 0) -> Number:
@@ -326,7 +323,6 @@ class Motion:
         return self._law.kinetic(self._n, Series(context, [context.mpf(speed)]), state).term(0)
 
     def _rested(self, duration: Number) -> tuple[Number, ...]:
-        """Return the law's own state after a time [s] of the present stick."""
         return self._law.rested(self._n, duration, self._state)
 
     def _load_up_ends(self, time: Number, overload: Number) -> None:
@@ -379,7 +375,6 @@ class Motion:
             self.margin = min(self.margin, distance / scale)
 
     def _note_decision(self, slip: Slip, elapsed: Number) -> None:
-        """Keep how clearly a slip ended or went on, once it has."""
         decision = slip.decision(elapsed)
         if decision is not None:
             self.margin = min(self.margin, decision)

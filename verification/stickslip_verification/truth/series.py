@@ -20,18 +20,9 @@ Rule = Callable[[int], Number]
 class Series:
     """A power series in the time since the point of expansion.
 
-    Supports ``+ - * /`` with series and numbers, ``**`` with a number, `exp` and `log`.
-
-    Parameters
-    ----------
-    context
-        High-precision context.
-    terms
-        The first coefficients.
-    rule
-        Gives the coefficient of an order >= ``len(terms)``; by default 0.
-    parts
-        The series that the rule reads.
+    Supports ``+ - * /`` with series and numbers, ``**`` with a number, `exp` and `log`. It begins
+    with `terms`; `rule`, which reads the series `parts`, gives the coefficients of higher orders,
+    else 0.
     """
 
     def __init__(
@@ -208,25 +199,15 @@ def integral(terms: Sequence[Number]) -> list[Number]:
     return [0 * terms[0], *(term / (n + 1) for n, term in enumerate(terms))]
 
 
-_NOISE_BITS = 12
-"""A Bernstein coefficient below 2^12 roundings of the largest is rounding."""
+_NOISE_BITS = 12  # a Bernstein coefficient below 2^12 roundings of the largest is rounding
 
 
 def polynomial_zeros(context: Context, terms: Sequence[Number], end: Number) -> list[Number]:
-    """Return the zeros of a polynomial in (0, end), in order.
+    """Return the zeros of a polynomial with the coefficients `terms` in (0, end), in order.
 
-    Parameters
-    ----------
-    terms
-        Coefficients of t^0, t^1, ...
-    end
-        End of the interval, > 0.
-
-    Notes
-    -----
-    Two zeros nearer than half of the context's digits are told apart only if the polynomial
-    between them is more than rounding. A point where it touches zero may be returned or not; a
-    zero where the interval is halved may be returned twice, and one at `end` be missing.
+    Two zeros nearer than half of the context's digits are told apart only if the polynomial between
+    them is more than rounding. A point where it touches zero may be returned or not; a zero where
+    the interval is halved may be returned twice, and one at `end` be missing.
     """
     terms = list(terms)
     while terms and terms[0] == 0:
@@ -264,11 +245,8 @@ def bracketed_zero(
 ) -> Number:
     """Return the zero of a function that changes its sign between `low` and `high`.
 
-    Parameters
-    ----------
-    function
-        Gives value and derivative. What it gives at `low` and `high` themselves is not looked at
-        but for the sign at `high`.
+    It gives value and derivative. What it gives at `low` and `high` themselves is not looked at but
+    for the sign at `high`.
     """
     above = sign(function(high)[0])
 
@@ -287,14 +265,10 @@ def safeguarded_zero(
 ) -> Number:
     """Return the zero between `low` and `high`, by steps cut to bisection.
 
-    A step is cut where it leaves the bracket or does not halve the last one, so that it ends
+    `function` says whether the zero lies at t or before, and the step to it; None where there is
+    none. A step is cut where it leaves the bracket or does not halve the last one, so that it ends
     whatever the function does. A step is small beside t, or beside the bracket where the zero lies
-    at its very start.
-
-    Parameters
-    ----------
-    function
-        Whether the zero lies at t or before, and the step to it; None where there is none.
+    at its start.
     """
     tolerance = root_tolerance(context)
     t = (low + high) / 2

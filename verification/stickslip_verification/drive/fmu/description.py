@@ -1,7 +1,5 @@
 """The model description of an FMU, read once into a typed record."""
 
-from __future__ import annotations
-
 import contextlib
 import difflib
 import hashlib
@@ -35,14 +33,12 @@ def one_line(error: BaseException) -> str:
 
 DESCRIPTION = "modelDescription.xml"
 
-MOST_UNPACKED: Final = 2_000_000_000
-"""Bytes of all files of an FMU."""
+MOST_UNPACKED: Final = 2_000_000_000  # bytes of all files of an FMU
 
 MOST_DESCRIBED: Final = 64_000_000
 """Bytes of a model description; one with 100,000 variables has some 30 million."""
 
-MOST_FILES: Final = 100_000
-"""Files and folders of an FMU: empty ones take room as well."""
+MOST_FILES: Final = 100_000  # files and folders of an FMU: empty ones take room as well
 
 MOST_RATIO: Final = 200
 """Bytes unpacked for each packed one, in a file and in all; source and binaries reach 10."""
@@ -113,8 +109,7 @@ def _mb(size: int) -> str:
     return f"{size / 1e6:,.0f} MB"
 
 
-EVIDENCE: Final = "extra/"
-"""The folder of an FMU with its evidence, left out of the digest."""
+EVIDENCE: Final = "extra/"  # the folder of an FMU with its evidence, left out of the digest
 
 
 def content_digest(fmu: Path) -> str:
@@ -133,8 +128,7 @@ def content_digest(fmu: Path) -> str:
     return hashlib.sha256(lines.encode()).hexdigest()
 
 
-VERSIONS: Final = ("2.0", "3.0")
-"""Versions of FMI that the suite drives."""
+VERSIONS: Final = ("2.0", "3.0")  # versions of FMI that the suite drives
 
 NUMBERS: Final = frozenset(
     {"Real", "Integer", "Enumeration", "Boolean", "Float64", "Float32"}
@@ -145,8 +139,7 @@ NUMBERS: Final = frozenset(
 ANNOTATION: Final = "org.stickslip.contract"
 """Type of the annotation that names the contract, FMI 3.0; its name in a ``Tool``, FMI 2.0."""
 
-NAME, VERSION = "stickslip-exact", "1"
-"""Name and version of the exact contract of this suite."""
+NAME, VERSION = "stickslip-exact", "1"  # name and version of the exact contract of this suite
 
 _LETTERS: Final = 40
 
@@ -272,7 +265,6 @@ def read_description(path: Path) -> Description:
 
 
 def _check(path: Path, root: ElementTree.Element) -> None:
-    """Refuse a description that is none, or is of another version of FMI."""
     version = root.get("fmiVersion")
     if root.tag != "fmiModelDescription" or version is None:
         raise FmuError(f"{path}: not an FMU ({DESCRIPTION} is no model description)")

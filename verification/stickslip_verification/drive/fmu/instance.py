@@ -40,8 +40,7 @@ _MEANING = {2: "discarded", 3: "error", 4: "fatal", 5: "pending, and no step may
 
 FLOATING = frozenset({"Real", "Float64", "Float32"})
 
-State = ctypes.c_void_p
-"""A state that the FMU keeps; to be freed by the instance that gave it."""
+State = ctypes.c_void_p  # a state that the FMU keeps; to be freed by the instance that gave it
 
 _MOST_MESSAGES = 1000
 _LONGEST_MESSAGE = 2000

@@ -36,8 +36,7 @@ Call = Mapping[str, Any]
 """One call of a master: ``{ set = { name = value } }`` sets variables (SI), ``{ start = time }``
 initializes at a start time [s], ``{ step = h }`` makes a step of h [s], with ``times`` so many."""
 
-Row = Mapping[str, float]
-"""Outputs at one time, by name (SI)."""
+Row = Mapping[str, float]  # outputs at one time, by name (SI)
 
 Calls = Sequence[Call]
 Rows = Sequence[Row]
@@ -280,7 +279,6 @@ def _dated(row: Row, like: Row, later: float) -> Row:
 
 
 def _scales(rows: Iterable[Row]) -> dict[str, float]:
-    """Return the largest finite magnitude in each unit."""
     scales: dict[str, float] = {}
     for row in rows:
         for name, value in row.items():
@@ -417,7 +415,6 @@ def fails_until_reset(fmu: FmuFile, set: Mapping[str, float]) -> list[str]:  # n
 
 
 def _refusal(*calls: Callable[[], object]) -> str | None:
-    """Return the message of the first call that is refused; None if all are taken."""
     try:
         for call in calls:
             call()

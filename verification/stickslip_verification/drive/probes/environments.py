@@ -32,11 +32,8 @@ from stickslip_verification.drive.processes import Environment, in_fresh_process
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.truth.parameters import START_VALUES
 
-_PATIENCE = 4.0
-"""Seconds after which no further environment is tried, to find the one that matters."""
-
-_UNWRITABLE = Path("/proc")
-"""A folder that even root cannot write to, where there is one."""
+_PATIENCE = 4.0  # seconds after which no further environment is tried, to find the one that matters
+_UNWRITABLE = Path("/proc")  # a folder that even root cannot write to, where there is one
 
 
 def state_in_a_fresh_process(
@@ -116,7 +113,6 @@ class _Fresh:
         return differences(answer.value, expected, tolerance)
 
     def played(self) -> Rows:
-        """Play them in this process."""
         with calling(self.fmu, ()) as caller:
             if self.folders:
                 folder = Path(tempfile.mkdtemp(dir=Path.cwd()))
@@ -136,8 +132,7 @@ class _Fresh:
             return caller.play(self.then)
 
 
-Doing = Generator[None, None, None]
-"""Does something once with each `next` but the first."""
+Doing = Generator[None, None, None]  # does something once with each `next` but the first
 
 _PAGES, _PAGE = Path("/proc/self/statm"), 4096
 """Pages of this process: all, resident, shared, ... (Linux); size of a page [B]."""
@@ -151,8 +146,7 @@ _SLOWER = 4.0
 _NOISE = 12 * _PAGE
 """Growth over a part that counts as no loss: what an allocator may take ahead [B]."""
 
-_STEP = 0.001
-"""An ordinary communication step [s]."""
+_STEP = 0.001  # an ordinary communication step [s]
 
 _SLAVE_MODULE, _PER_MODULE = "resources/slavemodule.txt", 16
 """Where pythonfmu's wrapper finds the name of the module that it executes; memory per byte of that
@@ -215,7 +209,6 @@ def _states(fmu: FmuFile) -> Doing:
 
 
 def _instances(fmu: FmuFile) -> Doing:
-    """Make, run and free an instance."""
     while True:
         yield
         with fmu.instantiate() as instance:
@@ -278,7 +271,6 @@ def _clock(seconds: float, patience: float) -> Callable[[], bool]:
 
 
 def _resident() -> int:
-    """Return the memory of this process that is in use and its own [B]."""
     gc.collect()
     _, resident, shared, *_ = map(int, _PAGES.read_text("ascii").split())
     return (resident - shared) * _PAGE
