@@ -55,7 +55,6 @@ _UNITS = {
 }
 """Units of x and F whose numbers are this factor too large."""
 _SAMPLES_OF_A_CYCLE = 6  # fewer do not tell the phases of a curve on no known solution
-
 _NO_GAP = 0.25  # of the exact gap: a curve that shows less has one coefficient; steps only widen it
 _TYPED = 1e-5  # relative: nobody types a parameter so finely; usual solvers are off by more
 _LOOSE = 1e-2  # relative: error of an event by the loosest solvers, at a tolerance of 1e-3
@@ -80,7 +79,6 @@ _TELLS_NOISE = 40  # fewer samples do not tell noise, unless the mass rests to i
 _SEES_SLIPS = 0.5  # radians between samples up to which each slip, of pi or more, has six
 _EVEN = 0.02  # how alike creep is early and late in stick where no smoothed friction makes it
 _HIGHS_OF_A_DRIFT = 4  # turns of the spring, and times their scatter, from which a drift is one
-
 _ALTERNATING, _LEAST_ALTERNATING = 20_000, 40  # samples searched for alternating friction
 _EQUAL = 1e-6  # of a step: how far steps of a solver may differ
 _FULL, _MOST, _BACK, _REVERSALS = 0.15, 0.9, 0.02, 0.1

@@ -18,13 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 
 LEAST_SAMPLES = 5  # fewer cannot show a stick on either side of a slip and a sample between
-
 _DIGITS_OF = 500  # samples whose digits are counted; the longest of them has all digits
 _RUNS, _RUN = 4, 500  # runs of neighbouring samples in which counts are sought, samples of each
 _ROUNDINGS = 1024.0 * 2.0**-53  # of the largest number: moves below it are none
 _ON_THE_GRID = 0.01  # of half a unit: times printed off their grid scatter by nearly all of it
 _SAME = 1e-9  # of a column's largest value: what rows of one time at an event may differ by
-
 _WITH_CELLS = re.compile(r"^[^\S\n]*[^#\s].*$", re.MULTILINE)
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _WITH_UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<square>[^\]]*)\]|\s\((?P<round>[^)]*)\))$")

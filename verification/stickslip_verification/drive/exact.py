@@ -37,11 +37,9 @@ if TYPE_CHECKING:
 
 OFF = tuple(10.0**decade for decade in range(-9, 0))
 """By how much the data are off, as a part of each."""
-
 MOTIONS, FEW = 8, 3
 """How many motions near the exact one are followed for each; and how many of a friction law that is
 marched by series, which takes a hundred times as long, for each second of the parts."""
-
 PART = 1e-4  # by how much a parameter is larger for its changes
 
 

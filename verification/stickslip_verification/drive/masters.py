@@ -195,12 +195,9 @@ def need_ability(able: bool, what: str) -> None:
 
 AfterStep = Callable[[float], bool]
 """Called with the time since the start [s] after each step; True ends the run there."""
-
 _PIECES = (0.3, 0.45)  # parts of a step that it is cut into, the rest being the last
-
 _ROLLBACKS, _REPEATED, _STATES = 5, 20, 100
 """How often a run is set back, over how many steps each time; states that exist at once, once."""
-
 _UNREAD_STEPS, _BUSY_STEPS, _TINY, _ROUNDING = 40, 100, 1e-9, 2e-15
 """Steps that one step of a case is cut into where nothing is read, and where inputs are set too;
 the shortest part of a step; part of its value by which an input set before every step is off."""

@@ -77,17 +77,13 @@ def reason(error: BaseException) -> str:
 
 MOST_ANSWERED: Final = 2**30
 """Bytes of one answer that are taken; the longest record of the suite has some 10^7."""
-
 ENDING: Final = 5.0  # seconds in which a guard ends its descendants; then it is ended itself
 LONGEST_SILENCE: Final = 20  # seconds in which nothing comes of an answer that was begun
-
 SHORT_FOLDER, LONGEST_FOLDER = "/tmp", 70
 """Where sockets go if the folder for temporary files has a name of more bytes: the path of a socket
 has 103 (macOS; 107 on Linux, unix(7)), and multiprocessing appends 32."""
-
 Environment = Mapping[str, str | bool]
 """Environment variables and their values; False for one that is not set."""
-
 LIMIT: Final = 30.0
 """Seconds that a fresh process may take; alone on its processor most take half of one."""
 
@@ -96,10 +92,8 @@ _COMMAND = "from stickslip_verification.drive.processes import serve; serve()"
 _GUARD_PERIOD, _LOOKS_FOR_MEMORY = 20.0, 25
 """Milliseconds between two looks of a guard at its worker; at each so many looks it adds up the
 memory, which takes some milliseconds."""
-
 OUT_OF_MEMORY: Final = 251
 """Exit code of a guard whose worker, with what it started, had more memory than it may."""
-
 _SIGNALLED: Final = 128
 """Exit code of a guard whose worker was ended by signal 0, as shells count: 139 is SIGSEGV."""
 

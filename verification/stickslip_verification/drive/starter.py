@@ -45,10 +45,8 @@ from stickslip_verification.truth.parameters import PARAMETERS, Kind
 _ALL_SAID: Final = 20.0
 """What it counts that name, description and unit say all that a quantity needs, and the name no
 more; whatever lacks something has a smaller score."""
-
 _SAME_NAME, _BASE = 8.0, 8.0
 """What our own name counts, and any variable of which something is said."""
-
 _NAME, _TEXT, _MISSING = 2.0, 1.0, 2.0
 """What a word of the name and one of the description count, and what is not said."""
 
@@ -76,7 +74,6 @@ _SEAM: Final = re.compile(r"_|(?<=[a-zäöü])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])
 _AHEAD, _SEEN = 1.0, 100.0
 """By how much an assignment with a sure guess is better than the best one without it; score of a
 guess that a trial run confirms, on top of that of its words."""
-
 _MOST_TRIED, _ALTERNATIVES, _AGAINST = 2000, 3, "compress"
 """Pairs in a trial run; names that a comment offers; word of an extension that is counted the other
 way."""
@@ -98,7 +95,6 @@ _NOT_SEEN: Final = (
 
 Gaps = Mapping[Variable, tuple[float, int]]
 """How far each output is from what it may be, with the better sign."""
-
 _VALUES: Final = {"m": 1.3, "g": 9.7, "k": 1700.0, "mu_s": 0.55, "mu_k": 0.25, "v": 0.03}
 """What is set at first [SI], usual start values in none; the others are zero."""
 
@@ -113,18 +109,14 @@ _ALONE: Final = {
 """What the others are set to [SI], each alone."""
 
 _STEPS: Final = (CommunicationStep(2.5e-3, {}),) * 800  # seven periods
-
 _SAME, _OTHER, _SAME_NUMBER = 0.1, 0.5, 1e-3
 """Mean distance of two curves, in mean deviations of ours, up to which they are one motion to a
 crude solver, and from which they are two; relative distance of two numbers that are one."""
-
 _CLEARER, _EXACT = 3.0, 1e-6
 """How many times as far a rival has to be; distances below the other are none."""
-
 _MOVING: Final = ("x", "x_dot", "z", "F", "F_friction")
 """Outputs that prove the motion of a block. They are compared in the first half of the run, before
 a crude solver is late, the others in the second, when the meter knows all."""
-
 _PROOF: Final = 0.9  # sum of what these prove, each 1 if followed exactly and 0 at `_SAME`
 
 _DIRECTED: Final = {each.name for each in PARAMETERS if each.directed} | {

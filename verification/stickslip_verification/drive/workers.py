@@ -33,10 +33,8 @@ from stickslip_verification.suite.invariants import Probe
 T = TypeVar("T")
 
 NOT_MADE = "not finished"  # beginning of the failure of a run for which no time was left
-
 TIME_LIMIT = PROBE_LIMIT = 60.0
 """Seconds that one run of a case, or one probe, may take; the longest of the suite takes a few."""
-
 MOST_PER_PROCESSOR = 4
 """Processes for each processor; more of them only take memory from each other."""
 
@@ -160,10 +158,7 @@ class Pool:
         self._lost, self._over = 0.0, False
 
     def each(
-        self,
-        task: Callable[..., T],
-        arguments: Sequence[tuple[Any, ...]],
-        most: float = math.inf,
+        self, task: Callable[..., T], arguments: Sequence[tuple[Any, ...]], most: float = math.inf
     ) -> Iterator[Answer[T]]:
         """Yield the answers of a task to tuples of arguments; `most` [s] is a lower time limit."""
         tasks = [_Task(task, each, min(self._limit, most)) for each in arguments]

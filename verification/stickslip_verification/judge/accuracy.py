@@ -139,34 +139,24 @@ _SMOOTH: Final = (*MOTION, "F")
 
 _TIMES: Final = ("t_event", "t_stick", "t_slip", "T")
 """Outputs that are off by a step where events are found at its end."""
-
 _COUNTED: Final = ("mode", "sticking", "n_slips", "delta_x", "spring_drop", "x_dot_peak", "f")
 """Outputs that hang, as times do, on which slips have ended."""
-
 _CONTINUOUS: Final = ("F", "F_friction", "x_pull", "z")
 """Outputs beside the motion that are off in few points where they lag by a step."""
-
 STANDS_OUT: Final = 20.0
 """From honest solvers, of which those outside of the family came near it (docs/theory.md)."""
-
 SPREAD: Final = 4.0
 """How often the spread of nearby motions a solution may be off: they are only a few of all."""
-
 SATURATED: Final = 0.1  # a point counts while the spread is below this part of the largest value
 LEAST: Final = 1e-13  # below it delta is rounding
-
 FLOOR: Final = 5e-11
 """Delta that any solution may have: the arithmetic of an exact block, which no user sees."""
-
 IN_STICK: Final = "x in stick"  # what is off where the mass creeps
-
 STILL: Final = 2e-4
 """Part of the pull's way that the mass may move in stick: honest solvers none, the switch model a
 quarter of it."""
-
 DIVERGED: Final = 1.0
 """Delta of a run that leaves all numbers: its steps are too long for the motion."""
-
 REPEATS: Final = 0.25
 """Distance of the quartiles over the median of an offset that repeats; honest solvers: above 0.3,
 parameters off by 0.1 to 1 % in an accurate one: below 0.18 (measured)."""
@@ -176,9 +166,7 @@ _NEAR: Final = 6
 """Points count that are not saturated at this one of `OFF`: there the motion is nearly linear."""
 _MOVES: Final = 1e-3
 """Least change, over the largest value, of a parameter that matters in a case, for each part."""
-
 _CREEP: Final = 1e-6  # a slip that is slower, over the largest speed, may be called a stick
-
 _ALIKE: Final = 4
 """How many solvers are matched, the nearest ones: more of them excuse a fault, fewer accuse."""
 _FARTHEST: Final = 2.0

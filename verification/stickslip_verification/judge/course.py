@@ -1,6 +1,7 @@
-"""The linear motion over a step, exactly: docs/theory.md (3), for many steps at once.
+"""One side's run of a case, step by step, beside what was set: what the residuals are made of.
 
-In the time ``tau = w t`` the extension z, measured from where the slip has its balance, obeys
+The linear motion over a step is exact, docs/theory.md (3), for many steps at once. In the time
+``tau = w t`` the extension z, measured from where the slip has its balance, obeys
 ``z'' + 2 zeta z' + z = 0``. Its transition matrix is summed as a power series and squared up, in
 the widest floating-point numbers there are, so that its own rounding is never what is seen.
 """

@@ -1,4 +1,4 @@
-"""Where the pages of the report take their templates, style, script and texts from."""
+"""What the pages of the report say in words, and where they take templates and style from."""
 
 import math
 from collections.abc import Collection, Iterable

@@ -1,4 +1,4 @@
-"""The verdict as JUnit XML, in the layout that CI systems read."""
+"""The verdict as JSON that any program reads, and as JUnit XML in the layout of CI systems."""
 
 import json
 import math

@@ -34,10 +34,8 @@ NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
 
 NEAREST = 10  # how many margins the page names
 ITSELF = "The FMU itself"  # the group of what is checked on the FMU and not on a motion
-
 SEQUENCES = "Random sequences"
 """The group of the random sequences, of which the page shows those that did not pass."""
-
 Numbered = tuple[int, CheckResult]  # a result and its number in the verdict
 
 
@@ -73,10 +71,7 @@ class Group(NamedTuple):
 
 
 def render(
-    verdict: Verdict,
-    *,
-    meanings: Mapping[str, Meaning] = NO_MEANINGS,
-    full: bool = False,
+    verdict: Verdict, *, meanings: Mapping[str, Meaning] = NO_MEANINGS, full: bool = False
 ) -> str:
     """Return the report as HTML; the same but for its last block for the same results.
 
@@ -224,7 +219,6 @@ def _nearest(verdict: Verdict) -> list[Numbered]:
 
 SHOWN = "default"
 """The case that the page shows comparison by comparison: it is the one that runs as it comes."""
-
 _NAMES = {"2.0": "StickSlip.fmu", "3.0": "StickSlip_fmi3.fmu"}
 """However the file is called now: that is no part of what it holds."""
 

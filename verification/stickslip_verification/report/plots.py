@@ -25,12 +25,9 @@ from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, SOFT, STY
 
 PIECES = 400
 """Straight pieces over the whole time that a slip is drawn with: about one per point of width."""
-
 SAME_TIME = 1e-12  # part of the run's length within which an event is at a communication point
-
 FAITHFUL = 0.015
 """Part of the plotted range by which a cubic may miss the motion: about the width of the line."""
-
 UNEVEN = 10.0  # ratio of two neighbouring gaps above which the shorter tells nothing of the longer
 AT_ONCE = 0.005  # part of the run's length below which a slip is drawn as a jump
 
@@ -111,13 +108,10 @@ def _faithful(nodes: Series, slips: NDArray[np.bool_], swing: float) -> bool:
 SIDES: Final = (("fmu", "FMU", BLUE, "o", 4.0), ("reference", "reference", ORANGE, "x", 3.4))
 
 MARKS: Final = 40  # markers of a side in a panel: more hide the line that they lie on
-
 NOTHING: Final = 1e-18
 """Where an error of exactly 0 is drawn: below half a rounding of the scale, 1.1e-16."""
-
 TOLERANCES_APART: Final = 30.0
 """Ratio of two tolerances from which their lines have room for a name each."""
-
 HOPELESS: Final = 1e6  # the largest error, as part of the scale, that the panel makes room for
 SIZE: Final = (480.0, 412.0)  # width and height of the picture of a case [pt]
 

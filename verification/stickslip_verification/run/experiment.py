@@ -1,6 +1,7 @@
-"""What an FMU is tried on: exact motions, the reference's runs and its observed orders.
+"""What an FMU is tried on, and its runs through that.
 
-It is computed once, in several processes, and serves every FMU of a verification.
+Exact motions, the reference's runs and its observed orders are computed once, in several processes,
+and serve every FMU of a verification.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -19,7 +20,6 @@ from stickslip_verification.suite.sequences import PLAIN, tried
 
 TIME_LIMIT = 180.0
 """Seconds that the truth or the reference may take for one case; the longest takes a few."""
-
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and out of how much."""
 

@@ -18,7 +18,6 @@ from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantErr
 
 LONGEST = 100.0
 """Cases of more simulated time [s] are left out: a mutant that integrates would take minutes."""
-
 _AT_ONCE = 40  # random sequences that a mutant is tried on before it is seen whether one detects it
 TIME_LIMIT = 20.0  # seconds that a mutant may take for one run of a case
 

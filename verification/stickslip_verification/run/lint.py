@@ -34,10 +34,8 @@ from stickslip_verification.suite.tolerances import ZERO
 
 THEORY = Path(__file__).parents[3] / "docs" / "theory.md"
 """Where the equations stand, in a working copy; an installed suite does not carry it."""
-
 VAGUE = ("somehow", "good enough", "seems", "for now", "should work", "empirical", "tuned", "magic")
 """Words that are no reason."""
-
 SHORTEST = 20  # characters below which a reason says nothing
 
 

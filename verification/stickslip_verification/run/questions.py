@@ -1,4 +1,9 @@
-"""The two answers on a numerical solution: is the model right, and how accurate is it."""
+"""The two answers on a numerical solution: is the model right, and how accurate is it.
+
+What a wrong model is likeliest to do instead is done, and compared with it: a cause is named only
+if its motion is the FMU's in every failed run that is tried, but for a tenth of the deviation, and
+in no other run another one; else there is none that explains it alone.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -35,14 +40,12 @@ from stickslip_verification.truth.parameters import CHANGEABLE
 
 EXPLAINS: Final = 0.1  # most of the mean deviation that a cause may leave
 WORST: Final = 3  # how many failed runs are tried
-
 OTHERS: Final = 15
 """How many runs in which the FMU is right are compared with a cause, the shortest ones."""
 
 _SOLVER: Final = Solver(rtol=1e-7, adapts="LSODA")
 _EVEN: Final = 0.3
 """Distance of the quartiles over the median of a creep that is in proportion to the force."""
-
 _ALSO: Final = 3.0
 """How many times farther off a cause may be where the FMU is right, and `_PART` of the motion."""
 _PART: Final = 0.01
@@ -239,7 +242,6 @@ def _damping(shown: Shown) -> Series:
 
 
 TOO_ROUGH: Final = 0.03  # delta in the middle case from which on nothing can be told
-
 ROUGH_CYCLE: Final = 0.05
 """Error of jump or period in the middle case from which on nothing can be told."""
 

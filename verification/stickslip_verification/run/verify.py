@@ -1,11 +1,9 @@
 """The suite as a whole: an FMU and the reference judged, faults planted, a verdict."""
 
 import math
-from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -50,17 +48,13 @@ from stickslip_verification.suite.cases import Case, long_cases
 from stickslip_verification.suite.faults import Mutant, MutantError
 from stickslip_verification.suite.invariants import Invariants, Manner, load_invariants
 from stickslip_verification.suite.sequences import (
-    CELLS,
     COUNT,
-    DAMPINGS,
-    PHASES,
-    ROWS,
     SEED,
-    Cell,
     RandomSequence,
     Scope,
-    coverage,
+    coverage_table,
     draw_sequences,
+    empty_cells,
     under_law,
     with_dwell,
 )
@@ -68,33 +62,11 @@ from stickslip_verification.truth import COULOMB, COULOMB_NAME
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
 
 
-def coverage_table(sequences: Sequence[RandomSequence], seed: int, scope: Scope) -> Table:
-    """Count how often what changed in which phase, at which damping."""
-    counts = coverage(sequences)
-    reasons = Counter(scope.hindrance(cell) for cell in CELLS if not counts[cell])
-    rows: list[list[str | int]] = []
-    for row, phase in product(ROWS, PHASES):
-        cells = (Cell(row, phase, damping) for damping in DAMPINGS)
-        rows.append([f"{row}, in {phase}", *(counts[cell] for cell in cells)])
-    return Table(
-        title="Random sequences",
-        about="How often what changed in which phase, at which damping from then on: "
-        f"{len(sequences)} sequences of seed {seed}.",
-        head=("what changes, and when", *DAMPINGS),
-        rows=rows,
-        note=" ".join(f"{n} cells cannot be filled: {why}." for why, n in reasons.items() if why),
-    )
-
-
 def gaps(
-    sequences: Sequence[RandomSequence],
-    scope: Scope,
-    contract: Contract,
-    manners: Sequence[Manner],
+    sequences: Sequence[RandomSequence], scope: Scope, contract: Contract, manners: Sequence[Manner]
 ) -> Iterator[CheckResult]:
     """Yield a failure of the suite where sequences that should fill the table leave cells empty."""
-    counts = coverage(sequences)
-    empty = [cell for cell in CELLS if not counts[cell] and scope.hindrance(cell) is None]
+    empty = empty_cells(sequences, scope)
     if len(sequences) >= COUNT and empty and manners:
         cells = "; ".join(", ".join(cell) for cell in empty)
         failure = f"the suite itself: its random sequences have no {cells}"
@@ -104,10 +76,8 @@ def gaps(
 WITHIN = 1e-6  # what a numerical solution has to be within where nothing else is asked for
 QUICK_SEQUENCES = 32  # random sequences where not everything is asked for
 MOST_PERIODS = 2.0  # longest step of the cases that any FMU is tried on, in periods of the spring
-
 OF_DIGITS = frozenset({"beyond-by-a-millionth", "just-above-critical"})
 """Cases that hang on digits which no numerical solution has."""
-
 LONGEST_OF_ANY = 60.0
 """Simulated time [s] of the cases that any FMU is tried on; longer ones are for exact blocks, which
 do not integrate, or are chosen by themselves."""

@@ -1,4 +1,4 @@
-"""Verification cases: an experiment, and what is checked on it."""
+"""Verification cases: files, read into an experiment and what is checked on it."""
 
 import fnmatch
 import itertools
@@ -49,7 +49,6 @@ from stickslip_verification.truth.parameters import (
 _SAME_POINT = 1e-9  # of the mean step: how far rounding may move the sum of many steps
 _SHORTEST_PART = 1e-15  # of the stop time: a drawn step below it would not move the sum of steps
 MOST_STEPS = 1_000_000  # more than any case needs, and than the memory holds
-
 CommunicationStep = Step
 """One step of ``h`` [s]; ``changes`` (name to value, SI) are set just before it."""
 

@@ -35,10 +35,8 @@ FAULTS_FOLDER = Path(__file__).parent / "faults"
 
 Hook = tuple[str, str]
 """One of `HOOKS`, and Python that defines a function of this name, given ``original``."""
-
 HOOKS = ("get", "set", "step", "reset")
 """Calls of the master that a fault can replace. Variables by the suite's names, values in SI."""
-
 MASTER = "master"  # in place of a module: the override replaces a call to an instance
 _PYTHON = (3, 8)  # the oldest that loads the FMU, and so every fault
 

@@ -15,6 +15,7 @@ from random import Random
 from typing import NamedTuple
 
 from stickslip_verification import truth
+from stickslip_verification.model.verdict import Table
 from stickslip_verification.suite.cases import Case, CommunicationStep, follow
 from stickslip_verification.suite.invariants import Manner
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
@@ -59,12 +60,10 @@ UNPULLED = "any change, v = 0"
 _AT_START = {LOADED: frozenset({"load", "F_ext"}), MOVING: frozenset({"x_dot_start"})}
 ROWS = (*CHANGES, LOADED, MOVING, ABOVE_ONE, UNPULLED)
 """What `coverage` counts, apart from phase and damping."""
-
 _SMALLEST_MARGIN = 1e-6  # `truth.Run.margin` below which a sequence is drawn anew
 _NEAREST = 0.02  # of 1/w: no change comes nearer to an event
 _HORIZON, _FARTHEST = 12.0, 60.0  # of 1/w: where the next change is; heavily damped, at most
 _SLOWEST, _QUICKEST = 20.0, 150.0  # angular frequency [rad/s]; the default's is 32
-
 _GRID = 16.0
 """Angular frequencies are multiples of 1/16 and masses of 1/64, so that k = m w^2 and the critical
 c = 2 m w are doubles, and critical damping is met exactly."""
@@ -145,6 +144,30 @@ def tried(cases: Sequence[Case], manners: Sequence[Manner]) -> list[tuple[Case, 
 def coverage(sequences: Iterable[RandomSequence]) -> Counter[Cell]:
     """Count how often each cell occurs in sequences."""
     return Counter(cell for sequence in sequences for cell in sequence.cells)
+
+
+def empty_cells(sequences: Iterable[RandomSequence], scope: Scope) -> list[Cell]:
+    """Return the cells that sequences leave empty although an FMU of this scope reaches them."""
+    counts = coverage(sequences)
+    return [cell for cell in CELLS if not counts[cell] and scope.hindrance(cell) is None]
+
+
+def coverage_table(sequences: Sequence[RandomSequence], seed: int, scope: Scope) -> Table:
+    """Count how often what changed in which phase, at which damping."""
+    counts = coverage(sequences)
+    reasons = Counter(scope.hindrance(cell) for cell in CELLS if not counts[cell])
+    rows: list[list[str | int]] = []
+    for row, phase in itertools.product(ROWS, PHASES):
+        cells = (Cell(row, phase, damping) for damping in DAMPINGS)
+        rows.append([f"{row}, in {phase}", *(counts[cell] for cell in cells)])
+    return Table(
+        title="Random sequences",
+        about="How often what changed in which phase, at which damping from then on: "
+        f"{len(sequences)} sequences of seed {seed}.",
+        head=("what changes, and when", *DAMPINGS),
+        rows=rows,
+        note=" ".join(f"{n} cells cannot be filled: {why}." for why, n in reasons.items() if why),
+    )
 
 
 def _draw(seed: int, number: int, counts: Mapping[Cell, int], scope: Scope) -> RandomSequence:
@@ -416,7 +439,6 @@ def _log_uniform(draw: Random, lowest: float, highest: float) -> float:
 SHARE = 8
 """Of the sequences of Coulomb's law every eighth is tried under another one, whose exact motion is
 marched and not in closed form."""
-
 _MOST_POINTS = 5  # of a drawn friction curve
 _ATTEMPTS = 10  # draws of growing friction for one sequence, until rounding decides no event
 

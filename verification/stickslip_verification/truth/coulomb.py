@@ -5,7 +5,7 @@ pulling speed V = s v carries the sign and the speed of the mass is never negati
 """
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from stickslip_verification.truth.law import FrictionLaw
 from stickslip_verification.truth.parameters import (
@@ -28,24 +28,12 @@ class _Fall(NamedTuple):
     stop: Number | None  # None where it never turns
 
 
-class _RelativeVelocity(Protocol):
-    """rho = speed of the mass less that of the pulled end: a free oscillation, (3)."""
-
-    fall: _Fall | None
-    """The first fall from time 0 on; None if rho only rises, or rests."""
-
-    rise_end: Number | None
-    """Time of the first maximum after time 0; None if there is none."""
-
-    def at(self, t: Number) -> tuple[Number, Number]:
-        """Return rho [m/s] and its rate [m/s2] at the time t [s] after the start."""
-
-    def square_integral(self, t: Number) -> Number:
-        """Return the integral of rho^2 over time, from 0 to t [m2/s]; damped motion only."""
-
-
 class _Oscillation:
-    """zeta < 1: a sinusoid that decays, or does not. docs/theory.md (3), (5)."""
+    """The free oscillation rho, speed of the mass less that of the pulled end, for zeta < 1, (3).
+
+    ``fall`` is its first fall from time 0 on, None if it only rises, or rests; ``rise_end`` the
+    time of its first maximum after time 0, None if there is none.
+    """
 
     def __init__(
         self, context: Context, alpha: Number, omega: Number, rho_0: Number, a_0: Number
@@ -71,6 +59,7 @@ class _Oscillation:
         self.rise_end = (self.phase if self.phase > 0 else self.phase + 2 * pi) / omega
 
     def at(self, t: Number) -> tuple[Number, Number]:
+        """Return rho [m/s] and its rate [m/s2] at the time t [s] after the start."""
         cosine, sine = self._context.cos_sin(self._omega * t)
         rho = self._cosine * cosine + self._sine * sine
         rate = self._rate_cosine * cosine + self._rate_sine * sine
@@ -85,6 +74,7 @@ class _Oscillation:
         return start * self._context.exp(-self._alpha * t) / self._context.sqrt(self._w2)
 
     def square_integral(self, t: Number) -> Number:
+        """Return the integral of rho^2 over time, from 0 to t [m2/s]; damped motion only."""
         alpha, omega = self._alpha, self._omega
         decay = self._context.exp(-2 * alpha * t)
         cosine, sine = self._context.cos_sin(2 * omega * t)
@@ -240,7 +230,7 @@ class Slip:
         """Return nothing: the law has no state of its own."""
         return ()
 
-    def _relative_velocity(self) -> _RelativeVelocity:
+    def _relative_velocity(self) -> _Oscillation | _CriticalDecay | _TwoDecays:
         context, n = self._context, self._numbers
         alpha = n.c / (2 * n.m)
         # 4 m^2 (w^2 - alpha^2), whose sign is exact: products of doubles fit the context.

@@ -20,7 +20,6 @@ from stickslip_verification.truth.parameters import (
 from stickslip_verification.truth.stribeck import STRIBECK
 
 COULOMB_NAME = "coulomb"  # the name of Coulomb's law
-
 BUILT_IN = {COULOMB_NAME: COULOMB, "stribeck": STRIBECK}
 """The laws that come along, by name; any other name is a dotted one."""
 

@@ -27,7 +27,6 @@ _LENGTH_BITS = 0.05  # the length of a piece is known to 2^0.05, of which the sh
 _DEFECT_BITS = 30
 """The equation of motion must hold to 2^30 roundings at the end of a piece: the derivative of a
 series of order 80 is known to some thousand times less than the series."""
-
 _LONGEST = 8  # a piece, of 1/w, for series that end after a few terms; in sigma as it is
 _MOST_HALVINGS = 40  # a piece still wrong at 1e-12 of the length of its series meets a kink
 
@@ -263,7 +262,6 @@ def _length(context: Context, terms: Sequence[Number]) -> Number:
 _TOUCH_BITS = 44
 """A turn of u within 2^44 roundings of the largest speed from zero counts as zero: rounding of
 some hundred pieces, amplified; see `docs/theory.md (5)` for a slip that touches zero."""
-
 _OVERLAP_BITS = 20  # turns are looked for up to 2^-20 of a piece beyond its end: none is missed
 _KNOT_BITS = 16  # a piece that ends within 2^16 roundings of the largest speed from a knot is on it
 

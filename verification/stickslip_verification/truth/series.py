@@ -238,10 +238,7 @@ def polynomial_zeros(context: Context, terms: Sequence[Number], end: Number) -> 
 
 
 def bracketed_zero(
-    context: Context,
-    function: Callable[[Number], tuple[Number, Number]],
-    low: Number,
-    high: Number,
+    context: Context, function: Callable[[Number], tuple[Number, Number]], low: Number, high: Number
 ) -> Number:
     """Return the zero of a function that changes its sign between `low` and `high`.
 

@@ -1,4 +1,4 @@
-"""The model description of an FMU, read once into a typed record."""
+"""The archive of an FMU, unpacked within limits, and its description, read into a record."""
 
 import contextlib
 import difflib
@@ -34,18 +34,13 @@ def one_line(error: BaseException) -> str:
 DESCRIPTION = "modelDescription.xml"
 
 MOST_UNPACKED: Final = 2_000_000_000  # bytes of all files of an FMU
-
 MOST_DESCRIBED: Final = 64_000_000
 """Bytes of a model description; one with 100,000 variables has some 30 million."""
-
 MOST_FILES: Final = 100_000  # files and folders of an FMU: empty ones take room as well
-
 MOST_RATIO: Final = 200
 """Bytes unpacked for each packed one, in a file and in all; source and binaries reach 10."""
-
 FREE, FREE_IN_ALL = 10_000_000, 100_000_000
 """Bytes of a file, and of all, that may have any ratio: a table of zeros packs to a thousandth."""
-
 _ELSEWHERE: Final = ("/tmp", "/var/tmp")
 """Where to unpack if the folder for temporary files has another name than plain."""
 
@@ -138,7 +133,6 @@ NUMBERS: Final = frozenset(
 
 ANNOTATION: Final = "org.stickslip.contract"
 """Type of the annotation that names the contract, FMI 3.0; its name in a ``Tool``, FMI 2.0."""
-
 NAME, VERSION = "stickslip-exact", "1"  # name and version of the exact contract of this suite
 
 _LETTERS: Final = 40
@@ -149,7 +143,6 @@ _MOST_PROBLEMS, _LONGEST_PROBLEM = 100, 1000
 
 _MOST_LISTED, _LONGEST_TEXT = 8, 40
 """Variables that a message lists, `stickslip names` lists all; letters of a description in it."""
-
 Declared: TypeAlias = fmpy.model_description.ModelVariable
 """A variable as its FMU declares it: unit also where its type has it, description on one line."""
 

@@ -1,4 +1,4 @@
-"""One instance of an FMU by FMI 2.0 or 3.0, read and set by the suite's names in SI."""
+"""An FMU 2.0 or 3.0 as a file, its variables by our names, and its instances; values in SI."""
 
 from __future__ import annotations
 

@@ -17,10 +17,8 @@ from stickslip_verification.truth.parameters import PARAMETERS, Parameter
 
 INPUT_UNITS: Mapping[str, str] = {each.name: each.unit for each in PARAMETERS}
 """What the suite sets, parameters and inputs, with its unit."""
-
 UNITS: Mapping[str, str] = {**INPUT_UNITS, **{name: QUANTITIES[name].unit for name in OUTPUT_NAMES}}
 """Every variable of the suite with its SI unit."""
-
 NOT_THERE = ""
 """In place of the FMU's name: the FMU has no such variable, whatever its names look like."""
 

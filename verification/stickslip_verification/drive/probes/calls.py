@@ -35,7 +35,6 @@ from stickslip_verification.truth.parameters import START_VALUES, complete
 Call = Mapping[str, Any]
 """One call of a master: ``{ set = { name = value } }`` sets variables (SI), ``{ start = time }``
 initializes at a start time [s], ``{ step = h }`` makes a step of h [s], with ``times`` so many."""
-
 Row = Mapping[str, float]  # outputs at one time, by name (SI)
 
 Calls = Sequence[Call]
@@ -305,7 +304,6 @@ _SORTS = {
 
 _KINDS = {"Float64": "Real", "Int32": "Integer"}
 """Types of FMI 3.0 and the types of FMI 2.0 that hold the same numbers."""
-
 _STEP, _LONG = 0.001, 1.0
 """An ordinary communication step, and one that holds several cycles of the default block [s]."""
 

@@ -1,4 +1,4 @@
-"""Probes that go on in a fresh process: from the bytes of a state, or in another environment."""
+"""Probes that go on in a fresh process: states as bytes, other environments, memory; the table."""
 
 import gc
 import itertools
@@ -133,21 +133,15 @@ class _Fresh:
 
 
 Doing = Generator[None, None, None]  # does something once with each `next` but the first
-
 _PAGES, _PAGE = Path("/proc/self/statm"), 4096
 """Pages of this process: all, resident, shared, ... (Linux); size of a page [B]."""
-
 _PARTS, _FEWEST = 10, 4
 """Parts of a measurement, of which the first warms up; with fewer it says nothing."""
-
 _SLOWER = 4.0
 """How much longer than the time of the processor a measurement may take by the wall clock."""
-
 _NOISE = 12 * _PAGE
 """Growth over a part that counts as no loss: what an allocator may take ahead [B]."""
-
 _STEP = 0.001  # an ordinary communication step [s]
-
 _SLAVE_MODULE, _PER_MODULE = "resources/slavemodule.txt", 16
 """Where pythonfmu's wrapper finds the name of the module that it executes; memory per byte of that
 module which it keeps of each execution, 5 with a plain one."""
@@ -278,11 +272,7 @@ def _resident() -> int:
 
 Probe = Callable[..., list[str]]
 
-_IN_A_FRESH_PROCESS: tuple[Probe, ...] = (
-    state_in_a_fresh_process,
-    elsewhere,
-    keeps_memory,
-)
+_IN_A_FRESH_PROCESS: tuple[Probe, ...] = (state_in_a_fresh_process, elsewhere, keeps_memory)
 
 _PROBES: tuple[Probe, ...] = (
     calls.declared_variables,
@@ -302,9 +292,7 @@ _PROBES: tuple[Probe, ...] = (
 
 PROBES: Mapping[str, Probe] = {probe.__name__: probe for probe in _PROBES}
 """What an invariant can name as ``probe``: a function of the FMU and of the probe's arguments."""
-
 OF_NUMERICAL = frozenset({calls.keeps_its_cycle.__name__})
 """The probes of numerical solutions; the exact block meets long cases in their stead."""
-
 LONG_PROBES = OF_NUMERICAL | {probe.__name__ for probe in _IN_A_FRESH_PROCESS}
 """The probes that take long: a long run, or a process of their own, half a second and more."""
