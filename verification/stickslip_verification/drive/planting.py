@@ -21,9 +21,6 @@ _SLAVE_MODULE = RESOURCES + "slavemodule.txt"
 _SLAVE_ENDING = "_slave"
 _GUID = re.compile(rb'\bguid="[^"]*"')
 
-# The earliest date that an archive can bear.
-_ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
-
 
 def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     """Make the FMU with the fault planted, the same bytes at every call, and return its file.
@@ -55,13 +52,8 @@ def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     with replacing(target) as stream, zipfile.ZipFile(stream, "w") as archive:
         # The model description comes first, where readers look for it.
         for entry in sorted(renamed, key=lambda name: (name != DESCRIPTION, name)):
-            info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
-            info.compress_type = zipfile.ZIP_DEFLATED
-            info.external_attr = 0o644 << 16
-            # Unix, as the permissions above are meant.
-            info.create_system = 3
             # A mutant is made, run and thrown away, so speed counts and size does not.
-            archive.writestr(info, renamed[entry], compresslevel=1)
+            archive.writestr(zipfile.ZipInfo(entry), renamed[entry], zipfile.ZIP_DEFLATED, 1)
     return target
 
 

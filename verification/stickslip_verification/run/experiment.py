@@ -6,6 +6,7 @@ and serve every FMU of a verification.
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 from stickslip_verification.drive import workers
@@ -22,6 +23,10 @@ TIME_LIMIT = 180.0
 """Seconds that the truth or the reference may take for one case; the longest takes a few."""
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and out of how much."""
+
+
+def silent(what: str, done: int, of: int) -> None:
+    """Show no progress."""
 
 
 _NO_REFERENCE: Answer[Run] = Answer(not_applicable="the reference is not run here")
@@ -72,7 +77,7 @@ def compute(
     cases: Sequence[Case],
     invariants: Invariants | None,
     jobs: int,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     *,
     numerical: Collection[str] | None = None,
 ) -> list[Baseline]:
@@ -103,8 +108,7 @@ def compute(
         }
         orders = pool.each(workers.observed_order, ordered)
         for done, case in enumerate(by_length):
-            if progress is not None:
-                progress(f"exact and reference: {case.id}", done, len(cases))
+            progress(f"exact and reference: {case.id}", done, len(cases))
             known: dict[str, Any] = {
                 name: next(answers[name]) for name, (_, of) in tasks.items() if case in of
             }
@@ -131,7 +135,7 @@ def _about(case: Case, exact: Exact | None, of: Invariants | None) -> list[Resid
     ]
 
 
-UNTRIED: Answer[Run] = Answer(
+UNTRIED: Answer[Any] = Answer(
     not_applicable="not tried, for the model is wrong in its plain runs; --full tries it"
 )
 
@@ -157,7 +161,7 @@ class Runs:
 def run_all(
     pool: workers.Pool,
     experiment: Experiment,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     enough: Callable[[Mapping[str, Answer[Run]]], bool] | None = None,
 ) -> Runs:
     """Run the FMU of a pool through an experiment.
@@ -165,42 +169,28 @@ def run_all(
     Where the plain runs are `enough`, only those of the sequences follow.
     """
     cases = [each.case for each in experiment.baseline]
-    invariants, random = experiment.invariants, experiment.random
-    kinds = list(dict.fromkeys(invariant.run for invariant in invariants.runs))
-    in_other_ways = [(case, kind) for case in cases for kind in kinds]
+    kinds = list(dict.fromkeys(invariant.run for invariant in experiment.invariants.runs))
+    in_other_ways = list(product(cases, kinds))
     answers = pool.each(workers.plain_run, [(case,) for case in cases])
     plain: dict[str, Answer[Run]] = {}
     for done, case in enumerate(cases):
-        if progress is not None:
-            progress(f"FMU: {case.id}", done, len(cases))
+        progress(f"FMU: {case.id}", done, len(cases))
         plain[case.id] = next(answers)
-    if enough is not None and enough(plain):
-        ran = pool.each(
-            workers.in_manner, [(each.baseline.case, PLAIN) for each in random if each.plain]
-        )
-        return Runs(
-            experiment,
-            plain,
-            dict.fromkeys(((case.id, kind) for case, kind in in_other_ways), UNTRIED),
-            {each.id: Answer(not_applicable=UNTRIED.not_applicable) for each in invariants.probes},
-            [next(ran) if each.plain else UNTRIED for each in random],
-        )
-    runs = pool.each(workers.other_run, in_other_ways)
-    probes = pool.each(
-        workers.probe, [(invariant,) for invariant in invariants.probes], most=workers.PROBE_LIMIT
-    )
-    in_manners = pool.each(
-        workers.in_manner, [(each.baseline.case, each.manner.manner) for each in random]
-    )
+    ends = enough is not None and enough(plain)
+    random = {n: each for n, each in enumerate(experiment.random) if each.plain or not ends}
+    asked = [] if ends else [(invariant,) for invariant in experiment.invariants.probes]
+    runs = pool.each(workers.other_run, [] if ends else in_other_ways)
+    probes = pool.each(workers.probe, asked, most=workers.PROBE_LIMIT)
+    drawn = [(each.baseline.case, each.manner.manner) for each in random.values()]
+    in_manners = pool.each(workers.in_manner, drawn)
     others: dict[tuple[str, str], Answer[Run]] = {}
     for done, (case, kind) in enumerate(in_other_ways):
-        if progress is not None and done % len(kinds) == 0:
-            progress(f"FMU in other runs: {case.id}", done // len(kinds), len(cases))
-        others[case.id, kind] = next(runs)
-    complaints = {invariant.id: next(probes) for invariant in invariants.probes}
-    if progress is not None and random:
-        progress("FMU in random sequences", len(cases), len(cases))
-    return Runs(experiment, plain, others, complaints, list(in_manners))
+        progress(f"FMU in other runs: {case.id}", done // len(kinds), len(cases))
+        others[case.id, kind] = next(runs, UNTRIED)
+    complaints = {each.id: next(probes, UNTRIED) for each in experiment.invariants.probes}
+    progress("FMU in random sequences", len(cases), len(cases))
+    ran = [next(in_manners) if n in random else UNTRIED for n in range(len(experiment.random))]
+    return Runs(experiment, plain, others, complaints, ran)
 
 
 def repeat_failed(pool: workers.Pool, runs: Runs) -> Runs:

@@ -13,7 +13,7 @@ from stickslip_verification.drive import workers
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.model.verdict import Detection, KillMatrix
 from stickslip_verification.run.comparisons import compare
-from stickslip_verification.run.experiment import Experiment, Progress, run_all
+from stickslip_verification.run.experiment import Experiment, Progress, run_all, silent
 from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantError
 
 LONGEST = 100.0
@@ -27,7 +27,7 @@ def detect(
     mutants: Sequence[Mutant],
     experiment: Experiment,
     jobs: int,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     *,
     whole: bool = True,
     **opened: Any,
@@ -58,8 +58,7 @@ def detect(
         fixed = (fmu, experiment, Path(folder), opened, whole)
         for row in threads.map(partial(_try, *fixed), mutants):
             rows.append(row)
-            if progress is not None:
-                progress(f"planted fault: {row.mutant}", len(rows), len(mutants))
+            progress(f"planted fault: {row.mutant}", len(rows), len(mutants))
     columns = _columns(experiment)
     killing = {check for row in rows for check in row.failing}
     reasons = {invariant.id: invariant.stays for invariant in experiment.invariants}

@@ -41,6 +41,7 @@ from stickslip_verification.run.experiment import (
     random_tests,
     repeat_failed,
     run_all,
+    silent,
 )
 from stickslip_verification.run.kill_matrix import detect
 from stickslip_verification.run.questions import questions
@@ -86,7 +87,7 @@ do not integrate, or are chosen by themselves."""
 def verify(
     fmu: Path,
     cases: Sequence[Case],
-    progress: Progress | None = None,
+    progress: Progress = silent,
     *,
     names: NameMap | None = None,
     contract: Wanted | None = None,

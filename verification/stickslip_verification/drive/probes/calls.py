@@ -16,7 +16,7 @@ import numpy as np
 
 from stickslip_verification.drive.fmu.description import FmuError
 from stickslip_verification.drive.fmu.instance import FmuFile, FmuInstance, available
-from stickslip_verification.drive.fmu.names import UNITS, Variable
+from stickslip_verification.drive.fmu.names import UNITS
 from stickslip_verification.drive.masters import (
     CommunicationStep,
     Master,
@@ -314,41 +314,21 @@ def declared_variables(fmu: FmuFile) -> list[str]:
     return complaints + [f"an output too many: {name}" for name in fmu.extra_outputs]
 
 
-def declared_units(fmu: FmuFile) -> list[str]:
-    """Find variables whose declared unit is not that of the interface."""
-    units = {name: "" if name in _NO_REALS else unit for name, unit in UNITS.items()}
-    return [
-        f"{name} is declared in {variable.unit or 'no unit'}, not {units[name] or 'none'}"
-        for name, variable in _of_interface(fmu)
-        if (variable.unit or "") != units[name]
-    ]
-
-
-def declared_types(fmu: FmuFile) -> list[str]:
-    """Find variables of another type, causality or variability than the interface's."""
+def declared(fmu: FmuFile, of: str) -> list[str]:
+    """Find variables of the interface with other units, types or starts, as `of` says."""
     kinds = _NO_REALS | ({"mode": "Enumeration"} if fmu.fmi_version == "3.0" else {})
     complaints = []
-    for name, variable in _of_interface(fmu):
-        right = f"{kinds.get(name, 'Real')} {_SORTS[name]}"
-        kind = _KINDS.get(variable.kind, variable.kind)
-        declared = f"{kind} {variable.causality} {variable.variability}"
-        if declared != right:
-            complaints.append(f"{name} is {declared}, not {right}")
+    for name, variable in ((name, fmu.variables[name]) for name in UNITS if fmu.has(name)):
+        kind, unit = _KINDS.get(variable.kind, variable.kind), variable.unit or "no unit"
+        sort = f"{kind} {variable.causality} {variable.variability}"
+        verb, seen, right = {
+            "units": ("is declared in", unit, "no unit" if name in _NO_REALS else UNITS[name]),
+            "types": ("is", sort, f"{kinds.get(name, 'Real')} {_SORTS[name]}"),
+            "starts": ("starts at", variable.start, START_VALUES.get(name, variable.start)),
+        }[of]
+        if seen != right:
+            complaints.append(f"{name} {verb} {seen}, not {right}")
     return complaints
-
-
-def declared_starts(fmu: FmuFile) -> list[str]:
-    """Find parameters and inputs that declare another start than the default."""
-    return [
-        f"{name} starts at {variable.start!r}, not {START_VALUES[name]!r}"
-        for name, variable in _of_interface(fmu)
-        if name in START_VALUES and variable.start != START_VALUES[name]
-    ]
-
-
-def _of_interface(fmu: FmuFile) -> Iterator[tuple[str, Variable]]:
-    """Yield the variables of the interface, without a friction law's own parameters."""
-    return ((name, fmu.variables[name]) for name in UNITS if fmu.has(name))
 
 
 def refuses(

@@ -276,9 +276,7 @@ _IN_A_FRESH_PROCESS: tuple[Probe, ...] = (state_in_a_fresh_process, elsewhere, k
 
 _PROBES: tuple[Probe, ...] = (
     calls.declared_variables,
-    calls.declared_units,
-    calls.declared_types,
-    calls.declared_starts,
+    calls.declared,
     calls.refuses,
     calls.warns,
     calls.fails_until_reset,
