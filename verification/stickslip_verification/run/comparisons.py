@@ -17,21 +17,7 @@ from stickslip_verification.drive.exact import Exact
 from stickslip_verification.drive.fmu.description import FmuError
 from stickslip_verification.drive.processes import Answer
 from stickslip_verification.drive.solvers import SOLVERS, Solver
-from stickslip_verification.judge import checks
-from stickslip_verification.judge.accuracy import (
-    DIVERGED,
-    FLOOR,
-    IN_STICK,
-    LEAST,
-    SATURATED,
-    STANDS_OUT,
-    STILL,
-    Deviation,
-    Matched,
-    Ruler,
-    matched,
-    motion_of,
-)
+from stickslip_verification.judge import accuracy, checks
 from stickslip_verification.judge.checks import (
     REFERENCE_CONTRACT,
     compared,
@@ -78,17 +64,17 @@ class Plain:
     """The plain run of a case, or of a random sequence, whose exact motion is known."""
 
     case: Case
-    ruler: Ruler
+    ruler: accuracy.Ruler
     run: Run
 
     @cached_property
-    def motion(self) -> Deviation:
+    def motion(self) -> accuracy.Deviation:
         """Delta of the motion."""
         return self.ruler.deviation(self.run)
 
     def of(self, output: str) -> float:
         """Return the delta of one output, at least `FLOOR`."""
-        return max(self.ruler.deviation(self.run, [output]).delta, FLOOR)
+        return max(self.ruler.deviation(self.run, [output]).delta, accuracy.FLOOR)
 
 
 @dataclass(frozen=True)
@@ -98,7 +84,7 @@ class Solution:
     plain: Mapping[str, Plain]
 
     @cached_property
-    def like(self) -> Matched:
+    def like(self) -> accuracy.Matched:
         """The honest solvers that it is like."""
         family = {
             solver: {
@@ -106,7 +92,9 @@ class Solution:
             }
             for solver, of in load_family(SOLVERS).items()
         }
-        return matched({case: plain.motion.delta for case, plain in self.plain.items()}, family)
+        return accuracy.matched(
+            {case: plain.motion.delta for case, plain in self.plain.items()}, family
+        )
 
     @cached_property
     def expected(self) -> Mapping[str, float]:
@@ -120,7 +108,7 @@ class Solution:
     @property
     def certain(self) -> bool:
         """Whether the plain runs say that the model is wrong."""
-        allowed = {case: STANDS_OUT * delta for case, delta in self.like.expected.items()}
+        allowed = {case: accuracy.STANDS_OUT * delta for case, delta in self.like.expected.items()}
         return sum(of.motion.delta > allowed[case] for case, of in self.plain.items()) >= CERTAIN
 
     @cached_property
@@ -148,7 +136,7 @@ def _plain(baseline: Baseline, answer: Answer[Run]) -> Plain | None:
     exact, spreads = baseline.exact.value, baseline.spreads.value
     if exact is None or spreads is None or answer.value is None:
         return None
-    return Plain(baseline.case, Ruler(exact, spreads), answer.value)
+    return Plain(baseline.case, accuracy.Ruler(exact, spreads), answer.value)
 
 
 def compare_numerical(runs: Runs, solved: Solution) -> Iterator[CheckResult]:
@@ -159,7 +147,7 @@ def compare_numerical(runs: Runs, solved: Solution) -> Iterator[CheckResult]:
         case = baseline.case.id
         plain, expected = solved.plain.get(case), solved.expected.get(case, 0.0)
         if plain is not None and solved.mismatched:
-            expected = min(expected, OF_OUTPUT / STANDS_OUT * plain.of("x"))
+            expected = min(expected, OF_OUTPUT / accuracy.STANDS_OUT * plain.of("x"))
         for invariant in plainly:
             empty = of_invariant(invariant, case, contract)
             yield _judge(empty, PLAIN, runs.plain[case], plain, solved.like, expected)
@@ -173,7 +161,7 @@ def compare_numerical(runs: Runs, solved: Solution) -> Iterator[CheckResult]:
             yield judge_probe(probe, contract, runs.probes[probe.id])
 
 
-def _of_sequences(runs: Runs, like: Matched) -> Iterator[CheckResult]:
+def _of_sequences(runs: Runs, like: accuracy.Matched) -> Iterator[CheckResult]:
     tests = list(zip(runs.experiment.random, runs.random, strict=True))
     known = (_plain(test.baseline, answer) for test, answer in tests if test.plain)
     drawn = {plain.case.id: plain for plain in known if plain is not None}
@@ -186,7 +174,7 @@ def _of_sequences(runs: Runs, like: Matched) -> Iterator[CheckResult]:
     apart = sorted(
         counted, key=lambda name: drawn[name].motion.delta / expected[name], reverse=True
     )
-    least = max(like.expected.values(), default=LEAST)
+    least = max(like.expected.values(), default=accuracy.LEAST)
     for name in apart[: int(EXCUSED * len(apart))]:
         expected[name] = max(expected[name], least)
     for test, answer in tests:
@@ -206,7 +194,7 @@ def _judge(
     manner: str,
     answer: Answer[Run],
     plain: Plain | None,
-    like: Matched,
+    like: accuracy.Matched,
     expected: float,
 ) -> CheckResult:
     if answer.value is None:
@@ -220,27 +208,27 @@ def _judge(
     if result.passed or not (manner in OTHER_STEPS or SOLVERS[like.solver].rtol > 0.0):
         return result
     worst = plain.ruler.deviation(answer.value)
-    allowed = max(AS_MUCH * plain.motion.delta, STANDS_OUT * expected)
+    allowed = max(AS_MUCH * plain.motion.delta, accuracy.STANDS_OUT * expected)
     because = f"{AS_MUCH:g} times the plain run's, or what it may have itself"
     empty = replace(empty, quantity=_off(worst), tolerance=allowed, because=because)
     return compared(empty, allowed / AS_MUCH, worst.delta, worst.delta)
 
 
-def _expected(plain: Plain, like: Matched) -> tuple[float, bool]:
+def _expected(plain: Plain, like: accuracy.Matched) -> tuple[float, bool]:
     """Return the delta that is expected in a sequence, and whether the block is too stiff there."""
     case = plain.case
     solved = [
-        factor * min(plain.ruler.deviation(solver.run(case)).delta, DIVERGED)
+        factor * min(plain.ruler.deviation(solver.run(case)).delta, accuracy.DIVERGED)
         for solver, factor in _honest(like)
         if case.law in BUILT_IN
     ]
     # No sequence is held to more than the best case.
-    least = min(like.expected.values(), default=LEAST)
-    too_stiff = max(solved, default=0.0) >= DIVERGED or _stiff(case, like)
+    least = min(like.expected.values(), default=accuracy.LEAST)
+    too_stiff = max(solved, default=0.0) >= accuracy.DIVERGED or _stiff(case, like)
     return max(least, *(solved or like.expected.values())), too_stiff
 
 
-def _honest(like: Matched) -> Iterator[tuple[Solver, float]]:
+def _honest(like: accuracy.Matched) -> Iterator[tuple[Solver, float]]:
     """Yield the solvers matched, with the factors of their deltas.
 
     One that is rougher than one of the family takes longer steps, which may diverge.
@@ -252,7 +240,7 @@ def _honest(like: Matched) -> Iterator[tuple[Solver, float]]:
             yield replace(solver, step=solver.step * factor), 1.0
 
 
-def _steps(case: Case, like: Matched) -> Sequence[float]:
+def _steps(case: Case, like: accuracy.Matched) -> Sequence[float]:
     """Return how long the steps are that an FMU seems to take in each of a case [s]."""
     name, factor = as_large(like)
     solver = SOLVERS[name]
@@ -262,7 +250,7 @@ def _steps(case: Case, like: Matched) -> Sequence[float]:
     ]
 
 
-def _stiff(case: Case, like: Matched) -> bool:
+def _stiff(case: Case, like: accuracy.Matched) -> bool:
     """Whether steps as long as an FMU seems to take are longer than a time constant of a case."""
     now, rate = dict(case.start), 0.0
     for step, h in zip(case.steps, _steps(case, like), strict=True):
@@ -271,30 +259,32 @@ def _stiff(case: Case, like: Matched) -> bool:
     return rate > 1.0
 
 
-def as_large(like: Matched) -> tuple[str, float]:
+def as_large(like: accuracy.Matched) -> tuple[str, float]:
     """Return the nearest solver, with errors about as large if there is one, and its factor."""
     alike = list(like.alike.items())
     return next((each for each in alike if abs(math.log10(each[1])) <= 1.0), alike[0])
 
 
-def _of_motion(empty: CheckResult, plain: Plain, like: Matched, expected: float) -> CheckResult:
-    ruler, run, tolerance = plain.ruler, plain.run, STANDS_OUT * expected
+def _of_motion(
+    empty: CheckResult, plain: Plain, like: accuracy.Matched, expected: float
+) -> CheckResult:
+    ruler, run, tolerance = plain.ruler, plain.run, accuracy.STANDS_OUT * expected
     worst = plain.motion
     if worst.delta <= tolerance:
-        others = [name for name in OUTPUT_NAMES if name not in motion_of(run)]
+        others = [name for name in OUTPUT_NAMES if name not in accuracy.motion_of(run)]
         # An event is told a step late at most, and a time between two of them.
         rest = ruler.deviation(run, others, 2.0 * max(_steps(plain.case, like)))
-        allowed = OF_OUTPUT * max(worst.delta, expected, LEAST)
+        allowed = OF_OUTPUT * max(worst.delta, expected, accuracy.LEAST)
         # Where more is allowed, the motion itself may be off throughout.
-        if allowed <= SATURATED and (off := ruler.throughout(run, allowed)):
+        if allowed <= accuracy.SATURATED and (off := ruler.throughout(run, allowed)):
             rest = off
         if rest.delta > allowed:
             worst, tolerance = rest, allowed
-        elif (creep := ruler.creep(run, worst.delta)).delta > STILL:
-            worst, tolerance = creep, STILL
+        elif (creep := ruler.creep(run, worst.delta)).delta > accuracy.STILL:
+            worst, tolerance = creep, accuracy.STILL
     error, at = worst.delta if np.isfinite(worst.delta) else None, f"at t = {worst.time:.6g} s"
     said = f"{worst.output} is no finite number {at}" if error is None else None
-    if error is not None and worst.output == IN_STICK and error > tolerance:
+    if error is not None and worst.output == accuracy.IN_STICK and error > tolerance:
         said = f"the mass moves in stick {at}, {100.0 * error:.2g} % of the pull's way"
     return replace(
         empty,
@@ -303,13 +293,14 @@ def _of_motion(empty: CheckResult, plain: Plain, like: Matched, expected: float)
         got=error,
         error=error,
         tolerance=tolerance,
-        because=f"{STANDS_OUT:g} times that of {like.solver} there; {OF_OUTPUT:g} of other outputs",
+        because=f"{accuracy.STANDS_OUT:g} times that of {like.solver} there; "
+        f"{OF_OUTPUT:g} of other outputs",
         passed=worst.delta <= tolerance,
         failure=said,
     )
 
 
-def _off(worst: Deviation) -> str:
+def _off(worst: accuracy.Deviation) -> str:
     return f"data off, by {worst.output} at t = {worst.time:.6g} s"
 
 

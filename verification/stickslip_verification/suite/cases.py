@@ -15,22 +15,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 from pydantic.dataclasses import dataclass as model
 
 from stickslip_verification import truth
-from stickslip_verification.model.data_file import (
-    WRITTEN,
-    Amount,
-    Count,
-    DataError,
-    DataFile,
-    Id,
-    Number,
-    Place,
-    Positive,
-    Prose,
-    Text,
-    Written,
-    keyed,
-    known,
-)
+from stickslip_verification.model import data_file as data
 from stickslip_verification.model.formulas import CYCLE, FORMULAS
 from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.model.verdict import CaseGroup, Klass, Measure
@@ -65,11 +50,11 @@ def points(lengths: Iterable[float]) -> tuple[float, ...]:
     return tuple(ends)
 
 
-Seconds = Annotated[Positive, Field(description="[s]")]
+Seconds = Annotated[data.Positive, Field(description="[s]")]
 
 
-@model(frozen=True, config=WRITTEN)
-class Steps(Written):
+@model(frozen=True, config=data.WRITTEN)
+class Steps(data.Written):
     """Steps of one length, of lengths drawn evenly in their logarithm, or one by one."""
 
     SOME: ClassVar = ("fixed", "seed", "list")
@@ -77,22 +62,22 @@ class Steps(Written):
     EXCLUDES: ClassVar = {"fixed": ("seed", "list"), "seed": ("list",)}
 
     fixed: Seconds | None = None
-    seed: Count | None = None
+    seed: data.Count | None = None
     shortest: Seconds | None = None
     longest: Seconds | None = None
     list: tuple[Seconds, ...] = ()
 
 
-@model(frozen=True, config=WRITTEN)
-class Change(Written):
+@model(frozen=True, config=data.WRITTEN)
+class Change(data.Written):
     """Values (SI) that are set at a communication point."""
 
     time: Seconds
-    set: Annotated[Mapping[str, Number], Field(min_length=1)]
+    set: Annotated[Mapping[str, data.Number], Field(min_length=1)]
 
 
-@model(frozen=True, config=WRITTEN)
-class Experiment(Written):
+@model(frozen=True, config=data.WRITTEN)
+class Experiment(data.Written):
     """What a case runs."""
 
     stop_time: Seconds
@@ -100,7 +85,9 @@ class Experiment(Written):
     changes: tuple[Change, ...] = ()
 
 
-def communication_steps(file: DataFile, experiment: Experiment) -> tuple[CommunicationStep, ...]:
+def communication_steps(
+    file: data.DataFile, experiment: Experiment
+) -> tuple[CommunicationStep, ...]:
     """Lay out the steps of an experiment, with the changes at their communication points.
 
     `DataError` if the steps do not end at the stop time, a change lies between two of them, or they
@@ -129,7 +116,7 @@ def communication_steps(file: DataFile, experiment: Experiment) -> tuple[Communi
     return tuple(CommunicationStep(h, settings.get(n, {})) for n, h in enumerate(lengths))
 
 
-def _lengths(file: DataFile, experiment: Experiment) -> Sequence[float]:
+def _lengths(file: data.DataFile, experiment: Experiment) -> Sequence[float]:
     steps, stop_time = experiment.steps, experiment.stop_time
     if steps.list:
         return steps.list
@@ -265,7 +252,7 @@ def follow(
 CASES_FOLDER = Path(__file__).parent / "cases"
 
 
-class CaseError(DataError):
+class CaseError(data.DataError):
     """A case file cannot be used."""
 
 
@@ -282,77 +269,83 @@ def _at(entry: Any) -> Any:
 Where = Annotated[At, BeforeValidator(_at), WithJsonSchema({"type": ["string", "object"]})]
 
 
-@model(frozen=True, config=WRITTEN)
-class CycleEntry(Written):
+@model(frozen=True, config=data.WRITTEN)
+class CycleEntry(data.Written):
     """The outputs of the steady cycle, held against their closed forms; ``only`` names some."""
 
     at: Where
-    only: tuple[Text, ...] | None = None
+    only: tuple[data.Text, ...] | None = None
 
 
-@model(frozen=True, config=WRITTEN)
-class OwnTolerances(Written):
+@model(frozen=True, config=data.WRITTEN)
+class OwnTolerances(data.Written):
     """What a case is held to instead of the rules."""
 
     NEEDS: ClassVar = {"because": ("fmu",)}
 
-    conditioning: Number | None = Field(
+    conditioning: data.Number | None = Field(
         default=None, ge=1.0, description="below that of the narrowest gap"
     )
-    fmu: Amount | None = Field(default=None, description="of the exact block's courses, of scale")
-    because: Prose | None = Field(
+    fmu: data.Amount | None = Field(
+        default=None, description="of the exact block's courses, of scale"
+    )
+    because: data.Prose | None = Field(
         default=None, description="the reason, where it is looser than the rules"
     )
 
 
-@model(frozen=True, config=WRITTEN)
-class OwnTolerance(Written):
+@model(frozen=True, config=data.WRITTEN)
+class OwnTolerance(data.Written):
     """What the rules do not give a check, or give otherwise."""
 
-    fmu: Amount
-    reference: Amount
+    fmu: data.Amount
+    reference: data.Amount
     measure: Measure | None = None
 
 
-@model(frozen=True, config=WRITTEN)
-class CheckEntry(Written):
+@model(frozen=True, config=data.WRITTEN)
+class CheckEntry(data.Written):
     """A check that a case spells out; its tolerance comes from the rules where it has no own."""
 
     NEEDS: ClassVar = {"tolerance": ("because",), "because": ("tolerance",)}
 
-    id: Id
-    quantity: Annotated[str, known("quantity", QUANTITIES)]
+    id: data.Id
+    quantity: Annotated[str, data.known("quantity", QUANTITIES)]
     at: Where
     formula: Annotated[
-        str, known("formula", FORMULAS), Field(description="absent: the exact motion at 50 digits")
+        str,
+        data.known("formula", FORMULAS),
+        Field(description="absent: the exact motion at 50 digits"),
     ] = ""
     tolerance: OwnTolerance | None = None
     because: Annotated[
-        Mapping[str, Prose], keyed("fmu", "reference"), Field(description="of its own tolerance")
+        Mapping[str, data.Prose],
+        data.keyed("fmu", "reference"),
+        Field(description="of its own tolerance"),
     ] = field(default_factory=dict)
 
 
 Courses = Annotated[
-    tuple[Annotated[str, known("output or group", [*GROUPS, *OUTPUT_NAMES])], ...],
+    tuple[Annotated[str, data.known("output or group", [*GROUPS, *OUTPUT_NAMES])], ...],
     Field(description="compared with the exact motion at every communication point; groups too"),
 ]
 
 
-@model(frozen=True, kw_only=True, config=WRITTEN)
-class CaseFile(Written):
+@model(frozen=True, kw_only=True, config=data.WRITTEN)
+class CaseFile(data.Written):
     """A verification case of the stick-slip block."""
 
-    id: Annotated[Id, Field(description="absent: the name of the file")] = ""
-    title: Text
-    about: Prose
+    id: Annotated[data.Id, Field(description="absent: the name of the file")] = ""
+    title: data.Text
+    about: data.Prose
     experiment: Experiment
-    law: Annotated[Text, Field(description="the friction law, module:NAME")] = COULOMB_NAME
+    law: Annotated[data.Text, Field(description="the friction law, module:NAME")] = COULOMB_NAME
     klass: Annotated[
         Klass,
         Field(validation_alias="class", description="contract where the result is a convention"),
     ] = Klass.PHYSICS
     parameters: Annotated[
-        Mapping[str, Number], Field(description="set before the start; absent: the default")
+        Mapping[str, data.Number], Field(description="set before the start; absent: the default")
     ] = field(default_factory=dict)
     courses: Courses = tuple(GROUPS)
     courses_at: Annotated[Where, Field(description="end; absent: every_point")] = At("every_point")
@@ -388,7 +381,7 @@ def load_case(path: Path) -> Case:
 
     A file that states nothing of the exact motion (``motion``) costs the time to follow it.
     """
-    file = DataFile(path, CaseError)
+    file = data.DataFile(path, CaseError)
     file.data.setdefault("id", path.stem)
     written: CaseFile = file.read(CaseFile)
     own = _own_parameters(file, written)
@@ -414,7 +407,7 @@ def load_case(path: Path) -> Case:
     )
 
 
-def _own_parameters(file: DataFile, written: CaseFile) -> tuple[Parameter, ...]:
+def _own_parameters(file: data.DataFile, written: CaseFile) -> tuple[Parameter, ...]:
     try:
         own = tuple(truth.friction_law(written.law).parameters)
     except ValueError as error:
@@ -425,7 +418,7 @@ def _own_parameters(file: DataFile, written: CaseFile) -> tuple[Parameter, ...]:
 
 
 def _values(
-    file: DataFile, written: CaseFile, own: Sequence[Parameter]
+    file: data.DataFile, written: CaseFile, own: Sequence[Parameter]
 ) -> tuple[Mapping[str, float], ...]:
     """Return all values in force at the start and after each change."""
     table = {each.name: each for each in (*PARAMETERS, *own)}
@@ -449,7 +442,7 @@ def _values(
     return tuple(values)
 
 
-def _with_own(file: DataFile, rules: Rules, own: OwnTolerances) -> Rules:
+def _with_own(file: data.DataFile, rules: Rules, own: OwnTolerances) -> Rules:
     if (own.conditioning or 0.0) > rules.narrowest * (1.0 + 1e-9):
         reason = f"{own.conditioning} is above that of the narrowest gap, {rules.narrowest:.3g}"
         raise file.refusal(reason, "tolerances", "conditioning")
@@ -464,7 +457,7 @@ def _with_own(file: DataFile, rules: Rules, own: OwnTolerances) -> Rules:
     return replace(rules, own_fmu=(own.fmu, own.because or tighter))
 
 
-def _courses(file: DataFile, written: CaseFile) -> list[str]:
+def _courses(file: data.DataFile, written: CaseFile) -> list[str]:
     """Return the outputs that are held against the exact motion at every point, groups resolved."""
     outputs: list[str] = []
     for n, name in enumerate(written.courses):
@@ -476,10 +469,10 @@ def _courses(file: DataFile, written: CaseFile) -> list[str]:
 
 
 def _checks(
-    file: DataFile, written: CaseFile, courses: Sequence[str], rules: Rules
+    file: data.DataFile, written: CaseFile, courses: Sequence[str], rules: Rules
 ) -> tuple[Check, ...]:
     if written.law != COULOMB_NAME or rules.grows:
-        places: list[Place] = [("cycle",)] if written.cycle else []
+        places: list[data.Place] = [("cycle",)] if written.cycle else []
         places += [("checks", n, "formula") for n, c in enumerate(written.checks) if c.formula]
         for place in places:
             reason = "the formulas are those of Coulomb's law with constant coefficients; without "
@@ -502,7 +495,7 @@ def _check(name: str, quantity: str, formula: str, at: At, tolerance: Tolerance)
     return Check(**vars(tolerance), id=name, quantity=quantity, formula=formula, at=at)
 
 
-def _cycle(file: DataFile, cycle: CycleEntry, rules: Rules) -> Iterator[Check]:
+def _cycle(file: data.DataFile, cycle: CycleEntry, rules: Rules) -> Iterator[Check]:
     if cycle.at.kind == "every_point":
         reason = "a cycle has no value at every point: end, { cycle = n } or { event = n }"
         raise file.refusal(reason, "cycle", "at")
@@ -520,7 +513,7 @@ def _cycle(file: DataFile, cycle: CycleEntry, rules: Rules) -> Iterator[Check]:
         yield _check(f"{name}-exact", name, formulas[name], cycle.at, tolerance)
 
 
-def _tolerance(file: DataFile, n: int, entry: CheckEntry, rules: Rules) -> Tolerance:
+def _tolerance(file: data.DataFile, n: int, entry: CheckEntry, rules: Rules) -> Tolerance:
     quantity, own = QUANTITIES[entry.quantity], entry.tolerance
     if entry.formula and (unit := FORMULAS[entry.formula].unit) != quantity.unit:
         reason = f"{entry.formula} is in {unit!r}, {quantity.name} in {quantity.unit!r}"
@@ -564,8 +557,8 @@ def of_quantities() -> Mapping[str, Meaning]:
 
 def meanings(cases: Iterable[Case], invariants: Invariants) -> dict[str, Meaning]:
     """Return the meaning of every check by its id, those of cases first."""
-    known = of_quantities()
-    found = {check.id: known[check.quantity] for case in cases for check in case.checks}
+    of = of_quantities()
+    found = {check.id: of[check.quantity] for case in cases for check in case.checks}
     found |= {invariant.id: Meaning(invariant.means, invariant.look) for invariant in invariants}
     asymptotic = Meaning(
         "The error does not fall at one rate over all tolerances, so the observed order proves "

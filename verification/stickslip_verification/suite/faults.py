@@ -18,17 +18,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from stickslip_verification.model.data_file import (
-    WRITTEN,
-    ById,
-    DataError,
-    DataFile,
-    Id,
-    Prose,
-    Text,
-    Written,
-    listed,
-)
+from stickslip_verification.model import data_file as data
 from stickslip_verification.truth import COULOMB_NAME
 
 FAULTS_FOLDER = Path(__file__).parent / "faults"
@@ -52,7 +42,7 @@ def parsed(text: str | bytes, **options: Any) -> ast.Module:
     return tree
 
 
-class MutantError(DataError):
+class MutantError(data.DataError):
     """A fault cannot be planted; one line with the file, the line or field, and the reason."""
 
 
@@ -61,8 +51,8 @@ _MODULE = rf"{_PART}(/{_PART})*\.py"
 _TARGET = rf"^{_PART}(\.{_PART})*(\._?[A-Z][A-Za-z0-9_]*)?(\.[A-Za-z_][A-Za-z0-9_]*)$"
 
 
-@dataclass(frozen=True, config=WRITTEN)
-class Override(Written):
+@dataclass(frozen=True, config=data.WRITTEN)
+class Override(data.Written):
     """One replacement of what a name stands for.
 
     ``target`` is ``module.name`` or ``module.Class.name`` in the packed source, a module by the end
@@ -105,15 +95,15 @@ class Override(Written):
         return f"def {name}(original):\n{textwrap.indent(made, '    ')}\n"
 
 
-@dataclass(frozen=True, config=WRITTEN)
-class Substitution(Written):
+@dataclass(frozen=True, config=data.WRITTEN)
+class Substitution(data.Written):
     """One change of text: ``find`` stands exactly once in ``file`` and gives way to ``replace``.
 
     ``file`` is the end of a path in the packed source, or ``modelDescription.xml``.
     """
 
     file: Annotated[str, Field(pattern=rf"^({_MODULE}|modelDescription\.xml)$")]
-    find: Text
+    find: data.Text
     replace: str
 
     def __post_init__(self) -> None:
@@ -121,8 +111,8 @@ class Substitution(Written):
             raise ValueError("replace is what it replaces")
 
 
-@dataclass(frozen=True, kw_only=True, config=WRITTEN)
-class Mutant(Written):
+@dataclass(frozen=True, kw_only=True, config=data.WRITTEN)
+class Mutant(data.Written):
     """A fault to plant in the stick-slip FMU; at least one check of ``detected_by`` must fail.
 
     ``additions`` are modules that join the packed source, each from a file in the folder of the
@@ -131,15 +121,15 @@ class Mutant(Written):
 
     SOME: ClassVar = ("overrides", "substitutions")
 
-    id: Id = ""
-    about: Annotated[Prose, Field(description="what is wrong, and where people make it")]
-    law: Annotated[Text, Field(description="name of the FMU's friction law")] = COULOMB_NAME
-    detected_by: Annotated[tuple[Text, ...], Field(min_length=1)]
-    additions: Mapping[Annotated[str, Field(pattern=f"^{_MODULE}$")], Text] = field(
+    id: data.Id = ""
+    about: Annotated[data.Prose, Field(description="what is wrong, and where people make it")]
+    law: Annotated[data.Text, Field(description="name of the FMU's friction law")] = COULOMB_NAME
+    detected_by: Annotated[tuple[data.Text, ...], Field(min_length=1)]
+    additions: Mapping[Annotated[str, Field(pattern=f"^{_MODULE}$")], data.Text] = field(
         default_factory=dict
     )
     substitutions: tuple[Substitution, ...] = ()
-    overrides: Annotated[tuple[Override, ...], listed("target", short="code")] = ()
+    overrides: Annotated[tuple[Override, ...], data.listed("target", short="code")] = ()
     file: Path = Path()
 
     @property
@@ -153,7 +143,7 @@ class Mutant(Written):
         return bool(self.substitutions or self.additions) or len(self.hooks) < len(self.overrides)
 
 
-FaultFile = ById[Mutant]  # faults to plant in the stick-slip FMU, by their ids
+FaultFile = data.ById[Mutant]  # faults to plant in the stick-slip FMU, by their ids
 
 
 def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> list[Mutant]:
@@ -164,7 +154,7 @@ def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> lis
     """
     mutants: dict[str, Mutant] = {}
     for path in sorted(files.glob("*.toml")) if files.is_dir() else [files]:
-        file = DataFile(path, MutantError)
+        file = data.DataFile(path, MutantError)
         for mutant in file.read(FaultFile):
             if other := mutants.get(mutant.id):
                 raise file.refusal(f"{other.file.name} has a fault of this id", mutant.id)
