@@ -24,16 +24,6 @@ _PROBES = (*(0.5**n for n in range(30, 4, -1)), *(n / 16.0 for n in range(1, 17)
 and near the beginning too, where a heavily damped motion has its only extreme."""
 
 
-def extension_follows(course: Course) -> Residual:
-    """Extension of the spring at the end of a step in slip, against the equation of slip."""
-    return _spread(course, _missed(course, "z"), course.swing_length, "m")
-
-
-def velocity_follows(course: Course) -> Residual:
-    """Velocity at the end of a step in slip, against the equation of slip."""
-    return _spread(course, _missed(course, "x_dot"), course.swing_speed, "m/s")
-
-
 def friction_as_stated(course: Course) -> Residual:
     """Friction in slip, against ``-(s mu_k N + c x_dot)``."""
     s = course.settings
@@ -269,6 +259,8 @@ DIRECT: Final[dict[str, Metric]] = {
         c.rests,
     ),
     "stick.within_break_away": _within_break_away,
+    "slip.extension_follows": lambda c: _spread(c, _missed(c, "z"), c.swing_length, "m"),
+    "slip.velocity_follows": lambda c: _spread(c, _missed(c, "x_dot"), c.swing_speed, "m/s"),
     "slip.friction_against_motion": lambda c: c.residual(
         np.maximum(c.after("F_friction") * np.sign(c.after("x_dot")), 0.0),
         c.force_scale,
@@ -309,7 +301,7 @@ DIRECT: Final[dict[str, Metric]] = {
 METRICS: dict[str, Metric] = DIRECT | {
     f"{part}.{metric.__name__}": metric
     for part, metrics in {
-        "slip": (extension_follows, velocity_follows, friction_as_stated, never_past_rest),
+        "slip": (friction_as_stated, never_past_rest),
         "events": (
             break_away_at_threshold,
             break_away_beyond_threshold,
