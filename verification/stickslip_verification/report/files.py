@@ -1,13 +1,12 @@
 """The verdict as JSON that any program reads, and as JUnit XML in the layout of CI systems."""
 
 import json
-import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
+
+from pydantic_core import to_jsonable_python
 
 from stickslip_verification.model.data_file import write_whole
 from stickslip_verification.model.verdict import CheckResult, Outcome, Verdict
@@ -26,13 +25,14 @@ def as_json(verdict: Verdict) -> dict[str, Any]:
         "passed": verdict.passed,
         "by_kind": verdict.by_kind,
         "checks": [_row(result) for result in verdict.checks],
-        "orders": [asdict(order) for order in verdict.orders],
-        "kills": None if kills is None else {"passed": kills.passed, **asdict(kills)},
-        "contract": asdict(verdict.contract),
-        "tables": [asdict(table) for table in verdict.tables],
+        "orders": verdict.orders,
+        "kills": kills and {"passed": kills.passed, **vars(kills)},
+        "contract": verdict.contract,
+        "tables": verdict.tables,
         "provenance": verdict.provenance,
     }
-    return {key: _plain(value) for key, value in values.items()}
+    plain: dict[str, Any] = to_jsonable_python(values, inf_nan_mode="null")
+    return plain
 
 
 def json_text(verdict: Verdict) -> str:
@@ -50,16 +50,6 @@ def _row(result: CheckResult) -> dict[str, Any]:
     if result.failure is not None:
         row["because"] = f"{result.failure} (the tolerance: {result.because})"
     return {key: value for key, value in row.items() if key not in ("klass", "late")}
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 ABOUT_THE_FMU = "the FMU"  # class name of the checks that belong to no case
