@@ -12,7 +12,7 @@ import weakref
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Protocol, Self
 
 import fmpy
 import fmpy.fmi1
@@ -73,6 +73,16 @@ class Messages(list[str]):
         super().append(text[:_LONGEST_MESSAGE])
 
 
+class Unpacked(Protocol):
+    """What an instance needs to know of its FMU."""
+
+    path: Path
+    folder: Path
+    token: str
+    model_identifier: str
+    variables: Mapping[str, Variable]
+
+
 class FmuInstance(ABC):
     """One instance of an FMU. Variables by our names, values in SI.
 
@@ -85,7 +95,7 @@ class FmuInstance(ABC):
     PREFIX: ClassVar[str]
     SLAVE: ClassVar[Any]
 
-    def __init__(self, fmu: FmuFile) -> None:
+    def __init__(self, fmu: Unpacked) -> None:
         self.file = fmu
         self.messages = Messages()
         self._name = f"{fmu.model_identifier}-{next(_COUNTER)}"
@@ -384,7 +394,7 @@ FACES: Mapping[str, type[FmuInstance]] = {"2.0": Fmi2Instance, "3.0": Fmi3Instan
 class Hooked(FmuInstance):
     """An instance whose reads pass `get`; a hook may keep attributes of its own on it."""
 
-    def __init__(self, fmu: FmuFile) -> None:
+    def __init__(self, fmu: Unpacked) -> None:
         self._readers: dict[tuple[str, ...], Callable[[], list[float]]] = {}
         super().__init__(fmu)
 
