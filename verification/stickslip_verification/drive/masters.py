@@ -11,6 +11,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from random import Random
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,10 +19,9 @@ from stickslip_verification.drive.fmu.description import FmuError
 from stickslip_verification.drive.fmu.description import NotApplicableError as NotApplicableError
 from stickslip_verification.drive.fmu.instance import FmuFile, FmuInstance, available
 from stickslip_verification.model.quantities import OUTPUT_NAMES, OUTPUTS, Quantity
-from stickslip_verification.model.run import Run
+from stickslip_verification.model.run import CommunicationStep as CommunicationStep
+from stickslip_verification.model.run import Run, points
 from stickslip_verification.model.units import spelled
-from stickslip_verification.suite.cases import Case, points
-from stickslip_verification.suite.cases import CommunicationStep as CommunicationStep
 from stickslip_verification.truth.course import BUILT_IN, COULOMB_NAME
 from stickslip_verification.truth.parameters import (
     CHANGEABLE,
@@ -30,6 +30,9 @@ from stickslip_verification.truth.parameters import (
     Parameter,
     changeable,
 )
+
+if TYPE_CHECKING:
+    from stickslip_verification.suite.cases import Case
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,30 @@
 """A run: every output at every communication point, from an FMU or from the reference."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip_verification.truth import Step
+
 Series = NDArray[np.float64]
+
+CommunicationStep = Step
+"""One step of ``h`` [s]; ``changes`` (name to value, SI) are set just before it."""
+
+
+def points(lengths: Iterable[float]) -> tuple[float, ...]:
+    """Partial sums, each correctly rounded (Neumaier's compensation), starting at 0."""
+    total = carry = 0.0
+    ends = []
+    for h in lengths:
+        bigger = total + h
+        carry += (total - bigger) + h if abs(total) >= abs(h) else (h - bigger) + total
+        total = bigger
+        ends.append(total + carry)
+    return tuple(ends)
 
 
 @dataclass(frozen=True)

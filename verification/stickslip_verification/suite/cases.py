@@ -18,10 +18,10 @@ from stickslip_verification import truth
 from stickslip_verification.model import data_file as data
 from stickslip_verification.model.formulas import CYCLE, FORMULAS
 from stickslip_verification.model.quantities import GROUPS, OUTPUT_NAMES, QUANTITIES
+from stickslip_verification.model.run import CommunicationStep, points
 from stickslip_verification.model.verdict import CaseGroup, Klass, Measure
 from stickslip_verification.suite.invariants import Invariants, invariant_ids
 from stickslip_verification.suite.tolerances import Facts, Rules, Tolerance, facts_of
-from stickslip_verification.truth import Step
 from stickslip_verification.truth.course import COULOMB_NAME
 from stickslip_verification.truth.parameters import (
     CHANGEABLE,
@@ -34,22 +34,6 @@ from stickslip_verification.truth.parameters import (
 _SAME_POINT = 1e-9  # of the mean step: how far rounding may move the sum of many steps
 _SHORTEST_PART = 1e-15  # of the stop time: a drawn step below it would not move the sum of steps
 MOST_STEPS = 1_000_000  # more than any case needs, and than the memory holds
-CommunicationStep = Step
-"""One step of ``h`` [s]; ``changes`` (name to value, SI) are set just before it."""
-
-
-def points(lengths: Iterable[float]) -> tuple[float, ...]:
-    """Partial sums, each correctly rounded (Neumaier's compensation), starting at 0."""
-    total = carry = 0.0
-    ends = []
-    for h in lengths:
-        bigger = total + h
-        carry += (total - bigger) + h if abs(total) >= abs(h) else (h - bigger) + total
-        total = bigger
-        ends.append(total + carry)
-    return tuple(ends)
-
-
 Seconds = Annotated[data.Positive, Field(description="[s]")]
 
 

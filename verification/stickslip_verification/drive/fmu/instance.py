@@ -12,7 +12,7 @@ import weakref
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 
 import fmpy
 import fmpy.fmi1
@@ -29,8 +29,10 @@ from stickslip_verification.drive.fmu.description import (
     unpack,
 )
 from stickslip_verification.drive.fmu.names import UNITS, NameMap, Variable, collect
-from stickslip_verification.suite.faults import Hook
 from stickslip_verification.truth.parameters import Parameter
+
+if TYPE_CHECKING:
+    from stickslip_verification.suite.faults import Hook
 
 WARNING, FATAL = 1, 4
 """The highest status of a call that succeeded, and the one after which nothing may be called any
