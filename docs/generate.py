@@ -34,7 +34,7 @@ from stickslip_verification import (
 )
 from stickslip_verification.model.verdict import Kind
 from stickslip_verification.report.svg import differences
-from stickslip_verification.suite.case_file import CaseFile
+from stickslip_verification.suite.cases import CaseFile
 from stickslip_verification.suite.faults import FaultFile
 from stickslip_verification.suite.invariants import Invariants
 from stickslip_verification.suite.sequences import COUNT, SEED

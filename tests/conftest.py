@@ -44,7 +44,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Give all processes of this run one folder for temporary files, removed at its end."""
-    from stickslip_verification.drive.kept import FOLDER
+    from stickslip_verification.drive.exact import FOLDER
 
     if config.getoption("soak"):
         settings.load_profile("soak")

@@ -168,7 +168,7 @@ def freeze(folder: Path, others: Path) -> None:
         names = fmu.with_suffix(".toml")
         named = ["--names", str(names)] if names.is_file() else []
         out = folder / "reports" / fmu.stem
-        ran = _command("verify", "--fmu", str(fmu), *named, "--out", str(out))
+        ran = _command("verify", "--fmu", str(fmu), *named, "--output", str(out))
         report = out / "report.json"
         if report.is_file():
             found = json.loads(report.read_text(encoding="utf-8")) | {"exit code": ran.returncode}

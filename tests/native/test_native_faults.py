@@ -10,18 +10,17 @@ from _pytest.mark import ParameterSet
 
 from stickslip_native.packer import sources_of
 from stickslip_verification.drive import workers
-from stickslip_verification.drive.answer import Answer
-from stickslip_verification.judge.checks import applies
-from stickslip_verification.judge.contract import EXACT_CONTRACT
+from stickslip_verification.drive.processes import Answer
+from stickslip_verification.judge.checks import EXACT_CONTRACT, applies
 from stickslip_verification.run.comparisons import compare
 from stickslip_verification.run.experiment import (
     Baseline,
     Experiment,
     RandomTest,
     random_tests,
+    run_all,
 )
-from stickslip_verification.run.runs import run_all
-from stickslip_verification.suite.case_file import CASES_FOLDER, load_case
+from stickslip_verification.suite.cases import CASES_FOLDER, load_case
 from stickslip_verification.suite.invariants import load_invariants
 from stickslip_verification.suite.sequences import SEED, draw_sequences
 from tests.conftest import built

@@ -7,13 +7,16 @@ from functools import cache
 import numpy as np
 
 from stickslip_verification import CheckResult, load_case, load_invariants
-from stickslip_verification.drive.exact import Exact, exact_motion
-from stickslip_verification.drive.kept import kept
-from stickslip_verification.judge.checks import applies, judge, judge_residual
-from stickslip_verification.judge.contract import EXACT_CONTRACT, Contract
+from stickslip_verification.drive.exact import Exact, exact_motion, kept
+from stickslip_verification.judge.checks import (
+    EXACT_CONTRACT,
+    Contract,
+    applies,
+    judge,
+    judge_residual,
+)
 from stickslip_verification.model.run import Run, Series
-from stickslip_verification.suite.case_file import CASES_FOLDER
-from stickslip_verification.suite.cases import Case
+from stickslip_verification.suite.cases import CASES_FOLDER, Case
 from stickslip_verification.suite.invariants import ResidualInvariant
 
 INVARIANTS = load_invariants().residuals

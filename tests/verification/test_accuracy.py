@@ -11,15 +11,14 @@ from scipy.integrate import solve_ivp
 
 from stickslip_verification import Case, load_cases
 from stickslip_verification.drive import solvers
-from stickslip_verification.drive.exact import OFF, changes, exact_motion, spreads
-from stickslip_verification.drive.kept import kept
+from stickslip_verification.drive.exact import OFF, changes, exact_motion, kept, spreads
 from stickslip_verification.drive.probes.calls import keeps_its_cycle
 from stickslip_verification.drive.solvers import SOLVERS, Solver
 from stickslip_verification.judge.accuracy import STANDS_OUT, Ruler, matched, wrong_parameter
 from stickslip_verification.model.run import Run
-from stickslip_verification.run.causes import Shown, cause
-from stickslip_verification.run.numerical import Plain, Solution
-from stickslip_verification.suite.family import load_family
+from stickslip_verification.run.comparisons import Plain, Solution
+from stickslip_verification.run.questions import Shown, cause
+from stickslip_verification.suite.cases import load_family
 from tests.makers import plain
 from tests.verification.test_run import judged, wrong
 

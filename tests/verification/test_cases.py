@@ -9,8 +9,7 @@ import pytest
 from stickslip_verification import Case, CaseError, load_cases, load_invariants, meanings
 from stickslip_verification.judge.checks import extract, places
 from stickslip_verification.model.quantities import GROUPS
-from stickslip_verification.suite.cases import At
-from stickslip_verification.suite.catalogue import Meaning, of_quantities
+from stickslip_verification.suite.cases import At, Meaning, of_quantities
 
 from .records import exact_of
 

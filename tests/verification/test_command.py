@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification.__main__ import main
-from stickslip_verification.suite.case_file import CASES_FOLDER
+from stickslip_verification.suite.cases import CASES_FOLDER
 from stickslip_verification.suite.faults import FAULTS_FOLDER
 
 

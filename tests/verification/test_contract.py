@@ -13,9 +13,9 @@ from stickslip_verification.drive import FmuFile
 from stickslip_verification.drive.fmu import description as stated
 from stickslip_verification.drive.fmu.description import StatedContract, stated_contract
 from stickslip_verification.drive.fmu.names import Target
+from stickslip_verification.drive.masters import setting_of
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.drive.stepping import setting_of
-from stickslip_verification.judge.contract import CONTRACTS, chosen_contract
+from stickslip_verification.judge.checks import CONTRACTS, chosen_contract
 from stickslip_verification.model.verdict import ChosenContract
 from tests.conftest import built
 from tests.makers import SLIDER, altered, edited

@@ -9,10 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from stickslip_verification import CheckResult, load_invariants
-from stickslip_verification.drive.answer import Answer
-from stickslip_verification.drive.convergence import observe, slope
-from stickslip_verification.judge.checks import judge_order
-from stickslip_verification.judge.contract import REFERENCE_CONTRACT
+from stickslip_verification.drive.exact import observe, slope
+from stickslip_verification.drive.processes import Answer
+from stickslip_verification.judge.checks import REFERENCE_CONTRACT, judge_order
 from stickslip_verification.model.verdict import ObservedOrder
 
 from .records import named

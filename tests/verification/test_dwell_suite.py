@@ -4,12 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.fmu.errors import NotApplicableError
-from stickslip_verification.drive.stepping import law_of, require_law, setting_of
+from stickslip_verification.drive.fmu.description import NotApplicableError
+from stickslip_verification.drive.fmu.instance import FmuFile
+from stickslip_verification.drive.masters import law_of, require_law, setting_of
 from stickslip_verification.suite.cases import follow
-from stickslip_verification.suite.other_laws import SHARE, with_dwell
-from stickslip_verification.suite.sequences import draw_sequences, well_decided
+from stickslip_verification.suite.sequences import SHARE, draw_sequences, well_decided, with_dwell
 from tests.makers import altered, edited
 
 from .records import named

@@ -19,7 +19,7 @@ import pytest
 
 from stickslip_verification import Case, FmuError, Limits, verify
 from stickslip_verification.drive import processes, workers
-from stickslip_verification.drive.answer import Answer
+from stickslip_verification.drive.processes import Answer
 from stickslip_verification.model.run import Run
 from tests.makers import SLIDER, altered, edited, misbehaving
 from tests.python import run

@@ -10,21 +10,21 @@ import numpy as np
 import pytest
 from _pytest.mark import ParameterSet
 
-from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import exact_motion
-from stickslip_verification.judge.checks import agreeing, judge_agreement
-from stickslip_verification.judge.contract import (
+from stickslip_verification.drive.processes import Answer
+from stickslip_verification.judge.checks import (
     EXACT_CONTRACT,
     PHYSICS_CONTRACT,
     STRICT_CONTRACT,
     Contract,
+    agreeing,
+    judge_agreement,
 )
-from stickslip_verification.judge.metrics import METRICS, Course
+from stickslip_verification.judge.course import Course
+from stickslip_verification.judge.metrics import METRICS
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Run
-from stickslip_verification.suite.case_file import CASES_FOLDER
-from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.experiment import CommunicationStep
+from stickslip_verification.model.run import CommunicationStep, Run
+from stickslip_verification.suite.cases import CASES_FOLDER, Case
 from stickslip_verification.suite.invariants import load_invariants
 
 from .records import (

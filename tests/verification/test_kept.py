@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from stickslip_verification.drive.kept import FOLDER, kept
+from stickslip_verification.drive.exact import FOLDER, kept
 from stickslip_verification.suite.cases import Case
 from tests.verification.records import named
 

@@ -10,7 +10,7 @@ import pytest
 
 from stickslip_verification import InvariantError, lint, load_invariants, load_mutants
 from stickslip_verification.run import lint as linter
-from stickslip_verification.suite.case_file import CASES_FOLDER
+from stickslip_verification.suite.cases import CASES_FOLDER
 
 CASE = CASES_FOLDER / "default.toml"
 

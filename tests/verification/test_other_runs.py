@@ -10,13 +10,11 @@ import pytest
 
 from stickslip_verification import CheckResult, NameMap, load_invariants, load_mutants
 from stickslip_verification.drive import CommunicationStep, FmuFile, Setting, run
-from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.fmu.names import Target
-from stickslip_verification.drive.masters import RUNS, run_case
+from stickslip_verification.drive.masters import RUNS, NotApplicableError, run_case
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.drive.stepping import NotApplicableError
-from stickslip_verification.judge.checks import judge_run
-from stickslip_verification.judge.contract import EXACT_CONTRACT
+from stickslip_verification.drive.processes import Answer
+from stickslip_verification.judge.checks import EXACT_CONTRACT, judge_run
 from stickslip_verification.model.quantities import OUTPUT_NAMES
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case

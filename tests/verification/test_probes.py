@@ -11,11 +11,11 @@ from _pytest.mark import ParameterSet
 
 from stickslip_verification import Mutant, load_invariants, load_mutants
 from stickslip_verification.drive import FmuError, FmuFile, processes
+from stickslip_verification.drive.masters import NotApplicableError
 from stickslip_verification.drive.planting import plant
-from stickslip_verification.drive.probes import environments, memory
+from stickslip_verification.drive.probes import environments
 from stickslip_verification.drive.probes.calls import differences
-from stickslip_verification.drive.probes.table import PROBES
-from stickslip_verification.drive.stepping import NotApplicableError
+from stickslip_verification.drive.probes.environments import PROBES
 from stickslip_verification.suite.faults import Substitution
 from tests.conftest import built
 from tests.makers import SLIDER, SLIDER_3, Foreign, altered, edited, misbehaving
@@ -38,7 +38,7 @@ def asked(invariant: str, file: FmuFile, **others: Any) -> list[str]:
 def on_a_busy_machine(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let fresh processes and measurements take their time."""
     monkeypatch.setattr(environments, "_PATIENCE", 600.0)
-    monkeypatch.setattr(memory, "_PATIENCE", 100.0)
+    monkeypatch.setattr(environments, "_SLOWER", 100.0)
 
 
 @cache
@@ -238,10 +238,10 @@ STEADY = [WARM_UP, *[(10_000, 327_680)] * 9]
     ],
 )
 def test_a_growth_in_most_parts_is_a_loss(parts: list[tuple[int, int]], told: list[str]) -> None:
-    assert memory.judged(parts, "step", 4.0, 5.0) == told
+    assert environments.judged(parts, "step", 4.0, 5.0) == told
 
 
 def test_too_few_parts_show_no_loss() -> None:
-    assert memory.judged([WARM_UP, *[(30, 40_960)] * 9], "instance", 1024.0, 5.0) == []
+    assert environments.judged([WARM_UP, *[(30, 40_960)] * 9], "instance", 1024.0, 5.0) == []
     with pytest.raises(NotApplicableError, match="22 times in 5 s are too few to see a loss"):
-        memory.judged([(12, 700_000), *[(5, 500_000)] * 2], "step", 4.0, 5.0)
+        environments.judged([(12, 700_000), *[(5, 500_000)] * 2], "step", 4.0, 5.0)

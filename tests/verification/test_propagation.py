@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from stickslip_verification.judge.metrics.propagation import Slips, State
+from stickslip_verification.judge.course import Slips, State
 
 ZETAS = (0.0, 0.3, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 50.0)
 TURNS = (0.0, 1e-9, 1e-3, 0.1, 1.0, 7.0, 40.0)

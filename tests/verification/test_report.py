@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from stickslip_verification import CheckResult, KillMatrix, Verdict, write_json
-from stickslip_verification.drive.fmu.archive import FmuFile
+from stickslip_verification.drive.fmu.instance import FmuFile
 from stickslip_verification.model.verdict import (
     ChosenContract,
     Detection,
@@ -20,7 +20,7 @@ from stickslip_verification.model.verdict import (
     Table,
 )
 from stickslip_verification.report import provenance
-from stickslip_verification.report.junit import as_junit
+from stickslip_verification.report.files import as_junit
 
 PASSED = CheckResult(
     case="default", check="t_slip-exact", quantity="t_slip", unit="s", truth=Kind.CLOSED_FORM,

@@ -8,8 +8,7 @@ import pytest
 
 from stickslip_verification.model.run import Run
 from stickslip_verification.model.verdict import Motion
-from stickslip_verification.report.curve import curve
-from stickslip_verification.report.plots import draw_case
+from stickslip_verification.report.plots import curve, draw_case
 
 from .records import exact_of, named, planted, value, without
 
@@ -17,12 +16,12 @@ from .records import exact_of, named, planted, value, without
 @cache
 def motion(case: str) -> Motion:
     exact, of = exact_of(case), named(case)
-    return Motion(case, of.title, of.about, exact.record, exact.event_times, {"fmu": exact.record})
+    return Motion(case, of.title, of.about, exact.record, exact.events, {"fmu": exact.record})
 
 
 def test_the_line_goes_through_every_sample_and_event_and_a_stick_is_flat() -> None:
     moved = motion("heavy")
-    drawn, events = curve(moved), moved.event_times
+    drawn, events = curve(moved), [each.time for each in moved.events]
     assert drawn.joined
     assert {*moved.exact.times, *events} <= set(drawn.t)
     at = np.searchsorted(drawn.t, moved.exact.times)
@@ -38,7 +37,7 @@ def test_between_the_samples_the_line_is_the_motion(case: str) -> None:
     moved = motion(case)
     half = {name: samples[1::2] for name, samples in moved.exact.outputs.items()}
     record = Run(moved.exact.times[1::2], half, moved.exact.initial)
-    drawn = curve(Motion(case, "", "", record, moved.event_times, {}))
+    drawn = curve(Motion(case, "", "", record, moved.events, {}))
     assert drawn.joined
     x = np.interp(moved.exact.times, drawn.t, drawn.x)
     # A line may err by 1.5 % of what is seen; straight pieces of a 400th of the width add less.
@@ -67,6 +66,6 @@ def test_a_side_that_went_astray_is_still_drawn() -> None:
     short = Run(moved.exact.times[:9], astray.outputs, astray.initial)
     silent = Run(moved.exact.times[:0], {"x": np.array([])}, {})
     sides = {"fmu": short, "reference": silent}
-    drawn = draw_case(Motion("heavy", "", "", moved.exact, moved.event_times, sides), {})
+    drawn = draw_case(Motion("heavy", "", "", moved.exact, moved.events, sides), {})
     assert drawn.startswith("<svg")
     assert "nan" not in drawn.lower().replace("name", "")

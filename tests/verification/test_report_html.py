@@ -185,6 +185,6 @@ def test_the_files_are_written_together_or_not_at_all(tmp_path: Path) -> None:
     write_report(full_verdict(), tmp_path)
     before = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
     assert set(before) == {"index.html", "junit.xml", "report.json"}
-    with pytest.raises(TypeError):
-        write_report(full_verdict(versions={"a": {1, 2}}), tmp_path)
+    with pytest.raises(ValueError, match="serialize"):
+        write_report(full_verdict(versions={"a": [object()]}), tmp_path)
     assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == before

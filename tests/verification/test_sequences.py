@@ -8,18 +8,17 @@ import pytest
 
 from stickslip_verification import load_invariants, truth
 from stickslip_verification.drive import FmuFile
-from stickslip_verification.drive.exact import exact_motion
-from stickslip_verification.drive.kept import kept
+from stickslip_verification.drive.exact import exact_motion, kept
 from stickslip_verification.drive.masters import MANNERS
-from stickslip_verification.judge.checks import judge_sequence, of_invariant
-from stickslip_verification.judge.contract import EXACT_CONTRACT
-from stickslip_verification.run.coverage import coverage_table, gaps
+from stickslip_verification.judge.checks import EXACT_CONTRACT, judge_sequence, of_invariant
+from stickslip_verification.run.verify import gaps
 from stickslip_verification.suite import sequences as drawn
 from stickslip_verification.suite.sequences import (
     CELLS,
     EVERYTHING,
     PLAIN,
     coverage,
+    coverage_table,
     draw_sequences,
 )
 from tests.conftest import built

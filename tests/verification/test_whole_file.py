@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from stickslip_verification import replacing
-from stickslip_verification.model.whole_file import write_all
+from stickslip_verification.model.data_file import write_all
 from tests.python import python
 
 
@@ -53,7 +53,7 @@ def test_a_file_that_cannot_take_its_place_is_named_and_no_part_is_left(tmp_path
 FILLING = """\
 import resource, signal, sys
 from pathlib import Path
-from stickslip_verification.model.whole_file import write_all
+from stickslip_verification.model.data_file import write_all
 
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))

@@ -5,8 +5,6 @@ its digits and the tolerance of a solver, and be known far better than what it e
 solution explains has a cause where the signature of one is seen; else no single cause is named.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
@@ -57,7 +55,6 @@ _UNITS = {
 }
 """Units of x and F whose numbers are this factor too large."""
 _SAMPLES_OF_A_CYCLE = 6  # fewer do not tell the phases of a curve on no known solution
-
 _NO_GAP = 0.25  # of the exact gap: a curve that shows less has one coefficient; steps only widen it
 _TYPED = 1e-5  # relative: nobody types a parameter so finely; usual solvers are off by more
 _LOOSE = 1e-2  # relative: error of an event by the loosest solvers, at a tolerance of 1e-3
@@ -82,7 +79,6 @@ _TELLS_NOISE = 40  # fewer samples do not tell noise, unless the mass rests to i
 _SEES_SLIPS = 0.5  # radians between samples up to which each slip, of pi or more, has six
 _EVEN = 0.02  # how alike creep is early and late in stick where no smoothed friction makes it
 _HIGHS_OF_A_DRIFT = 4  # turns of the spring, and times their scatter, from which a drift is one
-
 _ALTERNATING, _LEAST_ALTERNATING = 20_000, 40  # samples searched for alternating friction
 _EQUAL = 1e-6  # of a step: how far steps of a solver may differ
 _FULL, _MOST, _BACK, _REVERSALS = 0.15, 0.9, 0.02, 0.1
@@ -200,21 +196,9 @@ def score(curve: Curve, parameters: Mapping[str, float]) -> Score:
     The figures are means over all complete cycles, from break-away to break-away. Where all samples
     lie on the solution of a block with some gap, to their digits or their noise, they are read off
     that one; else each event is known between two samples. A v of the wrong sign is turned, and a
-    finding says so.
-
-    Parameters
-    ----------
-    curve
-        The samples.
-    parameters
-        m g k c mu_s mu_k v load F_ext, SI; what is missing takes its start value.
-
-    Raises
-    ------
-    ValueError
-        A parameter is unknown or out of range; the message names it.
-    CurveError
-        v is 0, so that nothing is pulled, or x or F is a power of 1000 too large or too small.
+    finding says so. `parameters` are m g k c mu_s mu_k v load F_ext, SI; what is missing takes its
+    start value. `ValueError` for one that is unknown or out of range; `CurveError` if v is 0, so
+    that nothing is pulled, or x or F is a power of 1000 too large or too small.
     """
     try:
         with np.errstate(over="raise"):
@@ -356,7 +340,6 @@ def _look(motion: Motion, solution: Solution) -> tuple[Motion, Phases, dict[str,
 def _figures(
     motion: Motion, phases: Phases, fits: Fits, slide: Slide | None, solution: Solution
 ) -> Figures:
-    """Read the figures off the fit on which the curve lies, else off the sticks."""
     if slide is not None and slide.lies:
         return Figures({}, 0)
     names = ("gap", "gap and drift", "damping", *(["gap and mass"] if motion.noise else []))
@@ -479,7 +462,6 @@ def _exact(e: Evidence) -> Judgement:
 
 
 def _noise_in_words(e: Evidence) -> str:
-    """Return the noise of the column from which the motion is known."""
     motion, force = e.motion, e.motion.source == "F"
     if not motion.noise:
         return f"digits of {motion.source}, {si(motion.digits, 'm')}"
@@ -502,7 +484,6 @@ def _power_of_ten(part: float) -> str:
 
 
 def _percent(ratio: float) -> str:
-    """Return by how much a ratio is off 1."""
     if not math.isfinite(ratio):
         return "where there should be none"
     return f"{abs(100.0 * (ratio - 1.0)):.3g} % {'larger' if ratio > 1.0 else 'smaller'}"
@@ -534,7 +515,6 @@ def _shift(e: Evidence, name: str) -> float:
 
 
 def _named(e: Evidence, name: str) -> Judgement:
-    """Name the numbers of the block with which a fit differs from the exact solution."""
     fitted = e.fits[name].solution
     number = f"(mu_s - mu_k) N {_percent(e.gap_ratio(fitted.D))}"
     if name == "damping":
@@ -552,7 +532,6 @@ def _named(e: Evidence, name: str) -> Judgement:
 
 
 def _block(e: Evidence, name: str) -> Judgement:
-    """Judge a curve on the solution of a block with another gap, damping or mass."""
     is_gap, measured, known = name == "gap", e.motion.measured, 0.0
     if is_gap and measured and not (known := _known(e, e.fits["gap"])) < _HIDES:
         return Cause.NOISY, (
@@ -570,7 +549,6 @@ def _block(e: Evidence, name: str) -> Judgement:
 
 
 def _slow_noise(e: Evidence, gap: Fit) -> Judgement:
-    """Judge a curve that is off the solution by what is not alike from cycle to cycle."""
     known, shift = _known(e, gap), abs(gap.solution.D - e.solution.D)
     off = f"samples are off by {si(gap.rms, 'm')} rms, unlike from cycle to cycle, and the "
     off += f"{_noise_in_words(e)} from sample to sample"
@@ -581,7 +559,6 @@ def _slow_noise(e: Evidence, gap: Fit) -> Judgement:
 
 
 def _another_speed(e: Evidence) -> Judgement | None:
-    """Judge a mass that does not keep up with the pulled end over the cycles."""
     times, highs, v = e.phases.high_times, e.phases.highs, e.solution.v
     if times.size < _HIGHS_OF_A_DRIFT:
         return None

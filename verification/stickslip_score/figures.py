@@ -28,7 +28,6 @@ QUANTITIES = ("period", "t_stick", "t_slip", "delta_x")
 VISIBLE = 2.0  # half units of the last digit by which two positions of a resting mass may differ
 LOST = 0.2  # of the slow time: what may lack of the rest after run-out and start; creep lacks most
 COARSE = 0.1  # radians of the oscillation between samples from which third differences hold motion
-
 _SCAN = 400  # points of a half turn on which a damped velocity is searched for its first zero
 _SOLVER_FLOOR = 1e-9  # of the range of x: no tool that integrates promises more
 _ROUNDINGS = 4.0 * 2.0**-53  # of the longest way: two ways, each rounded by the tool and once here
@@ -40,7 +39,6 @@ _MISMATCH = 1e-3  # of a spring's way: F/k off x by another stiffness; ten times
 _DRIFTS = 3  # degree of the polynomial in time that the zero of F may follow
 _OPPOSITE = 0.1  # how near to -1 times the spring's way F has the opposite sign
 _LINE = 0.1  # of the swing: noise of a smoothed motion below which its turns stand out
-
 _WINDOW, _WINDOWS, _LEAST_WINDOWS = 4, 2000, 3  # third differences in a window; windows in a record
 _QUIET, _QUARTILE, _OUTLIER = 0.25, 0.31, 8.0
 """Part of the windows taken for quiet at first; the mean square that this part of independent noise
@@ -52,7 +50,6 @@ _SPREAD = 0.2
 """Least share of third differences between a quarter and three quarters of the largest twentieth.
 Gaussian noise has 0.48; those of a solver that chatters have two sizes."""
 _PAIRS = 20  # neighbouring differences below which signs tell nothing
-
 _DEEP = 0.4  # of the deepest fall of the spring: a turn of the cycle, and no ripple of a solver
 _FEW = 5  # samples below v/2 under which a creep and the run-out of a slip look alike
 

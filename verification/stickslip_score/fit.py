@@ -230,7 +230,6 @@ class Part:
         return self._centred(np.stack(columns, axis=1))
 
     def _least_squares(self, numbers: dict[str, float]) -> dict[str, float]:
-        """Return the numbers, moved to the least squares next to them."""
         if self.t.size <= len(numbers):
             return numbers
         scales, origin = 1e6 * self._steps(numbers), np.array(list(numbers.values()))

@@ -18,13 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 
 LEAST_SAMPLES = 5  # fewer cannot show a stick on either side of a slip and a sample between
-
 _DIGITS_OF = 500  # samples whose digits are counted; the longest of them has all digits
 _RUNS, _RUN = 4, 500  # runs of neighbouring samples in which counts are sought, samples of each
 _ROUNDINGS = 1024.0 * 2.0**-53  # of the largest number: moves below it are none
 _ON_THE_GRID = 0.01  # of half a unit: times printed off their grid scatter by nearly all of it
 _SAME = 1e-9  # of a column's largest value: what rows of one time at an event may differ by
-
 _WITH_CELLS = re.compile(r"^[^\S\n]*[^#\s].*$", re.MULTILINE)
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _WITH_UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<square>[^\]]*)\]|\s\((?P<round>[^)]*)\))$")
@@ -98,11 +96,8 @@ class Curve:
     ) -> Curve:
         """Make a curve of arrays in SI units; the digits of its numbers are counted.
 
-        Raises
-        ------
-        CurveError
-            Neither x nor F, fewer than 5 samples, unequal lengths, NaN or infinity, time that
-            does not increase.
+        `CurveError` for neither x nor F, fewer than 5 samples, unequal lengths, NaN or infinity,
+        time that does not increase.
         """
         columns = {"t": t, "x": x, "x_dot": x_dot, "F": F}
         arrays = {n: np.array(c, dtype=np.float64) for n, c in columns.items() if c is not None}
@@ -173,30 +168,15 @@ def _half_unit_of_time(t: Floats) -> float:
 
 
 def read_curve(path: Path | str, names: Mapping[str, str] | None = None) -> Curve:
-    """Read a curve from a text file with one header line.
+    """Read a curve from a text file with one header line, in SI units.
 
     Cells stand between commas, semicolons or tabs. Commas in a cell are decimal where they can be
-    nothing else; thousands separators are refused. A header may carry a unit, ``x [mm]`` or
-    ``time (s)``. Lines that begin with # and blank lines are passed over. Two rows of one time
-    with the same position and force, as tools write them at an event, count as one.
+    nothing else; thousands separators are refused. A header may carry a unit, ``x [mm]`` or ``time
+    (s)``. Lines that begin with # and blank lines are passed over. Two rows of one time with the
+    same position and force, as tools write them at an event, count as one.
 
-    Parameters
-    ----------
-    path
-        The file.
-    names
-        Column names by quantity, of t, x, x_dot and F; the others are guessed. A name may carry
-        the unit that the header lacks.
-
-    Returns
-    -------
-    Curve
-        In SI units.
-
-    Raises
-    ------
-    CurveError
-        One line that names the file, the line where there is one, and the reason.
+    `names` are column names by quantity, of t, x, x_dot and F; the others are guessed. A name may
+    carry the unit that the header lacks. `CurveError` names the file, the line and the reason.
     """
     try:
         return _read(Path(path), names or {})
@@ -252,7 +232,6 @@ def _text(file: Path) -> str:
 
 
 def _rows(text: str, above: int) -> Rows:
-    """Lines with cells below line `above`."""
     lines = enumerate(text.split("\n"), 1)
     return [(n, line) for n, line in lines if n > above and line.lstrip()[:1] not in ("", "#")]
 
@@ -296,7 +275,6 @@ def _number(text: str) -> float:
 
 
 def _split(cell: str) -> tuple[str, str]:
-    """Return name and unit of a header cell."""
     match = _WITH_UNIT.match(cell) or _ROUND_AT_ONCE.match(cell)
     if not match:
         return cell, ""
@@ -353,7 +331,6 @@ def _unit(cell: str, quantity: _Quantity) -> float:
 
 
 def _table(rows: Rows, separator: str, header: Sequence[str], needed: Sequence[int]) -> Floats:
-    """Read rows cell by cell, shape (samples, columns)."""
     texts = []
     for number, line in rows:
         row = _cells(line, separator)

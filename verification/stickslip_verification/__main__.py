@@ -5,14 +5,13 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.description import FmuError
 from stickslip_verification.model.data_file import DataError
 from stickslip_verification.model.verdict import KillMatrix, Verdict
 from stickslip_verification.report.html import write_report
-from stickslip_verification.run.lint import lint
+from stickslip_verification.run.lint import lint, write_family
 from stickslip_verification.run.verify import verify
-from stickslip_verification.suite.case_file import CASES_FOLDER, load_cases
-from stickslip_verification.suite.catalogue import meanings
+from stickslip_verification.suite.cases import CASES_FOLDER, load_cases, meanings
 from stickslip_verification.suite.faults import load_mutants
 from stickslip_verification.suite.invariants import load_invariants
 from stickslip_verification.suite.sequences import COUNT
@@ -24,6 +23,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True)
     check = commands.add_parser("lint", help="check the data files of the suite")
     check.add_argument("--cases", type=Path, default=CASES_FOLDER, metavar="DIR")
+    commands.add_parser("family", help="write the accuracy of honest solvers anew: ten minutes")
     tried = commands.add_parser("faults", help="plant faults in an FMU; all must be detected")
     tried.add_argument("fmu", type=Path, help="the FMU, which carries its Python source")
     tried.add_argument("fault", nargs="?", default="*", help="pattern of their ids, or FILE.toml")
@@ -37,6 +37,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             findings = lint(chosen.cases)
             print(*findings, f"{len(findings)} findings", sep="\n")
             return bool(findings)
+        if chosen.command == "family":
+            write_family()
+            return 0
         verdict = _planted(chosen)
     except (DataError, FmuError) as error:
         print(error, file=sys.stderr)
@@ -63,7 +66,6 @@ def _planted(chosen: argparse.Namespace) -> Verdict:
 
 
 def _lines(verdict: Verdict) -> Iterator[str]:
-    """Say what became of the faults, and whether the FMU without one passes."""
     kills = verdict.kills
     assert isinstance(kills, KillMatrix)
     for row in kills.rows:

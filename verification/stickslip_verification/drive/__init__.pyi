@@ -1,5 +1,5 @@
-from .fmu.archive import FmuFile as FmuFile
-from .fmu.errors import FmuError as FmuError
+from .fmu.description import FmuError as FmuError
+from .fmu.instance import FmuFile as FmuFile
+from .masters import CommunicationStep as CommunicationStep
+from .masters import Setting as Setting
 from .masters import run as run
-from .stepping import CommunicationStep as CommunicationStep
-from .stepping import Setting as Setting

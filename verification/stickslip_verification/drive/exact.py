@@ -5,31 +5,42 @@ exact motions of such blocks say how far it may be off, point by point: where an
 communication point, where a shallow re-stick magnifies an error, where a tie decides the course.
 """
 
+from __future__ import annotations
+
 import contextlib
+import hashlib
+import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import os
+import pickle
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from random import Random
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from stickslip_verification import truth
-from stickslip_verification.model.events import Event, Transition
+from stickslip_verification.model.data_file import write_whole
 from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Run, Series
+from stickslip_verification.model.run import Event, Run, Series, Transition
+from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case, follow
+from stickslip_verification.suite.invariants import Order
 from stickslip_verification.suite.tolerances import Facts, facts_of
-from stickslip_verification.truth.named import COULOMB_NAME
+from stickslip_verification.truth.course import BUILT_IN, COULOMB_NAME
+
+if TYPE_CHECKING:
+    import stickslip_ref
 
 OFF = tuple(10.0**decade for decade in range(-9, 0))
 """By how much the data are off, as a part of each."""
-
 MOTIONS, FEW = 8, 3
 """How many motions near the exact one are followed for each; and how many of a friction law that is
 marched by series, which takes a hundred times as long, for each second of the parts."""
-
-PART = 1e-4
-"""By how much a parameter is larger for its changes."""
+PART = 1e-4  # by how much a parameter is larger for its changes
 
 
 @dataclass(frozen=True)
@@ -168,6 +179,120 @@ def _off(
 def _follow(
     case: Case, parameters: Mapping[str, float], changes: Sequence[Mapping[str, float]]
 ) -> Run:
-    """Follow a case with other values, in doubles."""
     steps = [truth.Step(step.h, dict(new)) for step, new in zip(case.steps, changes, strict=True)]
     return record_of(case, truth.run(parameters, steps, digits=None, law=case.law))
+
+
+def run_reference(case: Case) -> Run:
+    """Run a case with the reference, sampled at its communication points; warnings are messages."""
+    times = np.array((0.0, *case.times))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        trajectory = simulate_reference(case)
+    columns = {}
+    for name in OUTPUT_NAMES:
+        samples = getattr(trajectory, "mode" if name == "sticking" else name, None)
+        if samples is not None:
+            values = np.broadcast_to(np.asarray(samples, dtype=np.float64), times.shape)
+            columns[name] = np.where(values == 0, 1.0, 0.0) if name == "sticking" else values
+    return Run(
+        times=times[1:],
+        outputs={name: samples[1:] for name, samples in columns.items()},
+        initial={name: float(samples[0]) for name, samples in columns.items()},
+        messages=tuple(str(warning.message) for warning in caught),
+    )
+
+
+def simulate_reference(case: Case, rtol: float | None = None) -> stickslip_ref.Trajectory:
+    """Simulate a case with the reference; `rtol` is the tolerance of a step, its own if None."""
+    import stickslip_ref
+
+    base, own = _split(case, case.parameters)
+    changes = [
+        stickslip_ref.Change(time, *_split(case, step.changes))
+        for step, time in zip(case.steps, (0.0, *case.times), strict=False)
+        if step.changes
+    ]
+    return stickslip_ref.simulate(
+        stickslip_ref.Parameters(**base),
+        case.stop_time,
+        changes=changes,
+        times=np.array((0.0, *case.times)),
+        rtol=stickslip_ref.RTOL if rtol is None else rtol,
+        law=case.law,
+        own=own,
+    )
+
+
+def _split(case: Case, values: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+    names = {each.name for each in case.own}
+    own = {name: value for name, value in values.items() if name in names}
+    return {name: value for name, value in values.items() if name not in names}, own
+
+
+def observe(case: Case, invariant: Order) -> ObservedOrder:
+    """Run the reference on a case at each tolerance of an invariant.
+
+    The error is the root mean square over the communication points, over the quantity's largest
+    value in the exact motion.
+    """
+    expected = exact_motion(case).record.outputs[invariant.quantity]
+    scale = float(np.max(np.abs(expected)))
+    tolerances = np.geomspace(invariant.coarsest, invariant.finest, invariant.levels).tolist()
+    errors = []
+    for tolerance in tolerances:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            got = getattr(simulate_reference(case, tolerance), invariant.quantity)[1:]
+        errors.append(float(np.sqrt(np.mean((got - expected) ** 2))) / scale)
+    pairs = itertools.pairwise(zip(tolerances, errors, strict=True))
+    return ObservedOrder(
+        case=case.id,
+        quantity=invariant.quantity,
+        tolerances=tolerances,
+        errors=errors,
+        orders=[slope([a[0], b[0]], [a[1], b[1]]) for a, b in pairs],
+        expected=invariant.order,
+    )
+
+
+def slope(tolerances: list[float], errors: list[float]) -> float:
+    """Fit the slope of log error over log tolerance; NaN where an error is zero or not finite."""
+    if not all(0.0 < error < math.inf for error in errors):
+        return math.nan
+    return float(np.polyfit(np.log(tolerances), np.log(errors), 1)[0])
+
+
+def halves(order: ObservedOrder) -> float:
+    """Return the slope of the coarser half of the levels less that of the finer half."""
+    tolerances, errors = list(order.tolerances), list(order.errors)
+    middle = len(errors) // 2
+    coarser = slope(tolerances[: middle + 1], errors[: middle + 1])
+    return coarser - slope(tolerances[middle:], errors[middle:])
+
+
+FOLDER = "STICKSLIP_KEPT"
+"""The environment variable that names the folder: one's own, for its files are pickles, and new in
+each session, for they do not say from what code they come."""
+
+T = TypeVar("T")
+
+
+def kept(function: Callable[..., T], case: Case, *arguments: Any) -> T:
+    """Return `function(case, *arguments)`, or its result from earlier in this session.
+
+    Of a friction law from elsewhere, whose source is not looked at, nothing is kept.
+    """
+    folder = os.environ.get(FOLDER)
+    if not folder or case.law not in BUILT_IN:
+        return function(case, *arguments)
+    asked = repr((function.__qualname__, case.id, case.law, case.parameters, case.steps, arguments))
+    file = Path(folder) / f"{hashlib.sha256(asked.encode()).hexdigest()}.pickle"
+    # A file that cannot be read or written costs the time to compute, and nothing else.
+    with contextlib.suppress(OSError, EOFError, pickle.UnpicklingError):
+        earlier: T = pickle.loads(file.read_bytes())
+        return earlier
+    result = function(case, *arguments)
+    with contextlib.suppress(OSError):
+        write_whole(file, pickle.dumps(result))
+    return result

@@ -6,40 +6,201 @@ docs/theory.md (18), a run of `MANNERS` with the exact motion.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from random import Random
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip_verification.drive.fmu.archive import FmuFile, available
-from stickslip_verification.drive.fmu.instance import FmuInstance
-from stickslip_verification.drive.stepping import (
-    Setting,
-    lacking,
-    may_change,
-    need,
-    need_ability,
-    need_instances,
-    setting_of,
+from stickslip_verification.drive.fmu.description import FmuError
+from stickslip_verification.drive.fmu.description import NotApplicableError as NotApplicableError
+from stickslip_verification.drive.fmu.instance import FmuFile, FmuInstance, available
+from stickslip_verification.model.quantities import OUTPUT_NAMES, OUTPUTS, Quantity
+from stickslip_verification.model.run import CommunicationStep as CommunicationStep
+from stickslip_verification.model.run import Run, points
+from stickslip_verification.model.units import spelled
+from stickslip_verification.truth.course import BUILT_IN, COULOMB_NAME
+from stickslip_verification.truth.parameters import (
+    CHANGEABLE,
+    PARAMETERS,
+    START_VALUES,
+    Parameter,
+    changeable,
 )
-from stickslip_verification.model.quantities import OUTPUT_NAMES
-from stickslip_verification.model.run import Run
-from stickslip_verification.model.symmetries import HEAVIER, MIRROR, QUICKER, Symmetry
-from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.experiment import CommunicationStep
+
+if TYPE_CHECKING:
+    from stickslip_verification.suite.cases import Case
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """A change of everything that is set, under which the motion is the same but for factors.
+
+    ``mass`` and ``pace`` are the factors on the units of mass and time; ``pace`` is also that on
+    the lengths of steps. ``mirrored``: what is directed changes its sign.
+    """
+
+    name: str
+    mass: float = 1.0
+    pace: float = 1.0
+    mirrored: bool = False
+
+    def factor(self, of: Parameter | Quantity) -> float:
+        """Return the factor on a parameter, an input or an output."""
+        unit = spelled(of.unit)
+        assert unit is not None
+        sign = -1.0 if self.mirrored and of.directed else 1.0
+        return sign * float(self.mass ** unit.dimension[0] * self.pace ** unit.dimension[2])
+
+    @cached_property
+    def outputs(self) -> Mapping[str, float]:
+        """The factors on outputs by name."""
+        return {each.name: self.factor(each) for each in OUTPUTS}
+
+    def scaled(
+        self, setting: Mapping[str, float], own: Sequence[Parameter] = ()
+    ) -> dict[str, float]:
+        """Return `setting` with its factors; `own` are the friction law's parameters in it."""
+        factors = {each.name: self.factor(each) for each in (*PARAMETERS, *own)}
+        return {name: value * factors[name] for name, value in setting.items()}
+
+
+MIRROR = Symmetry("mirror", mirrored=True)
+HEAVIER = Symmetry("m, k, c, load, F_ext times 4", mass=4.0)
+QUICKER = Symmetry("k, g, load, F_ext times 4, v, c, x_dot_start times 2, time halved", pace=0.5)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What an FMU is driven through: values set before the start (SI), steps, start time [s]."""
+
+    parameters: Mapping[str, float]
+    steps: Sequence[CommunicationStep]
+    start_time: float = 0.0
+
+    @cached_property
+    def points(self) -> tuple[float, ...]:
+        """Communication points after the start [s], from 0: the correctly rounded sums of steps."""
+        return (0.0, *points(step.h for step in self.steps))
+
+
+def setting_of(fmu: FmuFile, case: Case) -> Setting:
+    """Return the setting of a case for this FMU.
+
+    Where the FMU's own start values are tried (`FmuFile.own_starts`), only what the case names is
+    set. `NotApplicableError` if it lacks a variable that the case gives another value than our
+    default, or cannot change one on the way.
+    """
+    require_law(fmu, case)
+    if fmu.own_starts:
+        return Setting(case.parameters, case.steps)
+    values = case.start
+    changed = sorted({name for step in case.steps for name in step.changes})
+    need(fmu, [*lacking(fmu, values, case.own), *changed])
+    need_changeable(fmu, changed, case.own)
+    return Setting({n: value for n, value in values.items() if fmu.has(n)}, case.steps)
+
+
+def can_run(fmu: FmuFile, case: Case) -> bool:
+    """Whether an FMU has what a case needs."""
+    try:
+        setting_of(fmu, case)
+    except NotApplicableError:
+        return False
+    return True
+
+
+def require_law(fmu: FmuFile, case: Case) -> None:
+    """Raise `FmuError` if an FMU lacks a parameter of the friction law of a case, not Coulomb's."""
+    if case.law == COULOMB_NAME:
+        fmu.look_for(case.own, optional=True)
+        return
+    fmu.look_for(case.own)
+    absent = [each.name for each in case.own if not fmu.has(each.name)]
+    if absent:
+        raise FmuError(
+            f"{fmu.path}: has no variable {', '.join(absent)}, which the friction law {case.law} "
+            f"of the case {case.id} needs; build the FMU with this law, or name it with --names"
+        )
+
+
+def law_of(fmu: FmuFile) -> str:
+    """Return the name of the built-in friction law whose parameters an FMU has; else Coulomb's."""
+    for name, law in BUILT_IN.items():
+        if name != COULOMB_NAME:
+            fmu.look_for(law.parameters, optional=True)
+            if all(fmu.has(each.name) for each in law.parameters):
+                return name
+    return COULOMB_NAME
+
+
+def fitting(fmu: FmuFile, cases: Sequence[Case]) -> list[Case]:
+    """Return the cases of the friction law of an FMU, or from elsewhere; `FmuError` if none is."""
+    law = law_of(fmu)
+    fit = [case for case in cases if case.law == law or case.law not in BUILT_IN]
+    if not fit:
+        laws = " and ".join(dict.fromkeys(case.law for case in cases))
+        raise FmuError(
+            f"{fmu.path}: its friction law is {law}, and the cases are of the friction law {laws}; "
+            f"choose cases of {law}, or build the FMU with stickslip build --law {cases[0].law}"
+        )
+    return fit
+
+
+def lacking(fmu: FmuFile, values: Mapping[str, float], own: Sequence[Parameter] = ()) -> list[str]:
+    """Return the names that an FMU has no variable for and whose value is not our default."""
+    starts = {**START_VALUES, **{each.name: each.start for each in own}}
+    return [n for n in values if not fmu.has(n) and values[n] != starts[n]]
+
+
+def defaults(fmu: FmuFile) -> dict[str, float]:
+    """Return our default of every parameter and input that the FMU has (SI)."""
+    return {name: value for name, value in START_VALUES.items() if fmu.has(name)}
+
+
+def may_change(fmu: FmuFile, name: str, own: Sequence[Parameter] = ()) -> bool:
+    """Whether a variable, maybe one of a friction law's `own`, may be set between two steps."""
+    variable = fmu.variables.get(name)
+    return (
+        variable is not None
+        and name in CHANGEABLE | changeable(own)
+        and (variable.causality == "input" or variable.variability == "tunable")
+    )
+
+
+def need(fmu: FmuFile, names: Iterable[str]) -> None:
+    """Raise `NotApplicableError` with the names that the FMU lacks, if it lacks any."""
+    absent = [name for name in dict.fromkeys(names) if not fmu.has(name)]
+    if absent:
+        raise NotApplicableError(f"it has no variable {', '.join(absent)}")
+
+
+def need_changeable(fmu: FmuFile, names: Iterable[str], own: Sequence[Parameter] = ()) -> None:
+    """Raise `NotApplicableError` with the variables that cannot be set between two steps."""
+    fixed = [name for name in names if not may_change(fmu, name, own)]
+    if fixed:
+        raise NotApplicableError(f"it cannot change {', '.join(fixed)} on the way")
+
+
+def need_instances(fmu: FmuFile) -> None:
+    """Raise `NotApplicableError` if only one instance may be made in a process."""
+    need_ability(not fmu.once_per_process, "be instantiated twice in a process")
+
+
+def need_ability(able: bool, what: str) -> None:
+    """Raise `NotApplicableError` with what an FMU says that it cannot do."""
+    if not able:
+        raise NotApplicableError(f"it cannot {what}, by its description")
+
 
 AfterStep = Callable[[float], bool]
 """Called with the time since the start [s] after each step; True ends the run there."""
-
-_PIECES = (0.3, 0.45)
-"""Parts of a step that it is cut into, the rest being the last."""
-
+_PIECES = (0.3, 0.45)  # parts of a step that it is cut into, the rest being the last
 _ROLLBACKS, _REPEATED, _STATES = 5, 20, 100
 """How often a run is set back, over how many steps each time; states that exist at once, once."""
-
 _UNREAD_STEPS, _BUSY_STEPS, _TINY, _ROUNDING = 40, 100, 1e-9, 2e-15
 """Steps that one step of a case is cut into where nothing is read, and where inputs are set too;
 the shortest part of a step; part of its value by which an input set before every step is off."""
@@ -294,8 +455,7 @@ def _step_other_before(m: Master) -> None:
     m.set()
 
 
-run_case = Way()
-"""Drives a fresh instance of an FMU through a case, plainly."""
+run_case = Way()  # drives a fresh instance of an FMU through a case, plainly
 
 RUNS: Mapping[str, Way] = {
     "mirror": _symmetric(MIRROR),

@@ -11,7 +11,7 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from stickslip_verification.model.whole_file import replacing
+from stickslip_verification.model.data_file import replacing
 from stickslip_verification.suite.faults import MASTER, Mutant, MutantError, parsed
 
 DESCRIPTION = "modelDescription.xml"
@@ -20,9 +20,6 @@ RESOURCES = "resources/"
 _SLAVE_MODULE = RESOURCES + "slavemodule.txt"
 _SLAVE_ENDING = "_slave"
 _GUID = re.compile(rb'\bguid="[^"]*"')
-
-# The earliest date that an archive can bear.
-_ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
@@ -55,13 +52,8 @@ def plant(fmu: Path, mutant: Mutant, destination: Path) -> Path:
     with replacing(target) as stream, zipfile.ZipFile(stream, "w") as archive:
         # The model description comes first, where readers look for it.
         for entry in sorted(renamed, key=lambda name: (name != DESCRIPTION, name)):
-            info = zipfile.ZipInfo(entry, _ARCHIVE_DATE)
-            info.compress_type = zipfile.ZIP_DEFLATED
-            info.external_attr = 0o644 << 16
-            # Unix, as the permissions above are meant.
-            info.create_system = 3
             # A mutant is made, run and thrown away, so speed counts and size does not.
-            archive.writestr(info, renamed[entry], compresslevel=1)
+            archive.writestr(zipfile.ZipInfo(entry), renamed[entry], zipfile.ZIP_DEFLATED, 1)
     return target
 
 
@@ -83,7 +75,6 @@ def _read(fmu: Path) -> dict[str, bytes]:
 
 
 def _package(fmu: Path, entries: Mapping[str, bytes]) -> str:
-    """Return the name of the packed package, which the slave's file is called after."""
     slave = entries.get(_SLAVE_MODULE, b"").decode("utf-8", errors="replace").strip()
     package = slave.removesuffix(_SLAVE_ENDING)
     packed = f"{RESOURCES}{package}/__init__.py" in entries
@@ -99,7 +90,6 @@ def _apply(mutant: Mutant, entries: dict[str, bytes], folder: str) -> None:
         return MutantError(mutant.file, where, reason)
 
     def file_of(field: str, end: str, named: str) -> str:
-        """Return the one entry of the packed source whose path ends so."""
         files = [name for name in entries if name.startswith(folder) and f"/{name}".endswith(end)]
         if len(files) == 1:
             return files[0]

@@ -25,30 +25,65 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import BaseContext
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
-from stickslip_verification.drive.answer import Answer, answer_of, discard_prints, reason
+from stickslip_verification.drive.fmu.description import NotApplicableError
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Answer(Generic[T]):
+    """The value of a task, its error on one line, or what the FMU lacks for it.
+
+    ``late`` is a task that failed by its time limit.
+    """
+
+    value: T | None = None
+    failure: str | None = None
+    not_applicable: str | None = None
+    late: bool = False
+
+
+def answer_of(task: Callable[..., T], *arguments: Any) -> Answer[T]:
+    """Do a task in this process; what it raises is an answer."""
+    try:
+        return Answer(task(*arguments))
+    except NotApplicableError as error:
+        return Answer(not_applicable=str(error))
+    except MemoryError:
+        return Answer(failure="MemoryError: more memory than --memory gives")
+    except (Exception, SystemExit, KeyboardInterrupt) as error:
+        # Code that a fault brings along may try to leave; Ctrl-C does not reach this process.
+        return Answer(failure=reason(error))
+
+
+def discard_prints() -> None:
+    """Discard what this process prints, and an FMU in it."""
+    with Path(os.devnull).open("wb") as nowhere:
+        for stream in (1, 2):
+            os.dup2(nowhere.fileno(), stream)
+
+
+def reason(error: BaseException) -> str:
+    """Return kind and text of an error on one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"
+
 
 MOST_ANSWERED: Final = 2**30
 """Bytes of one answer that are taken; the longest record of the suite has some 10^7."""
-
-ENDING: Final = 5.0
-"""Seconds in which a guard ends its descendants; then it is ended itself."""
-
-LONGEST_SILENCE: Final = 20
-"""Seconds in which nothing comes of an answer that was begun."""
-
+ENDING: Final = 5.0  # seconds in which a guard ends its descendants; then it is ended itself
+LONGEST_SILENCE: Final = 20  # seconds in which nothing comes of an answer that was begun
 SHORT_FOLDER, LONGEST_FOLDER = "/tmp", 70
 """Where sockets go if the folder for temporary files has a name of more bytes: the path of a socket
 has 103 (macOS; 107 on Linux, unix(7)), and multiprocessing appends 32."""
-
 Environment = Mapping[str, str | bool]
 """Environment variables and their values; False for one that is not set."""
-
 LIMIT: Final = 30.0
 """Seconds that a fresh process may take; alone on its processor most take half of one."""
 
@@ -57,10 +92,8 @@ _COMMAND = "from stickslip_verification.drive.processes import serve; serve()"
 _GUARD_PERIOD, _LOOKS_FOR_MEMORY = 20.0, 25
 """Milliseconds between two looks of a guard at its worker; at each so many looks it adds up the
 memory, which takes some milliseconds."""
-
 OUT_OF_MEMORY: Final = 251
 """Exit code of a guard whose worker, with what it started, had more memory than it may."""
-
 _SIGNALLED: Final = 128
 """Exit code of a guard whose worker was ended by signal 0, as shells count: 139 is SIGSEGV."""
 
@@ -68,7 +101,6 @@ _PR_SET_PDEATHSIG: Final = 1
 _PR_SET_CHILD_SUBREAPER: Final = 36
 
 Task = Callable[..., Any]
-T = TypeVar("T")
 
 
 class LostError(Exception):
@@ -143,7 +175,6 @@ class Worker:
 def _serve(
     connection: Connection, begin: Task, arguments: tuple[Any, ...], memory: int | None
 ) -> None:
-    """Do what is sent, till the connection is closed."""
     # Ctrl-C is for the process that asks.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     discard_prints()

@@ -20,17 +20,12 @@ Method = Callable[
 ]
 """From acceleration(z, x_dot), z, x_dot, v, h: the displacement and the velocity after a step."""
 
-LATE: Final = ", late"
-"""End of the name of a solver that breaks away late."""
-
-SHARES: Final = ("x", "x_dot", "F")
-"""The outputs that they have."""
+LATE: Final = ", late"  # end of the name of a solver that breaks away late
+SHARES: Final = ("x", "x_dot", "F")  # the outputs that they have
 
 _EQUAL: Final = 1e-14
-_MOST_PHASES: Final = 200
-"""In one communication step; more are a chattering that never ends."""
-_MOST_IN_STEP: Final = 10
-"""In one step of a method."""
+_MOST_PHASES: Final = 200  # in one communication step; more are a chattering that never ends
+_MOST_IN_STEP: Final = 10  # in one step of a method
 
 
 def _semi_implicit(a: Any, z: float, u: float, v: float, h: float) -> tuple[float, float]:

@@ -23,10 +23,8 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from stickslip_verification.drive import workers
-from stickslip_verification.drive.fmu.archive import REQUIRED
-from stickslip_verification.drive.fmu.description import Declared, read_description, shown
-from stickslip_verification.drive.fmu.errors import FmuError
-from stickslip_verification.drive.fmu.instance import FLOATING
+from stickslip_verification.drive.fmu.description import Declared, FmuError, read_description, shown
+from stickslip_verification.drive.fmu.instance import FLOATING, REQUIRED
 from stickslip_verification.drive.fmu.names import (
     INPUT_UNITS,
     NOT_THERE,
@@ -37,7 +35,7 @@ from stickslip_verification.drive.fmu.names import (
     as_ours,
     looks_like,
 )
-from stickslip_verification.drive.stepping import CommunicationStep, Setting
+from stickslip_verification.drive.masters import CommunicationStep, Setting
 from stickslip_verification.model.quantities import QUANTITIES
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.units import Unit
@@ -47,10 +45,8 @@ from stickslip_verification.truth.parameters import PARAMETERS, Kind
 _ALL_SAID: Final = 20.0
 """What it counts that name, description and unit say all that a quantity needs, and the name no
 more; whatever lacks something has a smaller score."""
-
 _SAME_NAME, _BASE = 8.0, 8.0
 """What our own name counts, and any variable of which something is said."""
-
 _NAME, _TEXT, _MISSING = 2.0, 1.0, 2.0
 """What a word of the name and one of the description count, and what is not said."""
 
@@ -78,7 +74,6 @@ _SEAM: Final = re.compile(r"_|(?<=[a-zäöü])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])
 _AHEAD, _SEEN = 1.0, 100.0
 """By how much an assignment with a sure guess is better than the best one without it; score of a
 guess that a trial run confirms, on top of that of its words."""
-
 _MOST_TRIED, _ALTERNATIVES, _AGAINST = 2000, 3, "compress"
 """Pairs in a trial run; names that a comment offers; word of an extension that is counted the other
 way."""
@@ -100,7 +95,6 @@ _NOT_SEEN: Final = (
 
 Gaps = Mapping[Variable, tuple[float, int]]
 """How far each output is from what it may be, with the better sign."""
-
 _VALUES: Final = {"m": 1.3, "g": 9.7, "k": 1700.0, "mu_s": 0.55, "mu_k": 0.25, "v": 0.03}
 """What is set at first [SI], usual start values in none; the others are zero."""
 
@@ -114,22 +108,16 @@ _ALONE: Final = {
 }
 """What the others are set to [SI], each alone."""
 
-_STEPS: Final = (CommunicationStep(2.5e-3, {}),) * 800
-"""Seven periods."""
-
+_STEPS: Final = (CommunicationStep(2.5e-3, {}),) * 800  # seven periods
 _SAME, _OTHER, _SAME_NUMBER = 0.1, 0.5, 1e-3
 """Mean distance of two curves, in mean deviations of ours, up to which they are one motion to a
 crude solver, and from which they are two; relative distance of two numbers that are one."""
-
 _CLEARER, _EXACT = 3.0, 1e-6
 """How many times as far a rival has to be; distances below the other are none."""
-
 _MOVING: Final = ("x", "x_dot", "z", "F", "F_friction")
 """Outputs that prove the motion of a block. They are compared in the first half of the run, before
 a crude solver is late, the others in the second, when the meter knows all."""
-
-_PROOF: Final = 0.9
-"""Sum of what these prove, each 1 if followed exactly and 0 at `_SAME`."""
+_PROOF: Final = 0.9  # sum of what these prove, each 1 if followed exactly and 0 at `_SAME`
 
 _DIRECTED: Final = {each.name for each in PARAMETERS if each.directed} | {
     name for name, quantity in QUANTITIES.items() if quantity.directed
@@ -205,7 +193,6 @@ def _candidate(ours: str, theirs: Declared, units: Mapping[str, Unit]) -> Variab
 
 
 def _likeness(ours: str, theirs: Declared) -> float:
-    """Score a variable that fits; 0 if nothing is said."""
     needs, may = (set(part.split()) for part in f"{_TABLES['quantities'][ours]} | ".split("|")[:2])
     name, text = _words(theirs.name), _words(theirs.description)
     by_unit = {_TABLES["by_unit"].get(UNITS[ours], "")} if theirs.unit else set()
@@ -301,7 +288,6 @@ def _or(others: Sequence[Variable]) -> str:
 
 
 def _quoted(name: str) -> str:
-    """Return a name as a TOML string."""
     return json.dumps(name, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
@@ -311,8 +297,6 @@ def _plain(text: str) -> str:
 
 
 class _Trial:
-    """Runs of one FMU and of the reference through the same steps."""
-
     def __init__(self, pool: workers.Pool, fitting: Sequence[Variable]) -> None:
         self.pool = pool
         self.variables = {f"{each.name} = {each.their_name}": each for each in fitting}

@@ -17,17 +17,14 @@ from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
-from stickslip_verification.drive import convergence
 from stickslip_verification.drive import exact as motions
-from stickslip_verification.drive.answer import Answer, answer_of
-from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.exact import kept
+from stickslip_verification.drive.fmu.description import FmuError
+from stickslip_verification.drive.fmu.instance import FmuFile
 from stickslip_verification.drive.fmu.names import NameMap, Variable
-from stickslip_verification.drive.kept import kept
-from stickslip_verification.drive.masters import MANNERS, RUNS, Master, run_case
-from stickslip_verification.drive.probes.table import PROBES
-from stickslip_verification.drive.processes import LostError, Worker
-from stickslip_verification.drive.stepping import Setting
+from stickslip_verification.drive.masters import MANNERS, RUNS, Master, Setting, run_case
+from stickslip_verification.drive.probes.environments import PROBES
+from stickslip_verification.drive.processes import Answer, LostError, Worker, answer_of
 from stickslip_verification.model.run import Run
 from stickslip_verification.suite.cases import Case
 from stickslip_verification.suite.faults import Hook
@@ -35,12 +32,9 @@ from stickslip_verification.suite.invariants import Probe
 
 T = TypeVar("T")
 
-NOT_MADE = "not finished"
-"""Beginning of the failure of a run for which no time was left."""
-
+NOT_MADE = "not finished"  # beginning of the failure of a run for which no time was left
 TIME_LIMIT = PROBE_LIMIT = 60.0
 """Seconds that one run of a case, or one probe, may take; the longest of the suite takes a few."""
-
 MOST_PER_PROCESSOR = 4
 """Processes for each processor; more of them only take memory from each other."""
 
@@ -74,12 +68,12 @@ def allowed(jobs: int) -> int:
     return min(jobs, MOST_PER_PROCESSOR * jobs_here())
 
 
+# Tasks about a case, without an FMU.
 exact = partial(kept, motions.exact_motion)
-reference = partial(kept, convergence.run_reference)
+reference = partial(kept, motions.run_reference)
 spreads = partial(kept, motions.spreads)
 changes = partial(kept, motions.changes)
-observed_order = partial(kept, convergence.observe)
-"""Tasks about a case, without an FMU."""
+observed_order = partial(kept, motions.observe)
 
 
 def open_fmu() -> bool:
@@ -120,8 +114,6 @@ def trial_run(setting: Setting, variables: Mapping[str, Variable], names: Sequen
 
 @dataclass(eq=False)
 class _Task:
-    """A task with its time limit [s], and its answer once there is one."""
-
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
     limit: float
@@ -130,7 +122,6 @@ class _Task:
 
     @property
     def seconds(self) -> float:
-        """How long it has been running [s]."""
         return time.monotonic() - self.begun
 
 
@@ -167,10 +158,7 @@ class Pool:
         self._lost, self._over = 0.0, False
 
     def each(
-        self,
-        task: Callable[..., T],
-        arguments: Sequence[tuple[Any, ...]],
-        most: float = math.inf,
+        self, task: Callable[..., T], arguments: Sequence[tuple[Any, ...]], most: float = math.inf
     ) -> Iterator[Answer[T]]:
         """Yield the answers of a task to tuples of arguments; `most` [s] is a lower time limit."""
         tasks = [_Task(task, each, min(self._limit, most)) for each in arguments]
@@ -236,8 +224,7 @@ class Pool:
         return (self._lost + running) / max(1, len(self._busy) + len(self._idle))
 
 
-_OPENED: list[Callable[[], FmuFile]] = []
-"""Opens the FMU of a worker, once."""
+_OPENED: list[Callable[[], FmuFile]] = []  # opens the FMU of a worker, once
 
 
 def _begin(folder: str, opened: Callable[[], FmuFile] | None) -> None:

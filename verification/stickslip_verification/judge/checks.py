@@ -5,22 +5,30 @@ reason. An output that a foreign FMU does not have makes the check not applicabl
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
 
 import numpy as np
 
-from stickslip_verification.drive import convergence
-from stickslip_verification.drive.answer import Answer
-from stickslip_verification.drive.exact import Exact
-from stickslip_verification.judge.band import Band
-from stickslip_verification.judge.contract import Contract
-from stickslip_verification.judge.metrics import METRICS, CheckError, Course, LackingError, Residual
+from stickslip_verification.drive.exact import Exact, halves
+from stickslip_verification.drive.exact import slope as slope_of
+from stickslip_verification.drive.fmu.instance import FmuFile
+from stickslip_verification.drive.processes import Answer
+from stickslip_verification.judge.accuracy import Band
+from stickslip_verification.judge.course import CheckError, Course, LackingError, Residual
+from stickslip_verification.judge.metrics import METRICS
 from stickslip_verification.model.formulas import FORMULAS
-from stickslip_verification.model.margins import margin
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.model.run import Run, Series
-from stickslip_verification.model.verdict import CheckResult, Kind, Klass, Measure, ObservedOrder
+from stickslip_verification.model.verdict import (
+    CheckResult,
+    ChosenContract,
+    Kind,
+    Klass,
+    Measure,
+    ObservedOrder,
+    margin,
+)
 from stickslip_verification.suite.cases import At, Case, Check
 from stickslip_verification.suite.invariants import (
     Agreement,
@@ -31,6 +39,65 @@ from stickslip_verification.suite.invariants import (
     RunInvariant,
 )
 from stickslip_verification.suite.tolerances import DISTURBED
+
+Wanted = Literal["exact", "physics"]
+
+
+@dataclass(frozen=True)
+class Contract:
+    """How a side, fmu or reference, is judged.
+
+    ``interface``: it promises the interface, so that its own start values are tried, and a missing
+    output is a failure and not a feature that it lacks. ``exact``: it is held to the tolerances of
+    the exact block, not to those of a numerical solution. ``contract``: contract checks decide.
+    """
+
+    side: str
+    interface: bool = True
+    exact: bool = True
+    contract: bool = True
+
+    @property
+    def column(self) -> str:
+        """Whose tolerance it is held to: fmu or reference."""
+        return "fmu" if self.exact else "reference"
+
+    @property
+    def numerical(self) -> bool:
+        """Whether an FMU is judged as a numerical solution, see `run.numerical`."""
+        return self.side == "fmu" and not self.exact
+
+
+EXACT_CONTRACT = Contract("fmu")
+REFERENCE_CONTRACT = Contract("reference", exact=False)
+PHYSICS_CONTRACT = Contract("fmu", interface=False, exact=False, contract=False)
+STRICT_CONTRACT = Contract("fmu", interface=False)
+
+CONTRACTS: Final[Mapping[str, Contract]] = {
+    "exact": EXACT_CONTRACT,
+    "physics": PHYSICS_CONTRACT,
+    "strict": STRICT_CONTRACT,
+}
+"""How an FMU is judged, by the name of the contract."""
+
+
+def chosen_contract(
+    fmu: FmuFile, wanted: Wanted | None = None, *, strict: bool = False
+) -> ChosenContract:
+    """Choose the contract of an FMU, and say why.
+
+    With a names file it is held to the physics contract, whatever it promises. `wanted` is what the
+    person says; `strict` holds an FMU to the strict contract in place of the physics one.
+    """
+    named = bool(fmu.names.targets)
+    if wanted is not None:
+        return ChosenContract(wanted, f"--contract {wanted}")
+    if fmu.stated.exact and not named:
+        return ChosenContract("exact", fmu.stated.told)
+    if strict:
+        return ChosenContract("strict", "--strict")
+    return ChosenContract("physics", "a names file is given" if named else fmu.stated.told)
+
 
 ROUNDED = 1e-11
 """Rounding of a run, as a part of the largest value, where forces or times are scaled."""
@@ -340,8 +407,8 @@ def judge_order(
         if order is None:
             yield replace(row, failure=seen.failure)
             continue
-        slope = convergence.slope(list(order.tolerances), list(order.errors))
-        got = convergence.halves(order) if suffix else slope
+        slope = slope_of(list(order.tolerances), list(order.errors))
+        got = halves(order) if suffix else slope
         if np.isfinite(got):
             yield compared(row, expected, got, abs(got - expected))
         else:
@@ -418,7 +485,6 @@ def same_run(empty: CheckResult, plain: Run, other: Run, band: Band) -> CheckRes
 
 
 def _with_start(record: Run) -> dict[str, Series]:
-    """Return the samples of each output, that after initialization first."""
     return {
         name: np.concatenate(([record.initial[name]], record.outputs[name]))
         for name in OUTPUT_NAMES

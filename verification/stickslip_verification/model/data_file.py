@@ -5,14 +5,15 @@ document. What fields ask of one another is a table of the model: `Written`.
 """
 
 import re
+import secrets
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache, cached_property
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Self, TypeVar
+from typing import IO, Annotated, Any, ClassVar, Self, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -26,8 +27,50 @@ from pydantic import (
 )
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-Place = Sequence[str | int]
-"""Path of a field: names, and numbers in lists."""
+_PART = ".part"
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[IO[bytes]]:
+    """Open a file that takes the place of `path` when the block ends well.
+
+    It is written next to its place, in a folder that exists. Where the block fails, `path` is left
+    as it was. `OSError`, which names `path`, if the file cannot be written, as on a full disk.
+    """
+    part = path.parent / f".{secrets.token_hex(8)}{_PART}"
+    try:
+        try:
+            with part.open("xb") as stream:
+                yield stream
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        # A full disk names no file.
+        if error.errno is None or not str(error.filename or _PART).endswith(_PART):
+            raise
+        raise OSError(error.errno, error.strerror, str(path)) from error
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write `path`, making its folder; an interrupted write leaves the old file as it was."""
+    write_all({path: content})
+
+
+def write_all(files: Mapping[Path, str | bytes]) -> None:
+    """Write files as `write_whole` does; none takes its place before all are written."""
+    with ExitStack() as stack:
+        for path, content in files.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # What an FMU said may hold half a character; that must not cost the report.
+            whole = content.encode("utf-8", "replace") if isinstance(content, str) else content
+            stream = stack.enter_context(replacing(path))
+            stream.write(whole)
+            # What is still in a buffer might not fit.
+            stream.flush()
+
+
+Place = Sequence[str | int]  # path of a field: names, and numbers in lists
 
 Shape = TypeVar("Shape")
 
@@ -162,10 +205,7 @@ class DataError(ValueError):
 class DataFile:
     """A TOML file: its text, its data, and refusals of what stands in it, of the kind `error`.
 
-    Raises
-    ------
-    DataError
-        The file cannot be read, is no UTF-8 or no TOML; it is of the kind `error`.
+    It is refused where it cannot be read, is no UTF-8 or no TOML.
     """
 
     def __init__(self, path: Path, error: type[DataError]) -> None:

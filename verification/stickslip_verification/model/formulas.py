@@ -14,17 +14,13 @@ from mpmath import mp, mpf
 
 from stickslip_verification import truth
 
-DIGITS = 50
-"""Working precision of every formula; far beyond what a double can tell apart."""
+DIGITS = 50  # working precision of every formula; far beyond what a double can tell apart
 
 Parameters = Mapping[str, float]
-Number = Any
-"""An mpmath number; mpmath carries no type information."""
+Number = Any  # an mpmath number; mpmath carries no type information
 
 
 class _Symbols:
-    """The symbols of docs/theory.md (2) at some values."""
-
     def __init__(self, p: Parameters) -> None:
         self.p = p
 
@@ -93,8 +89,7 @@ frequency = Formula("Hz", 10, lambda s: 1 / period(s.p), 0)
 peak_velocity = Formula("m/s", 11, lambda s: s.v * (1 + mp.sqrt(1 + s.lambda_**2)), 0)
 slip_travel_of_the_end = Formula("m", 12, lambda s: s.v * t_slip(s.p))
 """What the simplified jump leaves out."""
-half_period = Formula("s", 12, lambda s: mp.pi / s.w)
-"""Half a period of the free oscillation."""
+half_period = Formula("s", 12, lambda s: mp.pi / s.w)  # half a period of the free oscillation
 slow_slip_excess = Formula("s", 12, lambda s: 2 / (s.w * s.lambda_))
 """``t_slip - pi/w`` for v -> 0 at first order."""
 fast_slip_deficit = Formula("s", 12, lambda s: 2 * s.lambda_ / s.w)

@@ -120,7 +120,6 @@ def spelled(text: str, *, all_below: bool = False) -> Unit | None:
 
 
 def _base(symbol: str) -> tuple[Fraction, Dimension] | None:
-    """Return factor and dimension of a symbol, with its prefix."""
     prefix, rest = UNIT_PREFIXES.get(symbol[0]), UNITS_WITH_PREFIX.get(symbol[1:])
     alone = UNITS_ALONE.get(symbol) or UNITS_WITH_PREFIX.get(symbol)
     return alone or (None if prefix is None or rest is None else (prefix * rest[0], rest[1]))

@@ -1,14 +1,14 @@
 """What came out: one result per check and side, their counts, and what stands behind them."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, Final
 
-from stickslip_verification.model.run import Run
+from stickslip_verification.model.run import Event, Run
 
-SEQUENCE: Final = "sequence-"
-"""Start of the case id of a random sequence; the rest is its number."""
+SEQUENCE: Final = "sequence-"  # start of the case id of a random sequence; the rest is its number
 
 
 class Kind(StrEnum):
@@ -108,14 +108,14 @@ class CaseGroup(StrEnum):
 class Motion:
     """What the sides that ran did in a case, by name, with the exact motion: for its plot.
 
-    ``event_times`` [s] are exact. ``group`` is where the report shows the case.
+    ``events`` are exact. ``group`` is where the report shows the case.
     """
 
     case: str
     title: str
     about: str
     exact: Run
-    event_times: Sequence[float]
+    events: Sequence[Event]
     records: Mapping[str, Run]
     group: CaseGroup = CaseGroup.SETTINGS
 
@@ -173,8 +173,7 @@ class KillMatrix:
         return all(row.caught for row in self.rows) and all(self.kills_nothing.values())
 
 
-LIKELIEST = "What is it likeliest to do instead?"
-"""Asked of a model that is wrong."""
+LIKELIEST = "What is it likeliest to do instead?"  # asked of a model that is wrong
 
 
 @dataclass(frozen=True)
@@ -277,3 +276,38 @@ def count(results: Sequence[CheckResult]) -> dict[str, int]:
     verdicts = [result.verdict for result in results]
     names = ("passed", "failed", "noted", "not_applicable")
     return {name: verdicts.count(each) for name, each in zip(names, Outcome, strict=True)}
+
+
+def margin(error: float | None, tolerance: float) -> float:
+    """Return error over tolerance: 0 is exact, 1 the edge, infinity where nothing was comparable.
+
+    A tolerance of 0 allows only an error of 0.
+    """
+    if error is None or not math.isfinite(error):
+        return math.inf
+    if tolerance == 0.0:
+        return 0.0 if error == 0.0 else math.inf
+    return error / tolerance
+
+
+def margin_of(result: CheckResult) -> float | None:
+    """Return the margin of a result, or None where its check does not apply."""
+    if result.not_applicable is not None:
+        return None
+    return margin(result.error, result.tolerance)
+
+
+def value_text(value: float | None, digits: int = 9) -> str:
+    """Write a value with nine digits."""
+    if value is None or math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0.0 else "−∞"
+    # Rounded first, so that 480 is not written 4.8e2.
+    text = format(float(format(value, f".{digits}g")), f".{max(digits, 6)}g")
+    return "0" if value == 0.0 else text.replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
+
+
+def error_text(value: float | None) -> str:
+    """Write an error or a tolerance with two digits."""
+    return value_text(value, 2)

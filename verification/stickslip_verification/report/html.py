@@ -1,13 +1,12 @@
 """The report as one page that asks for nothing outside itself, and the files with it."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-from stickslip_verification.drive.convergence import slope
+from stickslip_verification.drive.exact import slope
+from stickslip_verification.model.data_file import write_all
 from stickslip_verification.model.verdict import (
     LIKELIEST,
     SEQUENCE,
@@ -19,26 +18,25 @@ from stickslip_verification.model.verdict import (
     Outcome,
     Verdict,
 )
-from stickslip_verification.model.whole_file import write_all
-from stickslip_verification.report import plots, words
-from stickslip_verification.report.environment import environment, text_of, used
-from stickslip_verification.report.json_file import json_text
-from stickslip_verification.report.junit import as_junit
-from stickslip_verification.suite.catalogue import Meaning
+from stickslip_verification.report import plots
+from stickslip_verification.report.environment import (
+    environment,
+    reasons,
+    sentence,
+    text_of,
+    used,
+    with_exact_motion,
+)
+from stickslip_verification.report.files import as_junit, json_text
+from stickslip_verification.suite.cases import Meaning
 
 NO_MEANINGS: Mapping[str, Meaning] = MappingProxyType({})
 
-NEAREST = 10
-"""How many margins the page names."""
-
-ITSELF = "The FMU itself"
-"""The group of what is checked on the FMU and not on a motion."""
-
+NEAREST = 10  # how many margins the page names
+ITSELF = "The FMU itself"  # the group of what is checked on the FMU and not on a motion
 SEQUENCES = "Random sequences"
 """The group of the random sequences, of which the page shows those that did not pass."""
-
-Numbered = tuple[int, CheckResult]
-"""A result and its number in the verdict."""
+Numbered = tuple[int, CheckResult]  # a result and its number in the verdict
 
 
 class FailedCheck(NamedTuple):
@@ -73,30 +71,21 @@ class Group(NamedTuple):
 
 
 def render(
-    verdict: Verdict,
-    *,
-    meanings: Mapping[str, Meaning] = NO_MEANINGS,
-    full: bool = False,
+    verdict: Verdict, *, meanings: Mapping[str, Meaning] = NO_MEANINGS, full: bool = False
 ) -> str:
     """Return the report as HTML; the same but for its last block for the same results.
 
-    Parameters
-    ----------
-    verdict
-        What came out.
-    meanings
-        For a check, what its failure means.
-    full
-        Whether every comparison is printed; else a case that passed is printed as one line.
+    `meanings` say what a failure of a check means. Unless it is `full`, a case that passed is
+    printed as one line.
     """
     failures = failed_checks(verdict, (Outcome.FAIL,))
     pictures = plots.draw_cases(verdict)
     return environment().get_template("index.html.j2").render(
         verdict=verdict,
-        sentence=words.sentence(verdict),
-        reasons=words.reasons(verdict),
+        sentence=sentence(verdict),
+        reasons=reasons(verdict),
         likeliest=_likeliest(verdict, failures, meanings),
-        farthest=max(words.with_exact_motion(verdict), key=lambda r: r.error or 0.0, default=None),
+        farthest=max(with_exact_motion(verdict), key=lambda r: r.error or 0.0, default=None),
         meanings=meanings,
         failures=failures,
         noted=failed_checks(verdict, (Outcome.NOTED,)),
@@ -169,7 +158,6 @@ def failed_checks(verdict: Verdict, outcomes: Collection[Outcome]) -> list[Faile
 def _likeliest(
     verdict: Verdict, failures: Sequence[FailedCheck], meanings: Mapping[str, Meaning]
 ) -> str:
-    """Return the likeliest cause of a failure, from the runs or else the first failed check."""
     for question in verdict.questions:
         if question.asked == LIKELIEST:
             return question.answer
@@ -219,13 +207,39 @@ def _groups(verdict: Verdict) -> list[Group]:
 
 
 def _later(numbered: Numbered) -> int:
-    """Order by failures, what is noted, and the rest as it ran."""
     result = numbered[1]
     return 0 if result.failed else 1 if result.verdict == Outcome.NOTED else 2
 
 
 def _nearest(verdict: Verdict) -> list[Numbered]:
-    """Return the passed results that use most of their tolerance."""
     passed = [(n, r) for n, r in enumerate(verdict.checks) if r.verdict == Outcome.PASS]
     most = sorted(passed, key=lambda numbered: -used(numbered[1]))[:NEAREST]
     return [(number, result) for number, result in most if used(result) > 0.0]
+
+
+SHOWN = "default"
+"""The case that the page shows comparison by comparison: it is the one that runs as it comes."""
+_NAMES = {"2.0": "StickSlip.fmu", "3.0": "StickSlip_fmi3.fmu"}
+"""However the file is called now: that is no part of what it holds."""
+
+
+def packed_report(verdict: Verdict) -> str:
+    """Return the report that goes into the FMU it judges, our own.
+
+    It names the FMU by the digest of its content without extra/, so that it can be put there, and
+    carries neither date nor place: the same FMU and the same suite give the same bytes.
+    """
+    cases: dict[str, list[CheckResult]] = {SHOWN: []}
+    for result in verdict.checks:
+        drawn = result.case.startswith(SEQUENCE)
+        name = "random sequences" if drawn else result.case or "the FMU itself"
+        cases.setdefault(name, []).append(result)
+    return environment().get_template("packed.html.j2").render(
+        verdict=verdict,
+        name=_NAMES[verdict.provenance["fmu"]["fmi_version"]],
+        sentence=sentence(verdict),
+        cases={name: results for name, results in cases.items() if results},
+        titles={motion.case: motion.title for motion in verdict.motions},
+        shown=[(n, r) for n, r in enumerate(cases[SHOWN]) if r.side == "fmu"],
+        style=text_of("style.css"),
+    )  # fmt: skip

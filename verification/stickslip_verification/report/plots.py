@@ -1,8 +1,7 @@
 """The pictures of the report as SVG: the motion of a case, and an observed order."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import matplotlib as mpl
@@ -11,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
+from numpy.typing import NDArray
 
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import (
@@ -21,26 +21,99 @@ from stickslip_verification.model.verdict import (
     ObservedOrder,
     Verdict,
 )
-from stickslip_verification.report import curve
-from stickslip_verification.report.house_style import BLUE, GREY, INK, ORANGE, SOFT, STYLE
-from stickslip_verification.report.svg import as_part
+from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, SOFT, STYLE, as_part
+
+PIECES = 400
+"""Straight pieces over the whole time that a slip is drawn with: about one per point of width."""
+SAME_TIME = 1e-12  # part of the run's length within which an event is at a communication point
+FAITHFUL = 0.015
+"""Part of the plotted range by which a cubic may miss the motion: about the width of the line."""
+UNEVEN = 10.0  # ratio of two neighbouring gaps above which the shorter tells nothing of the longer
+AT_ONCE = 0.005  # part of the run's length below which a slip is drawn as a jump
+
+
+@dataclass(frozen=True)
+class Curve:
+    """What is drawn of a motion: time [s], positions [m] and spring force [N], ``(n,)`` each.
+
+    ``joined`` tells whether lines may join the points: it is False where more happens between two
+    samples than they can tell.
+    """
+
+    t: Series
+    x: Series
+    x_pull: Series
+    F: Series
+    joined: bool
+
+
+def curve(motion: Motion) -> Curve:
+    """Return the line through samples and events of the exact motion, straight in stick.
+
+    In slip it is the cubic through positions and velocities. The pulled end moves straight between
+    two samples. Where the samples are too coarse, it is the samples alone.
+    """
+    exact = motion.exact
+    at = {name: np.append(exact.initial[name], exact.outputs[name]) for name in exact.initial}
+    times, x, x_pull, F, z = np.append(0.0, exact.times), at["x"], at["x_pull"], at["F"], at["z"]
+    near = SAME_TIME * times[-1]
+    events = [each for each in motion.events if np.min(np.abs(times - each.time)) > near]
+    t, order = np.unique([*times, *(each.time for each in events)], return_index=True)
+    places, speeds = [*x, *(each.x for each in events)], [*at["x_dot"], *np.zeros(len(events))]
+    nodes = np.array((t, np.array(places)[order], np.array(speeds)[order]))
+    slips = np.any(nodes[2:, 1:] != 0.0, axis=0) | np.any(nodes[1:, :-1] != nodes[1:, 1:], axis=0)
+    if not _faithful(nodes, slips, np.ptp(z)):
+        return Curve(times, x, x_pull, F, joined=False)
+    pieces = np.where(slips, np.maximum(2, np.round(PIECES * np.diff(t) / t[-1])), 1).astype(int)
+    left, right = (np.repeat(each, pieces + 1, axis=1) for each in (nodes[:, :-1], nodes[:, 1:]))
+    gaps = zip(t, t[1:], pieces + 1, strict=False)
+    drawn = np.concatenate([np.linspace(*each) for each in gaps])
+    line, pull = _cubic(left, right, drawn), np.interp(drawn, times, x_pull)
+    # The stiffness up to a sample; where the spring is slack, that of the next one.
+    taut = np.flatnonzero(z)
+    next_taut = np.searchsorted(taut, np.searchsorted(times, right[0])).clip(max=taut.size - 1)
+    k = (F[taut] / z[taut])[next_taut] if taut.size else 0.0
+    return Curve(drawn, line, pull, k * (pull - line), joined=True)
+
+
+def _cubic(left: Series, right: Series, t: Series) -> Series:
+    """Return x at times on the cubics between nodes: rows of time, position and velocity."""
+    gap = right[0] - left[0]
+    s = (t - left[0]) / gap
+    rise = s * s * (3.0 - 2.0 * s)
+    bent = gap * s * (1.0 - s) * ((1.0 - s) * left[2] - s * right[2])
+    return np.asarray((1.0 - rise) * left[1] + rise * right[1] + bent)
+
+
+def _faithful(nodes: Series, slips: NDArray[np.bool_], swing: float) -> bool:
+    """Tell whether the cubics are the motion.
+
+    The error of a cubic at s h of a gap h goes with ``(s (1 - s))^2 h^4``. A cubic over two gaps
+    that leaves out the node between them shows it there, and so what it is within one gap.
+    """
+    gaps = np.diff(nodes[0])
+    if not gaps.size:
+        return False
+    before, middle, after = nodes[:, :-2], nodes[:, 1:-1], nodes[:, 2:]
+    missed = np.abs(_cubic(before, after, middle[0]) - middle[1])
+    long, short = (choose(gaps[:-1], gaps[1:]) for choose in (np.maximum, np.minimum))
+    inner = slips[:-1] & slips[1:] & (middle[2] != 0.0) & (long < UNEVEN * short)
+    seen = 16.0 * (gaps[:-1] * gaps[1:]) ** 2 * FAITHFUL * min(float(np.ptp(nodes[1])), swing)
+    # A slip without a sample inside shows where it ends, not how it goes.
+    jumps = slips & (nodes[2, :-1] == 0.0) & (nodes[2, 1:] == 0.0)
+    known = not np.any(jumps & (gaps > AT_ONCE * nodes[0, -1]))
+    return known and not np.any(inner & (missed * long**4 > seen))
+
 
 SIDES: Final = (("fmu", "FMU", BLUE, "o", 4.0), ("reference", "reference", ORANGE, "x", 3.4))
 
-MARKS: Final = 40
-"""Markers of a side in a panel: more hide the line that they lie on."""
-
+MARKS: Final = 40  # markers of a side in a panel: more hide the line that they lie on
 NOTHING: Final = 1e-18
 """Where an error of exactly 0 is drawn: below half a rounding of the scale, 1.1e-16."""
-
 TOLERANCES_APART: Final = 30.0
 """Ratio of two tolerances from which their lines have room for a name each."""
-
-HOPELESS: Final = 1e6
-"""The largest error, as part of the scale, that the panel makes room for."""
-
-SIZE: Final = (480.0, 412.0)
-"""Width and height of the picture of a case [pt]."""
+HOPELESS: Final = 1e6  # the largest error, as part of the scale, that the panel makes room for
+SIZE: Final = (480.0, 412.0)  # width and height of the picture of a case [pt]
 
 _DASHED: Final = (0, (5, 3))
 _PREFIXES: Final = ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
@@ -63,14 +136,8 @@ def draw_case(motion: Motion, tolerances: Mapping[str, float]) -> str:
     """Draw a case as SVG: positions, spring force, and the errors of both sides below.
 
     The exact motion is the line, the sides are markers on it. The lowest panel has the errors of x
-    and F, each over the largest magnitude of the exact course, on a logarithmic scale.
-
-    Parameters
-    ----------
-    motion
-        What was driven.
-    tolerances
-        For each side, the tolerance of the course of x as part of its scale, where there is one.
+    and F, each over the largest magnitude of the exact course, on a logarithmic scale, with the
+    `tolerances` of the course of x by side.
     """
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(SIZE[0] / 72.0, SIZE[1] / 72.0))
@@ -78,7 +145,7 @@ def draw_case(motion: Motion, tolerances: Mapping[str, float]) -> str:
         panels = page.subplots(
             3, 1, sharex=True, height_ratios=(5.0, 4.0, 4.5), gridspec_kw=place
         ).tolist()
-        line = curve.curve(motion)
+        line = curve(motion)
         time, prefix = _scale(float(line.t[-1]), 0.1)
         end = float(line.t[-1]) / time or 1.0
         # Single points at the ends stand free of the frame.
@@ -123,7 +190,6 @@ def draw_order(order: ObservedOrder, number: int) -> str:
 
 
 def _course_tolerances(checks: Sequence[CheckResult], case: str) -> dict[str, float]:
-    """Return the tolerance of the course of x on each side of a case, as part of its scale."""
     return {
         result.side: result.tolerance
         for result in checks
@@ -131,7 +197,7 @@ def _course_tolerances(checks: Sequence[CheckResult], case: str) -> dict[str, fl
     }
 
 
-def _draw_positions(panel: Axes, motion: Motion, line: curve.Curve, time: float) -> None:
+def _draw_positions(panel: Axes, motion: Motion, line: Curve, time: float) -> None:
     length, name = _scale(float(np.max(np.abs([line.x, line.x_pull]))))
     panel.set_ylabel(f"position  [{name}m]")
     _range(panel, np.concatenate((line.x, line.x_pull)) / length)
@@ -141,7 +207,7 @@ def _draw_positions(panel: Axes, motion: Motion, line: curve.Curve, time: float)
     _legend(panel)
 
 
-def _draw_force(panel: Axes, motion: Motion, line: curve.Curve, time: float) -> None:
+def _draw_force(panel: Axes, motion: Motion, line: Curve, time: float) -> None:
     exact = motion.exact
     F_s = np.concatenate(([exact.initial["F_s"]], exact.outputs["F_s"]))
     times = np.concatenate(([0.0], exact.times))
@@ -214,7 +280,7 @@ def _errors(exact: Run, run: Run | None, quantity: str) -> Series | None:
 
 
 def _draw_line(
-    panel: Axes, line: curve.Curve, y: Series, time: float, color: str, width: float, name: str
+    panel: Axes, line: Curve, y: Series, time: float, color: str, width: float, name: str
 ) -> None:
     if line.joined:
         panel.plot(line.t / time, y, color=color, lw=width, label=name, solid_joinstyle="miter")
@@ -243,7 +309,7 @@ def _every(motion: Motion) -> int:
     return max(1, -(-len(motion.exact.times) // MARKS))
 
 
-def _what_is_marked(motion: Motion, line: curve.Curve) -> str:
+def _what_is_marked(motion: Motion, line: Curve) -> str:
     count, every = len(motion.exact.times), _every(motion)
     what = f"{count} sample{'s' if count > 1 else ''}"
     marked = what if every == 1 else f"markers: 1 in {every} of {what}"
@@ -251,7 +317,6 @@ def _what_is_marked(motion: Motion, line: curve.Curve) -> str:
 
 
 def _legend(panel: Axes) -> None:
-    """Name the lines in the strip above the panel."""
     place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.99), "ncols": 4}
     panel.legend(**place, borderpad=0.0, borderaxespad=0.2, columnspacing=1.4, handlelength=1.7)
 
@@ -263,7 +328,6 @@ def _range(panel: Axes, values: Series, above: float = 0.07) -> None:
 
 
 def _scale(largest: float, above: float = 2.0) -> tuple[float, str]:
-    """Return the size of the unit that makes `largest` a handy number, and its SI prefix."""
     for size, prefix in _PREFIXES:
         if largest >= above * size and (size <= 1.0 or largest >= 1e4):
             return size, prefix

@@ -2,15 +2,14 @@
 
 import hashlib
 import platform
-import shutil
 import subprocess
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from stickslip_verification.drive.fmu.archive import FmuFile
-from stickslip_verification.drive.fmu.digest import content_digest
+from stickslip_verification.drive.fmu.description import content_digest
+from stickslip_verification.drive.fmu.instance import FmuFile
 
 TRUST = (
     "The FMU ran in processes of the suite, and shares them with the code that drives it. One that "
@@ -59,24 +58,23 @@ def _version(package: str) -> str | None:
 
 
 def _git(package: Path) -> dict[str, Any] | None:
-    if shutil.which("git") is None:
+    head, status = (
+        _ask(package, *words)
+        for words in (("rev-parse", "--show-toplevel", "HEAD"), ("status", "--porcelain"))
+    )
+    if head is None or status is None:
         return None
-    root = _ask(package, "rev-parse", "--show-toplevel")
+    root, revision = head.splitlines()
     # An installed copy may lie inside the working copy of some other project.
-    if root is None or Path(root.strip()).resolve() / "verification" / package.name != package:
+    if Path(root).resolve() / "verification" / package.name != package:
         return None
-    revision = _ask(package, "rev-parse", "HEAD")
-    status = _ask(package, "status", "--porcelain")
-    if revision is None or status is None:
-        return None
-    return {"revision": revision.strip(), "dirty": bool(status.strip())}
+    return {"revision": revision, "dirty": bool(status.strip())}
 
 
 def _ask(folder: Path, *words: str) -> str | None:
     try:
-        answer = subprocess.run(
-            ["git", "-C", str(folder), *words], capture_output=True, text=True, timeout=10
-        )
+        command = ["git", "-C", str(folder), *words]
+        answer = subprocess.run(command, capture_output=True, text=True, timeout=10)
     except (OSError, subprocess.TimeoutExpired):
         return None
     return answer.stdout if answer.returncode == 0 else None

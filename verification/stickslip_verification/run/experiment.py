@@ -1,17 +1,18 @@
-"""What an FMU is tried on: exact motions, the reference's runs and its observed orders.
+"""What an FMU is tried on, and its runs through that.
 
-It is computed once, in several processes, and serves every FMU of a verification.
+Exact motions, the reference's runs and its observed orders are computed once, in several processes,
+and serve every FMU of a verification.
 """
 
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 from stickslip_verification.drive import workers
-from stickslip_verification.drive.answer import Answer
 from stickslip_verification.drive.exact import Exact
-from stickslip_verification.judge.checks import applies
-from stickslip_verification.judge.contract import Contract
+from stickslip_verification.drive.processes import Answer
+from stickslip_verification.judge.checks import Contract, applies
 from stickslip_verification.model.run import Run, Series
 from stickslip_verification.model.verdict import ObservedOrder
 from stickslip_verification.suite.cases import Case
@@ -20,9 +21,12 @@ from stickslip_verification.suite.sequences import PLAIN, tried
 
 TIME_LIMIT = 180.0
 """Seconds that the truth or the reference may take for one case; the longest takes a few."""
-
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how much of it is done, and out of how much."""
+
+
+def silent(what: str, done: int, of: int) -> None:
+    """Show no progress."""
 
 
 _NO_REFERENCE: Answer[Run] = Answer(not_applicable="the reference is not run here")
@@ -73,7 +77,7 @@ def compute(
     cases: Sequence[Case],
     invariants: Invariants | None,
     jobs: int,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     *,
     numerical: Collection[str] | None = None,
 ) -> list[Baseline]:
@@ -104,8 +108,7 @@ def compute(
         }
         orders = pool.each(workers.observed_order, ordered)
         for done, case in enumerate(by_length):
-            if progress is not None:
-                progress(f"exact and reference: {case.id}", done, len(cases))
+            progress(f"exact and reference: {case.id}", done, len(cases))
             known: dict[str, Any] = {
                 name: next(answers[name]) for name, (_, of) in tasks.items() if case in of
             }
@@ -130,3 +133,74 @@ def _about(case: Case, exact: Exact | None, of: Invariants | None) -> list[Resid
         for residual in (of.residuals if of is not None else ())
         if residual.holds_for(case.law) and (exact is None or applies(residual, case, exact))
     ]
+
+
+UNTRIED: Answer[Any] = Answer(
+    not_applicable="not tried, for the model is wrong in its plain runs; --full tries it"
+)
+
+MOST_REPEATED = 4
+"""Runs of cases, and of sequences, that are repeated; an FMU that often fails fails."""
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Results of an FMU in an experiment.
+
+    The plain run and the other runs of each case, the complaints of the probes, and the run of each
+    random test, in their order.
+    """
+
+    experiment: Experiment
+    plain: Mapping[str, Answer[Run]]
+    others: Mapping[tuple[str, str], Answer[Run]]
+    probes: Mapping[str, Answer[list[str]]]
+    random: Sequence[Answer[Run]]
+
+
+def run_all(
+    pool: workers.Pool,
+    experiment: Experiment,
+    progress: Progress = silent,
+    enough: Callable[[Mapping[str, Answer[Run]]], bool] | None = None,
+) -> Runs:
+    """Run the FMU of a pool through an experiment.
+
+    Where the plain runs are `enough`, only those of the sequences follow.
+    """
+    cases = [each.case for each in experiment.baseline]
+    kinds = list(dict.fromkeys(invariant.run for invariant in experiment.invariants.runs))
+    in_other_ways = list(product(cases, kinds))
+    answers = pool.each(workers.plain_run, [(case,) for case in cases])
+    plain: dict[str, Answer[Run]] = {}
+    for done, case in enumerate(cases):
+        progress(f"FMU: {case.id}", done, len(cases))
+        plain[case.id] = next(answers)
+    ends = enough is not None and enough(plain)
+    random = {n: each for n, each in enumerate(experiment.random) if each.plain or not ends}
+    asked = [] if ends else [(invariant,) for invariant in experiment.invariants.probes]
+    runs = pool.each(workers.other_run, [] if ends else in_other_ways)
+    probes = pool.each(workers.probe, asked, most=workers.PROBE_LIMIT)
+    drawn = [(each.baseline.case, each.manner.manner) for each in random.values()]
+    in_manners = pool.each(workers.in_manner, drawn)
+    others: dict[tuple[str, str], Answer[Run]] = {}
+    for done, (case, kind) in enumerate(in_other_ways):
+        progress(f"FMU in other runs: {case.id}", done // len(kinds), len(cases))
+        others[case.id, kind] = next(runs, UNTRIED)
+    complaints = {each.id: next(probes, UNTRIED) for each in experiment.invariants.probes}
+    progress("FMU in random sequences", len(cases), len(cases))
+    ran = [next(in_manners) if n in random else UNTRIED for n in range(len(experiment.random))]
+    return Runs(experiment, plain, others, complaints, ran)
+
+
+def repeat_failed(pool: workers.Pool, runs: Runs) -> Runs:
+    """Repeat a few runs that had no end, one by one: the second result decides."""
+    plain, random = dict(runs.plain), list(runs.random)
+    failed = [b.case for b in runs.experiment.baseline if plain[b.case.id].failure is not None]
+    for case in failed[:MOST_REPEATED]:
+        (plain[case.id],) = pool.each(workers.plain_run, [(case,)])
+    broken = [n for n, answer in enumerate(random) if answer.failure is not None]
+    for n in broken[:MOST_REPEATED]:
+        test = runs.experiment.random[n]
+        (random[n],) = pool.each(workers.in_manner, [(test.baseline.case, test.manner.manner)])
+    return replace(runs, plain=plain, random=random)

@@ -13,18 +13,13 @@ from stickslip_verification.drive import workers
 from stickslip_verification.drive.planting import plant
 from stickslip_verification.model.verdict import Detection, KillMatrix
 from stickslip_verification.run.comparisons import compare
-from stickslip_verification.run.experiment import Experiment, Progress
-from stickslip_verification.run.runs import run_all
+from stickslip_verification.run.experiment import Experiment, Progress, run_all, silent
 from stickslip_verification.suite.faults import FAULTS_FOLDER, Mutant, MutantError
 
 LONGEST = 100.0
 """Cases of more simulated time [s] are left out: a mutant that integrates would take minutes."""
-
-_AT_ONCE = 40
-"""Random sequences that a mutant is tried on before it is seen whether one detects it."""
-
-TIME_LIMIT = 20.0
-"""Seconds that a mutant may take for one run of a case."""
+_AT_ONCE = 40  # random sequences that a mutant is tried on before it is seen whether one detects it
+TIME_LIMIT = 20.0  # seconds that a mutant may take for one run of a case
 
 
 def detect(
@@ -32,7 +27,7 @@ def detect(
     mutants: Sequence[Mutant],
     experiment: Experiment,
     jobs: int,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     *,
     whole: bool = True,
     **opened: Any,
@@ -41,17 +36,13 @@ def detect(
 
     Checks that fail only by the time limit do not count. A mutant that does not finish a case for
     another reason fails the check of that alone, since nothing was compared. Cases of more than
-    `LONGEST` are left out. `jobs` mutants are tried at once, each in a process of its own;
-    `progress` counts them. ``opened`` are further arguments of `workers.Pool`.
+    `LONGEST` are left out; `MutantError` if no case is short enough. `jobs` mutants are tried at
+    once, each in a process of its own; `progress` counts them. ``opened`` are further arguments of
+    `workers.Pool`.
 
     Each mutant is tried on every check where the matrix is to be `whole`; else on what its
     description foretells, part by part up to the first such check that fails, and on everything
     only if none of them detects it. Idle checks are not known then.
-
-    Raises
-    ------
-    MutantError
-        No case is short enough.
     """
     short = [each for each in experiment.baseline if each.case.stop_time <= LONGEST]
     if not short:
@@ -67,8 +58,7 @@ def detect(
         fixed = (fmu, experiment, Path(folder), opened, whole)
         for row in threads.map(partial(_try, *fixed), mutants):
             rows.append(row)
-            if progress is not None:
-                progress(f"planted fault: {row.mutant}", len(rows), len(mutants))
+            progress(f"planted fault: {row.mutant}", len(rows), len(mutants))
     columns = _columns(experiment)
     killing = {check for row in rows for check in row.failing}
     reasons = {invariant.id: invariant.stays for invariant in experiment.invariants}

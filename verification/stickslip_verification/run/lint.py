@@ -2,32 +2,41 @@
 
 import json
 import re
+import sys
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from stickslip_verification.drive.exact import Exact, exact_motion
-from stickslip_verification.drive.kept import kept
+from stickslip_verification.drive import workers
+from stickslip_verification.drive.exact import Exact, exact_motion, kept
 from stickslip_verification.drive.masters import RUNS
-from stickslip_verification.drive.probes.table import PROBES
+from stickslip_verification.drive.probes.environments import PROBES
+from stickslip_verification.drive.solvers import SOLVERS
+from stickslip_verification.judge.accuracy import DIVERGED, Ruler
 from stickslip_verification.judge.metrics import METRICS
 from stickslip_verification.model.formulas import FORMULAS
 from stickslip_verification.model.quantities import QUANTITIES
-from stickslip_verification.model.verdict import Measure
-from stickslip_verification.suite.case_file import CASES_FOLDER, CaseError, load_case
-from stickslip_verification.suite.cases import Case
+from stickslip_verification.model.verdict import Klass, Measure
+from stickslip_verification.run.verify import LONGEST_OF_ANY
+from stickslip_verification.suite.cases import (
+    CASES_FOLDER,
+    FAMILY,
+    Case,
+    CaseError,
+    load_case,
+    load_cases,
+    long_cases,
+)
 from stickslip_verification.suite.faults import Mutant, MutantError, load_mutants
 from stickslip_verification.suite.invariants import InvariantError, Invariants, load_invariants
 from stickslip_verification.suite.tolerances import ZERO
 
 THEORY = Path(__file__).parents[3] / "docs" / "theory.md"
 """Where the equations stand, in a working copy; an installed suite does not carry it."""
-
 VAGUE = ("somehow", "good enough", "seems", "for now", "should work", "empirical", "tuned", "magic")
 """Words that are no reason."""
-
-SHORTEST = 20
-"""Characters below which a reason says nothing."""
+SHORTEST = 20  # characters below which a reason says nothing
 
 
 def lint(folder: Path = CASES_FOLDER) -> list[str]:
@@ -62,7 +71,6 @@ def _ids(cases: Sequence[Case]) -> Iterator[str]:
 
 
 def _motion(case: Case, exact: Exact) -> Iterator[str]:
-    """Compare what a case states of its exact motion with it."""
     stated, happens = case.facts, exact.facts
     if stated is None:
         zero = {check.quantity for check in case.checks if check.because["fmu"] == ZERO}
@@ -140,3 +148,28 @@ def _names(
         for name, source in sources:
             if source not in numbers:
                 yield f"{name}: docs/theory.md has no equation ({source})"
+
+
+def write_family() -> None:
+    """Write how accurate honest solvers are in each case; it takes ten minutes of a processor."""
+    physics = [case for case in load_cases() if case.klass == Klass.PHYSICS]
+    cases = [case for case in physics if case.stop_time <= LONGEST_OF_ANY]
+    made = "`python -m stickslip_verification family` made it"
+    lines = [
+        f"# Delta of honest solvers in each case, for judge/accuracy.py; {made}.",
+        "long = [",
+        *(f'    "{name}",' for name in sorted(long_cases())),
+        "]",
+    ]
+    lines += ["", "# A column for each of drive/solvers.py.", "[deltas]"]
+    with ProcessPoolExecutor() as pool:
+        for case, deltas in zip(cases, pool.map(_deltas, cases), strict=True):
+            lines.append(f'"{case.id}" = [{", ".join(f"{delta:.1e}" for delta in deltas)}]')
+            print(lines[-1], file=sys.stderr, flush=True)
+    FAMILY.write_text("\n".join(lines) + "\n", "utf-8")
+
+
+def _deltas(case: Case) -> list[float]:
+    ruler = Ruler(workers.exact(case), workers.spreads(case))
+    runs = [solver.run(case) for solver in SOLVERS.values()]
+    return [min(ruler.deviation(run).delta, DIVERGED) for run in runs]

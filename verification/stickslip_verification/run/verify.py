@@ -1,7 +1,7 @@
 """The suite as a whole: an FMU and the reference judged, faults planted, a verdict."""
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -9,49 +9,76 @@ from typing import Any
 
 from stickslip_verification.drive import workers
 from stickslip_verification.drive.exact import Exact
-from stickslip_verification.drive.fmu.archive import FmuFile, require
-from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.description import FmuError
+from stickslip_verification.drive.fmu.instance import FmuFile, require
 from stickslip_verification.drive.fmu.names import NameMap
+from stickslip_verification.drive.masters import can_run, fitting, law_of, may_change, require_law
 from stickslip_verification.drive.planting import carries_source
-from stickslip_verification.drive.probes.table import LONG_PROBES, OF_NUMERICAL
-from stickslip_verification.drive.stepping import can_run, fitting, law_of, may_change, require_law
-from stickslip_verification.judge.contract import CONTRACTS, Wanted, chosen_contract
-from stickslip_verification.model.verdict import Klass, Motion, Question, Table, Verdict
+from stickslip_verification.drive.probes.environments import LONG_PROBES, OF_NUMERICAL
+from stickslip_verification.judge.checks import (
+    CONTRACTS,
+    Contract,
+    Wanted,
+    chosen_contract,
+    of_invariant,
+)
+from stickslip_verification.model.verdict import (
+    CheckResult,
+    Klass,
+    Motion,
+    Question,
+    Table,
+    Verdict,
+)
 from stickslip_verification.report import provenance
-from stickslip_verification.run.comparisons import compare
-from stickslip_verification.run.coverage import coverage_table, gaps
+from stickslip_verification.run.comparisons import compare, compare_numerical, solution
 from stickslip_verification.run.experiment import (
     Baseline,
     Experiment,
     Progress,
+    Runs,
     compute,
     random_tests,
+    repeat_failed,
+    run_all,
+    silent,
 )
 from stickslip_verification.run.kill_matrix import detect
-from stickslip_verification.run.numerical import compare_numerical, solution
 from stickslip_verification.run.questions import questions
-from stickslip_verification.run.runs import Runs, repeat_failed, run_all
-from stickslip_verification.suite.cases import Case
-from stickslip_verification.suite.family import long_cases
+from stickslip_verification.suite.cases import Case, long_cases
 from stickslip_verification.suite.faults import Mutant, MutantError
-from stickslip_verification.suite.invariants import Invariants, load_invariants
-from stickslip_verification.suite.other_laws import under_law, with_dwell
-from stickslip_verification.suite.sequences import SEED, Scope, draw_sequences
+from stickslip_verification.suite.invariants import Invariants, Manner, load_invariants
+from stickslip_verification.suite.sequences import (
+    COUNT,
+    SEED,
+    RandomSequence,
+    Scope,
+    coverage_table,
+    draw_sequences,
+    empty_cells,
+    under_law,
+    with_dwell,
+)
 from stickslip_verification.truth import COULOMB, COULOMB_NAME
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
 
-WITHIN = 1e-6
-"""What a numerical solution has to be within where nothing else is asked for."""
 
-QUICK_SEQUENCES = 32
-"""Random sequences where not everything is asked for."""
+def gaps(
+    sequences: Sequence[RandomSequence], scope: Scope, contract: Contract, manners: Sequence[Manner]
+) -> Iterator[CheckResult]:
+    """Yield a failure of the suite where sequences that should fill the table leave cells empty."""
+    empty = empty_cells(sequences, scope)
+    if len(sequences) >= COUNT and empty and manners:
+        cells = "; ".join(", ".join(cell) for cell in empty)
+        failure = f"the suite itself: its random sequences have no {cells}"
+        yield of_invariant(manners[0], "", contract, failure=failure)
 
-MOST_PERIODS = 2.0
-"""Longest step of the cases that any FMU is tried on, in periods of the spring."""
 
+WITHIN = 1e-6  # what a numerical solution has to be within where nothing else is asked for
+QUICK_SEQUENCES = 32  # random sequences where not everything is asked for
+MOST_PERIODS = 2.0  # longest step of the cases that any FMU is tried on, in periods of the spring
 OF_DIGITS = frozenset({"beyond-by-a-millionth", "just-above-critical"})
 """Cases that hang on digits which no numerical solution has."""
-
 LONGEST_OF_ANY = 60.0
 """Simulated time [s] of the cases that any FMU is tried on; longer ones are for exact blocks, which
 do not integrate, or are chosen by themselves."""
@@ -60,7 +87,7 @@ do not integrate, or are chosen by themselves."""
 def verify(
     fmu: Path,
     cases: Sequence[Case],
-    progress: Progress | None = None,
+    progress: Progress = silent,
     *,
     names: NameMap | None = None,
     contract: Wanted | None = None,
@@ -77,53 +104,28 @@ def verify(
     full: bool = False,
     command: str | None = None,
 ) -> Verdict:
-    """Judge an FMU and the reference.
+    """Judge an FMU, 2.0 or 3.0 for co-simulation, and the reference.
 
-    The FMU runs in processes of its own, so a script that calls this needs the guard
-    ``if __name__ == "__main__"``.
+    The FMU runs in processes of its own, so a script that calls this needs the guard ``if __name__
+    == "__main__"``. `names` are our names to its, `cases` are tried as far as they are of its
+    friction law, `progress` is called with what is being done, how much of it is done, and out of
+    how much. For `contract` and `strict` see `chosen_contract`. `jobs` processes may work at once,
+    None for one per processor. The FMU may take `time_limit` seconds for one run of a case, and
+    `limits`.
 
-    Parameters
-    ----------
-    fmu, names
-        The ``.fmu`` file, FMI 2.0 or 3.0 for co-simulation, and our names to its.
-    cases
-        What is tried, from `load_cases`, as far as it is of the FMU's friction law.
-    progress
-        Called with what is being done, how much of it is done, and out of how much.
-    contract, strict
-        The contract that the FMU is held to, see `chosen_contract`.
-    jobs
-        How many processes may work at once; None for one per processor.
-    time_limit, limits
-        Seconds that the FMU may take for one run of a case, and what else it may take; each planted
-        fault has a budget of its own.
-    sequences, seed
-        How many random sequences are tried as well, and which ones; `suite.sequences.COUNT` fill
-        the table of what can happen.
-    long_probes
-        Whether the FMU meets the probes that take long: of memory, of a serialized state and of
-        the environment in fresh processes, and a long run. Planted faults are tried on those that
-        one of them foretells in any case.
-    mutants, whole_matrix
-        Faults to plant, as far as they are of the FMU's friction law, and whether each is tried on
-        every check or on what it foretells. Those that change the FMU need its Python source.
-    within
-        Part of its exact value by which a quantity of the cycle may be off in any case, under the
-        physics contract; `WITHIN` by default.
-    full
-        Whether an FMU of the physics contract meets everything, or what tells most: without the
-        cases of a friction law that take long, and `QUICK_SEQUENCES` at most.
-    command
-        What to type to get the same again, for the provenance.
+    As many random `sequences` of a `seed` are tried as well; `suite.sequences.COUNT` fill the table
+    of what can happen. Without `long_probes` the FMU does not meet those that take long: of memory,
+    of a serialized state and of the environment in fresh processes, and a long run. `mutants` are
+    faults to plant, as far as they are of the FMU's friction law, on every check with
+    `whole_matrix` or on what they foretell; those that change the FMU need its Python source.
 
-    Raises
-    ------
-    FmuError
-        The file cannot be driven at all, lacks what every case or the friction law of one needs,
-        or has no source for the faults that are to be planted; whatever else is wrong with the FMU
-        is a failed check.
-    MutantError
-        No fault is of the FMU's friction law, or no case is short enough.
+    Under the physics contract a quantity of the cycle may be off by the part `within` in any case,
+    and an FMU meets everything if it is `full`, else what tells most: without the cases of a
+    friction law that take long, and `QUICK_SEQUENCES` at most. `command` is for the provenance.
+
+    `FmuError` if the file cannot be driven at all, lacks what every case or the friction law of one
+    needs, or has no source for the faults; whatever else is wrong with the FMU is a failed check.
+    `MutantError` if no fault is of the FMU's friction law, or no case is short enough.
     """
     _try_to_open(fmu, names, time_limit, limits)
     with closing(FmuFile(fmu, names)) as file:
@@ -214,7 +216,7 @@ def _motion(runs: Runs, baseline: Baseline, exact: Exact) -> Motion:
     case = baseline.case
     sides = {"fmu": runs.plain[case.id].value, "reference": baseline.reference.value}
     ran = {name: run for name, run in sides.items() if run is not None}
-    shown = (case.id, case.title, case.about, exact.record, exact.event_times)
+    shown = (case.id, case.title, case.about, exact.record, exact.events)
     return Motion(*shown, records=ran, group=case.group)
 
 
@@ -252,7 +254,6 @@ def _of_any(case: Case) -> bool:
 def _without(
     invariants: Invariants, probes: Collection[str], but: Collection[str] = ()
 ) -> Invariants:
-    """Return the invariants without some probes, but for those of these ids."""
     kept = [each for each in invariants.probes if each.probe not in probes or each.id in but]
     return replace(invariants, probes=kept)
 

@@ -18,27 +18,15 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from stickslip_verification.model.data_file import (
-    WRITTEN,
-    ById,
-    DataError,
-    DataFile,
-    Id,
-    Prose,
-    Text,
-    Written,
-    listed,
-)
+from stickslip_verification.model import data_file as data
 from stickslip_verification.truth import COULOMB_NAME
 
 FAULTS_FOLDER = Path(__file__).parent / "faults"
 
 Hook = tuple[str, str]
 """One of `HOOKS`, and Python that defines a function of this name, given ``original``."""
-
 HOOKS = ("get", "set", "step", "reset")
 """Calls of the master that a fault can replace. Variables by the suite's names, values in SI."""
-
 MASTER = "master"  # in place of a module: the override replaces a call to an instance
 _PYTHON = (3, 8)  # the oldest that loads the FMU, and so every fault
 
@@ -54,7 +42,7 @@ def parsed(text: str | bytes, **options: Any) -> ast.Module:
     return tree
 
 
-class MutantError(DataError):
+class MutantError(data.DataError):
     """A fault cannot be planted; one line with the file, the line or field, and the reason."""
 
 
@@ -63,8 +51,8 @@ _MODULE = rf"{_PART}(/{_PART})*\.py"
 _TARGET = rf"^{_PART}(\.{_PART})*(\._?[A-Z][A-Za-z0-9_]*)?(\.[A-Za-z_][A-Za-z0-9_]*)$"
 
 
-@dataclass(frozen=True, config=WRITTEN)
-class Override(Written):
+@dataclass(frozen=True, config=data.WRITTEN)
+class Override(data.Written):
     """One replacement of what a name stands for.
 
     ``target`` is ``module.name`` or ``module.Class.name`` in the packed source, a module by the end
@@ -76,7 +64,6 @@ class Override(Written):
     code: str
 
     def __post_init__(self) -> None:
-        """Refuse what is no Python 3.8, or does not define what it replaces."""
         if self.module == MASTER and self.path not in HOOKS:
             raise ValueError(f"no such call of the master; there are {', '.join(HOOKS)}")
         try:
@@ -108,25 +95,24 @@ class Override(Written):
         return f"def {name}(original):\n{textwrap.indent(made, '    ')}\n"
 
 
-@dataclass(frozen=True, config=WRITTEN)
-class Substitution(Written):
+@dataclass(frozen=True, config=data.WRITTEN)
+class Substitution(data.Written):
     """One change of text: ``find`` stands exactly once in ``file`` and gives way to ``replace``.
 
     ``file`` is the end of a path in the packed source, or ``modelDescription.xml``.
     """
 
     file: Annotated[str, Field(pattern=rf"^({_MODULE}|modelDescription\.xml)$")]
-    find: Text
+    find: data.Text
     replace: str
 
     def __post_init__(self) -> None:
-        """Refuse one that changes nothing."""
         if self.find == self.replace:
             raise ValueError("replace is what it replaces")
 
 
-@dataclass(frozen=True, kw_only=True, config=WRITTEN)
-class Mutant(Written):
+@dataclass(frozen=True, kw_only=True, config=data.WRITTEN)
+class Mutant(data.Written):
     """A fault to plant in the stick-slip FMU; at least one check of ``detected_by`` must fail.
 
     ``additions`` are modules that join the packed source, each from a file in the folder of the
@@ -135,15 +121,15 @@ class Mutant(Written):
 
     SOME: ClassVar = ("overrides", "substitutions")
 
-    id: Id = ""
-    about: Annotated[Prose, Field(description="what is wrong, and where people make it")]
-    law: Annotated[Text, Field(description="name of the FMU's friction law")] = COULOMB_NAME
-    detected_by: Annotated[tuple[Text, ...], Field(min_length=1)]
-    additions: Mapping[Annotated[str, Field(pattern=f"^{_MODULE}$")], Text] = field(
+    id: data.Id = ""
+    about: Annotated[data.Prose, Field(description="what is wrong, and where people make it")]
+    law: Annotated[data.Text, Field(description="name of the FMU's friction law")] = COULOMB_NAME
+    detected_by: Annotated[tuple[data.Text, ...], Field(min_length=1)]
+    additions: Mapping[Annotated[str, Field(pattern=f"^{_MODULE}$")], data.Text] = field(
         default_factory=dict
     )
     substitutions: tuple[Substitution, ...] = ()
-    overrides: Annotated[tuple[Override, ...], listed("target", short="code")] = ()
+    overrides: Annotated[tuple[Override, ...], data.listed("target", short="code")] = ()
     file: Path = Path()
 
     @property
@@ -157,29 +143,18 @@ class Mutant(Written):
         return bool(self.substitutions or self.additions) or len(self.hooks) < len(self.overrides)
 
 
-FaultFile = ById[Mutant]
-"""Faults to plant in the stick-slip FMU, by their ids."""
+FaultFile = data.ById[Mutant]  # faults to plant in the stick-slip FMU, by their ids
 
 
 def load_mutants(pattern: str | None = None, files: Path = FAULTS_FOLDER) -> list[Mutant]:
-    """Read planted faults, in the order of their ids.
+    """Read planted faults from a TOML file or a folder of them, in the order of their ids.
 
-    Parameters
-    ----------
-    pattern
-        Shell pattern on the ids (``state-*``); None takes all.
-    files
-        A TOML file, or a folder of them.
-
-    Raises
-    ------
-    MutantError
-        A description is broken (also one that the pattern leaves out), two have one id, or none
-        matches.
+    `pattern` is a shell pattern on the ids (``state-*``). `MutantError` if a description is broken
+    (also one that the pattern leaves out), two have one id, or none matches.
     """
     mutants: dict[str, Mutant] = {}
     for path in sorted(files.glob("*.toml")) if files.is_dir() else [files]:
-        file = DataFile(path, MutantError)
+        file = data.DataFile(path, MutantError)
         for mutant in file.read(FaultFile):
             if other := mutants.get(mutant.id):
                 raise file.refusal(f"{other.file.name} has a fault of this id", mutant.id)

@@ -10,44 +10,32 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from stickslip_verification.model.data_file import (
-    WRITTEN,
-    Amount,
-    ById,
-    DataError,
-    DataFile,
-    Id,
-    Ordinal,
-    Positive,
-    Text,
-    Written,
-    keyed,
-)
+from stickslip_verification.model import data_file as data
 from stickslip_verification.model.verdict import Kind, Klass
 
 FOLDER = Path(__file__).parent / "invariants"
 
 Name = Annotated[str, Field(pattern="^[a-z_]+$")]
-Equation = Annotated[Ordinal, Field(description="number in docs/theory.md")]
-OnSides = keyed("fmu", "reference")
+Equation = Annotated[data.Ordinal, Field(description="number in docs/theory.md")]
+OnSides = data.keyed("fmu", "reference")
 
 
-class InvariantError(DataError):
+class InvariantError(data.DataError):
     """A file of invariants cannot be used."""
 
 
-@dataclass(frozen=True, kw_only=True, config=WRITTEN)
-class Invariant(Written):
+@dataclass(frozen=True, kw_only=True, config=data.WRITTEN)
+class Invariant(data.Written):
     """One statement that is tried on every case, or once."""
 
-    id: Id = ""
-    title: Annotated[Text, Field(description="the statement")]
+    id: data.Id = ""
+    title: Annotated[data.Text, Field(description="the statement")]
     kind: Kind = Kind.INVARIANT
     klass: Annotated[Klass, Field(validation_alias="class")] = Klass.PHYSICS
     source: Equation
-    means: Annotated[Text, Field(description="the meaning of its failure")]
-    look: Annotated[Text, Field(description="where the bug is likely")]
-    laws: Annotated[tuple[Text, ...], Field(description="friction laws; empty: all")] = ()
+    means: Annotated[data.Text, Field(description="the meaning of its failure")]
+    look: Annotated[data.Text, Field(description="where the bug is likely")]
+    laws: Annotated[tuple[data.Text, ...], Field(description="friction laws; empty: all")] = ()
     stays: Annotated[str, Field(description="reason to stay though it detects no fault")] = ""
 
     def holds_for(self, law: str) -> bool:
@@ -55,7 +43,7 @@ class Invariant(Written):
         return not self.laws or law in self.laws
 
 
-@dataclass(frozen=True, kw_only=True, config=WRITTEN)
+@dataclass(frozen=True, kw_only=True, config=data.WRITTEN)
 class ResidualInvariant(Invariant):
     """An invariant on the samples: `metric` (a key of `METRICS`) leaves nothing over.
 
@@ -63,12 +51,12 @@ class ResidualInvariant(Invariant):
     """
 
     metric: Annotated[str, Field(pattern=r"^[a-z]+\.[a-z_]+$")]
-    quantity: Text
-    tolerance: Annotated[Mapping[str, Amount], OnSides]
-    because: Annotated[Mapping[str, Text], OnSides]
+    quantity: data.Text
+    tolerance: Annotated[Mapping[str, data.Amount], OnSides]
+    because: Annotated[Mapping[str, data.Text], OnSides]
 
 
-@dataclass(frozen=True, kw_only=True, config=WRITTEN)
+@dataclass(frozen=True, kw_only=True, config=data.WRITTEN)
 class RunInvariant(Invariant):
     """Another run of the FMU (a key of `RUNS`) gives the same motion.
 
@@ -77,18 +65,18 @@ class RunInvariant(Invariant):
     """
 
     run: Name
-    tolerance: Amount | None = None
-    because: Text
+    tolerance: data.Amount | None = None
+    because: data.Text
 
 
-@dataclass(frozen=True, kw_only=True, config=WRITTEN)
+@dataclass(frozen=True, kw_only=True, config=data.WRITTEN)
 class Manner(Invariant):
     """The exact motion of random sequences, in a manner of calling the FMU (a key of `MANNERS`)."""
 
     manner: Name
 
 
-@dataclass(frozen=True, kw_only=True, config=WRITTEN)
+@dataclass(frozen=True, kw_only=True, config=data.WRITTEN)
 class Probe(Invariant):
     """A question to the FMU as a whole: a key of `PROBES` and its arguments."""
 
@@ -98,18 +86,20 @@ class Probe(Invariant):
     arguments: Mapping[str, Any] = Field(default_factory=dict)
 
 
-@dataclass(frozen=True, kw_only=True, config=WRITTEN)
+@dataclass(frozen=True, kw_only=True, config=data.WRITTEN)
 class Agreement(Invariant):
     """FMU and reference agree on `quantity`, within what the case allows both together."""
 
     kind: Kind = Kind.CROSS_CODE
     source: Equation = 3
-    means: Text = "FMU and reference give different values: one of them is wrong, or both are."
-    look: Text = "The bug is on the side that fails the case's checks against the exact motion."
-    quantity: Text
+    means: data.Text = "FMU and reference give different values: one of them is wrong, or both are."
+    look: data.Text = (
+        "The bug is on the side that fails the case's checks against the exact motion."
+    )
+    quantity: data.Text
 
 
-@dataclass(frozen=True, kw_only=True, config=WRITTEN)
+@dataclass(frozen=True, kw_only=True, config=data.WRITTEN)
 class Order(Invariant):
     """The reference's error in `quantity` falls with its tolerance in the order `order`.
 
@@ -119,32 +109,31 @@ class Order(Invariant):
     """
 
     kind: Kind = Kind.CONVERGENCE
-    quantity: Text
-    cases: Annotated[tuple[Id, ...], Field(min_length=1)]
-    order: Positive
-    coarsest: Positive
-    finest: Positive
+    quantity: data.Text
+    cases: Annotated[tuple[data.Id, ...], Field(min_length=1)]
+    order: data.Positive
+    coarsest: data.Positive
+    finest: data.Positive
     levels: Annotated[int, Field(ge=5)]
-    tolerance: Amount
-    halves: Amount
-    because: Annotated[Mapping[str, Text], keyed("order", "halves")]
+    tolerance: data.Amount
+    halves: data.Amount
+    because: Annotated[Mapping[str, data.Text], data.keyed("order", "halves")]
 
 
-@dataclass(frozen=True, config=WRITTEN)
-class Invariants(Written):
+@dataclass(frozen=True, config=data.WRITTEN)
+class Invariants(data.Written):
     """Invariants that every run of the stick-slip block is held to, by the way they are tried."""
 
     SOME: ClassVar = ("residuals", "runs", "sequences", "probes", "agreements", "orders")
 
-    residuals: ById[ResidualInvariant] = ()
-    runs: ById[RunInvariant] = ()
-    sequences: ById[Manner] = ()
-    probes: ById[Probe] = ()
-    agreements: ById[Agreement] = ()
-    orders: ById[Order] = ()
+    residuals: data.ById[ResidualInvariant] = ()
+    runs: data.ById[RunInvariant] = ()
+    sequences: data.ById[Manner] = ()
+    probes: data.ById[Probe] = ()
+    agreements: data.ById[Agreement] = ()
+    orders: data.ById[Order] = ()
 
     def __iter__(self) -> Iterator[Invariant]:
-        """Yield every invariant."""
         for family in self.SOME:
             yield from getattr(self, family)
 
@@ -161,15 +150,12 @@ class Invariants(Written):
 def load_invariants(folder: Path = FOLDER) -> Invariants:
     """Read every TOML file of a folder, in the order of their names.
 
-    Raises
-    ------
-    InvariantError
-        A file is broken, or two invariants share an id.
+    `InvariantError` if a file is broken, or two invariants share an id.
     """
     families: dict[str, list[Any]] = {family: [] for family in Invariants.SOME}
     files: dict[str, Path] = {}
     for path in sorted(folder.glob("*.toml")):
-        file = DataFile(path, InvariantError)
+        file = data.DataFile(path, InvariantError)
         written = file.read(Invariants)
         for family, invariants in families.items():
             for invariant in getattr(written, family):

@@ -5,20 +5,19 @@ the next moments allow, the one that has happened least so far comes next. So a 
 sequences fill the whole table of `coverage`, whatever the seed.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 from typing import NamedTuple
 
 from stickslip_verification import truth
+from stickslip_verification.model.run import CommunicationStep
+from stickslip_verification.model.verdict import Table
 from stickslip_verification.suite.cases import Case, follow
-from stickslip_verification.suite.experiment import CommunicationStep
 from stickslip_verification.suite.invariants import Manner
 from stickslip_verification.truth.parameters import CHANGEABLE, START_VALUES
 
@@ -62,12 +61,10 @@ UNPULLED = "any change, v = 0"
 _AT_START = {LOADED: frozenset({"load", "F_ext"}), MOVING: frozenset({"x_dot_start"})}
 ROWS = (*CHANGES, LOADED, MOVING, ABOVE_ONE, UNPULLED)
 """What `coverage` counts, apart from phase and damping."""
-
 _SMALLEST_MARGIN = 1e-6  # `truth.Run.margin` below which a sequence is drawn anew
 _NEAREST = 0.02  # of 1/w: no change comes nearer to an event
 _HORIZON, _FARTHEST = 12.0, 60.0  # of 1/w: where the next change is; heavily damped, at most
 _SLOWEST, _QUICKEST = 20.0, 150.0  # angular frequency [rad/s]; the default's is 32
-
 _GRID = 16.0
 """Angular frequencies are multiples of 1/16 and masses of 1/64, so that k = m w^2 and the critical
 c = 2 m w are doubles, and critical damping is met exactly."""
@@ -150,6 +147,30 @@ def coverage(sequences: Iterable[RandomSequence]) -> Counter[Cell]:
     return Counter(cell for sequence in sequences for cell in sequence.cells)
 
 
+def empty_cells(sequences: Iterable[RandomSequence], scope: Scope) -> list[Cell]:
+    """Return the cells that sequences leave empty although an FMU of this scope reaches them."""
+    counts = coverage(sequences)
+    return [cell for cell in CELLS if not counts[cell] and scope.hindrance(cell) is None]
+
+
+def coverage_table(sequences: Sequence[RandomSequence], seed: int, scope: Scope) -> Table:
+    """Count how often what changed in which phase, at which damping."""
+    counts = coverage(sequences)
+    reasons = Counter(scope.hindrance(cell) for cell in CELLS if not counts[cell])
+    rows: list[list[str | int]] = []
+    for row, phase in itertools.product(ROWS, PHASES):
+        cells = (Cell(row, phase, damping) for damping in DAMPINGS)
+        rows.append([f"{row}, in {phase}", *(counts[cell] for cell in cells)])
+    return Table(
+        title="Random sequences",
+        about="How often what changed in which phase, at which damping from then on: "
+        f"{len(sequences)} sequences of seed {seed}.",
+        head=("what changes, and when", *DAMPINGS),
+        rows=rows,
+        note=" ".join(f"{n} cells cannot be filled: {why}." for why, n in reasons.items() if why),
+    )
+
+
 def _draw(seed: int, number: int, counts: Mapping[Cell, int], scope: Scope) -> RandomSequence:
     for attempt in itertools.count():
         draw = Random(f"sequence {number} of {seed}, attempt {attempt}")
@@ -171,8 +192,6 @@ def _draw(seed: int, number: int, counts: Mapping[Cell, int], scope: Scope) -> R
 
 
 class _Plan:
-    """A sequence that grows, change by change."""
-
     def __init__(self, draw: Random, counts: Mapping[Cell, int], scope: Scope) -> None:
         self._draw = draw
         self._counts = Counter(counts)
@@ -355,7 +374,6 @@ class _Plan:
         return 0.0 if way < 0.45 and name != "v" else drawn
 
     def _damper(self, m: float, w: float, damping: str) -> float:
-        """Draw the coefficient c [N.s/m] of a damping."""
         ratio = {
             UNDAMPED: 0.0,
             BELOW: _log_uniform(self._draw, 3e-4, 0.9),
@@ -417,3 +435,85 @@ def _on_grid(value: float, grid: float = _GRID) -> float:
 
 def _log_uniform(draw: Random, lowest: float, highest: float) -> float:
     return math.exp(draw.uniform(math.log(lowest), math.log(highest)))
+
+
+SHARE = 8
+"""Of the sequences of Coulomb's law every eighth is tried under another one, whose exact motion is
+marched and not in closed form."""
+_MOST_POINTS = 5  # of a drawn friction curve
+_ATTEMPTS = 10  # draws of growing friction for one sequence, until rounding decides no event
+
+
+def under_law(cases: Sequence[Case], law: str, seed: int) -> list[Case]:
+    """Return every `SHARE`th of these cases under the friction law of this name."""
+    own = tuple(truth.friction_law(law).parameters)
+    drawn = (
+        (case, _DRAWS[law](Random(f"{law} {seed} {case.id}"), case)) for case in cases[::SHARE]
+    )
+    return [
+        replace(case, parameters={**case.parameters, **new}, law=law, own=own)
+        for case, new in drawn
+    ]
+
+
+def with_dwell(cases: Sequence[Case], seed: int) -> list[Case]:
+    """Return every `SHARE`th of these cases of Coulomb's law with a friction that grows at rest."""
+    found = []
+    for case in cases[::SHARE]:
+        for attempt in range(_ATTEMPTS):
+            drawn = _growing(Random(f"dwell {seed} {case.id} {attempt}"), case)
+            if well_decided(follow(drawn.parameters, drawn.steps, in_doubles=True)):
+                found.append(drawn)
+                break
+    return found
+
+
+def _growing(draw: Random, case: Case) -> Case:
+    """Draw a growth as quick as the swing, within two decades; it changes at one of the steps."""
+    start = case.start
+    w, gap = math.sqrt(start["k"] / start["m"]), start["mu_s"] - start["mu_k"]
+
+    def growth() -> dict[str, float]:
+        return {
+            "tau_s": draw.choice((0.0, 1.0, 1.0)) * 10.0 ** draw.uniform(-2.0, 2.0) / w,
+            "B": draw.choice((0.0, 1.0, 1.0)) * gap * 10.0 ** draw.uniform(-2.0, 0.0),
+            "t_0": 10.0 ** draw.uniform(-2.0, 1.0) / w,
+        }
+
+    old = {"age_start": draw.choice((0.0, 10.0 ** draw.uniform(-1.0, 3.0) / w))}
+    changed = draw.choice([n for n, step in enumerate(case.steps) if n == 0 or step.changes])
+    steps = [
+        replace(step, changes={**step.changes, **growth()}) if n == changed and n else step
+        for n, step in enumerate(case.steps)
+    ]
+    return replace(
+        case,
+        id=f"{case.id}-dwell",
+        title=f"{case.title}, static friction grows at rest",
+        parameters={**case.parameters, **growth(), **old},
+        steps=tuple(steps),
+        own=tuple(truth.COULOMB.parameters),
+    )
+
+
+def _stribeck(draw: Random, case: Case) -> Mapping[str, float]:
+    """Draw a shape, its speeds about those of the pull, and a curve below every mu_s to come."""
+    settings = [case.start, *(step.changes for step in case.steps)]
+    pull = max(abs(values["v"]) for values in settings if "v" in values)
+    rest = min(values["mu_s"] for values in settings if "mu_s" in values)
+    count = draw.randint(2, _MOST_POINTS)
+    drawn = {
+        "shape": float(draw.randint(1, 3)),
+        "v_s": pull * 10.0 ** draw.uniform(-1.5, 1.0),
+        "delta": draw.choice((1.0, 2.0, 3.0, draw.uniform(1.0, 3.0))),
+        "n_points": float(count),
+        "mu_1": rest * draw.choice((1.0, draw.uniform(0.6, 1.0))),
+    }
+    speed = 0.0
+    for number in range(2, count + 1):
+        speed += pull * 10.0 ** draw.uniform(-1.5, 0.5)
+        drawn |= {f"u_{number}": speed, f"mu_{number}": rest * draw.uniform(0.3, 1.0)}
+    return drawn
+
+
+_DRAWS: Mapping[str, Callable[[Random, Case], Mapping[str, float]]] = {"stribeck": _stribeck}

@@ -22,14 +22,11 @@ from stickslip_verification.truth import COULOMB, FrictionLaw, Run
 ROUNDING = 1e-12
 """What the exact block may lose before conditioning, as a part of the value: some thousand
 roundings of 1e-16 along its arcs, and another mathematical library."""
-
 DISTURBED = 1e-10
 """What the exact block may lose under any sequence of inputs, as a part of the value: a change or a
 reversal starts an arc from a rounded state, which a shallow re-stick amplifies, (17)."""
-
 INTEGRATION = 1e-9  # what a careful integration may lose in a slip, before conditioning
 NOTHING = 1e-30  # magnitude [SI] below which the exact motion, of 50 digits, is zero
-
 ZERO = "zero throughout by the rules: nothing is computed"
 """Reason of an output that is zero in the exact motion."""
 

@@ -6,26 +6,20 @@ Coulomb's cycle in closed form (damped: with one root), `critical_lambda` the ed
 """
 
 from stickslip_verification.truth.coulomb import COULOMB as COULOMB
-from stickslip_verification.truth.coulomb import Coulomb as Coulomb
+from stickslip_verification.truth.coulomb import critical_lambda as critical_lambda
+from stickslip_verification.truth.coulomb import steady_cycle as steady_cycle
+from stickslip_verification.truth.course import COULOMB_NAME as COULOMB_NAME
 from stickslip_verification.truth.course import Run as Run
 from stickslip_verification.truth.course import Step as Step
+from stickslip_verification.truth.course import friction_law as friction_law
 from stickslip_verification.truth.course import run as run
-from stickslip_verification.truth.cycle import critical_lambda as critical_lambda
-from stickslip_verification.truth.cycle import steady_cycle as steady_cycle
 from stickslip_verification.truth.law import FrictionLaw as FrictionLaw
 from stickslip_verification.truth.law import Slip as Slip
-from stickslip_verification.truth.motion import Event as Event
-from stickslip_verification.truth.named import COULOMB_NAME as COULOMB_NAME
-from stickslip_verification.truth.named import friction_law as friction_law
-from stickslip_verification.truth.parameters import CHANGEABLE as CHANGEABLE
 from stickslip_verification.truth.parameters import PARAMETERS as PARAMETERS
 from stickslip_verification.truth.parameters import START_VALUES as START_VALUES
 from stickslip_verification.truth.parameters import Kind as Kind
 from stickslip_verification.truth.parameters import Number as Number
 from stickslip_verification.truth.parameters import Numbers as Numbers
 from stickslip_verification.truth.parameters import Parameter as Parameter
-from stickslip_verification.truth.parameters import complete as complete
 from stickslip_verification.truth.series import Series as Series
 from stickslip_verification.truth.stribeck import STRIBECK as STRIBECK
-from stickslip_verification.truth.stribeck import Shape as Shape
-from stickslip_verification.truth.stribeck import Stribeck as Stribeck

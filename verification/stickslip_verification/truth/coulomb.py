@@ -4,10 +4,8 @@ Everything is counted along the slip: a slip backward is the mirror image of one
 pulling speed V = s v carries the sign and the speed of the mass is never negative.
 """
 
-from __future__ import annotations
-
-from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from stickslip_verification.truth.law import FrictionLaw
 from stickslip_verification.truth.parameters import (
@@ -16,36 +14,26 @@ from stickslip_verification.truth.parameters import (
     Number,
     Numbers,
     Parameter,
+    complete,
+    exact,
+    high_precision,
+    root_tolerance,
+    sign,
 )
-from stickslip_verification.truth.series import Series
-from stickslip_verification.truth.zeros import safeguarded_zero
+from stickslip_verification.truth.series import Series, safeguarded_zero
 
 
 class _Fall(NamedTuple):
-    """The first stretch of time with falling velocity."""
-
     start: Number
     stop: Number | None  # None where it never turns
 
 
-class _RelativeVelocity(Protocol):
-    """rho = speed of the mass less that of the pulled end: a free oscillation, (3)."""
-
-    fall: _Fall | None
-    """The first fall from time 0 on; None if rho only rises, or rests."""
-
-    rise_end: Number | None
-    """Time of the first maximum after time 0; None if there is none."""
-
-    def at(self, t: Number) -> tuple[Number, Number]:
-        """Return rho [m/s] and its rate [m/s2] at the time t [s] after the start."""
-
-    def square_integral(self, t: Number) -> Number:
-        """Return the integral of rho^2 over time, from 0 to t [m2/s]; damped motion only."""
-
-
 class _Oscillation:
-    """zeta < 1: a sinusoid that decays, or does not. docs/theory.md (3), (5)."""
+    """The free oscillation rho, speed of the mass less that of the pulled end, for zeta < 1, (3).
+
+    ``fall`` is its first fall from time 0 on, None if it only rises, or rests; ``rise_end`` the
+    time of its first maximum after time 0, None if there is none.
+    """
 
     def __init__(
         self, context: Context, alpha: Number, omega: Number, rho_0: Number, a_0: Number
@@ -71,6 +59,7 @@ class _Oscillation:
         self.rise_end = (self.phase if self.phase > 0 else self.phase + 2 * pi) / omega
 
     def at(self, t: Number) -> tuple[Number, Number]:
+        """Return rho [m/s] and its rate [m/s2] at the time t [s] after the start."""
         cosine, sine = self._context.cos_sin(self._omega * t)
         rho = self._cosine * cosine + self._sine * sine
         rate = self._rate_cosine * cosine + self._rate_sine * sine
@@ -85,6 +74,7 @@ class _Oscillation:
         return start * self._context.exp(-self._alpha * t) / self._context.sqrt(self._w2)
 
     def square_integral(self, t: Number) -> Number:
+        """Return the integral of rho^2 over time, from 0 to t [m2/s]; damped motion only."""
         alpha, omega = self._alpha, self._omega
         decay = self._context.exp(-2 * alpha * t)
         cosine, sine = self._context.cos_sin(2 * omega * t)
@@ -170,27 +160,15 @@ def _single_turn(
 class Slip:
     """A slip with all inputs and parameters constant, from its start (or their last change) on.
 
-    Parameters
-    ----------
-    direction
-        s = +1 or -1.
-    speed
-        s x_dot at the start [m/s]; exactly 0 for a slip from rest, else positive.
-    acceleration
-        s x_ddot at the start [m/s2]; from rest >= 0, and 0 only if the pull goes along.
+    It starts in the `direction` s with the `speed` s x_dot [m/s], exactly 0 from rest, and the
+    `acceleration` s x_ddot [m/s2], from rest >= 0, and 0 only if the pull goes along.
 
-    Attributes
-    ----------
-    duration
-        Time from here to the end of the slip [s]; None if it never ends. docs/theory.md (5).
-    end_acceleration
-        s x_ddot at that end [m/s2], <= 0; undamped from rest exactly -acceleration.
-    margin
-        How clearly the slip ends or goes on: |p_min| / (|V| + |rho_min|) at the minimum that
-        decides (0: it just touches zero); None where no number decides, as in an undamped slip
-        from rest or against the pull, which end by structure.
-    decided_after
-        Time from here at which that decision has been met [s].
+    ``duration`` [s] is the time from here to its end, docs/theory.md (5), None if it never ends;
+    ``end_acceleration`` [m/s2] is s x_ddot there, <= 0, undamped from rest exactly -acceleration.
+    ``margin`` says how clearly it ends or goes on: |p_min| / (|V| + |rho_min|) at the minimum that
+    decides (0: it just touches zero); None where no number decides, as in an undamped slip from
+    rest or against the pull, which end by structure. ``decided_after`` [s] is when that has been
+    met.
     """
 
     def __init__(
@@ -252,7 +230,7 @@ class Slip:
         """Return nothing: the law has no state of its own."""
         return ()
 
-    def _relative_velocity(self) -> _RelativeVelocity:
+    def _relative_velocity(self) -> _Oscillation | _CriticalDecay | _TwoDecays:
         context, n = self._context, self._numbers
         alpha = n.c / (2 * n.m)
         # 4 m^2 (w^2 - alpha^2), whose sign is exact: products of doubles fit the context.
@@ -454,3 +432,82 @@ class Coulomb(FrictionLaw):
 
 
 COULOMB = Coulomb()
+
+
+def steady_cycle(parameters: Mapping[str, float], *, digits: int = 50) -> dict[str, Number] | None:
+    """Return the steady stick-slip cycle of exactly these numbers, or None where there is none.
+
+    That is for v = 0 and, damped, for lambda < lambda_c. `parameters` are m g k c mu_s mu_k v load
+    (SI), the rest at their start values; F_ext and the start do not matter. `ValueError` names a
+    parameter, its value and its range. docs/theory.md (7) to (11) without damping, (13) with: F_s
+    [N], Delta [m], lambda_ [1], spring_drop [m], delta_x [m], t_slip [s], t_stick [s], T [s], f
+    [Hz], x_dot_peak [m/s], to `digits` decimal digits; lengths and x_dot_peak with the sign of v.
+    """
+    context = high_precision(digits)
+    n = exact(context, complete(parameters))
+    direction = sign(n.v)
+    if direction == 0:
+        return None
+    slip = Slip(context, n, direction, context.zero, n.gap / n.m)
+    if slip.duration is None:
+        return None
+    spring_drop = (n.gap - n.m * slip.end_acceleration) / n.k
+    t_stick = spring_drop / abs(n.v)
+    T = t_stick + slip.duration
+    Delta = n.gap / n.k
+    return {
+        "F_s": n.F_s,
+        "Delta": Delta,
+        "lambda_": context.sqrt(n.k / n.m) * Delta / abs(n.v),
+        "spring_drop": direction * spring_drop,
+        "delta_x": n.v * T,
+        "t_slip": slip.duration,
+        "t_stick": t_stick,
+        "T": T,
+        "f": 1 / T,
+        "x_dot_peak": direction * slip.top_speed(slip.duration),
+    }
+
+
+def critical_lambda(zeta: float, *, digits: int = 50) -> Number:
+    """Return lambda_c(zeta), the least lambda = w Delta/|v| with a cycle, docs/theory.md (13).
+
+    0 for zeta = 0 (a cycle at every speed), +inf for zeta >= 1 (at none). The damping ratio c/(2 m
+    w) [1] is a double or a number of high precision, taken exactly; the result carries `digits`
+    decimal digits. `ValueError` if zeta is negative or no number.
+    """
+    context = high_precision(digits)
+    ratio = context.mpf(zeta)
+    if not ratio >= 0:
+        raise ValueError(f"zeta = {zeta} is outside zeta >= 0")
+    if ratio == 0:
+        return context.zero
+    if ratio >= 1:
+        return context.inf
+    return context.exp(_log_critical_lambda(context, ratio))
+
+
+def _log_critical_lambda(context: Context, zeta: Number) -> Number:
+    """Return ln lambda_c by Newton's method on (13) from above, bracketed."""
+    nu = context.sqrt((1 - zeta) * (1 + zeta))
+    low = context.log(2 * zeta)
+    high = context.log1p(context.exp(2 * context.pi * zeta / nu))
+    tolerance = root_tolerance(context)
+    logarithm = high
+    last = high - low
+    while True:
+        L = context.exp(logarithm)
+        square = (L - zeta) ** 2 + nu * nu
+        turn = 2 * context.pi - context.atan2(L * nu, 1 - zeta * L)
+        excess = context.log(square) - 2 * zeta / nu * turn
+        if excess > 0:
+            high = logarithm
+        else:
+            low = logarithm
+        step = -excess * square / (2 * L * L)
+        if abs(step) > tolerance and (not (low < logarithm + step < high) or 2 * abs(step) > last):
+            step = (low + high) / 2 - logarithm
+        logarithm += step
+        last = abs(step)
+        if last <= tolerance:
+            return logarithm

@@ -1,19 +1,10 @@
 """The contract of a friction law in the truth."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from stickslip_verification.truth.march import March
-from stickslip_verification.truth.parameters import (
-    Context,
-    Number,
-    Numbers,
-    Parameter,
-    used_mu_k,
-)
-from stickslip_verification.truth.pieces import Friction, NearRest
+from stickslip_verification.truth.march import Friction, March, NearRest
+from stickslip_verification.truth.parameters import Context, Number, Numbers, Parameter, used_mu_k
 from stickslip_verification.truth.series import Series
 
 

@@ -7,16 +7,63 @@ zero when they are equal (the gap between the frictions, the square under the ro
 stop), never on the sign of a rounded result.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from stickslip_verification.truth.law import FrictionLaw, Slip
-from stickslip_verification.truth.meter import Meter
 from stickslip_verification.truth.parameters import Context, Number, exact, sign
-from stickslip_verification.truth.series import Series
-from stickslip_verification.truth.zeros import bracketed_zero
+from stickslip_verification.truth.series import Series, bracketed_zero
+
+
+class Meter:
+    """The cycle meter of one run.
+
+    `readings` are its outputs by name, SI, 0 until first written; `stick_start` [s] is when the
+    last stick began.
+    """
+
+    def __init__(self, context: Context, start_time: Number) -> None:
+        zero = context.zero
+        names = ("delta_x", "spring_drop", "t_stick", "t_slip", "T", "f", "x_dot_peak")
+        self.readings: dict[str, Number] = dict.fromkeys(names, zero)
+        self.readings |= {"n_slips": 0, "t_event": start_time}
+        self._zero = zero
+        self.stick_start = start_time
+        self._last_break_away: Number | None = None
+        self._slip_start: tuple[Number, Number, Number] | None = None
+        self._direction = 0
+        self._top_speed = zero
+
+    def begin_slip(self, time: Number, direction: int, x: Number, z: Number) -> None:
+        """Mark where a slip begins: time [s], s, mass [m] and spring [m]."""
+        self._slip_start = (time, x, z)
+        self._direction = direction
+        self._top_speed = self._zero
+
+    def break_away(self, time: Number) -> None:
+        """Write what a break-away at `time` [s] shows."""
+        self.readings["t_stick"] = time - self.stick_start
+        if self._last_break_away is not None:
+            T = time - self._last_break_away
+            self.readings |= {"T": T, "f": 1 / T}
+        self._last_break_away = time
+        self.readings["t_event"] = time
+
+    def speed_reached(self, top_speed: Number) -> None:
+        """Note the largest speed [m/s] along one stretch of the slip under way."""
+        self._top_speed = max(self._top_speed, top_speed)
+
+    def end_slip(self, time: Number, x: Number, z: Number) -> None:
+        """Write what the end of a slip at `time` [s] shows, mass at x [m], spring at z [m]."""
+        assert self._slip_start is not None
+        start_time, start_x, start_z = self._slip_start
+        self.readings["t_slip"] = time - start_time
+        self.readings["delta_x"] = x - start_x
+        self.readings["spring_drop"] = start_z - z
+        self.readings["x_dot_peak"] = self._direction * self._top_speed
+        self.readings["n_slips"] += 1
+        self.readings["t_event"] = time
+        self._slip_start = None
 
 
 @dataclass(frozen=True)
@@ -267,7 +314,6 @@ class Motion:
         return hold if isinstance(hold, Series) else Series(self._context, [hold])
 
     def _hold(self, age: Number, state: tuple[Number, ...]) -> Number:
-        """Return the break-away force [N] at the age [s]."""
         return self._hold_series(age, state).term(0)
 
     def _sliding(self, speed: Number = 0) -> Number:
@@ -277,7 +323,6 @@ class Motion:
         return self._law.kinetic(self._n, Series(context, [context.mpf(speed)]), state).term(0)
 
     def _rested(self, duration: Number) -> tuple[Number, ...]:
-        """Return the law's own state after a time [s] of the present stick."""
         return self._law.rested(self._n, duration, self._state)
 
     def _load_up_ends(self, time: Number, overload: Number) -> None:
@@ -330,7 +375,6 @@ class Motion:
             self.margin = min(self.margin, distance / scale)
 
     def _note_decision(self, slip: Slip, elapsed: Number) -> None:
-        """Keep how clearly a slip ended or went on, once it has."""
         decision = slip.decision(elapsed)
         if decision is not None:
             self.margin = min(self.margin, decision)

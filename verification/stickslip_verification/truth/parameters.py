@@ -4,8 +4,6 @@ A simulator computes with doubles. The exact solution is that of these very bina
 the decimals they were typed as. docs/theory.md, the model and (2).
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -15,11 +13,8 @@ from typing import Any, TypeAlias
 
 import mpmath
 
-Number: TypeAlias = Any
-"""A real number of a high-precision context (mpmath ships no types)."""
-
-Context: TypeAlias = Any
-"""A context of mpmath with its own precision."""
+Number: TypeAlias = Any  # a real number of a high-precision context (mpmath ships no types)
+Context: TypeAlias = Any  # a context of mpmath with its own precision
 
 
 class Kind(StrEnum):
@@ -96,10 +91,7 @@ _ROOT_BITS = 30
 def high_precision(digits: int) -> Context:
     """Return the context that carries `digits` decimal digits and the guard digits.
 
-    Raises
-    ------
-    ValueError
-        If `digits` is below 20, where the truth would be no better than a simulator.
+    `ValueError` if they are below 20, where the truth would be no better than a simulator.
     """
     if digits < 20:
         raise ValueError(f"digits = {digits} is outside 20 ..")
@@ -119,20 +111,11 @@ def root_tolerance(context: Context) -> Number:
 
 
 def complete(given: Mapping[str, float], own: Sequence[Parameter] = ()) -> dict[str, float]:
-    """Return all parameters as doubles, those not given at their start values.
+    """Return all parameters as doubles, SI, those not given at their start values.
 
-    Parameters
-    ----------
-    given
-        Values by name, SI.
-    own
-        The friction law's own parameters, which follow the twelve in the result.
-
-    Raises
-    ------
-    ValueError
-        Naming the parameter, its value and its range: unknown name, NaN or infinity; m, g or k
-        not positive; c, mu_s or mu_k negative; load below -m g; an own parameter out of its range.
+    The friction law's `own` follow the twelve. `ValueError`, with the parameter, its value and its
+    range, for an unknown name, NaN or infinity; m, g or k not positive; c, mu_s or mu_k negative;
+    load below -m g; an own parameter out of its range.
     """
     table = {each.name: each for each in (*PARAMETERS, *own)}
     unknown = sorted(set(given) - set(table))

@@ -8,19 +8,16 @@ coefficient of all three:
 3. Curve: straight between the measured points (0, mu_1), (u_2, mu_2) ... (u_n, mu_n), mu_n beyond
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
 
 from stickslip_verification.truth.law import FrictionLaw
+from stickslip_verification.truth.march import NearRest
 from stickslip_verification.truth.parameters import Context, Kind, Number, Numbers, Parameter
-from stickslip_verification.truth.pieces import NearRest
 from stickslip_verification.truth.series import Series
 
-MOST_POINTS = 12
-"""A curve has at most as many points."""
+MOST_POINTS = 12  # a curve has at most as many points
 
 
 class Shape(IntEnum):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.parameters import Parameters
-from stickslip_verification.model.events import Event
+from stickslip_verification.model.run import Event
 
 Floats: TypeAlias = NDArray[np.float64]
 

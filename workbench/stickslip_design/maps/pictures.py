@@ -43,7 +43,7 @@ def picture(view: View, part: Slice) -> bytes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from stickslip_verification.report.house_style import STYLE
+    from stickslip_verification.report.svg import STYLE
 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=_SIZE, layout="constrained")

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip_verification import FmuError
-from stickslip_verification.drive.fmu.unpacking import new_folder, unpack
+from stickslip_verification.drive.fmu.description import new_folder, unpack
 
 from .child import ENDED, FAILED, READY, TAKEN, receive, send
 from .job import Job

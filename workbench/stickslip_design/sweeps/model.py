@@ -16,8 +16,14 @@ from pathlib import Path
 from typing import Final
 
 from stickslip_verification import FmuError, Unit
-from stickslip_verification.drive.fmu.description import NUMBERS, Description, read_description
-from stickslip_verification.drive.fmu.unpacking import check_size, new_folder, unpack
+from stickslip_verification.drive.fmu.description import (
+    NUMBERS,
+    Description,
+    check_size,
+    new_folder,
+    read_description,
+    unpack,
+)
 
 from ..quantity import QuantityError
 from .job import FLOATING, Component, Variable, Wire

@@ -10,8 +10,7 @@ from markupsafe import Markup
 
 from stickslip_fmu.release import VERSION
 from stickslip_verification.report.environment import environment, text_of
-from stickslip_verification.report.house_style import STYLE
-from stickslip_verification.report.svg import as_part
+from stickslip_verification.report.svg import STYLE, as_part
 
 from . import words
 from .pictures import PICTURES, picture

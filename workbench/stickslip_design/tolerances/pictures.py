@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from stickslip_verification.report.house_style import BLUE, GREY, INK, ORANGE, STYLE
+from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
 
 from ..points.axes import STICKS
 from ..shown import EXACT, number

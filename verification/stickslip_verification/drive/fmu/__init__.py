@@ -1,1 +1,1 @@
-"""An FMU 2.0 or 3.0 as a file: its archive, its variables by the suite's names, its instances."""
+"""An FMU 2.0 or 3.0: its description and archive, the suite's names for it, its instances."""

@@ -1,9 +1,10 @@
-"""The model description of an FMU, read once into a typed record."""
+"""The archive of an FMU, unpacked within limits, and its description, read into a record."""
 
-from __future__ import annotations
-
+import contextlib
 import difflib
+import hashlib
 import re
+import tempfile
 import xml.etree.ElementTree as ElementTree
 import zipfile
 from collections.abc import Collection, Mapping
@@ -14,12 +15,115 @@ from typing import Any, Final, TypeAlias
 import fmpy
 import fmpy.model_description
 
-from stickslip_verification.drive.fmu.errors import FmuError, one_line
-from stickslip_verification.drive.fmu.unpacking import DESCRIPTION, MOST_DESCRIBED, check_size
 from stickslip_verification.model.units import Unit, defined
 
-VERSIONS: Final = ("2.0", "3.0")
-"""Versions of FMI that the suite drives."""
+
+class FmuError(RuntimeError):
+    """The FMU cannot be used, or refused a call; one line, with the FMU's own message if any."""
+
+
+class NotApplicableError(Exception):
+    """The FMU lacks what a case or an invariant needs; the text says what."""
+
+
+def one_line(error: BaseException) -> str:
+    """Return the text of an error on one line, or its kind if it has none."""
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+DESCRIPTION = "modelDescription.xml"
+
+MOST_UNPACKED: Final = 2_000_000_000  # bytes of all files of an FMU
+MOST_DESCRIBED: Final = 64_000_000
+"""Bytes of a model description; one with 100,000 variables has some 30 million."""
+MOST_FILES: Final = 100_000  # files and folders of an FMU: empty ones take room as well
+MOST_RATIO: Final = 200
+"""Bytes unpacked for each packed one, in a file and in all; source and binaries reach 10."""
+FREE, FREE_IN_ALL = 10_000_000, 100_000_000
+"""Bytes of a file, and of all, that may have any ratio: a table of zeros packs to a thousandth."""
+_ELSEWHERE: Final = ("/tmp", "/var/tmp")
+"""Where to unpack if the folder for temporary files has another name than plain."""
+
+
+def check_size(path: Path) -> None:
+    """Refuse an FMU that unpacks, by what it says, to more than the limits; `FmuError`."""
+    with zipfile.ZipFile(path) as archive:
+        entries = archive.infolist()
+    total = sum(entry.file_size for entry in entries)
+    if len(entries) > MOST_FILES:
+        raise FmuError(f"{path}: has {len(entries)} files; at most {MOST_FILES} are unpacked")
+    if total > MOST_UNPACKED:
+        most = _mb(MOST_UNPACKED)
+        raise FmuError(f"{path}: unpacks to {_mb(total)}; at most {most} are unpacked")
+    for entry in entries:
+        if entry.filename == DESCRIPTION and entry.file_size > MOST_DESCRIBED:
+            size, most = _mb(entry.file_size), _mb(MOST_DESCRIBED)
+            raise FmuError(f"{path}: {DESCRIPTION} has {size}; at most {most} are read")
+        if entry.file_size > max(FREE, MOST_RATIO * entry.compress_size):
+            raise _grows(path, f"its file {entry.filename!r}", entry.file_size)
+    # Packed files may overlap, but the archive has no more bytes than it has.
+    if total > max(FREE_IN_ALL, MOST_RATIO * path.stat().st_size):
+        raise _grows(path, "it", total)
+
+
+def unpack(path: Path, folder: Path) -> None:
+    """Unpack an FMU that `check_size` lets pass; `FmuError` for damaged files, names elsewhere."""
+    try:
+        fmpy.extract(path, unzipdir=folder)
+    except OSError as error:
+        reason = error.strerror or one_line(error)
+        raise FmuError(f"{path}: cannot be unpacked into {folder} ({reason})") from None
+    except Exception as error:
+        raise FmuError(f"{path}: cannot be unpacked ({one_line(error)})") from None
+
+
+def new_folder() -> Path:
+    """Make an empty folder for an FMU; `FmuError` if none can have a name without escapes.
+
+    An FMU gets its folder as a URI, and pythonfmu's wrapper decodes of it ``%20`` alone: any other
+    escape, as for an umlaut, ends the process.
+    """
+    usual = tempfile.gettempdir()
+    for parent in (usual, *_ELSEWHERE):
+        if "%" not in Path(parent).absolute().as_uri().replace("%20", ""):
+            with contextlib.suppress(OSError):
+                return Path(tempfile.mkdtemp(prefix="stickslip-fmu-", dir=parent))
+    raise FmuError(
+        f"{usual}: FMUs made with pythonfmu cannot be unpacked in a folder of this name; "
+        "set TMPDIR to one with letters of ASCII and digits"
+    )
+
+
+def _grows(path: Path, what: str, size: int) -> FmuError:
+    return FmuError(
+        f"{path}: {what} unpacks to {_mb(size)}, more than {MOST_RATIO} times its packed size"
+    )
+
+
+def _mb(size: int) -> str:
+    return f"{size / 1e6:,.0f} MB"
+
+
+EVIDENCE: Final = "extra/"  # the folder of an FMU with its evidence, left out of the digest
+
+
+def content_digest(fmu: Path) -> str:
+    """Return the SHA-256 of an FMU's content without its extra/ folder, in hexadecimal.
+
+    It is that of the list which ``sha256sum`` prints of the unpacked files, in the order of the
+    bytes of their names: how the archive is packed makes no difference.
+    """
+    lines = ""
+    with zipfile.ZipFile(fmu) as archive:
+        for name in sorted(archive.namelist(), key=str.encode):
+            if not name.endswith("/") and not name.startswith(EVIDENCE):
+                with archive.open(name) as stream:
+                    digest = hashlib.file_digest(stream, "sha256")  # type: ignore[arg-type]
+                lines += f"{digest.hexdigest()}  {name}\n"
+    return hashlib.sha256(lines.encode()).hexdigest()
+
+
+VERSIONS: Final = ("2.0", "3.0")  # versions of FMI that the suite drives
 
 NUMBERS: Final = frozenset(
     {"Real", "Integer", "Enumeration", "Boolean", "Float64", "Float32"}
@@ -29,9 +133,7 @@ NUMBERS: Final = frozenset(
 
 ANNOTATION: Final = "org.stickslip.contract"
 """Type of the annotation that names the contract, FMI 3.0; its name in a ``Tool``, FMI 2.0."""
-
-NAME, VERSION = "stickslip-exact", "1"
-"""Name and version of the exact contract of this suite."""
+NAME, VERSION = "stickslip-exact", "1"  # name and version of the exact contract of this suite
 
 _LETTERS: Final = 40
 
@@ -41,7 +143,6 @@ _MOST_PROBLEMS, _LONGEST_PROBLEM = 100, 1000
 
 _MOST_LISTED, _LONGEST_TEXT = 8, 40
 """Variables that a message lists, `stickslip names` lists all; letters of a description in it."""
-
 Declared: TypeAlias = fmpy.model_description.ModelVariable
 """A variable as its FMU declares it: unit also where its type has it, description on one line."""
 
@@ -157,7 +258,6 @@ def read_description(path: Path) -> Description:
 
 
 def _check(path: Path, root: ElementTree.Element) -> None:
-    """Refuse a description that is none, or is of another version of FMI."""
     version = root.get("fmiVersion")
     if root.tag != "fmiModelDescription" or version is None:
         raise FmuError(f"{path}: not an FMU ({DESCRIPTION} is no model description)")

@@ -9,8 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator
 from pydantic.dataclasses import dataclass as model
 
-from stickslip_verification.drive.fmu.description import NUMBERS, Declared, Description
-from stickslip_verification.drive.fmu.errors import FmuError
+from stickslip_verification.drive.fmu.description import NUMBERS, Declared, Description, FmuError
 from stickslip_verification.model.data_file import WRITTEN, DataError, DataFile, Written
 from stickslip_verification.model.quantities import OUTPUT_NAMES, QUANTITIES
 from stickslip_verification.model.units import Conversion, Unit, conversion, spelled
@@ -18,10 +17,8 @@ from stickslip_verification.truth.parameters import PARAMETERS, Parameter
 
 INPUT_UNITS: Mapping[str, str] = {each.name: each.unit for each in PARAMETERS}
 """What the suite sets, parameters and inputs, with its unit."""
-
 UNITS: Mapping[str, str] = {**INPUT_UNITS, **{name: QUANTITIES[name].unit for name in OUTPUT_NAMES}}
 """Every variable of the suite with its SI unit."""
-
 NOT_THERE = ""
 """In place of the FMU's name: the FMU has no such variable, whatever its names look like."""
 

@@ -1,16 +1,59 @@
-"""The verdict as JUnit XML, in the layout that CI systems read."""
+"""The verdict as JSON that any program reads, and as JUnit XML in the layout of CI systems."""
 
+import json
 import re
 import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
 
+from pydantic_core import to_jsonable_python
+
+from stickslip_verification.model.data_file import write_whole
 from stickslip_verification.model.verdict import CheckResult, Outcome, Verdict
-from stickslip_verification.report.words import KINDS, SIDES, story
+from stickslip_verification.report.environment import KINDS, SIDES, story
 
-ABOUT_THE_FMU = "the FMU"
-"""Class name of the checks that belong to no case."""
 
-THE_VERDICT = "the verdict"
-"""Class name of what a verdict needs beyond its checks."""
+def as_json(verdict: Verdict) -> dict[str, Any]:
+    """Return the verdict as plain JSON values: summary, by_kind, checks and what is with them.
+
+    A number that is not finite becomes null. A check without anything to compare has null for
+    ``got`` and ``error``, and its ``because`` starts with what happened.
+    """
+    kills = verdict.kills
+    values = {
+        "summary": verdict.summary,
+        "passed": verdict.passed,
+        "by_kind": verdict.by_kind,
+        "checks": [_row(result) for result in verdict.checks],
+        "orders": verdict.orders,
+        "kills": kills and {"passed": kills.passed, **vars(kills)},
+        "contract": verdict.contract,
+        "tables": verdict.tables,
+        "provenance": verdict.provenance,
+    }
+    plain: dict[str, Any] = to_jsonable_python(values, inf_nan_mode="null")
+    return plain
+
+
+def json_text(verdict: Verdict) -> str:
+    """Return `as_json` as the text of a file."""
+    return json.dumps(as_json(verdict), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def write_json(verdict: Verdict, path: Path) -> None:
+    """Write `as_json` to `path`, making its folder; an interrupted write leaves the old file."""
+    write_whole(path, json_text(verdict))
+
+
+def _row(result: CheckResult) -> dict[str, Any]:
+    row = vars(result) | {"class": result.klass, "verdict": result.verdict}
+    if result.failure is not None:
+        row["because"] = f"{result.failure} (the tolerance: {result.because})"
+    return {key: value for key, value in row.items() if key not in ("klass", "late")}
+
+
+ABOUT_THE_FMU = "the FMU"  # class name of the checks that belong to no case
+THE_VERDICT = "the verdict"  # class name of what a verdict needs beyond its checks
 
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
