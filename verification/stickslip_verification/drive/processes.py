@@ -82,7 +82,7 @@ class Worker:
     """
 
     def __init__(self, begin: Task, arguments: tuple[Any, ...], memory: int | None) -> None:
-        context = _context()
+        context = fast_context()
         self.connection, theirs = context.Pipe()
         self._process = context.Process(  # type: ignore[attr-defined]  # typeshed leaves it out
             target=_serve, args=(theirs, begin, arguments, memory)
@@ -241,7 +241,7 @@ def _prctl(option: int, value: int) -> None:
         ctypes.CDLL(None).prctl(option, ctypes.c_ulong(value), zero, zero, zero)
 
 
-def _context() -> BaseContext:
+def fast_context() -> BaseContext:
     """Return the context that starts workers fastest: forks of a server with all modules loaded.
 
     The server is started with Ctrl-C blocked, for it and all workers: by itself it ignores Ctrl-C
