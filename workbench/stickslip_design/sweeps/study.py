@@ -100,55 +100,46 @@ class Sweep:
         SweepError
             If the model cannot be loaded here.
         """
-        names = self.job.columns
-        found = np.full((stop - start, len(names)), np.nan)
-        failures = []
         with _host(self) as host:
-            for place, outcome in enumerate(host.runs(self.rows(start, stop))):
-                if outcome.values is not None:
-                    found[place] = outcome.values
-                failures.append(outcome.failure)
-        columns: Columns = {name: found[:, place].copy() for place, name in enumerate(names)}
+            found, failures = host.runs(self.rows(start, stop))
+        columns: Columns = {
+            name: found[:, place].copy() for place, name in enumerate(self.job.columns)
+        }
         columns[FAILURE] = np.array(failures, dtype=np.str_)
         return columns
 
 
 _LOCK = threading.Lock()
-_IDLE: dict[str, list[Host]] = {}
-"""Hosts of this process that wait for runs, by the digest of their sweep."""
+_HOSTS: dict[str, Host] = {}
+"""The host of the last sweep of this process, by the digest of its study."""
 
 
 @contextmanager
 def _host(study: Sweep) -> Iterator[Host]:
-    """Lend a host: one that did other runs of the sweep in this process, or a new one."""
+    """Lend the host that did other runs of the sweep in this process, or a new one."""
     key = digest_of({**study.identity, "reset": study.job.reset})
     with _LOCK:
-        others = [each for name, hosts in _IDLE.items() if name != key for each in hosts]
-        idle = _IDLE.get(key, [])
-        host = idle.pop() if idle else None
-        _IDLE.clear()
-        _IDLE[key] = idle
-    for other in others:
-        other.close()
-    if host is None:
-        host = Host(study.job, study.content, study.is_system, study.time_limit)
-    try:
-        yield host
-    except BaseException:
-        host.close(at_once=True)
-        raise
-    with _LOCK:
-        _IDLE.setdefault(key, []).append(host)
+        if key not in _HOSTS:
+            _release()
+            _HOSTS[key] = Host(study.job, study.content, study.is_system, study.time_limit)
+        try:
+            yield _HOSTS[key]
+        except BaseException:
+            _HOSTS[key].drop()
+            _release()
+            raise
+
+
+def _release() -> None:
+    while _HOSTS:
+        _HOSTS.popitem()[1].close()
 
 
 @atexit.register
 def release() -> None:
-    """End the processes that hold the FMUs of a sweep that is done."""
+    """End the process that holds the FMUs of a sweep that is done."""
     with _LOCK:
-        hosts = [each for idle in _IDLE.values() for each in idle]
-        _IDLE.clear()
-    for host in hosts:
-        host.close()
+        _release()
 
 
 def prepare(model: Model | Path | str, plan: Plan | Path | str | Mapping[str, Any]) -> Sweep:
@@ -221,14 +212,12 @@ def tried(study: Sweep) -> Sweep:
     limit = min(study.time_limit, _LONGEST_TRIAL)
     host = Host(short, study.content, study.is_system, limit)
     try:
-        outcomes = list(host.runs(rows))
+        found, failures = host.runs(rows)
     finally:
         host.close()
-    pairs = zip(outcomes[: len(places)], outcomes[len(places) :], strict=True)
-    first, again = next(
-        ((one.values, other.values) for one, other in pairs if one.values is not None), (None, None)
-    )
-    works = first is not None and again is not None and first.tobytes() == again.tobytes()
+    count = len(places)
+    first = failures.index("") if "" in failures[:count] else 0
+    works = not failures[first + count] and found[first].tobytes() == found[first + count].tobytes()
     return study if works else replace(study, job=replace(job, reset=False))
 
 
