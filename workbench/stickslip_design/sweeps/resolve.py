@@ -15,7 +15,7 @@ from ..ranges import BETWEEN, parse_range
 from .columns import Columns, read_columns
 from .job import Job, Table, Variable, column_of
 from .model import Model, check_type
-from .plan import TIME_LIMIT, Plan, Written, is_tabular
+from .plan import TIME_LIMIT, PlanFile, Scalar, is_tabular
 from .reductions import REDUCTIONS
 from .refusal import SweepError, nearest
 from .units import in_unit, read_as
@@ -53,7 +53,7 @@ class Resolved(NamedTuple):
     digests: Mapping[str, str]
 
 
-def resolve(plan: Plan, model: Model) -> Resolved:
+def resolve(plan: PlanFile, model: Model) -> Resolved:
     """Find what a plan names in a model.
 
     Raises
@@ -69,19 +69,19 @@ def resolve(plan: Plan, model: Model) -> Resolved:
             try:
                 files[name] = read_columns(plan.file(name))
             except SweepError as error:
-                raise plan.refused(key, f"= {name!r}: {error}") from None
+                raise plan.refused(key, f"{name!r}: {error}") from None
         return files[name]
 
     fixed = dict(model.bound)
     axes: dict[str, NDArray[np.float64]] = {}
     by_table: dict[str, str] = {}
-    for table, entries in (("parameters", plan.parameters), ("inputs", plan.inputs)):
+    for table, entries in (("parameters", plan.says.parameters), ("inputs", plan.says.inputs)):
         for name, written in entries.items():
             key = f"{table}.{name}"
             variable = _to_set(plan, model, key, name, is_input=table == "inputs")
             if is_tabular(written):
                 if table == "parameters":
-                    raise plan.refused(key, f"= {written!r}: a file goes with [inputs] or points")
+                    raise plan.refused(key, f"{written!r}: a file goes with [inputs] or points")
                 by_table[name] = str(written)
                 continue
             values = _values(plan, model, key, variable, written)
@@ -89,16 +89,16 @@ def resolve(plan: Plan, model: Model) -> Resolved:
                 axes[name] = values
             else:
                 fixed[name] = float(values[0])
-    on_grid = not plan.points
-    if plan.points:
+    on_grid = not plan.says.points
+    if plan.says.points:
         if axes:
             raise plan.refused(
-                "points", f"= {plan.points!r} and the values of {next(iter(axes))} are two sets"
+                "points", f"{plan.says.points!r} and the values of {next(iter(axes))} are two sets"
             )
-        axes = dict(_points(plan, model, opened("points", plan.points)))
-        both = [name for name in axes if name in {**plan.parameters, **plan.inputs}]
+        axes = dict(_points(plan, model, opened("points", plan.says.points)))
+        both = [name for name in axes if name in {**plan.says.parameters, **plan.says.inputs}]
         if both:
-            raise plan.refused("points", f"= {plan.points!r} has {both[0]}, and so has the plan")
+            raise plan.refused("points", f"{plan.says.points!r} has {both[0]}, and so has the plan")
     fixed = {name: value for name, value in fixed.items() if name not in axes}
     times, steps, settled = _times(plan, model, varying=bool(by_table))
     tables = tuple(
@@ -106,7 +106,7 @@ def resolve(plan: Plan, model: Model) -> Resolved:
         for name, file in by_table.items()
     )
     _outputs(plan, model, axes)
-    used = {*fixed, *axes, *by_table, *plan.outputs}
+    used = {*fixed, *axes, *by_table, *plan.says.outputs}
     used |= {name for wire in model.wires for name in (wire.output, wire.input)}
     job = Job(
         model.components,
@@ -118,15 +118,15 @@ def resolve(plan: Plan, model: Model) -> Resolved:
         times,
         steps,
         settled,
-        dict(plan.outputs),
-        plan.reset is not False,
+        dict(plan.says.outputs),
+        plan.says.reset is not False,
     )
     digests = {name: each.digest for name, each in files.items()}
-    limit = plan.times.get("time_limit", TIME_LIMIT)
+    limit = plan.says.times.get("time_limit", TIME_LIMIT)
     return Resolved(job, tuple(axes.values()), on_grid, limit, digests)
 
 
-def _found(plan: Plan, model: Model, key: str, name: str) -> Variable:
+def _found(plan: PlanFile, model: Model, key: str, name: str) -> Variable:
     if name not in model.variables:
         of = model.path.name
         raise plan.refused(key, f"is no variable of {of}; {nearest(name, model.variables)}")
@@ -136,7 +136,7 @@ def _found(plan: Plan, model: Model, key: str, name: str) -> Variable:
     return variable
 
 
-def _to_set(plan: Plan, model: Model, key: str, name: str, *, is_input: bool) -> Variable:
+def _to_set(plan: PlanFile, model: Model, key: str, name: str, *, is_input: bool) -> Variable:
     variable = _found(plan, model, key, name)
     kind = f"{variable.variability} {variable.causality}"
     if is_input and not variable.changes:
@@ -151,7 +151,7 @@ def _to_set(plan: Plan, model: Model, key: str, name: str, *, is_input: bool) ->
 
 
 def _values(
-    plan: Plan, model: Model, key: str, variable: Variable, written: Written | list[Written]
+    plan: PlanFile, model: Model, key: str, variable: Variable, written: Scalar | list[Scalar]
 ) -> NDArray[np.float64]:
     read = partial(read_as, model.units)
     each = written if isinstance(written, list) else [written]
@@ -169,30 +169,30 @@ def _values(
             for number in numbers:
                 check_type(variable, number)
         except QuantityError as error:
-            raise plan.refused(key, f"= {value!r} {error}") from None
+            raise plan.refused(key, f"{value!r} {error}") from None
         found += numbers
     return np.array(found)
 
 
 def _points(
-    plan: Plan, model: Model, columns: Columns
+    plan: PlanFile, model: Model, columns: Columns
 ) -> Iterator[tuple[str, NDArray[np.float64]]]:
     for name, numbers in columns.values.items():
         key = "points"
         if name not in model.variables:
             near = nearest(name, model.variables)
             raise plan.refused(
-                key, f"= {plan.points!r}: {name} is no variable of {model.path.name}; {near}"
+                key, f"{plan.says.points!r}: {name} is no variable of {model.path.name}; {near}"
             )
         try:
             variable = _to_set(plan, model, key, name, is_input=False)
         except SweepError as error:
-            raise SweepError(f"{error} ({plan.points}: {name})") from None
+            raise SweepError(f"{error} ({plan.says.points}: {name})") from None
         yield name, _of_column(plan, model, key, variable, columns, numbers)
 
 
 def _of_column(
-    plan: Plan,
+    plan: PlanFile,
     model: Model,
     key: str,
     variable: Variable,
@@ -209,24 +209,24 @@ def _of_column(
         for each in np.unique(numbers).tolist():
             check_type(variable, each)
     except QuantityError as error:
-        raise plan.refused(key, f"= {columns.file.name!r}: {variable.name} {error}") from None
+        raise plan.refused(key, f"{columns.file.name!r}: {variable.name} {error}") from None
     return numbers
 
 
 def _times(
-    plan: Plan, model: Model, *, varying: bool
+    plan: PlanFile, model: Model, *, varying: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
     """Return communication points, communication steps, and the first point that is looked at."""
-    stated = {**model.experiment, **plan.times}
+    stated = {**model.experiment, **plan.says.times}
     start = stated.get("start_time", 0.0)
     if "stop_time" not in stated:
         raise SweepError(f"{plan.name}: has no stop_time, and {model.path.name} no default of it")
     duration = stated["stop_time"] - start
     if not duration > 0.0:
         raise plan.refused(
-            "stop_time", f"= {stated['stop_time']:g} s is not after start_time = {start:g} s"
+            "stop_time", f"{stated['stop_time']:g} s is not after start_time = {start:g} s"
         )
-    whole = any(REDUCTIONS[each].whole for all_of in plan.outputs.values() for each in all_of)
+    whole = any(REDUCTIONS[each].whole for all_of in plan.says.outputs.values() for each in all_of)
     if "step" not in stated and (whole or varying or model.wires):
         raise SweepError(
             f"{plan.name}: has no step, and {model.path.name} no default of it; write such as "
@@ -235,29 +235,29 @@ def _times(
     step = min(stated.get("step", duration), duration)
     count = duration / step
     if count > MOST_STEPS:
-        raise plan.refused("step", f"= {step:g} s makes {count:.3g} steps; at most {MOST_STEPS:g}")
+        raise plan.refused("step", f"{step:g} s makes {count:.3g} steps; at most {MOST_STEPS:g}")
     steps = max(1, math.ceil(count - _WHOLE))
     times: NDArray[np.float64] = start + step * np.arange(steps + 1, dtype=np.float64)
     times[-1] = stated["stop_time"]
     lengths = np.full(steps, step)
     if abs(count - steps) > _WHOLE * steps:
         lengths[-1] = times[-1] - times[-2]
-    settle = plan.times.get("settle", 0.0)
+    settle = plan.says.times.get("settle", 0.0)
     if settle >= duration:
-        raise plan.refused("settle", f"= {settle:g} s is the whole run of {duration:g} s or more")
+        raise plan.refused("settle", f"{settle:g} s is the whole run of {duration:g} s or more")
     settled = int(np.searchsorted(times, start + settle - _WHOLE * step))
     return times, lengths, settled
 
 
 def _table(
-    plan: Plan, model: Model, name: str, columns: Columns, times: NDArray[np.float64]
+    plan: PlanFile, model: Model, name: str, columns: Columns, times: NDArray[np.float64]
 ) -> Table:
     """Return the values of an input at the beginnings of the communication steps."""
     key = f"inputs.{name}"
     absent = [each for each in (_TIME, name) if each not in columns.values]
     if absent:
         has = ", ".join(columns.values)
-        raise plan.refused(key, f"= {columns.file.name!r} has no column {absent[0]}; it has {has}")
+        raise plan.refused(key, f"{columns.file.name!r} has no column {absent[0]}; it has {has}")
     variable = model.variables[name]
     values = _of_column(plan, model, key, variable, columns, columns.values[name])
     at = columns.values[_TIME]
@@ -265,7 +265,7 @@ def _table(
         at = np.array([in_unit({}, repr(t), columns.units[_TIME], "s") for t in at.tolist()])
     if np.any(np.diff(at) < 0.0):
         row = int(np.argmax(np.diff(at) < 0.0)) + 2
-        raise plan.refused(key, f"= {columns.file.name!r}: time falls in row {row}")
+        raise plan.refused(key, f"{columns.file.name!r}: time falls in row {row}")
     # Of rows of one time the last one counts from then on.
     before = np.searchsorted(at, times[:-1], side="right") - 1
     first = np.clip(before, 0, len(at) - 1)
@@ -279,9 +279,9 @@ def _table(
     return Table(name, found)
 
 
-def _outputs(plan: Plan, model: Model, swept: Mapping[str, Any]) -> None:
+def _outputs(plan: PlanFile, model: Model, swept: Mapping[str, Any]) -> None:
     taken: dict[str, str] = {}
-    for name, reductions in plan.outputs.items():
+    for name, reductions in plan.says.outputs.items():
         key = f"outputs.{name}"
         _found(plan, model, key, name)
         for reduction in reductions:

@@ -19,7 +19,7 @@ from ..datasets import digest_of, need, provenance, write_grid, write_points
 from .host import Host
 from .job import Job, column_of
 from .model import Model, read_model
-from .plan import Plan, plan_of, read_plan
+from .plan import PlanFile
 from .reductions import REDUCTIONS
 from .resolve import Resolved, resolve
 
@@ -142,7 +142,7 @@ def release() -> None:
         _release()
 
 
-def prepare(model: Model | Path | str, plan: Plan | Path | str | Mapping[str, Any]) -> Sweep:
+def prepare(model: Model | Path | str, plan: Path | str | Mapping[str, Any]) -> Sweep:
     """Return the study of a sweep, without a run of it.
 
     Parameters
@@ -159,28 +159,25 @@ def prepare(model: Model | Path | str, plan: Plan | Path | str | Mapping[str, An
     """
     if not isinstance(model, Model):
         model = read_model(model)
-    if isinstance(plan, Mapping):
-        plan = plan_of(plan)
-    elif not isinstance(plan, Plan):
-        plan = read_plan(plan)
-    found = resolve(plan, model)
+    file = PlanFile(plan)
+    found = resolve(file, model)
     return Sweep(
         found.job,
         found.values,
         found.on_grid,
-        _identity(plan, model, found),
+        _identity(file, model, found),
         found.time_limit,
         model.content,
         model.is_system,
     )
 
 
-def _identity(plan: Plan, model: Model, found: Resolved) -> dict[str, Any]:
+def _identity(plan: PlanFile, model: Model, found: Resolved) -> dict[str, Any]:
     return {
         "study": "sweep",
         "model": model.path.name,
         "model_digest": model.digest,
-        "plan": plan.as_json,
+        "plan": plan.says.as_json,
         # A digest does not see in which order a plan has them.
         "axes": list(found.job.swept),
         "tables": dict(found.digests),
@@ -223,7 +220,7 @@ def tried(study: Sweep) -> Sweep:
 
 def sweep(
     model: Path | str,
-    plan: Plan | Path | str | Mapping[str, Any],
+    plan: Path | str | Mapping[str, Any],
     *,
     folder: Path | str | None = None,
     workers: int | None = None,
