@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from functools import partial
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from ..quantity import QuantityError
 from ..ranges import BETWEEN, parse_range
 from .columns import Columns, read_columns
-from .job import Job, Table, Variable, column_of
+from .job import Job, Variable, column_of
 from .model import Model, check_type
-from .plan import TIME_LIMIT, PlanFile, Scalar, is_tabular
+from .plan import PlanFile, Scalar, is_tabular
 from .reductions import REDUCTIONS
 from .refusal import SweepError, nearest
 from .units import in_unit, read_as
@@ -28,33 +28,16 @@ _WHOLE: Final = 1e-9
 """Of a step: by how much the last one may be off and still count as whole."""
 
 
-class Resolved(NamedTuple):
-    """A plan for a model.
-
-    Attributes
-    ----------
-    job
-        What the runs have in common.
-    values
-        Values of the swept variables, in the order of the job: those of a grid's axes, or of the
-        points, one array for each.
-    on_grid
-        Whether the points are all combinations of the values.
-    time_limit
-        Seconds that a run may take.
-    digests
-        SHA-256 of the files of columns, by the name that the plan gives them.
-    """
-
-    job: Job
-    values: tuple[NDArray[np.float64], ...]
-    on_grid: bool
-    time_limit: float
-    digests: Mapping[str, str]
-
-
-def resolve(plan: PlanFile, model: Model) -> Resolved:
+def resolve(
+    plan: PlanFile, model: Model
+) -> tuple[Job, tuple[NDArray[np.float64], ...], Mapping[str, str]]:
     """Find what a plan names in a model.
+
+    Returns
+    -------
+    tuple
+        What the runs have in common; the values of the swept variables in the order of the job,
+        those of a grid's axes or of the points; SHA-256 of the files of columns by their names.
 
     Raises
     ------
@@ -89,7 +72,6 @@ def resolve(plan: PlanFile, model: Model) -> Resolved:
                 axes[name] = values
             else:
                 fixed[name] = float(values[0])
-    on_grid = not plan.says.points
     if plan.says.points:
         if axes:
             raise plan.refused(
@@ -101,10 +83,10 @@ def resolve(plan: PlanFile, model: Model) -> Resolved:
             raise plan.refused("points", f"{plan.says.points!r} has {both[0]}, and so has the plan")
     fixed = {name: value for name, value in fixed.items() if name not in axes}
     times, steps, settled = _times(plan, model, varying=bool(by_table))
-    tables = tuple(
-        _table(plan, model, name, opened(f"inputs.{name}", file), times)
+    tables = {
+        name: _table(plan, model, name, opened(f"inputs.{name}", file), times)
         for name, file in by_table.items()
-    )
+    }
     _outputs(plan, model, axes)
     used = {*fixed, *axes, *by_table, *plan.says.outputs}
     used |= {name for wire in model.wires for name in (wire.output, wire.input)}
@@ -122,8 +104,7 @@ def resolve(plan: PlanFile, model: Model) -> Resolved:
         plan.says.reset is not False,
     )
     digests = {name: each.digest for name, each in files.items()}
-    limit = plan.says.times.get("time_limit", TIME_LIMIT)
-    return Resolved(job, tuple(axes.values()), on_grid, limit, digests)
+    return job, tuple(axes.values()), digests
 
 
 def _found(plan: PlanFile, model: Model, key: str, name: str) -> Variable:
@@ -178,17 +159,11 @@ def _points(
     plan: PlanFile, model: Model, columns: Columns
 ) -> Iterator[tuple[str, NDArray[np.float64]]]:
     for name, numbers in columns.values.items():
-        key = "points"
-        if name not in model.variables:
-            near = nearest(name, model.variables)
-            raise plan.refused(
-                key, f"{plan.says.points!r}: {name} is no variable of {model.path.name}; {near}"
-            )
         try:
-            variable = _to_set(plan, model, key, name, is_input=False)
+            variable = _to_set(plan, model, "points", name, is_input=False)
         except SweepError as error:
             raise SweepError(f"{error} ({plan.says.points}: {name})") from None
-        yield name, _of_column(plan, model, key, variable, columns, numbers)
+        yield name, _of_column(plan, model, "points", variable, columns, numbers)
 
 
 def _of_column(
@@ -251,7 +226,7 @@ def _times(
 
 def _table(
     plan: PlanFile, model: Model, name: str, columns: Columns, times: NDArray[np.float64]
-) -> Table:
+) -> NDArray[np.float64]:
     """Return the values of an input at the beginnings of the communication steps."""
     key = f"inputs.{name}"
     absent = [each for each in (_TIME, name) if each not in columns.values]
@@ -276,7 +251,7 @@ def _table(
         width = np.where(inside, at[after] - at[first], 1.0)
         share = np.where(inside, (times[:-1] - at[first]) / width, 0.0)
         found = found + share * (values[after] - values[first])
-    return Table(name, found)
+    return found
 
 
 def _outputs(plan: PlanFile, model: Model, swept: Mapping[str, Any]) -> None:

@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,9 +20,9 @@ from ..datasets import digest_of, need, provenance, write_grid, write_points
 from .host import Host
 from .job import Job, column_of
 from .model import Model, read_model
-from .plan import PlanFile
+from .plan import TIME_LIMIT, PlanFile
 from .reductions import REDUCTIONS
-from .resolve import Resolved, resolve
+from .resolve import resolve
 
 if TYPE_CHECKING:
     import xarray
@@ -44,14 +45,11 @@ class Sweep:
 
     Attributes
     ----------
-    job
-        What the runs have in common.
-    values
-        Values of the swept variables: axes of a grid, or columns of points.
-    on_grid
-        Whether the points are all combinations of the values, the last one running fastest.
-    identity
-        All that the results depend on.
+    job, identity
+        What the runs have in common, and all that the results depend on.
+    values, on_grid
+        Values of the swept variables: columns of points, or axes of a grid, whose points are all
+        combinations of them, the last one running fastest.
     time_limit
         Seconds that a run may take.
     content, is_system
@@ -160,28 +158,19 @@ def prepare(model: Model | Path | str, plan: Path | str | Mapping[str, Any]) -> 
     if not isinstance(model, Model):
         model = read_model(model)
     file = PlanFile(plan)
-    found = resolve(file, model)
-    return Sweep(
-        found.job,
-        found.values,
-        found.on_grid,
-        _identity(file, model, found),
-        found.time_limit,
-        model.content,
-        model.is_system,
-    )
-
-
-def _identity(plan: PlanFile, model: Model, found: Resolved) -> dict[str, Any]:
-    return {
+    job, values, digests = resolve(file, model)
+    identity = {
         "study": "sweep",
         "model": model.path.name,
-        "model_digest": model.digest,
-        "plan": plan.says.as_json,
+        "model_digest": sha256(model.content).hexdigest(),
+        "plan": file.says.as_json,
         # A digest does not see in which order a plan has them.
-        "axes": list(found.job.swept),
-        "tables": dict(found.digests),
+        "axes": list(job.swept),
+        "tables": dict(digests),
     }
+    limit = file.says.times.get("time_limit", TIME_LIMIT)
+    on_grid = not file.says.points
+    return Sweep(job, values, on_grid, identity, limit, model.content, model.is_system)
 
 
 def tried(study: Sweep) -> Sweep:
