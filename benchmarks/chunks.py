@@ -7,17 +7,18 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import deque
 from collections.abc import Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager
-from hashlib import sha256
 from pathlib import Path
 
 from benchmarks.settings import Busy
-from stickslip_design.chunks.crew import Crew, cluster, processes
-from stickslip_design.chunks.manifest import STUDY, manifest_of, settle
+from stickslip_design.chunks.executors import Workers, cluster, processes
+from stickslip_design.chunks.manifest import STUDY, begun, manifest_of
 from stickslip_design.chunks.store import store_of
 from stickslip_design.chunks.study import Chunk
-from stickslip_design.chunks.work import Done, Job, compute
+from stickslip_design.chunks.work import Done, compute, work
 
 CHUNKS = 1000
 AHEAD = 8
@@ -30,40 +31,37 @@ def measure_chunks() -> tuple[float, float, float]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         study = Busy(CHUNKS)
-        store = store_of(str(folder / "study"))
-        (folder / "study").mkdir()
-        manifest = manifest_of(study)
-        settle(store, manifest, fresh=False)
-        content = pickle.dumps(study)
-        store.write(STUDY, content)
-        job = Job(store.address, manifest.key, sha256(content).hexdigest())
+        store, manifest = store_of(str(folder / "study")), manifest_of(study)
+        store.write(STUDY, pickle.dumps(study))
+        of = store.address, manifest.key
         chunks = [Chunk(start, start + 1) for start in range(CHUNKS)]
-        begin = time.perf_counter()
-        for chunk in chunks:
-            compute(store, study, job.key, chunk)
-        here = (time.perf_counter() - begin) / CHUNKS
-        with processes(1) as crew:
-            process = _time_of_a_chunk(crew, job, chunks, 1)
-        with _dask(folder) as address, cluster(address) as crew:
-            dask = _time_of_a_chunk(crew, job, chunks, AHEAD)
+        with begun(store, manifest, fresh=False):
+            begin = time.perf_counter()
+            for chunk in chunks:
+                compute(store, study, manifest.key, chunk)
+            here = (time.perf_counter() - begin) / CHUNKS
+            with processes(1) as workers:
+                process = _time_of_a_chunk(workers, of, chunks, 1)
+            with _dask(folder) as address, cluster(address) as workers:
+                dask = _time_of_a_chunk(workers, of, chunks, AHEAD)
         return here, process, dask
 
 
-def _time_of_a_chunk(crew: Crew, job: Job, chunks: list[Chunk], ahead: int) -> float:
+def _time_of_a_chunk(
+    workers: Workers, of: tuple[str, str], chunks: list[Chunk], ahead: int
+) -> float:
     """Return the time of a chunk [s] while up to `ahead` are given, without the first ones."""
-    crew.give(job, chunks[0])
-    while not crew.answers(1.0):
-        pass
-    given = done = 1
+    first, *others = chunks
+    workers.submit(work, *of, first).result()
+    given = deque[Future[Done]]()
     begin = time.perf_counter()
-    while done < len(chunks):
-        while given < min(done + ahead, len(chunks)):
-            crew.give(job, chunks[given])
-            given += 1
-        for answer in crew.answers(1.0):
-            assert isinstance(answer, Done), answer
-            done += 1
-    return (time.perf_counter() - begin) / (len(chunks) - 1)
+    for chunk in others:
+        if len(given) == ahead:
+            given.popleft().result()
+        given.append(workers.submit(work, *of, chunk))
+    for future in given:
+        future.result()
+    return (time.perf_counter() - begin) / len(others)
 
 
 @contextmanager

@@ -232,7 +232,7 @@ NEEDS = {
     "firefox": Need("the page in Firefox", _firefox),
     "studies": Need(
         "files of maps, scatter and sweeps",
-        partial(_python, "studies", "import fsspec, pandas, pyarrow, xarray, zarr"),
+        partial(_python, "studies", "import pandas, pyarrow, xarray, zarr"),
     ),
     "cluster": Need("studies on a dask cluster", partial(_python, "cluster", "import distributed")),
 }

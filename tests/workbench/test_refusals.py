@@ -181,7 +181,7 @@ def test_studies_without_their_packages_say_what_installs_them(
 ) -> None:
     monkeypatch.setitem(sys.modules, "xarray", None)
     said = command.refuses(*shlex.split(VK))
-    assert f"{shlex.quote(sys.executable)} -m pip install 'fsspec>=" in said
+    assert f"{shlex.quote(sys.executable)} -m pip install '" in said
     assert "'xarray>=" in said
 
 

@@ -119,13 +119,13 @@ def test_what_a_scheduler_lacks_is_noted_and_its_end_too(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("address", "words"),
     [
-        ("tcp://127.0.0.1:1", "no dask scheduler answers at tcp://127.0.0.1:1: Connection refused"),
-        ("localhost", "'localhost' is no address of a scheduler, such as tcp://host:8786"),
+        ("tcp://127.0.0.1:1", "answers at tcp://127.0.0.1:1 in 4.5 s: "),
+        ("localhost", "answers at localhost in 4.5 s: ValueError: missing port number"),
     ],
 )
 def test_an_unreachable_scheduler_is_named_and_nothing_written(
     tmp_path: Path, address: str, words: str
 ) -> None:
-    with pytest.raises(StudyError, match=words):
+    with pytest.raises(StudyError, match=f"no dask scheduler {words}"):
         run(Toy(), str(tmp_path / "study"), cluster=address)
     assert not list(tmp_path.iterdir())

@@ -52,11 +52,12 @@ def test_progress_shows_points_failures_and_what_was_kept(tmp_path: Path) -> Non
     assert [each.done for each in shown[:-1]] == sorted(each.done for each in shown[:-1])
 
 
-def test_a_killed_worker_costs_its_chunk_alone(marks: Path) -> None:
-    results = run(Toy(**LONG, marks=marks, kills=1), workers=2)
+def test_a_killed_worker_costs_the_chunks_on_their_way_alone(marks: Path) -> None:
+    results = run(Toy(**LONG, marks=marks, kills=2), workers=2)
     assert same(results, run(Toy(LONG["count"]), workers=1))
-    assert list(marks.glob("killed*"))
-    assert set(times_computed(marks).values()) == {1}
+    assert len(list(marks.glob("killed*"))) == 2
+    # That of the other worker may be computed, and not written.
+    assert sum(times > 1 for times in times_computed(marks).values()) <= 2 * 2500
 
 
 @pytest.mark.parametrize(
@@ -64,7 +65,7 @@ def test_a_killed_worker_costs_its_chunk_alone(marks: Path) -> None:
     [
         (
             {"kills": 99},
-            r"^points \d+ to \d+ ended their worker process 3 times: it crashed \(SIGKILL\)$",
+            r"^points \d+ to \d+ ended their worker process 3 times$",
         ),
         ({"raises": 15_000}, "ZeroDivisionError: of point 15000, with a line more$"),
         ({"largest": 1500}, r"\.chunk: File too large; what is computed is kept, and the study"),

@@ -55,7 +55,7 @@ def test_a_run_that_goes_wrong_costs_itself_alone(troubled: Path) -> None:
     assert np.isnan(np.delete(columns["y"].astype(float), fine)).all()
     assert reasons[1] == "took longer than 5 s"
     assert reasons[3] == "crashed (SIGSEGV)"
-    assert reasons[4] == "ended the process with exit code 3"
+    assert reasons[4] == "ended by itself with exit code 3"
     assert "fmi2DoStep(t = 0.0, h = 0.5) failed" in reasons[5]
     assert "discarded" in reasons[7]
 

@@ -44,7 +44,7 @@ def test_values_of_the_file_hold_unless_the_plan_has_others(
     points.write_text("table.k [N/um], table.m [t]\n40, 0.5\n", encoding="utf-8")
     plan = {**PLAN, "parameters": {}, "points": str(points)}
     assert [each.tolist() for each in prepare(feed_axis, plan).values] == [[4e7], [500.0]]
-    with pytest.raises(SweepError, match=r"inputs\.table\.v is driven by drive\.v, and cannot"):
+    with pytest.raises(SweepError, match=r"inputs\.table\.v: is driven by drive\.v, and cannot"):
         prepare(feed_axis, {**PLAN, "inputs": {"table.v": 0.02}})
 
 

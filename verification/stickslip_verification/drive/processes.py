@@ -17,6 +17,7 @@ import multiprocessing.util
 import os
 import pickle
 import select
+import shutil
 import signal
 import socket
 import struct
@@ -110,14 +111,21 @@ class LostError(Exception):
 class Worker:
     """A process that calls ``begin(*arguments)`` and then does one task after another.
 
-    It and what it starts may have `memory` bytes; None is for no FMU, no limits and no guard.
+    It and what it starts may have `memory` bytes; None is for no FMU, no limits and no guard. The
+    guard removes `folder` when nobody asks any more.
     """
 
-    def __init__(self, begin: Task, arguments: tuple[Any, ...], memory: int | None) -> None:
-        context = _context()
+    def __init__(
+        self,
+        begin: Task,
+        arguments: tuple[Any, ...],
+        memory: int | None,
+        folder: Path | None = None,
+    ) -> None:
+        context = fast_context()
         self.connection, theirs = context.Pipe()
         self._process = context.Process(  # type: ignore[attr-defined]  # typeshed leaves it out
-            target=_serve, args=(theirs, begin, arguments, memory)
+            target=_serve, args=(theirs, begin, arguments, memory, folder)
         )
         self._process.start()
         # With a copy here, the end of the process would not end the connection.
@@ -173,13 +181,17 @@ class Worker:
 
 
 def _serve(
-    connection: Connection, begin: Task, arguments: tuple[Any, ...], memory: int | None
+    connection: Connection,
+    begin: Task,
+    arguments: tuple[Any, ...],
+    memory: int | None,
+    folder: Path | None,
 ) -> None:
     # Ctrl-C is for the process that asks.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     discard_prints()
     if memory is not None and sys.platform != "win32":
-        _fork_guarded(connection, memory)
+        _fork_guarded(connection, memory, folder)
     begin(*arguments)
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
@@ -187,7 +199,7 @@ def _serve(
             connection.send_bytes(pickle.dumps(task(*of)))
 
 
-def _fork_guarded(connection: Connection, memory: int) -> None:
+def _fork_guarded(connection: Connection, memory: int, folder: Path | None) -> None:
     """Return in a child with limits, in a session of its own; this process becomes its guard."""
     import resource
 
@@ -206,6 +218,8 @@ def _fork_guarded(connection: Connection, memory: int) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     code = _watch(worker, connection, memory)
     _end_descendants(worker)
+    if folder is not None and code == -signal.SIGKILL:
+        shutil.rmtree(folder, ignore_errors=True)
     # A signal gives the code that a shell gives.
     os._exit(code if code >= 0 else _SIGNALLED - code)
 
@@ -272,7 +286,7 @@ def _prctl(option: int, value: int) -> None:
         ctypes.CDLL(None).prctl(option, ctypes.c_ulong(value), zero, zero, zero)
 
 
-def _context() -> BaseContext:
+def fast_context() -> BaseContext:
     """Return the context that starts workers fastest: forks of a server with all modules loaded.
 
     The server is started with Ctrl-C blocked, for it and all workers: by itself it ignores Ctrl-C

@@ -17,9 +17,8 @@ from numpy.lib import format as npy
 
 from .study import Chunk, Columns, StudyError
 
-_FIRST: Final = b"stickslip chunk 1 "
-_LINE: Final = len(_FIRST) + 64
-"""Bytes of the first line, without its end."""
+_FIRST: Final = b"stickslip chunk 1 %s\n"
+_LINE: Final = len(_FIRST % bytes(64))
 _NAME: Final = re.compile(r"points-(\d{12})-(\d{12})\.chunk")
 
 
@@ -30,21 +29,14 @@ def name_of(chunk: Chunk) -> str:
 
 def chunk_of(name: str) -> Chunk | None:
     """Return the chunk that a file holds, by its name; None if it is no chunk file."""
-    found = _NAME.fullmatch(name)
-    return None if found is None else Chunk(int(found[1]), int(found[2]))
+    match = _NAME.fullmatch(name)
+    return None if match is None else Chunk(int(match[1]), int(match[2]))
 
 
 def packed(chunk: Chunk, key: str, columns: Columns) -> bytes:
-    """Return the content of the file of a chunk.
-
-    Raises
-    ------
-    StudyError
-        If a column has not one number or text a point.
-    """
+    """Return the content of the file of a chunk; a `StudyError` if a column does not fit."""
     body = BytesIO()
-    body.write(json.dumps({"study": key, "chunk": chunk, "columns": list(columns)}).encode())
-    body.write(b"\n")
+    body.write(json.dumps([key, chunk, list(columns)]).encode() + b"\n")
     for name, column in columns.items():
         values = np.asarray(column)
         if values.shape != (chunk.points,) or values.dtype.hasobject:
@@ -53,20 +45,23 @@ def packed(chunk: Chunk, key: str, columns: Columns) -> bytes:
                 f"{chunk.points} numbers or texts are due"
             )
         npy.write_array(body, values, allow_pickle=False)
-    digest = sha256(body.getbuffer()).hexdigest().encode()
-    return b"".join((_FIRST, digest, b"\n", body.getbuffer()))
+    return _first_line(body.getbuffer()) + body.getbuffer()
 
 
 def unpacked(content: bytes, chunk: Chunk, key: str) -> Columns | None:
     """Return the columns of a chunk file; None if it is not whole or of another study."""
-    body = memoryview(content)[_LINE + 1 :]
-    if content[: _LINE + 1] != _FIRST + sha256(body).hexdigest().encode() + b"\n":
+    body = memoryview(content)[_LINE:]
+    if content[:_LINE] != _first_line(body):
         return None
     stream = BytesIO(body)
-    header = json.loads(stream.readline())
-    if (header["study"], tuple(header["chunk"])) != (key, chunk):
+    of, points, names = json.loads(stream.readline())
+    if (of, tuple(points)) != (key, chunk):
         return None
-    return {name: npy.read_array(stream, allow_pickle=False) for name in header["columns"]}
+    return {name: npy.read_array(stream, allow_pickle=False) for name in names}
+
+
+def _first_line(body: memoryview) -> bytes:
+    return _FIRST % sha256(body).hexdigest().encode()
 
 
 def failures(columns: Columns) -> int:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
 from hashlib import sha256
@@ -56,14 +57,18 @@ class Manifest:
 
     def changes(self, new: Manifest) -> str:
         """Return in what another study or its versions differ, in words; empty if in nothing."""
-        was, now = (dict(_leaves(each._decisive)) for each in (self, new))
-        told = [
-            f"{name} is {_told(now.get(name))} and was {_told(was.get(name))}"
-            for name in dict.fromkeys((*now, *was))
+        was, now = (dict(_leaves(manifest._decisive)) for manifest in (self, new))
+        words = [
+            f"{name} is {_shown(now.get(name))} and was {_shown(was.get(name))}"
+            for name in {**now, **was}
             if now.get(name) != was.get(name)
         ]
-        more = f", and {len(told) - _SHOWN} more" if len(told) > _SHOWN else ""
-        return "; ".join(told[:_SHOWN]) + more
+        more = f", and {len(words) - _SHOWN} more" if len(words) > _SHOWN else ""
+        return "; ".join(words[:_SHOWN]) + more
+
+    def with_versions_here(self) -> Manifest:
+        """Return it as made with what is installed here, and a digest of our own sources."""
+        return replace(self, versions={**versions(), "sources": _sources()})
 
 
 def manifest_of(study: Study) -> Manifest:
@@ -72,12 +77,8 @@ def manifest_of(study: Study) -> Manifest:
     identity = json.loads(json.dumps(study.identity))
     command = provenance({})["command"]
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    return Manifest(identity, versions_here(), study.count, study.quantum, command, now)
-
-
-def versions_here() -> dict[str, str]:
-    """Return the versions that a result may depend on, and a digest of our own sources."""
-    return {**versions(), "sources": _sources()}
+    made = Manifest(identity, {}, study.count, study.quantum, command, now)
+    return made.with_versions_here()
 
 
 @cache
@@ -99,14 +100,13 @@ def _sources() -> str:
 def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, str]]:
     """Give the values of nested JSON in their order, each as text with its path."""
     if isinstance(value, Mapping) and value:
-        for each, inner in value.items():
-            yield from _leaves(inner, f"{name}.{each}" if name else str(each))
+        for key, inner in value.items():
+            yield from _leaves(inner, f"{name}.{key}" if name else str(key))
     else:
         yield name, json.dumps(value)
 
 
-def _told(text: str | None) -> str:
-    """Return what a refusal says of a value."""
+def _shown(text: str | None) -> str:
     if text is None:
         return "not given"
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
@@ -121,33 +121,27 @@ def read_manifest(store: Store) -> Manifest | None:
         If the file of its name is none.
     """
     try:
-        content = store.read(MANIFEST)
+        content = json.loads(store.read(MANIFEST))
+        if content.pop("format") != _FORMAT:
+            raise ValueError
+        return Manifest(**content)
     except (FileNotFoundError, NotADirectoryError):
         return None
-    try:
-        read = json.loads(content)
-        if read.pop("format") != _FORMAT:
-            raise ValueError
-        return Manifest(**read)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise StudyError(
             f"{store.address}: its {MANIFEST} is not one of a study; name another folder"
         ) from error
 
 
-def write_manifest(store: Store, manifest: Manifest) -> None:
-    """Write the manifest of a store."""
-    content = {"format": _FORMAT, **asdict(manifest)}
-    store.write(MANIFEST, json.dumps(content, indent=2).encode() + b"\n")
-
-
-def check_ours(store: Store) -> None:
-    """Refuse a folder with files and no study: what is in it is not ours.
+@contextmanager
+def begun(store: Store, new: Manifest, *, fresh: bool) -> Iterator[None]:
+    """Lock a store that holds this study: the same one resumes, another is refused or removed.
 
     Raises
     ------
     StudyError
-        It names one of the files.
+        If it holds other files, or another study, or one of other versions, and `fresh` is not
+        set; it names a file or the difference.
     """
     if read_manifest(store) is None:
         foreign = sorted(name for name in store.names() if not _is_ours(name))
@@ -155,29 +149,21 @@ def check_ours(store: Store) -> None:
             raise StudyError(
                 f"{store.address} holds no study, but other files ({foreign[0]}); name a new folder"
             )
-
-
-def settle(store: Store, new: Manifest, *, fresh: bool) -> None:
-    """Have a store hold this study: the same one resumes, another one is refused or thrown away.
-
-    Raises
-    ------
-    StudyError
-        If it holds another study, or one of other versions, and `fresh` is not set; it names the
-        difference.
-    """
-    old = read_manifest(store)
-    if old is not None and old.key != new.key and not fresh:
-        raise StudyError(
-            f"{store.address} holds results of another study: {old.changes(new)}; --fresh throws "
-            "them away, another folder keeps them"
-        )
-    for name in store.names():
-        # A part is what a killed process left.
-        if _is_part(name) or (fresh and chunk_of(name) is not None):
-            store.remove(name)
-    if old is None or fresh:
-        write_manifest(store, new)
+    with store.locked():
+        old = read_manifest(store)
+        if old is not None and old.key != new.key and not fresh:
+            raise StudyError(
+                f"{store.address} holds results of another study: {old.changes(new)}; --fresh "
+                "throws them away, another folder keeps them"
+            )
+        for name in store.names():
+            # A part is what a killed process left.
+            if _is_part(name) or (fresh and chunk_of(name) is not None):
+                store.remove(name)
+        if old is None or fresh:
+            content = {"format": _FORMAT, **asdict(new)}
+            store.write(MANIFEST, json.dumps(content, indent=2).encode() + b"\n")
+        yield
 
 
 def _is_ours(name: str) -> bool:

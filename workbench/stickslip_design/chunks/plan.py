@@ -24,37 +24,24 @@ _SMALLEST: Final = 8
 
 
 class Plan:
-    """The chunks that are left of a study.
-
-    Parameters
-    ----------
-    count, quantum
-        Those of the study.
-    done
-        The chunks that are there; they do not overlap.
-    """
+    """The chunks that are left of `count` points, where `done` are there and do not overlap."""
 
     def __init__(self, count: int, quantum: int, done: Iterable[Chunk]) -> None:
-        self._quantum = quantum
-        self._size = self._most = quantum
-        self._gaps: deque[Chunk] = deque()
-        reached = 0
-        for chunk in (*sorted(done), Chunk(count, count)):
-            if chunk.start > reached:
-                self._gaps.append(Chunk(reached, chunk.start))
-            reached = chunk.stop
-        self.left = sum(gap.points for gap in self._gaps)
+        self._quantum = self._size = self._most = quantum
+        ends = [0, *(end for chunk in sorted(done) for end in chunk), count]
+        gaps = [Chunk(*gap) for gap in zip(ends[::2], ends[1::2], strict=True)]
+        self._gaps = deque(gap for gap in gaps if gap.points)
+        self.left = sum(gap.points for gap in gaps)
 
     def take(self, workers: int) -> Chunk:
         """Return the next chunk, for one of so many workers; `left` says whether there is one."""
         full = min(self._size * max(workers // _WORKERS, 1), self._most)
         even = max(self.left // (2 * workers), full // _SMALLEST)
         gap = self._gaps.popleft()
-        size = min(gap.points, self._rounded(min(full, even)))
-        chunk = Chunk(gap.start, gap.start + size)
+        chunk = Chunk(gap.start, min(gap.start + self._rounded(min(full, even)), gap.stop))
         if chunk.stop < gap.stop:
             self._gaps.appendleft(Chunk(chunk.stop, gap.stop))
-        self.left -= size
+        self.left -= chunk.points
         return chunk
 
     def learn(self, points: int, seconds: float, size: int) -> None:

@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 import pickle
+import tempfile
+import threading
 import time
 import weakref
 from collections import Counter
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
 from contextlib import ExitStack
-from hashlib import sha256
 from typing import Final
 
 from .chunk import chunk_of, failures, name_of, unpacked
-from .crew import Crew, cores, processes
-from .crew import cluster as connected
-from .manifest import STUDY, check_ours, manifest_of, settle
+from .executors import Workers, cores, processes
+from .executors import cluster as connected
+from .manifest import STUDY, begun, manifest_of
 from .plan import Plan
 from .results import Results
-from .store import Store, store_of, temporary
+from .store import Store, store_of
 from .study import Chunk, Progress, Study, StudyError
-from .work import Done, Failed, Job, Lost, compute, reason
+from .work import Done, compute, reason, work
 
 _SHORT: Final = 2.0
 """Seconds that are not worth starting worker processes, which takes one or two."""
@@ -79,130 +87,96 @@ def run(
     if workers is not None and workers < 1:
         raise StudyError(f"{workers} workers: at least 1 is needed")
     with ExitStack() as lasting, ExitStack() as stack:
+        if folder is None:
+            folder = lasting.enter_context(tempfile.TemporaryDirectory(prefix="stickslip-study-"))
         try:
-            crew = None if cluster is None else stack.enter_context(connected(cluster))
-            store = lasting.enter_context(temporary()) if folder is None else store_of(folder)
-            check_ours(store)
-            stack.enter_context(store.locked())
-            running = _Running(study, store, fresh, progress)
-            if crew is None:
-                count = workers or cores()
-                running.here(till=running.is_long if count > 1 else _never)
-                if running.left:
-                    local = stack.enter_context(processes(count))
-                    running.here(till=lambda _: not local.starting)
-                    crew = local
-            if crew is not None:
-                running.by(crew)
-            results = Results(store, running.done, running.key)
+            remote = None if cluster is None else stack.enter_context(connected(cluster))
+            store, manifest = store_of(folder), manifest_of(study)
+            stack.enter_context(begun(store, manifest, fresh=fresh))
+            running = _Running(study, store, manifest.key, progress)
+            running.by(remote or running.here(workers or cores(), stack))
         except OSError as error:
             raise StudyError(reason(error)) from error
+        except CancelledError:
+            raise StudyError(
+                f"the scheduler {cluster} has ended; what is computed is kept, and the study "
+                "resumes"
+            ) from None
+        results = Results(store, running.done, manifest.key)
         weakref.finalize(results, lasting.pop_all().close)
     return results
 
 
-def _never(_: Done) -> bool:
-    return False
-
-
 class _Running:
-    """A study on its way.
-
-    Attributes
-    ----------
-    key
-        That of its manifest.
-    done
-        The chunks that are computed.
-    """
+    """A study on its way, of which the chunks `done` are computed."""
 
     def __init__(
-        self,
-        study: Study,
-        store: Store,
-        fresh: bool,
-        progress: Callable[[Progress], None] | None,
+        self, study: Study, store: Store, key: str, progress: Callable[[Progress], None] | None
     ) -> None:
         self._begun = time.monotonic()
-        self._study, self._store, self._progress = study, store, progress
+        self._study, self._store, self._key, self._progress = study, store, key, progress
         try:
-            content = pickle.dumps(study)
+            store.write(STUDY, pickle.dumps(study))
         except (pickle.PicklingError, AttributeError, TypeError) as error:
             raise StudyError(f"the study cannot be sent to workers: {reason(error)}") from error
-        manifest = manifest_of(study)
-        settle(store, manifest, fresh=fresh)
-        store.write(STUDY, content)
-        self.key = manifest.key
-        self._job = Job(store.address, self.key, sha256(content).hexdigest())
-        self.done, self._failed = _computed_before(store, self.key)
+        self.done, self._failed = _computed_before(store, key)
         self._plan = Plan(study.count, study.quantum, self.done)
-        self._kept = self._computed = study.count - self._plan.left
+        self._kept = study.count - self._plan.left
+        self._computed = self._kept
         self._report()
 
-    @property
-    def left(self) -> int:
-        """How many points no worker has been given."""
-        return self._plan.left
-
-    def here(self, till: Callable[[Done], bool]) -> None:
-        """Compute in this process, until a chunk is the last one or `till` says so of it."""
-        while self.left:
-            chunk = self._plan.take(workers=1)
-            done = self._take(compute(self._store, self._study, self.key, chunk))
+    def here(self, count: int, stack: ExitStack) -> Workers | None:
+        """Compute in this process till `count` workers, which long studies get, are ready."""
+        workers: Workers | None = None
+        # Till the first one is there its libraries are loaded, which takes a second.
+        starting: threading.Thread | None = None
+        while self._plan.left and (starting is None or starting.is_alive()):
+            chunk = self._plan.take(1)
+            seconds = self._take(compute(self._store, self._study, self._key, chunk))
             self._report()
-            if till(done):
-                return
+            # The first chunk also loads libraries, and tells little unless it is long itself.
+            if self._computed > self._kept + chunk.points:
+                seconds *= self._plan.left / chunk.points
+            if count > 1 and starting is None and self._plan.left and seconds > _SHORT:
+                workers = stack.enter_context(processes(count))
+                starting = threading.Thread(target=workers.submit, args=(int,))
+                starting.start()
+        return workers
 
-    def is_long(self, done: Done) -> bool:
-        """Return whether the rest of the study takes long, by the time of a chunk."""
-        # The first chunk also loads libraries, and tells little unless it is long itself.
-        first = self._computed - self._kept == done.chunk.points
-        seconds = done.seconds if first else done.seconds / done.chunk.points * self.left
-        return self.left > 0 and seconds > _SHORT
-
-    def by(self, crew: Crew) -> None:
+    def by(self, workers: Workers | None) -> None:
         """Have workers compute the rest."""
-        given, seen, deaths = 0, False, Counter[Chunk]()
-        while self._plan.left or given:
-            while self._plan.left and crew.idle:
-                crew.give(self._job, self._plan.take(crew.workers))
-                given += 1
-            for answer in crew.answers(_REPORT):
-                if isinstance(answer, Lost):
-                    deaths[answer.chunk] += 1
-                    if deaths[answer.chunk] == _DEATHS:
-                        raise StudyError(
-                            f"{answer.chunk} ended their worker process {_DEATHS} times: "
-                            f"it {answer.end}"
-                        )
-                    crew.give(self._job, answer.chunk)
-                else:
-                    self._take(answer)
-                    given -= 1
-                    if not seen:
-                        self._check_seen()
-                    seen = True
-            self._report(crew.note)
-        self._check_seen()
+        given: dict[Future[Done], Chunk] = {}
+        # Chunks of a broken pool are given singly, so that the deadly one is found.
+        suspects: list[Chunk] = []
+        deaths = Counter[Chunk]()
+        while workers is not None and (self._plan.left or suspects or given):
+            workers.look()
+            singly = deaths.keys() & {*suspects, *given.values()}
+            while len(given) < (1 if singly else workers.at_once) and (suspects or self._plan.left):
+                chunk = suspects.pop() if suspects else self._plan.take(workers.count)
+                given[workers.submit(work, self._store.address, self._key, chunk)] = chunk
+            ended, _ = wait(given, _REPORT, FIRST_COMPLETED)
+            if any(map(_is_broken, ended)):
+                ended, _ = wait(given)
+                workers.renew()
+            for future in ended:
+                chunk = given.pop(future)
+                if not _is_broken(future):
+                    self._take(_answer(future, chunk))
+                    continue
+                deaths[chunk] += 1
+                if deaths[chunk] == _DEATHS:
+                    raise StudyError(f"{chunk} ended their worker process {_DEATHS} times")
+                suspects.append(chunk)
+            self._report(workers.note)
 
-    def _take(self, answer: Done | Failed) -> Done:
-        if isinstance(answer, Failed):
-            raise StudyError(answer.reason)
-        self._plan.learn(answer.chunk.points, answer.seconds, answer.size)
-        self.done.append(answer.chunk)
-        self._computed += answer.chunk.points
-        self._failed += answer.failed
-        return answer
-
-    def _check_seen(self) -> None:
-        """Check that the files that workers wrote are in the folder that this process sees."""
-        there = self._store.names()
-        lost = next((each for each in self.done if name_of(each) not in there), None)
-        if lost is not None:
-            raise StudyError(
-                f"{self._store.address}: {lost} are computed, and their file is not here; name a "
-                "folder that all workers share"
-            )
+    def _take(self, done: Done) -> float:
+        """Take note of a chunk, and return its time [s]."""
+        self._plan.learn(done.chunk.points, done.seconds, done.size)
+        self.done.append(done.chunk)
+        self._computed += done.chunk.points
+        self._failed += done.failed
+        return done.seconds
 
     def _report(self, note: str = "") -> None:
         if self._progress is not None:
@@ -210,9 +184,22 @@ class _Running:
             self._progress(Progress(*so_far, time.monotonic() - self._begun, self._kept, note))
 
 
+def _is_broken(future: Future[Done]) -> bool:
+    return not future.cancelled() and isinstance(future.exception(), BrokenExecutor)
+
+
+def _answer(future: Future[Done], chunk: Chunk) -> Done:
+    try:
+        return future.result()
+    except (StudyError, CancelledError):
+        raise
+    except Exception as error:
+        raise StudyError(f"{chunk} cannot be computed by a worker: {reason(error)}") from error
+
+
 def _computed_before(store: Store, key: str) -> tuple[list[Chunk], int]:
     """Return the chunks that are whole, and their failures; a file that is not is removed."""
-    found = sorted(filter(None, map(chunk_of, store.names())))
+    chunks = sorted(filter(None, map(chunk_of, store.names())))
 
     def failed(chunk: Chunk) -> int | None:
         columns = unpacked(store.read(name_of(chunk)), chunk, key)
@@ -221,11 +208,11 @@ def _computed_before(store: Store, key: str) -> tuple[list[Chunk], int]:
     done: list[Chunk] = []
     total = 0
     with ThreadPoolExecutor(_READERS) as readers:
-        for chunk, count_of_failed in zip(found, readers.map(failed, found), strict=True):
+        for chunk, count in zip(chunks, readers.map(failed, chunks), strict=True):
             # A worker that outlived its study may have written a chunk that overlaps others.
-            if count_of_failed is None or (done and chunk.start < done[-1].stop):
+            if count is None or (done and chunk.start < done[-1].stop):
                 store.remove(name_of(chunk))
             else:
                 done.append(chunk)
-                total += count_of_failed
+                total += count
     return done, total

@@ -1,18 +1,17 @@
-"""Folders and addresses of fsspec as stores of files, each of them there whole or not at all."""
+"""A folder or an address of fsspec as a store of files, each of them there whole or not at all."""
 
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO, Final, Protocol
+from typing import IO, Final
 from uuid import uuid4
 
-from stickslip_verification import replacing
+from fsspec.core import url_to_fs
+from fsspec.implementations.local import LocalFileSystem
 
-from ..datasets import ExtraMissingError, need
 from .study import StudyError
 
 LOCK: Final = ".lock"
@@ -21,62 +20,67 @@ PART: Final = ".part"
 """End of the name of a file that is not whole yet; the name begins with a dot."""
 
 
-class Store(Protocol):
-    """Where the files of a study are.
+class Store:
+    """The files of a study in a folder, or at an address of fsspec such as s3://bucket/study.
+
+    Every method raises `OSError` where the store refuses.
 
     Attributes
     ----------
     address
         The folder or address, which means the same in another process.
-
-    Every method raises `OSError` where the store refuses.
     """
 
-    address: str
+    def __init__(self, address: str) -> None:
+        self._is_folder = "://" not in address
+        if self._is_folder:
+            self.address = str(Path(address).resolve())
+            self._system, self._path = LocalFileSystem(), self.address
+        else:
+            self.address = address.rstrip("/")
+            self._system, self._path = url_to_fs(self.address)
 
     def names(self) -> set[str]:
         """Return the names of all that is there; empty if there is no such folder."""
+        # Other processes write there too, and some systems keep a list.
+        self._system.invalidate_cache()
+        try:
+            paths = self._system.ls(self._path, detail=False)
+        except FileNotFoundError:
+            return set()
+        return {path.rstrip("/").rpartition("/")[2] for path in paths}
 
     def read(self, name: str) -> bytes:
         """Return the content of a file."""
+        return bytes(self._system.cat_file(f"{self._path}/{name}"))
 
     def write(self, name: str, content: bytes) -> None:
         """Write a file, whole or not at all."""
+        part = f"{self._path}/.{uuid4().hex}{PART}"
+        try:
+            self._system.makedirs(self._path, exist_ok=True)
+            self._system.pipe_file(part, content)
+            self._system.mv(part, f"{self._path}/{name}")
+        except BaseException as error:
+            with suppress(OSError):
+                self._system.rm_file(part)
+            if isinstance(error, OSError) and error.errno is not None:
+                file = f"{self.address}/{name}"
+                raise OSError(error.errno, error.strerror or str(error), file) from error
+            raise
 
     def remove(self, name: str) -> None:
         """Remove a file."""
-
-    def locked(self) -> AbstractContextManager[None]:
-        """Keep other processes from the study that is here, where the store has locks."""
-
-
-class _Folder:
-    """A folder of this machine, or one that it mounts."""
-
-    def __init__(self, address: str) -> None:
-        self._path = Path(address).resolve()
-        self.address = str(self._path)
-
-    def names(self) -> set[str]:
-        try:
-            return {entry.name for entry in self._path.iterdir()}
-        except FileNotFoundError:
-            return set()
-
-    def read(self, name: str) -> bytes:
-        return (self._path / name).read_bytes()
-
-    def write(self, name: str, content: bytes) -> None:
-        with replacing(self._path / name) as stream:
-            stream.write(content)
-
-    def remove(self, name: str) -> None:
-        (self._path / name).unlink(missing_ok=True)
+        self._system.rm_file(f"{self._path}/{name}")
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        self._path.mkdir(parents=True, exist_ok=True)
-        with (self._path / LOCK).open("ab") as stream:
+        """Keep other processes from the study in a folder; an address of fsspec has no locks."""
+        if not self._is_folder:
+            yield
+            return
+        Path(self.address).mkdir(parents=True, exist_ok=True)
+        with Path(self.address, LOCK).open("ab") as stream:
             try:
                 _lock(stream)
             except OSError as error:
@@ -99,49 +103,6 @@ def _lock(stream: IO[bytes]) -> None:
         fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-class _Address:
-    """An address of fsspec, such as s3://bucket/study. It has no locks."""
-
-    def __init__(self, address: str) -> None:
-        self.address = address.rstrip("/")
-        self._system, self._path = need("fsspec.core").url_to_fs(self.address)
-
-    def names(self) -> set[str]:
-        # Other processes write there too, and some systems keep a list.
-        self._system.invalidate_cache()
-        try:
-            found = self._system.ls(self._path, detail=False)
-        except FileNotFoundError:
-            return set()
-        return {each.rstrip("/").rpartition("/")[2] for each in found}
-
-    def read(self, name: str) -> bytes:
-        return bytes(self._system.cat_file(self._at(name)))
-
-    def write(self, name: str, content: bytes) -> None:
-        part = self._at(f".{uuid4().hex}{PART}")
-        try:
-            self._system.makedirs(self._path, exist_ok=True)
-            self._system.pipe_file(part, content)
-            self._system.mv(part, self._at(name))
-        except BaseException as error:
-            with suppress(OSError):
-                self._system.rm_file(part)
-            if isinstance(error, OSError) and error.errno is not None:
-                shown = f"{self.address}/{name}"
-                raise OSError(error.errno, error.strerror or str(error), shown) from error
-            raise
-
-    def remove(self, name: str) -> None:
-        self._system.rm_file(self._at(name))
-
-    def locked(self) -> AbstractContextManager[None]:
-        return nullcontext()
-
-    def _at(self, name: str) -> str:
-        return f"{self._path}/{name}"
-
-
 def store_of(address: str) -> Store:
     """Return the store at a folder or an address of fsspec.
 
@@ -150,18 +111,7 @@ def store_of(address: str) -> Store:
     StudyError
         If the address cannot be used, as where the package for its protocol is not installed.
     """
-    if "://" not in address:
-        return _Folder(address)
     try:
-        return _Address(address)
-    except ExtraMissingError as error:
-        raise StudyError(str(error)) from error
+        return Store(address)
     except (ImportError, ValueError) as error:
         raise StudyError(f"{address}: {error}") from error
-
-
-@contextmanager
-def temporary() -> Iterator[Store]:
-    """Give a folder that is removed at the end."""
-    with tempfile.TemporaryDirectory(prefix="stickslip-study-") as folder:
-        yield _Folder(folder)

@@ -27,19 +27,7 @@ _HEADING: Final = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*[^\]\d][^\]]*
 
 
 class Columns(NamedTuple):
-    """The columns of a file.
-
-    Attributes
-    ----------
-    file
-        The file, for refusals.
-    digest
-        SHA-256 of its content.
-    values
-        Numbers by name, shape (n,), finite.
-    units
-        The unit that the header gives, by name; those without one are left out.
-    """
+    """The finite numbers of a file by name, shape (n,), and the units that its header gives."""
 
     file: Path
     digest: str

@@ -13,24 +13,10 @@ from stickslip_verification.drive.fmu.instance import FLOATING as FLOATING
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of the model.
+    """A variable of the model, `name`; as the FMU of a component declares it, `own`.
 
-    Attributes
-    ----------
-    name
-        Its name in the model.
-    component
-        Index of its component.
-    own
-        Its name in the component's FMU.
-    reference, kind, causality, variability, unit, description
-        As the FMU declares them; texts are empty where it does not.
-    obstacle
-        Why it is no number that can be set and read, in words; empty where it is one.
-    starts
-        Whether it can be set before a run.
-    start
-        Its start value as the FMU spells it, empty where it gives none.
+    Texts are empty where it declares nothing. An `obstacle` says why it is no number that can be
+    set and read; one that `starts` can be set before a run.
     """
 
     name: str
@@ -61,19 +47,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU of the model.
-
-    Attributes
-    ----------
-    name
-        Its name, for messages: that of the component, of an FMU alone that of the file.
-    source
-        Its FMU in the SSP file; empty for an FMU alone.
-    fmi_version
-        2.0 or 3.0.
-    token, identifier
-        What it is instantiated with.
-    """
+    """An FMU of the model, in an SSP file at `source`, and what it is instantiated with."""
 
     name: str
     source: str
@@ -93,35 +67,21 @@ class Wire:
 
 
 @dataclass(frozen=True)
-class Table:
-    """An input that a file gives: a value for each communication step, set before it."""
-
-    name: str
-    values: NDArray[np.float64]
-
-
-@dataclass(frozen=True)
 class Job:
     """All that runs have in common.
 
     Attributes
     ----------
-    components
-        The FMUs.
-    variables
-        Those that are set, read or connected, by name.
-    wires
-        The connections.
+    components, variables, wires
+        The FMUs; the variables that are set, read or connected, by name; the connections.
     fixed
         Values that all runs have, by name, in the FMU's units.
     swept
         Names of the variables that each run sets, in the order of its values.
     tables
-        Inputs from files.
-    times
-        Communication points [s], shape (steps + 1,).
-    steps
-        Communication steps [s], shape (steps,).
+        Inputs from files, by name: a value for each communication step, set before it.
+    times, steps
+        Communication points [s], shape (steps + 1,), and communication steps [s], shape (steps,).
     settled
         Index of the first communication point that reductions see.
     outputs
@@ -135,7 +95,7 @@ class Job:
     wires: tuple[Wire, ...]
     fixed: Mapping[str, float]
     swept: tuple[str, ...]
-    tables: tuple[Table, ...]
+    tables: Mapping[str, NDArray[np.float64]]
     times: NDArray[np.float64]
     steps: NDArray[np.float64]
     settled: int
@@ -145,11 +105,7 @@ class Job:
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the results: the variable for its last value, else variable.reduction."""
-        return tuple(
-            column_of(name, reduction)
-            for name, all_of in self.outputs.items()
-            for reduction in all_of
-        )
+        return tuple(column_of(name, each) for name in self.outputs for each in self.outputs[name])
 
 
 def column_of(name: str, reduction: str) -> str:

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import math
 import re
-import shutil
+import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from hashlib import sha256
 from pathlib import Path
 from typing import Final
 
@@ -20,7 +19,6 @@ from stickslip_verification.drive.fmu.description import (
     NUMBERS,
     Description,
     check_size,
-    new_folder,
     read_description,
     unpack,
 )
@@ -41,16 +39,10 @@ class Model:
 
     Attributes
     ----------
-    path, digest, content
-        The file, the SHA-256 of its bytes, and these.
-    is_system
-        Whether it is an SSP file.
-    components
-        Its FMUs.
-    variables
-        By name.
-    wires
-        Its connections.
+    path, content, is_system
+        The file, its bytes, and whether it is an SSP file.
+    components, variables, wires
+        Its FMUs, their variables by name, and the connections.
     bound
         Values that the SSP file gives, by name of the variable.
     units
@@ -61,7 +53,6 @@ class Model:
     """
 
     path: Path
-    digest: str
     content: bytes = field(repr=False)
     is_system: bool
     components: tuple[Component, ...]
@@ -83,74 +74,59 @@ def read_model(path: Path | str) -> Model:
     path = Path(path)
     try:
         content = path.read_bytes() if path.is_file() else b""
-        return _system(path, content) if path.suffix.lower() == ".ssp" else _fmu(path, content)
+        with tempfile.TemporaryDirectory(prefix="stickslip-") as folder:
+            return _read(path, content, Path(folder))
     except OSError as error:
         raise SweepError(f"{path}: cannot be read: {error.strerror or error}") from None
     except FmuError as error:
         raise SweepError(str(error)) from None
 
 
-def _fmu(path: Path, content: bytes) -> Model:
-    description = read_description(path)
-    component = _component(path.name, "", description)
-    return Model(
-        path,
-        sha256(content).hexdigest(),
-        content,
-        False,
-        (component,),
-        {each.name: each for each in _variables(0, "", description)},
-        (),
-        {},
-        description.units,
-        {name: float(text) for name, text in description.experiment.items()},
-    )
-
-
-def _system(path: Path, content: bytes) -> Model:
-    if not path.is_file():
+def _read(path: Path, content: bytes, folder: Path) -> Model:
+    is_system = path.suffix.lower() == ".ssp"
+    if is_system and not path.is_file():
         raise SweepError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
-    folder = new_folder()
-    try:
+    system = System({path.name: ""}, (), {}, {})
+    if is_system:
         system = read_system(path)
         check_size(path)
         unpack(path, folder)
-        components: list[Component] = []
-        variables: dict[str, Variable] = {}
-        units: dict[str, Unit] = {}
-        for index, (name, source) in enumerate(system.components.items()):
-            fmu = folder / source
-            if not fmu.is_file():
-                raise SweepError(f"{path}: has no file {source}, the FMU of {name}")
-            try:
-                description = read_description(fmu)
-            except FmuError as error:
-                said = str(error).replace(str(fmu), f"{path}: {source}")
-                raise SweepError(said) from None
-            components.append(_component(name, source, description))
-            variables |= {each.name: each for each in _variables(index, f"{name}.", description)}
-            for unit, meaning in description.units.items():
-                if units.setdefault(unit, meaning) != meaning:
-                    raise SweepError(f"{path}: its FMUs define the unit {unit!r} differently")
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
+    experiment = dict(system.experiment)
+    components: list[Component] = []
+    variables: dict[str, Variable] = {}
+    units: dict[str, Unit] = {}
+    for index, (name, source) in enumerate(system.components.items()):
+        fmu = folder / source if is_system else path
+        if is_system and not fmu.is_file():
+            raise SweepError(f"{path}: has no file {source}, the FMU of {name}")
+        try:
+            description = read_description(fmu)
+        except FmuError as error:
+            raise SweepError(
+                str(error).replace(str(fmu), f"{path}: {source}".rstrip(": "))
+            ) from None
+        identifier = description.model_identifier
+        components.append(
+            Component(name, source, description.fmi_version, description.token, identifier)
+        )
+        before = f"{name}." if is_system else ""
+        variables |= {each.name: each for each in _variables(index, before, description)}
+        for unit, meaning in description.units.items():
+            if units.setdefault(unit, meaning) != meaning:
+                raise SweepError(f"{path}: its FMUs define the unit {unit!r} differently")
+        if not is_system:
+            experiment = {key: float(text) for key, text in description.experiment.items()}
     return Model(
         path,
-        sha256(content).hexdigest(),
         content,
-        True,
+        is_system,
         tuple(components),
         variables,
         tuple(_wires(path, system, variables, units)),
         _bound(path, system, variables, units),
         units,
-        system.experiment,
+        experiment,
     )
-
-
-def _component(name: str, source: str, description: Description) -> Component:
-    identifier = description.model_identifier
-    return Component(name, source, description.fmi_version, description.token, identifier)
 
 
 def _variables(component: int, before: str, description: Description) -> Iterator[Variable]:

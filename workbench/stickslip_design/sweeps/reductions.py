@@ -27,18 +27,9 @@ _INTEGRATED: Final = 1e-9
 
 
 class Reduction(NamedTuple):
-    """A reduction: of times [s] and samples, its meaning, its unit where it has its own.
+    """A number `of` times [s] and samples; without a unit it has that of the variable.
 
-    Attributes
-    ----------
-    of
-        Computes it.
-    meaning
-        What it is, in words.
-    unit
-        Its unit; None: that of the variable.
-    whole
-        Whether it needs the samples on the way, and not the last one alone.
+    One of the `whole` needs the samples on the way, and not the last one alone.
     """
 
     of: Callable[[Floats, Floats], float]
@@ -107,13 +98,6 @@ def sticks(times: Floats, position: Floats) -> list[Stick]:
 
     A rest is a longest run of at least `LEAST_AT_REST` samples within the digits of the position.
     Each of its events lies between the last sample that rests and the next one.
-
-    Parameters
-    ----------
-    times
-        Times of the samples [s], shape (n,).
-    position
-        Position of the mass, shape (n,).
     """
     from stickslip_score.figures import VISIBLE, Event, Stick
 

@@ -8,7 +8,7 @@ there are components, so that the start values follow the wires.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -53,20 +53,7 @@ class _File:
 
 
 class Runner:
-    """Does the runs of a job.
-
-    Parameters
-    ----------
-    job
-        What to do.
-    folders
-        Where the FMUs of its components are unpacked.
-
-    Raises
-    ------
-    FmuError
-        If an FMU cannot be loaded or instantiated.
-    """
+    """Does the runs of a job, whose FMUs are in folders; `FmuError` if one cannot be loaded."""
 
     def __init__(self, job: Job, folders: Sequence[Path]) -> None:
         self._job = job
@@ -80,20 +67,10 @@ class Runner:
         self._instantiate()
 
     def run(self, values: NDArray[np.float64]) -> list[float]:
-        """Do one run and return its results, in the order of the job's columns.
+        """Do a run with these values, and return its results in the order of the job's columns.
 
         A run that fails in an instance that has been used before is done again in a new one, so
-        that its result depends on its values alone.
-
-        Parameters
-        ----------
-        values
-            Of the swept variables.
-
-        Raises
-        ------
-        FmuError
-            If the FMU refuses or fails; the text is the same for the same values.
+        that its result depends on its values alone, as does the text of an `FmuError`.
         """
         if self._used:
             if self._job.reset:
@@ -110,11 +87,6 @@ class Runner:
             self._instantiate()
             raise FmuError(said) from None
 
-    @property
-    def instances(self) -> tuple[FmuInstance, ...]:
-        """The instances that do the next run, if they can be reset."""
-        return tuple(self._instances)
-
     def close(self) -> None:
         """Free the instances."""
         for each in self._instances:
@@ -129,21 +101,19 @@ class Runner:
         self._used = False
         job = self._job
         self._set_start = self._writer([*job.fixed, *job.swept])
-        self._set_tables = self._writer([each.name for each in job.tables])
+        self._set_tables = self._writer([*job.tables])
         self._set_wired = self._writer([each.input for each in job.wires])
         self._read_wired = self._reader([each.output for each in job.wires])
         self._read_outputs = self._reader(list(job.outputs))
 
-    def _parts(self, names: Sequence[str]) -> Iterator[tuple[FmuInstance, list[int]]]:
-        """Yield the instances that have some of these variables, with the places of their names."""
-        for index, instance in enumerate(self._instances):
-            places = [
-                place
-                for place, name in enumerate(names)
-                if self._job.variables[name].component == index
-            ]
-            if places:
-                yield instance, places
+    def _parts(self, names: Sequence[str]) -> list[tuple[FmuInstance, list[int]]]:
+        """Return the instances that have some of these variables, with the places of the names."""
+        homes = [self._job.variables[name].component for name in names]
+        return [
+            (instance, [place for place, home in enumerate(homes) if home == index])
+            for index, instance in enumerate(self._instances)
+            if index in homes
+        ]
 
     def _writer(self, names: Sequence[str]) -> Callable[[Sequence[float]], None]:
         """Return a function that sets these variables, of any components, given their values."""
@@ -160,19 +130,15 @@ class Runner:
 
     def _reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         """Return a function that reads these variables, of any components, in this order."""
-        readers = [
-            (instance.reader([names[place] for place in places]), places)
-            for instance, places in self._parts(names)
-        ]
+        parts = self._parts(names)
+        readers = [one.reader([names[place] for place in places]) for one, places in parts]
         if len(readers) == 1:
-            return readers[0][0]
+            return readers[0]
+        order = np.argsort([place for _, places in parts for place in places]).tolist()
 
         def read() -> list[float]:
-            values = [0.0] * len(names)
-            for reader, places in readers:
-                for place, value in zip(places, reader(), strict=True):
-                    values[place] = value
-            return values
+            values = [value for reader in readers for value in reader()]
+            return [values[place] for place in order]
 
         return read
 
@@ -180,7 +146,7 @@ class Runner:
         job = self._job
         self._set_start([*job.fixed.values(), *values.tolist()])
         if job.tables:
-            self._set_tables([float(each.values[0]) for each in job.tables])
+            self._set_tables([float(values[0]) for values in job.tables.values()])
         start = float(job.times[0])
         for each in self._instances:
             each.enter(start)
@@ -198,7 +164,7 @@ class Runner:
             if job.wires:
                 self._hand_on()
             if job.tables:
-                self._set_tables([float(each.values[index]) for each in job.tables])
+                self._set_tables([float(values[index]) for values in job.tables.values()])
             for instance in self._instances:
                 instance.step(time, step)
         last = self._read_outputs()

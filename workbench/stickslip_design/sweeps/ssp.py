@@ -24,12 +24,7 @@ _OF_FMU: Final = (None, "application/x-fmu-sharedlibrary")
 class Change(NamedTuple):
     """What a connection does to a value: ``factor * value + offset``.
 
-    Attributes
-    ----------
-    factor, offset
-        Of the value in the unit of the input.
-    converts
-        Whether the value is taken from the unit of the output to that of the input before.
+    Before, one that `converts` takes it from the unit of the output to that of the input.
     """
 
     factor: float = 1.0
@@ -46,15 +41,7 @@ class Change(NamedTuple):
 
 
 class Connection(NamedTuple):
-    """A connection between variables of components, by their names.
-
-    Attributes
-    ----------
-    source, target
-        An output and an input.
-    change
-        What happens to the value on the way.
-    """
+    """A connection of an output of a component with an input, by their names."""
 
     source: str
     target: str

@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -19,9 +20,9 @@ from ..datasets import digest_of, need, provenance, write_grid, write_points
 from .host import Host
 from .job import Job, column_of
 from .model import Model, read_model
-from .plan import Plan, plan_of, read_plan
+from .plan import TIME_LIMIT, PlanFile
 from .reductions import REDUCTIONS
-from .resolve import Resolved, resolve
+from .resolve import resolve
 
 if TYPE_CHECKING:
     import xarray
@@ -44,14 +45,11 @@ class Sweep:
 
     Attributes
     ----------
-    job
-        What the runs have in common.
-    values
-        Values of the swept variables: axes of a grid, or columns of points.
-    on_grid
-        Whether the points are all combinations of the values, the last one running fastest.
-    identity
-        All that the results depend on.
+    job, identity
+        What the runs have in common, and all that the results depend on.
+    values, on_grid
+        Values of the swept variables: columns of points, or axes of a grid, whose points are all
+        combinations of them, the last one running fastest.
     time_limit
         Seconds that a run may take.
     content, is_system
@@ -100,58 +98,49 @@ class Sweep:
         SweepError
             If the model cannot be loaded here.
         """
-        names = self.job.columns
-        found = np.full((stop - start, len(names)), np.nan)
-        failures = []
         with _host(self) as host:
-            for place, outcome in enumerate(host.runs(self.rows(start, stop))):
-                if outcome.values is not None:
-                    found[place] = outcome.values
-                failures.append(outcome.failure)
-        columns: Columns = {name: found[:, place].copy() for place, name in enumerate(names)}
+            found, failures = host.runs(self.rows(start, stop))
+        columns: Columns = {
+            name: found[:, place].copy() for place, name in enumerate(self.job.columns)
+        }
         columns[FAILURE] = np.array(failures, dtype=np.str_)
         return columns
 
 
 _LOCK = threading.Lock()
-_IDLE: dict[str, list[Host]] = {}
-"""Hosts of this process that wait for runs, by the digest of their sweep."""
+_HOSTS: dict[str, Host] = {}
+"""The host of the last sweep of this process, by the digest of its study."""
 
 
 @contextmanager
 def _host(study: Sweep) -> Iterator[Host]:
-    """Lend a host: one that did other runs of the sweep in this process, or a new one."""
+    """Lend the host that did other runs of the sweep in this process, or a new one."""
     key = digest_of({**study.identity, "reset": study.job.reset})
     with _LOCK:
-        others = [each for name, hosts in _IDLE.items() if name != key for each in hosts]
-        idle = _IDLE.get(key, [])
-        host = idle.pop() if idle else None
-        _IDLE.clear()
-        _IDLE[key] = idle
-    for other in others:
-        other.close()
-    if host is None:
-        host = Host(study.job, study.content, study.is_system, study.time_limit)
-    try:
-        yield host
-    except BaseException:
-        host.close(at_once=True)
-        raise
-    with _LOCK:
-        _IDLE.setdefault(key, []).append(host)
+        if key not in _HOSTS:
+            _release()
+            _HOSTS[key] = Host(study.job, study.content, study.is_system, study.time_limit)
+        try:
+            yield _HOSTS[key]
+        except BaseException:
+            _HOSTS[key].drop()
+            _release()
+            raise
+
+
+def _release() -> None:
+    while _HOSTS:
+        _HOSTS.popitem()[1].close()
 
 
 @atexit.register
 def release() -> None:
-    """End the processes that hold the FMUs of a sweep that is done."""
+    """End the process that holds the FMUs of a sweep that is done."""
     with _LOCK:
-        hosts = [each for idle in _IDLE.values() for each in idle]
-        _IDLE.clear()
-    for host in hosts:
-        host.close()
+        _release()
 
 
-def prepare(model: Model | Path | str, plan: Plan | Path | str | Mapping[str, Any]) -> Sweep:
+def prepare(model: Model | Path | str, plan: Path | str | Mapping[str, Any]) -> Sweep:
     """Return the study of a sweep, without a run of it.
 
     Parameters
@@ -168,32 +157,20 @@ def prepare(model: Model | Path | str, plan: Plan | Path | str | Mapping[str, An
     """
     if not isinstance(model, Model):
         model = read_model(model)
-    if isinstance(plan, Mapping):
-        plan = plan_of(plan)
-    elif not isinstance(plan, Plan):
-        plan = read_plan(plan)
-    found = resolve(plan, model)
-    return Sweep(
-        found.job,
-        found.values,
-        found.on_grid,
-        _identity(plan, model, found),
-        found.time_limit,
-        model.content,
-        model.is_system,
-    )
-
-
-def _identity(plan: Plan, model: Model, found: Resolved) -> dict[str, Any]:
-    return {
+    file = PlanFile(plan)
+    job, values, digests = resolve(file, model)
+    identity = {
         "study": "sweep",
         "model": model.path.name,
-        "model_digest": model.digest,
-        "plan": plan.as_json,
+        "model_digest": sha256(model.content).hexdigest(),
+        "plan": file.says.as_json,
         # A digest does not see in which order a plan has them.
-        "axes": list(found.job.swept),
-        "tables": dict(found.digests),
+        "axes": list(job.swept),
+        "tables": dict(digests),
     }
+    limit = file.says.times.get("time_limit", TIME_LIMIT)
+    on_grid = not file.says.points
+    return Sweep(job, values, on_grid, identity, limit, model.content, model.is_system)
 
 
 def tried(study: Sweep) -> Sweep:
@@ -221,20 +198,18 @@ def tried(study: Sweep) -> Sweep:
     limit = min(study.time_limit, _LONGEST_TRIAL)
     host = Host(short, study.content, study.is_system, limit)
     try:
-        outcomes = list(host.runs(rows))
+        found, failures = host.runs(rows)
     finally:
         host.close()
-    pairs = zip(outcomes[: len(places)], outcomes[len(places) :], strict=True)
-    first, again = next(
-        ((one.values, other.values) for one, other in pairs if one.values is not None), (None, None)
-    )
-    works = first is not None and again is not None and first.tobytes() == again.tobytes()
+    count = len(places)
+    first = failures.index("") if "" in failures[:count] else 0
+    works = not failures[first + count] and found[first].tobytes() == found[first + count].tobytes()
     return study if works else replace(study, job=replace(job, reset=False))
 
 
 def sweep(
     model: Path | str,
-    plan: Plan | Path | str | Mapping[str, Any],
+    plan: Path | str | Mapping[str, Any],
     *,
     folder: Path | str | None = None,
     workers: int | None = None,

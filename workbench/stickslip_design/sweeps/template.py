@@ -10,7 +10,7 @@ from typing import Final
 
 from .job import Variable
 from .model import Model
-from .plan import KEYS, TABLES, TIME_LIMIT
+from .plan import TIME_LIMIT, help_of
 from .reductions import REDUCTIONS
 
 _WIDE: Final = 100
@@ -37,16 +37,16 @@ def template(model: Model) -> str:
         *_comment('Several values make a grid: [0.3, 0.4], "0.3..0.5 5", "1e3..1e5 N/m log 50".'),
         "",
         f"stop_time = {stop:g}  # s",
-        f"step = {step:g}  # s; {KEYS['step'].partition(';')[0]}",
-        "# settle = 0.0  # s; " + KEYS["settle"].partition(" [s]")[0],
-        f"# time_limit = {TIME_LIMIT:g}  # s; " + KEYS["time_limit"].partition(" [s]")[0],
-        "# points = \"points.csv\"  # " + KEYS["points"],
+        f"step = {step:g}  # s; {help_of('step').partition(';')[0]}",
+        "# settle = 0.0  # s; " + help_of("settle").partition(" [s]")[0],
+        f"# time_limit = {TIME_LIMIT:g}  # s; " + help_of("time_limit").partition(" [s]")[0],
+        "# points = \"points.csv\"  # " + help_of("points"),
         "",
-        *_comment(TABLES["parameters"]),
+        *_comment(help_of("parameters")),
         "[parameters]",
         *_entries((each for each in set_ if "parameter" in each.causality.lower()), model.bound),
         "",
-        *_comment(TABLES["inputs"]),
+        *_comment(help_of("inputs")),
         "[inputs]",
         *_entries(inputs, model.bound),
         "",

@@ -12,22 +12,10 @@ from ..quantity import QuantityError, on_data_sheet, parts_of
 
 
 def read_as(units: Mapping[str, Unit], text: str, unit: str) -> float:
-    """Read a number, with or without a unit, in the unit that a model declares.
+    """Read a number in the unit that a model declares, which defines `units`.
 
-    Parameters
-    ----------
-    units
-        Units that the model defines, by name.
-    text
-        What a person wrote; a plain number is in `unit`.
-    unit
-        The unit of the result; empty where the model declares none, and only plain numbers are
-        understood.
-
-    Raises
-    ------
-    QuantityError
-        If the text is no finite number, or its unit is unknown or of another dimension.
+    A plain number is in that unit; where it is empty only these are understood. `QuantityError` if
+    the text is no finite number, or its unit is unknown or of another dimension.
     """
     number, symbol = parts_of(text)
     if not math.isfinite(float(number)):
@@ -60,10 +48,7 @@ def in_unit(units: Mapping[str, Unit], number: str, symbol: str, unit: str) -> f
 def between(units: Mapping[str, Unit], source: str, target: str) -> tuple[float, float] | None:
     """Return factor and offset from numbers in one unit to those in another, None if unknown.
 
-    Raises
-    ------
-    QuantityError
-        If they are of different dimensions.
+    `QuantityError` if they are of different dimensions.
     """
     if source == target or not source or not target:
         return 1.0, 0.0
