@@ -99,8 +99,8 @@ def test_the_command_repeats_the_setting_to_the_last_bit(window: Window) -> None
         options = dict(zip(rest[::2], rest[1::2], strict=True))
         stop = options.pop("--stop-time")
         assert end <= float(stop) <= 1.01 * end
-        typed: dict[str, Any] = {n[2:].replace("-", "_"): t for n, t in options.items()}
-        values = Parameters(**typed).values
+        given: dict[str, Any] = {n[2:].replace("-", "_"): t for n, t in options.items()}
+        values = Parameters(**given).values
         assert {name: values[name] for name in setting} == setting
     # In the digits and units that a person types.
     window.preset("machine-slideway")

@@ -420,7 +420,7 @@ def verify(
     names: Path | str | None = None,
     within: float | str | None = None,
     sequences: int | None = None,
-    progress: Callable[[str, int, int], None] | None = None,
+    progress: Callable[[str, int, int], None] = lambda now, done, total: None,
     **options: Any,
 ) -> FmuVerdict:
     """Judge an FMU and the reference; a script that calls it guards its work by ``__main__``.

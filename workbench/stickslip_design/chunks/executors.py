@@ -22,8 +22,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from multiprocessing.connection import Connection
 from typing import Any, Final, TypeVar
 
-from stickslip_verification.drive.answer import discard_prints
-from stickslip_verification.drive.processes import fast_context
+from stickslip_verification.drive.processes import discard_prints, fast_context
 
 from ..datasets import ExtraMissingError, need
 from .study import StudyError
