@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 from scipy.optimize import brentq
@@ -84,46 +85,43 @@ class Lever:
             return self.now * factor
         return self.lowest + (self.now - self.lowest) / factor
 
+    def cure(self, factor: float | None, aim: str) -> AxisCure:
+        """Return the cure by a factor; None: by no factor that it is moved by."""
+        note = "" if factor is not None else f"not by a factor of {self.farthest:.3g}"
+        then = None if factor is None else self.value(factor)
+        effort = math.inf if factor is None else factor
+        what = self.name, self.number, self.unit, self.now
+        return AxisCure(*what, then, effort, aim, self.held, note)
+
 
 def levers(axis: Axis) -> Iterator[Lever]:
     """Return the numbers of an axis that are worth moving."""
     zeta = axis.c / (2.0 * math.sqrt(axis.k * axis.m))
+    friction, normal, newtons = axis.friction, axis.normal_force, axis.friction.in_newtons
 
-    friction, normal = axis.friction, axis.normal_force
-
-    def static(mu_s: float) -> Axis:
-        return replace(axis, friction=replace(friction, mu_s=mu_s))
+    def static(value: float) -> Axis:
+        return replace(axis, friction=replace(friction, mu_s=value / normal if newtons else value))
 
     def mass(m: float) -> Axis:
         lighter = replace(axis, m=m)
-        if not friction.in_newtons:
-            return lighter
-        less = normal / lighter.normal_force
+        less = normal / lighter.normal_force if newtons else 1.0
         held = replace(friction, mu_s=friction.mu_s * less, mu_k=friction.mu_k * less)
         return replace(lighter, friction=held)
 
     def stiffness(k: float) -> Axis:
         return replace(axis, k=k)
 
-    def stiffness_and_damping(k: float) -> Axis:
-        return damped(replace(axis, k=k), zeta)
-
     # The static friction of a measured curve is bound to its first point.
-    if friction.in_newtons and not friction.is_curve:
-        yield Lever(
-            "smaller gap", "F_s", "N", False, axis.F_s, lambda force: static(force / normal),
-            "kinetic friction", axis.F_k,
-        )  # fmt: skip
-    elif not friction.is_curve:
-        yield Lever(
-            "smaller gap", "mu_s", "1", False, friction.mu_s, static, "kinetic friction",
-            friction.mu_k,
-        )  # fmt: skip
+    if not friction.is_curve:
+        number, unit = ("F_s", "N") if newtons else ("mu_s", "1")
+        now, least = (axis.F_s, axis.F_k) if newtons else (friction.mu_s, friction.mu_k)
+        yield Lever("smaller gap", number, unit, False, now, static, "kinetic friction", least)
     yield Lever("stiffer", "stiffness", "N/m", True, axis.k, stiffness, "c")
     if zeta > 0.0:
-        yield Lever("stiffer", "stiffness", "N/m", True, axis.k, stiffness_and_damping, "zeta")
+        stiffer = Lever("stiffer", "stiffness", "N/m", True, axis.k, stiffness, "zeta")
+        yield replace(stiffer, moved=lambda k: damped(stiffness(k), zeta))
         yield Lever("more damping", "c", "N.s/m", True, axis.c, lambda c: replace(axis, c=c))
-    held = "c, load and friction" if friction.in_newtons else "c and load"
+    held = "c, load and friction" if newtons else "c and load"
     yield Lever("lighter", "mass", "kg", False, axis.m, mass, held)
     if axis.drive is not None:
         yield from _levers_of_drive(axis, axis.drive)
@@ -135,28 +133,28 @@ def _levers_of_drive(axis: Axis, drive: Drive) -> Iterator[Lever]:
     apart = drive.bandwidth / (_APART * drive.K_v) if drive.K_v > 0.0 else math.inf
     near = min(apart, _FARTHEST) if apart > 1.0 else _FARTHEST
 
+    def with_drive(**changes: float) -> Axis:
+        return replace(axis, drive=replace(drive, **changes))  # type: ignore[arg-type]
+
     def gain(K_v: float) -> Axis:
-        return replace(axis, drive=replace(drive, K_v=K_v))
+        return with_drive(K_v=K_v)
 
     def bandwidth(w: float) -> Axis:
-        return replace(axis, drive=replace(drive, bandwidth=w, T_n=shape / w))
+        return with_drive(bandwidth=w, T_n=shape / w)
 
     def integral(T_n: float) -> Axis:
-        return replace(axis, drive=replace(drive, T_n=T_n))
+        return with_drive(T_n=T_n)
 
-    for up in (False, True):
-        word = "higher" if up else "lower"
-        farthest = near if up else _FARTHEST
+    held = "T_n times the bandwidth" if shape > 0.0 else ""
+    for up, word, of_gain, of_loop in (
+        (False, "lower", _FARTHEST, near),
+        (True, "higher", near, _FARTHEST),
+    ):
         if drive.K_v > 0.0:
-            yield Lever(
-                f"{word} position gain", "K_v", "1/s", up, drive.K_v, gain, farthest=farthest
-            )
-        farthest = _FARTHEST if up else near
-        held = "T_n times the bandwidth" if shape > 0.0 else ""
-        yield Lever(
-            f"{word} bandwidth", "bandwidth", "1/s", up, drive.bandwidth, bandwidth, held,
-            farthest=farthest,
-        )  # fmt: skip
+            name = f"{word} position gain"
+            yield Lever(name, "K_v", "1/s", up, drive.K_v, gain, farthest=of_gain)
+        name, now = f"{word} bandwidth", drive.bandwidth
+        yield Lever(name, "bandwidth", "1/s", up, now, bandwidth, held, farthest=of_loop)
     if drive.T_n > 0.0:
         yield Lever("shorter integral time", "T_n", "s", False, drive.T_n, integral)
         yield Lever("longer integral time", "T_n", "s", True, drive.T_n, integral)
@@ -187,7 +185,7 @@ def cures(axis: Axis, feed: float, now: float, aim: str = END) -> tuple[AxisCure
     # Jumps at slow feeds are carried up to the feed; others are followed there.
     servo = axis.drive is not None and axis.friction.law == "coulomb"
     carried = servo and limit_of_jumps(axis, feed).feed >= feed
-    found = [_cure(lever, _end(lever, feed, now, carried), aim) for lever in levers(axis)]
+    found = [lever.cure(_end(lever, feed, now, carried), aim) for lever in levers(axis)]
     faster = now / feed
     found.append(
         AxisCure(
@@ -201,7 +199,7 @@ def cures(axis: Axis, feed: float, now: float, aim: str = END) -> tuple[AxisCure
         for lever, end in zip(levers(axis), list(found), strict=False):
             factor = _factor_below(lever, feed, largest, end.effort)
             if factor is not None:
-                found.append(_cure(lever, factor, BELOW))
+                found.append(lever.cure(factor, BELOW))
     # A faster feed is no cure of the axis.
     return tuple(sorted(found, key=_rank))
 
@@ -221,22 +219,23 @@ def cured(axis: Axis, cure: AxisCure, more: float = 1.0) -> Axis:
     return lever.at(cure.effort * more)
 
 
-def _cure(lever: Lever, factor: float | None, aim: str) -> AxisCure:
-    if factor is None:
-        note = f"not by a factor of {lever.farthest:.3g}"
-        return AxisCure(
-            lever.name, lever.number, lever.unit, lever.now, None, math.inf, aim, lever.held, note
-        )
-    then = lever.value(factor)
-    return AxisCure(lever.name, lever.number, lever.unit, lever.now, then, factor, aim, lever.held)
-
-
 def _end(lever: Lever, feed: float, now: float, carried: bool) -> float | None:
     """Return the factor at which jumping ends at the feed; None where it does not, or unstable."""
-    if lever.at(1.0).drive is None:
-        return _factor_of_rigid(lever, feed)
-    way = _factor_of_servo(lever, feed, now) if carried else _factor_by_side(lever, feed, _CLOSE)
-    return way if way is not None and is_stable(lever.at(way)) else None
+    axis = lever.at(1.0)
+    if axis.drive is None and axis.friction.constant:
+        # The closed form.
+        return _first(lambda factor: rigid_critical_feed(lever.at(factor)), feed, 1.0)
+    if carried:
+        way = _factor_of_servo(lever, feed, now)
+    else:
+        # Not the limit, which takes a search, but on which side of it the feed is.
+        def side(factor: float) -> float:
+            return feed * (2.0 if judders(lever.at(factor), feed) else 0.5)
+
+        close = _CLOSE_BY_SIDE if axis.drive is None else _CLOSE
+        way = _first(side, feed, 1.0, finer=_COARSE, close=close)
+    unstable = way is not None and axis.drive is not None and not is_stable(lever.at(way))
+    return None if unstable else way
 
 
 def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> float | None:
@@ -256,23 +255,6 @@ def _factor_below(lever: Lever, feed: float, largest: float, end: float) -> floa
     if high <= 0.0 or not excess(high) <= 0.0:
         return None
     return math.exp(float(brentq(excess, 0.0, high, xtol=_CLOSE)))
-
-
-def _factor_of_rigid(lever: Lever, feed: float) -> float | None:
-    """Return the factor at which the closed form is at the feed, or the search finds no cycle."""
-    if lever.at(1.0).friction.constant:
-        return _first(lambda factor: rigid_critical_feed(lever.at(factor)), feed, 1.0)
-    return _factor_by_side(lever, feed, _CLOSE_BY_SIDE)
-
-
-def _factor_by_side(lever: Lever, feed: float, close: float) -> float | None:
-    """Return the factor at which it no longer judders at the feed."""
-
-    def side(factor: float) -> float:
-        # Not the limit, which takes a search, but on which side of it the feed is.
-        return feed * (2.0 if judders(lever.at(factor), feed) else 0.5)
-
-    return _first(side, feed, 1.0, finer=_COARSE, close=close)
 
 
 def _first(
@@ -301,9 +283,8 @@ def _first(
     return None
 
 
-def _scaled(lever: Lever, scale: float) -> Callable[[float], float]:
-    """Return the estimated critical feed over the factor, times a scale."""
-    return lambda factor: scale * estimated_critical_feed(lever.at(factor))
+def _scaled(lever: Lever, scale: float, factor: float) -> float:
+    return scale * estimated_critical_feed(lever.at(factor))
 
 
 def _factor_of_servo(lever: Lever, feed: float, now: float) -> float | None:
@@ -326,7 +307,7 @@ def _factor_of_servo(lever: Lever, feed: float, now: float) -> float | None:
     known = False
     scale = exact[low] / estimated_critical_feed(lever.at(low))
     for _ in range(_MOST):
-        guess = _first(_scaled(lever, scale), feed, low)
+        guess = _first(partial(_scaled, lever, scale), feed, low)
         if guess is None:
             guess = high
         if not low < guess < high:
