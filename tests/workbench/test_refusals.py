@@ -108,7 +108,10 @@ REFUSED = [
     ("sweep text.fmu plan.toml", "text.fmu: not an FMU (not a zip archive)"),
     ("sweep text.fmu", "--template"),
     ("sweep {fmu} plan.toml --template", "--template plan.toml: is there already; name a new file"),
-    ("sweep {fmu} memory.toml", "line 4: parameters.k = | too many values: over 10000000"),
+    (
+        "sweep {fmu} memory.toml",
+        "line 4, parameters.k: has 1000000000 values; expected 1 to 10000000",
+    ),
     ("sweep {fmu} runs.toml", "runs.toml: makes more than 1e+18 runs"),
     ("sweep {fmu} many.toml -o out", "6e+11 points are more than 10^9; --yes computes them"),
 ]

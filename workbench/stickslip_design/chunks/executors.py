@@ -11,7 +11,6 @@ import time
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
-    BrokenExecutor,
     CancelledError,
     Executor,
     Future,
@@ -67,10 +66,11 @@ class Workers:
         """Bring the attributes up to date; `CancelledError` if there are no workers any more."""
 
     def submit(self, function: Callable[..., T], *arguments: object) -> Future[T]:
-        """Have a function called; a broken executor is told as the future's exception."""
+        """Have a function called; what is in the way of that is the future's exception."""
         try:
             return self._executor.submit(function, *arguments)
-        except BrokenExecutor as error:
+        # One that is broken or has ended raises the latter.
+        except (OSError, RuntimeError) as error:
             broken: Future[T] = Future()
             broken.set_exception(error)
             return broken
