@@ -19,7 +19,7 @@ from tests.page.window import SI, Window, another
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
-MOST_BYTES = 200_000
+MOST_BYTES = 350_000
 """So that it travels inside an FMU."""
 
 PLANTED = "http://127.0.0.1:9/planted"

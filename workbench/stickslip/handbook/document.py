@@ -44,14 +44,15 @@ def notes_on_references() -> str:
 def _rendered(template: str, **names: Any) -> str:
     from jinja2 import Environment, StrictUndefined
     from markupsafe import Markup
-    from rcssmin import cssmin
 
     environment = Environment(
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined
     )
-    style = Markup(cssmin(_text("handbook.css")))
     return environment.from_string(_text(template)).render(
-        version=VERSION, date=DATE.partition("T")[0], style=style, **names
+        version=VERSION,
+        date=DATE.partition("T")[0],
+        style=Markup(_text("handbook.css")),
+        **names,
     )
 
 

@@ -15,7 +15,6 @@ from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
 from stickslip_verification import UNIT_PREFIXES, UNITS_ALONE, UNITS_WITH_PREFIX
 
-_ENTRY: Final = "main.js"
 _SETTING: Final = ("m", "g", "load", "k", "c", "mu_s", "mu_k", "v")
 # Where a text holds a number of the model: its name, and how it is shown.
 _FIGURE: Final = re.compile(r"\{(\w+:\w+)\}")
@@ -32,9 +31,9 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         out of `page_range` is named on the page and not taken.
     """
     from jinja2 import Environment, FunctionLoader, StrictUndefined
-    from rcssmin import cssmin
 
-    from stickslip.page import minify, rows
+    from stickslip.page import rows
+    from stickslip.page.texts import SCALES
 
     environment = Environment(
         loader=FunctionLoader(_text),
@@ -52,23 +51,19 @@ def page(setting: Mapping[str, float] | None = None) -> str:
     curves = _table("friction/friction.toml")["curve"]
     data = {
         # What the markup already says, the script need not.
-        "controls": [
-            *(_without(each, {"label", "symbol"}) for each in _controls()),
-            *_parameters(),
-        ],
+        "controls": [*_without(_controls(), "label", "symbol"), *_parameters()],
         "units": _units(),
+        "scales": SCALES,
         "applications": [
-            {**_only(each, {"id", *start}), "cures": [cure.get("set") for cure in each["cures"]]}
-            for each in applications
+            {**kept, "cures": [cure.get("set") for cure in each["cures"]]}
+            for each, kept in zip(applications, _only(applications, "id", *start), strict=True)
         ],
-        "steps": [_only(step, {"set", "over", "from", "curve"}) for step in story],
-        "curves": [_only(each, {"set", "points"}) for each in curves],
-        "sentences": [
-            _without(each, {"said", "sign", "verdict", "truth", "topic"}) for each in sentences
-        ],
+        "steps": _only(story, "set", "over", "from", "curve"),
+        "curves": _only(curves, "set", "points"),
+        "sentences": _without(sentences, "said", "sign", "verdict", "truth", "topic"),
         "setting": dict(setting or {}),
     }
-    text = environment.get_template("page.html.j2").render(
+    return environment.get_template("page.html.j2").render(
         version=VERSION,
         controls=_controls(),
         applications=applications,
@@ -76,21 +71,13 @@ def page(setting: Mapping[str, float] | None = None) -> str:
         questions=rows.questions(_table("questions/questions.toml")["question"], start, table),
         sentences=sentences,
         curves=curves,
-        data=_embedded(data),
+        # As JSON that can stand inside a script element.
+        data=json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/"),
         # What paper hides, it hides in every part.
-        style=cssmin("".join(map(_text, ["style.css", *_paths(".css"), "print.css"]))),
-        chart_style=cssmin(_text("chart.css")),
-        script=minify.globals_of_script() + minified(joined(_modules(), _ENTRY)),
+        style="".join(map(_text, ["style.css", *_paths(".css"), "print.css"])),
+        chart_style=_text("chart.css"),
+        script=joined({path: _text(path) for path in ["main.js", *_paths(".js")]}),
     )
-    before, separator, after = text.partition('<script type="application/json"')
-    return minify.markup(minify.bare(before) + separator + after)
-
-
-def minified(script: str) -> str:
-    """Return a script, or a piece of the page's, as it stands in the page."""
-    from stickslip.page import minify
-
-    return minify.script(script, _short_names())
 
 
 def page_range(name: str) -> tuple[float, float, str]:
@@ -149,24 +136,12 @@ def _units() -> dict[str, Any]:
     }
 
 
-def _without(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
-    return {key: value for key, value in row.items() if key not in keys}
+def _without(rows: Sequence[Mapping[str, Any]], *keys: str) -> list[dict[str, Any]]:
+    return [{key: row[key] for key in row if key not in keys} for row in rows]
 
 
-def _only(row: Mapping[str, Any], keys: set[str]) -> dict[str, Any]:
-    return {key: value for key, value in row.items() if key in keys}
-
-
-@cache
-def _short_names() -> dict[str, str]:
-    """Return the names of the page's script that are called otherwise in it."""
-    from stickslip.page import minify
-
-    return minify.short_names(joined(_modules(), _ENTRY))
-
-
-def _modules() -> dict[str, str]:
-    return {path: _text(path) for path in ["main.js", *_paths(".js")]}
+def _only(rows: Sequence[Mapping[str, Any]], *keys: str) -> list[dict[str, Any]]:
+    return [{key: row[key] for key in row if key in keys} for row in rows]
 
 
 def _paths(suffix: str) -> list[str]:
@@ -191,8 +166,3 @@ def _text(name: str) -> str:
 def _figures(text: str) -> str:
     """Give each ``{name:kind}`` of a text an element that the script writes the number into."""
     return _FIGURE.sub(r'<data data-of="\1"></data>', text)
-
-
-def _embedded(data: object) -> str:
-    """Write data as JSON that can stand inside a script element."""
-    return json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/")

@@ -3,7 +3,7 @@
 import { makeAddress, valuesIn } from "./controls/address.js";
 import { makeControls } from "./controls/controls.js";
 import { makeCures } from "./cures/cures.js";
-import { byId, on, setText } from "./view/dom.js";
+import { byId, data, on, setText } from "./view/dom.js";
 import { makeKeeping } from "./keeping/keeping.js";
 import { makeMaps } from "./maps/maps.js";
 import { makePlayer } from "./stage/player.js";
@@ -28,37 +28,6 @@ import { makeStory } from "./story/story.js";
 import { makeStretch } from "./stage/stretch.js";
 import { makeTimeCharts } from "./stage/timecharts.js";
 
-/**
- * @import { Curve } from "./model/curve.js"
- * @import { Setting } from "./model/friction.js"
- * @import { Motion } from "./model/motion.js"
- * @import { Solution } from "./view/solution.js"
- */
-
-/**
- * What a section asks of the page.
- *
- * @typedef {object} Page
- * @property {(values: Partial<Setting>, look?: Look) => void} set take these values [SI], the
- *   others stay; throws a RangeError with the reason if they are refused
- * @property {() => Setting} setting the values in use
- * @property {() => Curve | null} curve the friction curve in use, null for constant friction
- * @property {() => Solution} solution the setting solved
- */
-
-/**
- * How a new setting is looked at.
- *
- * @typedef {object} Look
- * @property {boolean} [ghost] the curves of the setting before stay as a ghost
- * @property {"cycles" | "start"} [from] steady cycles, or the first load-up too
- * @property {Curve | null} [curve] the friction curve, null for constant friction; without it the
- *   one in use stays
- * @property {boolean} [still] whether the picture keeps its span
- */
-
-const data = JSON.parse(byId("page-data").textContent);
-
 const seen = makeStretch();
 const charts = makeTimeCharts(byId("x-chart"), byId("F-chart"));
 const portrait = makePortrait(byId("phase-chart"));
@@ -72,7 +41,8 @@ const reader = makeReader(data.units);
 let solution = null;
 /** @type {Curve | null} */
 let curve = null;
-let waiting = false;
+// Whether a redraw waits for the next frame.
+let isDue = false;
 // Whether a setting comes from a link.
 let linked = false;
 /** @type {Motion | null} the setting before, for comparison */
@@ -143,31 +113,26 @@ const constantPage = { ...page, solution: () => solution.constant };
 
 const story = makeStory(page, data.steps);
 
-/** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
-const sections = [];
-sections.push(makeApplications(page, data.applications));
 const sound = makeSound(page);
-sections.push(sound.show, makeSaid(page, data.sentences, controls.starts));
-sections.push(makeFriction(page, data.curves, controls.starts, reader));
-for (const show of [makeCures(constantPage), makeMaps(constantPage)]) {
-  sections.push(({ constant }) => show(constant));
-}
+const ofConstant = [makeCures(constantPage), makeMaps(constantPage)];
+/** @type {((solution: Solution) => void)[]} each shows a solution in its section of the page */
+const sections = [
+  makeApplications(page, data.applications),
+  sound.show,
+  makeSaid(page, data.sentences, controls.starts),
+  makeFriction(page, data.curves, controls.starts, reader),
+  ...ofConstant.map((show) => ({ constant }) => show(constant)),
+];
 
-const keeping = makeKeeping({
-  motion: () => solution.motion,
-  stretch: seen,
-  starts: controls.starts,
-  reader,
-});
+const keeping = makeKeeping(page, seen, controls.starts, reader);
 
 function redrawSoon() {
-  if (waiting) return;
-  waiting = true;
-  requestAnimationFrame(() => waiting && redraw());
+  if (!isDue) requestAnimationFrame(() => isDue && redraw());
+  isDue = true;
 }
 
 function redraw() {
-  waiting = false;
+  isDue = false;
   const { motion } = solution;
   seen.fit(motion, ghost);
   showResults(solution);
@@ -242,18 +207,17 @@ on(window, "hashchange", takeAddress);
 for (const chart of charts.charts) {
   listen(chart, seen, { read: player.point, changed: redrawTime });
 }
-for (const [id, act] of [
-  ["zoom-in", () => seen.zoom(0.5)],
-  ["zoom-out", () => seen.zoom(2)],
-  ["earlier", () => seen.move(-0.25)],
-  ["later", () => seen.move(0.25)],
-  ["zoom-auto", () => seen.reset()],
-  ["from-start", () => seen.fromStart()],
-]) {
-  // @ts-expect-error The compiler takes each pair for a list, whose items are both.
+const moves = {
+  "zoom-in": () => seen.zoom(0.5),
+  "zoom-out": () => seen.zoom(2),
+  earlier: () => seen.move(-0.25),
+  later: () => seen.move(0.25),
+  "zoom-auto": seen.reset,
+  "from-start": seen.fromStart,
+};
+for (const [id, move] of Object.entries(moves)) {
   on(byId(id), "click", () => {
-    // @ts-expect-error
-    act();
+    move();
     redrawTime();
   });
 }

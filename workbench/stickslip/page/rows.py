@@ -12,21 +12,9 @@ Setting: TypeAlias = Mapping[str, float]
 
 
 def story(rows: Sequence[Row], start: Setting, applications: Sequence[Row]) -> list[Row]:
-    """Return the steps of the story, as story.toml explains them.
+    """Return the steps of the story, as story.toml explains them, each with its setting as ``set``.
 
-    Parameters
-    ----------
-    rows
-        The table of story.toml.
-    start
-        The start values of the FMU [SI].
-    applications
-        The table of applications.toml, whose values a step may begin with.
-
-    Returns
-    -------
-    list
-        The rows with their whole setting as ``set`` and their texts filled.
+    A step begins with the `start` values of the FMU [SI], or with those of one of the applications.
     """
     settings = [_complete(row, start, applications) for row in rows]
     steps: list[Row] = []
@@ -39,40 +27,21 @@ def story(rows: Sequence[Row], start: Setting, applications: Sequence[Row]) -> l
 
 
 def applications(rows: Sequence[Row], start: Setting) -> list[Row]:
-    """Return the applications, as applications.toml explains them.
-
-    Parameters
-    ----------
-    rows
-        The table of applications.toml.
-    start
-        The start values of the FMU, which name the parameters.
-
-    Returns
-    -------
-    list
-        The rows with their texts filled.
-    """
-    return [_application(row, _setting(row, start)) for row in rows]
+    """Return the applications, as applications.toml explains them; `start` names the parameters."""
+    found: list[Row] = []
+    for row in rows:
+        own = _setting(row, start)
+        cures = [
+            _filled(cure, {"now": {**own, **cure.get("set", {})}, "over": own})
+            for cure in row.get("cures", ())
+        ]
+        found.append({**_filled(row, {"now": own}), "cures": cures})
+    return found
 
 
 def questions(rows: Sequence[Row], start: Setting, applications: Sequence[Row]) -> list[Row]:
-    """Return the questions with their texts filled, as questions.toml explains them.
-
-    Parameters
-    ----------
-    rows, start, applications
-        As for `story`, of questions.toml.
-    """
+    """Return the questions, as questions.toml explains them; the rest is as for `story`."""
     return [_filled(row, {"now": _complete(row, start, applications)}) for row in rows]
-
-
-def _application(row: Row, own: Setting) -> Row:
-    cures = [
-        _filled(cure, {"now": {**own, **cure.get("set", {})}, "over": own})
-        for cure in row.get("cures", ())
-    ]
-    return {**_filled(row, {"now": own}), "cures": cures}
 
 
 def _complete(row: Row, start: Setting, applications: Sequence[Row]) -> Setting:

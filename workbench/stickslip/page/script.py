@@ -7,40 +7,37 @@ the modules share one scope; a name that two of them use is refused.
 import posixpath
 import re
 from collections.abc import Mapping
+from graphlib import TopologicalSorter
 from typing import Final
 
 _IMPORT: Final = re.compile(r'^import \{[^}]*\} from "(?P<path>\.[^"]*)";\n', re.MULTILINE)
-_EXPORT: Final = re.compile(r"^export (?=(?:function|const|class)\b)", re.MULTILINE)
+_EXPORT: Final = re.compile(r"^export (?=(?:async )?(?:function|const|class)\b)", re.MULTILINE)
 _NAME: Final = re.compile(
-    r"^(?:function\*? |const |let |class )(?P<name>[A-Za-z_$][\w$]*)", re.MULTILINE
+    r"^(?:(?:async )?function\*? |const |let |class )(?P<name>[A-Za-z_$][\w$]*)", re.MULTILINE
 )
 _PATTERN: Final = re.compile(r"^(?:const|let) [\[{]", re.MULTILINE)
 
 
-def joined(modules: Mapping[str, str], entry: str) -> str:
-    """Join the modules that `entry` needs, itself last.
+def joined(modules: Mapping[str, str]) -> str:
+    """Join modules, each after those that it needs, into one script without imports and exports.
 
     Parameters
     ----------
     modules
         Source by path, such as ``"model/cycle.js"``.
-    entry
-        The path of the module that starts the page.
-
-    Returns
-    -------
-    str
-        One script without imports and exports.
 
     Raises
     ------
+    KeyError
+        If a module is missing.
     ValueError
-        If a module is missing, a circle of imports is found, two modules use one name, or one
-        declares several names by a pattern.
+        If there is a circle of imports, two modules use one name, or one declares several names by
+        a pattern.
     """
     owners: dict[str, str] = {}
     parts = []
-    for path in _in_order(modules, entry):
+    needed = {path: _imports(path, source) for path, source in modules.items()}
+    for path in TopologicalSorter(needed).static_order():
         text = _EXPORT.sub("", _IMPORT.sub("", modules[path]))
         if _PATTERN.search(text):
             raise ValueError(f"{path}: a pattern declares names; declare each by itself")
@@ -52,28 +49,7 @@ def joined(modules: Mapping[str, str], entry: str) -> str:
     return "\n".join(parts)
 
 
-def imports(path: str, source: str) -> list[str]:
-    """Return the paths of the modules that the one at `path` imports, relative to the page."""
+def _imports(path: str, source: str) -> list[str]:
     folder = posixpath.dirname(path)
-    return [
-        posixpath.normpath(posixpath.join(folder, found["path"]))
-        for found in _IMPORT.finditer(source)
-    ]
-
-
-def _in_order(modules: Mapping[str, str], entry: str) -> list[str]:
-    """Return the paths of what `entry` needs, each after those that it needs itself."""
-    order: list[str] = []
-
-    def visit(path: str, above: tuple[str, ...]) -> None:
-        if path in above:
-            raise ValueError(f"{path} imports itself by way of {above[-1]}")
-        if path not in modules:
-            raise ValueError(f"{above[-1] if above else 'the page'} needs {path}: no such module")
-        if path not in order:
-            for needed in imports(path, modules[path]):
-                visit(needed, (*above, path))
-            order.append(path)
-
-    visit(entry, ())
-    return order
+    paths = (found["path"] for found in _IMPORT.finditer(source))
+    return [posixpath.normpath(posixpath.join(folder, each)) for each in paths]

@@ -12,87 +12,36 @@ from jinja2 import Environment, StrictUndefined
 
 from stickslip_ref import Parameters, coulomb_limit, simplified, simulate, steady_cycle
 
-_YEAR: Final = 31557600.0
-_SCALES: Final[Mapping[str, tuple[tuple[float, str], ...]]] = {
-    "length": ((1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
-    "velocity": (
-        (1.0, "m/s"),
-        (1e-3, "mm/s"),
-        (1e-6, "µm/s"),
-        (1e-9, "nm/s"),
-        (1e-3 / _YEAR, "mm/year"),
-    ),
-    "mass": ((1e3, "t"), (1.0, "kg"), (1e-3, "g"), (1e-6, "mg")),
-    "stiffness": (
-        (1e12, "TN/m"),
-        (1e9, "kN/µm"),
-        (1e6, "N/µm"),
-        (1e3, "kN/m"),
-        (1.0, "N/m"),
-        (1e-3, "mN/m"),
-    ),
-    "damping": (
-        (1e12, "TN·s/m"),
-        (1e9, "GN·s/m"),
-        (1e6, "MN·s/m"),
-        (1e3, "kN·s/m"),
-        (1.0, "N·s/m"),
-        (1e-3, "mN·s/m"),
-    ),
-    "force": (
-        (1e12, "TN"),
-        (1e9, "GN"),
-        (1e6, "MN"),
-        (1e3, "kN"),
-        (1.0, "N"),
-        (1e-3, "mN"),
-        (1e-6, "µN"),
-    ),
-    "time": (
-        (_YEAR, "years"),
-        (86400.0, "days"),
-        (3600.0, "h"),
-        (60.0, "min"),
-        (1.0, "s"),
-        (1e-3, "ms"),
-        (1e-6, "µs"),
-        (1e-9, "ns"),
-    ),
-    "frequency": (
-        (1e6, "MHz"),
-        (1e3, "kHz"),
-        (1.0, "Hz"),
-        (1e-3, "mHz"),
-        (1e-6, "µHz"),
-        (1e-9, "nHz"),
-    ),
-    "share": ((0.01, "%"),),
-    "number": ((1.0, ""),),
+_LADDERS: Final = {
+    "length": "1e3 km, 1 m, 1e-3 mm, 1e-6 µm, 1e-9 nm",
+    "velocity": "1 m/s, 1e-3 mm/s, 1e-6 µm/s, 1e-9 nm/s >10, 3.168808781402895e-11 mm/year",
+    "mass": "1e3 t, 1 kg, 1e-3 g, 1e-6 mg",
+    "stiffness": "1e12 TN/m, 1e9 kN/µm, 1e6 N/µm, 1e3 kN/m >10, 1 N/m, 1e-3 mN/m",
+    "damping": "1e12 TN·s/m, 1e9 GN·s/m, 1e6 MN·s/m, 1e3 kN·s/m, 1 N·s/m, 1e-3 mN·s/m",
+    "force": "1e12 TN, 1e9 GN, 1e6 MN, 1e3 kN, 1 N, 1e-3 mN, 1e-6 µN",
+    "time": "31557600 years >2, 86400 days >2, 3600 h >2, 60 min >2, 1 s, 1e-3 ms, 1e-6 µs"
+    ", 1e-9 ns",
+    "frequency": "1e6 MHz, 1e3 kHz, 1 Hz, 1e-3 mHz, 1e-6 µHz, 1e-9 nHz",
+    "share": "0.01 %",
+    "number": "1",
 }
-"""Size [SI] and symbol of the units of each kind of quantity; those of view/units.js."""
+"""Size [SI] and symbol of the units of each kind of quantity, falling; behind it from how many on
+it is better read than the next smaller one, where that is more than 1."""
 
-_ENOUGH: Final[Mapping[str, float]] = {
-    "min": 2.0,
-    "h": 2.0,
-    "days": 2.0,
-    "years": 2.0,
-    "nm/s": 10.0,
-    "kN/m": 10.0,
-}
-"""Units that begin to be better read than the next smaller one at more than one of them."""
+
+def _rung(text: str) -> tuple[float, str, float]:
+    size, unit, enough = [*text.split(" "), "", ""][:3]
+    return float(size), unit, float(enough.removeprefix(">") or 0.9999)
+
+
+SCALES: Final = {kind: [*map(_rung, text.split(", "))] for kind, text in _LADDERS.items()}
+"""Size [SI] and symbol of the units of each kind of quantity, and from how many on it is used."""
 
 
 def quantity(value: float, count: int = 4, *, kind: str) -> str:
-    """Return a quantity as a person reads it, such as "6.305 mm", as view/units.js writes it.
+    """Return a quantity [SI] as a person reads it, such as "6.305 mm", as view/units.js writes it.
 
-    Parameters
-    ----------
-    value
-        The quantity [SI].
-    count
-        Significant digits.
-    kind
-        What it is, such as ``"length"``; decides the units to choose from.
+    The count is of significant digits; the kind, such as ``"length"``, decides the units.
 
     Raises
     ------
@@ -102,11 +51,11 @@ def quantity(value: float, count: int = 4, *, kind: str) -> str:
     """
     if not math.isfinite(value):
         raise ValueError(f"a text of the page asks for a {kind} that is {value}")
-    scales = _SCALES[kind]
+    scales = SCALES[kind]
     if value == 0.0:
-        return f"0\u00a0{next((unit for size, unit in scales if size == 1.0), '%')}".strip()
-    fitting = (scale for scale in scales if abs(value) >= scale[0] * _ENOUGH.get(scale[1], 0.9999))
-    size, unit = next(fitting, scales[-1])
+        return f"0\u00a0{next((unit for size, unit, _ in scales if size == 1.0), '%')}".strip()
+    fitting = (scale for scale in scales if abs(value) >= scale[0] * scale[2])
+    size, unit, _ = next(fitting, scales[-1])
     shown = value / size
     if not 1e-3 <= abs(shown) < 1e5:
         raise ValueError(f"a text of the page asks for a {kind} of {value:g}, which no unit fits")
@@ -200,4 +149,4 @@ def filled(text: str, numbers: Mapping[str, object]) -> str:
 
 
 _ENVIRONMENT: Final = Environment(autoescape=False, undefined=StrictUndefined)
-_ENVIRONMENT.filters |= {kind: partial(quantity, kind=kind) for kind in _SCALES}
+_ENVIRONMENT.filters |= {kind: partial(quantity, kind=kind) for kind in SCALES}

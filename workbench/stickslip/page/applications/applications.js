@@ -3,23 +3,9 @@
 import { byId, on, put } from "../view/dom.js";
 
 /**
- * @import { Setting } from "../model/friction.js"
- * @import { Page } from "../main.js"
- * @import { Solution } from "../view/solution.js"
- */
-
-/**
- * An application; a countermeasure that changes no parameter is null.
- *
- * @typedef {Setting & {id: string, cures: (Partial<Setting> | null)[]}} Application
- */
-
-/**
- * Bring the applications to life: their buttons at the top and their entries in the section.
- *
- * @param {Page} page
- * @param {Application[]} applications
- * @returns {(solution: Solution) => void} shows which application a solution is of
+ * Returns what shows which application a solution is of: by a button at the top and an entry in the
+ * section. Countermeasures that change no parameter are null.
+ * @type {(page: Page, applications: Application[]) => (solution: Solution) => void}
  */
 export function makeApplications(page, applications) {
   const names = Object.keys(page.setting());

@@ -6,11 +6,9 @@ const STILL = 250;
 const ONE_STEP = 1000;
 
 /**
- * The values that an address asks for.
- *
- * @param {string} hash such as "#k=1000&v=0.02", SI
- * @returns {{values: Record<string, number>, bad: string[], points?: [number, number][]}} numbers by
- *   name, the parts that are none, and the points of a friction curve, from mu_1 on
+ * What an address such as "#k=1000&v=0.02" (SI) asks for: numbers by name, the parts that are none,
+ * and the points of a friction curve, from mu_1 on.
+ * @type {(hash: string) => {values: Record<string, number>, bad: string[], points?: Curve}}
  */
 export function valuesIn(hash) {
   /** @type {Record<string, number>} */
@@ -28,16 +26,15 @@ export function valuesIn(hash) {
   return { values, bad, points };
 }
 
-/** @returns {[number, number][]} */
-function pairs(/** @type {number[]} */ list) {
+/** @type {(list: number[]) => Curve} */
+function pairs(list) {
   return list.length ? [[list[0], list[1]], ...pairs(list.slice(2))] : [];
 }
 
 /** The part of an address that asks for these values. */
 function hashOf(values) {
-  return `#${Object.entries(values)
-    .map(([name, value]) => `${name}=${value}`)
-    .join("&")}`;
+  const parts = Object.entries(values).map(([name, value]) => `${name}=${value}`);
+  return `#${parts.join("&")}`;
 }
 
 /**
@@ -50,11 +47,13 @@ export function makeAddress() {
   let waiting = 0;
   let last = -Infinity;
   return {
-    write(/** @type {Record<string, any>} */ values) {
+    /** @type {(values: Record<string, any>) => void} */
+    write(values) {
       clearTimeout(waiting);
       waiting = setTimeout(() => history.replaceState(null, "", hashOf(values)), STILL);
     },
-    step(/** @type {Record<string, any>} */ before, /** @type {Record<string, any>} */ after) {
+    /** @type {(before: Record<string, any>, after: Record<string, any>) => void} */
+    step(before, after) {
       const pause = performance.now() - last;
       last += pause;
       if (pause < ONE_STEP) return;

@@ -6,12 +6,6 @@ import { scaleFor, shortest } from "../view/units.js";
 import { numberAt, placeSlider, sliderEnds } from "./slider.js";
 import { outOfRange, readTyped, typedText } from "./typed.js";
 
-/**
- * @import { Setting } from "../model/friction.js"
- * @import { Reader } from "../view/spelled.js"
- * @import { Control } from "./typed.js"
- */
-
 /** A unit may be half typed: what is wrong with it is told when nothing more comes [ms]. */
 const HALF_TYPED = 900;
 
@@ -36,7 +30,6 @@ export function makeControls(table, reader, accept) {
   /** @type {any} a Setting, by the names of the table */
   const starts = Object.fromEntries(parameters.map(({ name, start }) => [name, start]));
   const rows = table.filter(({ kind }) => kind).map(makeRow);
-  const parts = byId("N-parts");
   /** @type {Setting} */
   let setting = { ...starts };
   // What the person asked for; mu_k in use may be less, and the load more.
@@ -121,7 +114,7 @@ export function makeControls(table, reader, accept) {
     wanted = next;
     for (const row of rows) show(row, from);
     const { m, g, load } = setting;
-    setText(parts, `weight ${short(m * g)} + load ${short(load)}`);
+    setText(byId("N-parts"), `weight ${short(m * g)} + load ${short(load)}`);
     return null;
   }
 

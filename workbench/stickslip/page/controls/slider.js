@@ -1,31 +1,14 @@
 /** How a slider's position and a control's value belong together. */
 
-/** @import { Control } from "./typed.js" */
-
-/**
- * A slider, which keeps a number that it is given as a text.
- *
- * @typedef {"min" | "max" | "step" | "value"} Kept
- * @typedef {Omit<HTMLInputElement, Kept> & Record<Kept, string | number>} Slider
- */
-
-/**
- * The ends of a slider, in the unit that is shown.
- *
- * @typedef {{low: number, high: number}} Ends
- */
-
 /** Few enough that each is another number of three digits: the finest is 1 %. */
 const STEPS = 300;
 
+/** @typedef {{low: number, high: number}} Ends of a slider, in the unit that is shown */
+
 /**
- * The ends of a control's slider in a unit: those of the table, or, for a value beyond them, ends
- * about that value.
- *
- * @param {Control} control
- * @param {number} value SI
- * @param {{size: number}} scale of the unit that is shown
- * @returns {Ends}
+ * The ends of a control's slider in a unit: those of the table, or, for a value [SI] beyond them,
+ * ends about that value.
+ * @type {(control: Control, value: number, scale: Scale) => Ends}
  */
 export function sliderEnds({ low, high, scale }, value, { size }) {
   const shown = (number) => Number((number / size).toPrecision(12));
@@ -37,30 +20,21 @@ export function sliderEnds({ low, high, scale }, value, { size }) {
 }
 
 /**
- * Put a slider where its control's value is.
- *
- * @param {Slider} slider
- * @param {Control} control
- * @param {number} value in use, SI
- * @param {{size: number}} scale of the unit that is shown
- * @param {Ends} ends
+ * Put a slider where its control's value [SI] is.
+ * @type {(slider: any, control: Control, value: number, scale: Scale, ends: Ends) => void}
  */
 export function placeSlider(slider, control, value, { size }, ends) {
   const shown = value / size;
   const linear = control.scale === "linear";
   slider.min = linear ? ends.low : 0;
   slider.max = linear ? ends.high : STEPS;
-  slider.step = linear ? linearStep(ends) : 1;
+  slider.step = !linear ? 1 : ends.high <= 5 ? 0.001 : 0.01;
   slider.value = linear ? shown : STEPS * shareOf(control, shown, ends);
 }
 
 /**
  * The number, in the unit that is shown, that a slider's position means: three digits.
- *
- * @param {HTMLInputElement} slider
- * @param {Control} control
- * @param {Ends} ends
- * @returns {string}
+ * @type {(slider: HTMLInputElement, control: Control, ends: Ends) => string}
  */
 export function numberAt(slider, control, { low, high }) {
   // The end itself may lie between two steps.
@@ -74,10 +48,6 @@ function shareOf(control, shown, { low, high }) {
   if (control.scale !== "log") return Math.sqrt(shown / high);
   // A value of 0 has no place on it, and is shown at the lower end.
   return shown > 0 ? Math.log(shown / low) / Math.log(high / low) : 0;
-}
-
-function linearStep({ high }) {
-  return high <= 5 ? 0.001 : 0.01;
 }
 
 /** Whether the browser can put a slider no higher. */

@@ -3,33 +3,11 @@
 import { shortened } from "../view/spelled.js";
 import { shortest } from "../view/units.js";
 
-/** @import { Reader } from "../view/spelled.js" */
-
 /**
- * A row of the page's controls, as controls.toml explains it.
- *
- * @typedef {object} Control
- * @property {string} name of the parameter, or N for the normal force
- * @property {string} unit SI
- * @property {string} expected what may be typed, in words
- * @property {string} kind key of the scales of its units
- * @property {string} scale how the slider spans its ends: "linear", "log" or "square"
- * @property {number} low lower end of the slider [SI]
- * @property {number} high upper end of the slider [SI]
- * @property {number} least what is taken at least [SI]
- * @property {number} most what is taken at most [SI]
- * @property {number} [start] start value of the FMU [SI]
- */
-
-/**
- * Read a typed text.
- *
- * @param {string} text as typed
- * @param {Control} control
- * @param {Reader} reader
- * @param {string} shown the unit beside the field, which a plain number is in
- * @returns {{value?: number, objection?: string, inUnit?: boolean}} the value in SI, rounded once,
- *   or what is wrong; whether the text names a unit
+ * Read a typed text, a plain number in the unit shown beside the field: the value in SI, rounded
+ * once, or what is wrong; inUnit: whether the text names a unit.
+ * @type {(text: string, control: Control, reader: Reader, shown: string) =>
+ *   {value?: number, objection?: string, inUnit?: boolean}}
  */
 export function readTyped(text, control, reader, shown) {
   const typed = text.trim();
@@ -41,12 +19,7 @@ export function readTyped(text, control, reader, shown) {
   return { objection: `“${shortened(typed)}” ${objection}.`, inUnit };
 }
 
-/**
- * Why a value is out of a control's range, or null.
- *
- * @param {number} value SI
- * @param {Control} control
- */
+/** @type {(value: number, control: Control) => string | null} why a value [SI] is out of range */
 export function outOfRange(value, { least, most, unit }) {
   if (value >= least && value <= most) return null;
   if (least >= 0 && value <= 0) {
@@ -55,12 +28,7 @@ export function outOfRange(value, { least, most, unit }) {
   return `is out of range: from ${least} to ${most} ${unit}`.trim();
 }
 
-/**
- * The number of an SI value in a unit, as a person reads it.
- *
- * @param {number} value SI
- * @param {{size: number}} scale of the unit
- */
+/** @type {(value: number, scale: Scale) => string} a value [SI] in a unit, as a person reads it */
 export function typedText(value, { size }) {
   // Beyond 12 digits stands what rounding left of a division or a difference.
   return shortest(Number((value / size).toPrecision(12)));

@@ -4,23 +4,7 @@ import { curesOf, valueBeyond } from "../model/cures.js";
 import { numbersOf } from "../model/friction.js";
 import { byId, on, put, setText } from "../view/dom.js";
 import { whenSeen } from "../view/seen.js";
-import { digits, quantity } from "../view/units.js";
-
-/**
- * @import { Page } from "../main.js"
- * @import { Cure, Cures } from "../model/cures.js"
- * @import { Setting } from "../model/friction.js"
- * @import { Solution } from "../view/solution.js"
- */
-
-/**
- * What a cell of the table offers.
- *
- * @typedef {object} Offer
- * @property {number} [value] of the parameter [SI]; without one the words say why there is none
- * @property {string} words
- * @property {boolean} [far] whether the value is out of reach
- */
+import { digits, quantity, withoutNoughts } from "../view/units.js";
 
 /** A parameter that changes by more than this factor is out of reach of a design. */
 const REACH = 100;
@@ -44,12 +28,7 @@ const TOUCHES_REST = "it swings and touches rest";
 const JUMP_GROWS = { words: "none: it grows" };
 const NO_CURE = { words: "–" };
 
-/**
- * Bring the cures to life.
- *
- * @param {Page} page
- * @returns {(solution: Solution) => void} shows the cures of a solution
- */
+/** @type {(page: Page) => (solution: Solution) => void} returns what shows the cures of a solution */
 export function makeCures(page) {
   const lead = byId("cures-lead");
   const told = byId("cures-said");
@@ -60,11 +39,8 @@ export function makeCures(page) {
     const cells = [halve, end].map((cell) => makeCell(cell, parameter));
     return { cure, parameter, now: row.querySelector(".now"), cells };
   });
-  /**
-   * While a cure is shown, what it was taken from, so that cures are compared and do not add up.
-   *
-   * @type {{from: Solution, cured: Setting, button: Element} | null}
-   */
+  // While a cure is shown, what it was taken from, so that cures are compared and do not add up.
+  /** @type {{from: Solution, cured: Setting, button: Element} | null} */
   let tried = null;
   const stillTried = () => tried !== null && tried.cured === page.setting();
 
@@ -131,10 +107,7 @@ export function makeCures(page) {
 
 /**
  * What the cells of each row offer.
- *
- * @param {Setting} p
- * @param {Cure[]} cures of it
- * @returns {Record<string, [halve: Offer, end: Offer]>}
+ * @type {(p: Setting, cures: Cure[]) => Record<string, [halve: Offer, end: Offer]>}
  */
 function offersOf(p, cures) {
   const { stiffer, softer, damping, slower, faster, gap, lighter, "normal force": force } =
@@ -182,14 +155,10 @@ function changeOf(p, { name, parameter, now }, value) {
 function leverInWords(p, parameter, value) {
   const { kind } = LEVERS[parameter];
   const shown = parameter === "load" ? p.m * p.g + value : value;
-  const text = kind ? quantity(shown, kind) : digits(shown);
-  return text.replace(/(\.\d*?)0+(?!\d)/, "$1").replace(/\.(?!\d)/, "");
+  return withoutNoughts(kind ? quantity(shown, kind) : digits(shown));
 }
 
-/**
- * @param {Setting} p
- * @param {Cures} found
- */
+/** @type {(p: Setting, found: Cures) => string} */
 function curesInWords(p, { jump, v_c, cures }) {
   const { zeta, Delta } = numbersOf(p);
   if (cures.length) {

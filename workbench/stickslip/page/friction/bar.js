@@ -4,20 +4,11 @@ import { draw, put, setText } from "../view/dom.js";
 import { px } from "../view/frame.js";
 import { quantity } from "../view/units.js";
 
-/**
- * @import { Regime } from "../model/regimes.js"
- * @import { Frame } from "../view/frame.js"
- */
-
 /** Height of the bar, and a letter of its names [px]. */
 const TALL = 22;
 const NAME_LETTER = 6.4;
 
-/**
- * What a regime is called.
- *
- * @param {Pick<Regime, "sticks" | "even">} regime
- */
+/** @type {(regime: Pick<Regime, "sticks" | "even">) => string} what a regime is called */
 export function nameOfRegime({ sticks, even }) {
   if (sticks) return even ? "sticks or even" : "sticks";
   return even ? "even" : "swings";
@@ -26,13 +17,7 @@ export function nameOfRegime({ sticks, even }) {
 /** What fills a regime: the hatches of the charts and of the plane. */
 const FILLS = { swings: "url(#x-chart-hatch)", "sticks or even": "url(#plane-hatch)" };
 
-/**
- * Draw the regimes under a frame.
- *
- * @param {SVGSVGElement} svg
- * @param {Regime[]} regimes
- * @param {Frame} frame
- */
+/** @type {(svg: SVGSVGElement, regimes: Regime[], frame: Frame) => void} draw them under a frame */
 export function drawBar(svg, regimes, { area, x }) {
   svg.textContent = "";
   put(svg, { viewBox: `0 0 ${svg.clientWidth} ${svg.clientHeight}` });
@@ -49,11 +34,9 @@ export function drawBar(svg, regimes, { area, x }) {
 }
 
 /**
- * The regimes in words.
- *
- * @param {Regime[]} regimes
- * @param {number} v present speed of the pull [m/s]
- * @param {boolean} calms whether a slip without stick calms down, and does not swing for ever
+ * The regimes in words at a speed of the pull [m/s]; `calms`: whether a slip without stick calms
+ * down, and does not swing for ever.
+ * @type {(regimes: Regime[], v: number, calms: boolean) => string}
  */
 export function regimesInWords(regimes, v, calms) {
   const here = regimes.find(({ low, high }) => v >= low && v <= high) ?? regimes[0];
@@ -74,9 +57,12 @@ export function regimesInWords(regimes, v, calms) {
     });
     return words.join(" and ") || "at no speed shown";
   };
-  const name = nameOfRegime(here);
-  const verb = { sticks: "it sticks", swings: "it swings without sticking", even: calms ? "it slides evenly" : "it swings or slides evenly, by its start" }[name];
-  const now = verb ?? "it sticks or slides evenly, by its start";
+  const now = {
+    sticks: "it sticks",
+    "sticks or even": "it sticks or slides evenly, by its start",
+    swings: "it swings without sticking",
+    even: calms ? "it slides evenly" : "it swings or slides evenly, by its start",
+  }[nameOfRegime(here)];
   return (
     `At ${quantity(v, "velocity")} ${now}. It sticks ${where(({ sticks }) => sticks)}; ` +
     `steady sliding is unstable ${where(({ even }) => !even)}.`

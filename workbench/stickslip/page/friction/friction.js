@@ -5,20 +5,12 @@ import { CURVE_POINTS, coefficientAt } from "../model/curve.js";
 import { save } from "../keeping/keeping.js";
 import { axisOf, logAxis } from "../view/axis.js";
 import { byId, draw, on, put, setText } from "../view/dom.js";
-import { makeFrame, polyline, px } from "../view/frame.js";
+import { makeFrame, polyline, px, write } from "../view/frame.js";
+import { makeDraggable, putKnob } from "../view/knob.js";
 import { whenSeen } from "../view/seen.js";
 import { quantity } from "../view/units.js";
 import { drawBar, nameOfRegime, regimesInWords } from "./bar.js";
 import { curveIn, tableOf } from "./table.js";
-
-/**
- * @import { Page } from "../main.js"
- * @import { Curve } from "../model/curve.js"
- * @import { Setting } from "../model/friction.js"
- * @import { Regime } from "../model/regimes.js"
- * @import { Reader } from "../view/spelled.js"
- * @import { Solution } from "../view/solution.js"
- */
 
 /** Parts of the speed between two samples of the bar: while it moves, and once it is still [ms]. */
 const COARSE = 0.06;
@@ -34,13 +26,9 @@ const MORE = 5;
 const ABOUT_CONSTANT = ["said", "cures", "maps", "questions", "theory"];
 
 /**
- * Bring the curve to life.
- *
- * @param {Page} page
- * @param {{set: Setting, points: Curve}[]} curves that are offered
- * @param {Setting} starts the values of the FMU
- * @param {Reader} reader
- * @returns {(solution: Solution) => void} shows a solution
+ * Returns what shows a solution; curves are offered, and set the FMU's start values too.
+ * @type {(page: Page, curves: {set: Setting, points: Curve}[], starts: Setting, reader: Reader) =>
+ *   (solution: Solution) => void}
  */
 export function makeFriction(page, curves, starts, reader) {
   const svg = byId("friction-chart");
@@ -63,7 +51,8 @@ export function makeFriction(page, curves, starts, reader) {
   const knobs = Array.from({ length: CURVE_POINTS.most }, (_, n) => {
     const knob = document.createElement("div");
     knob.className = "knob";
-    put(knob, { role: "slider", tabindex: 0, "aria-label": `Point ${n + 1}: left and right change the speed, up and down μ` });
+    const label = `Point ${n + 1}: left and right change the speed, up and down μ`;
+    put(knob, { role: "slider", tabindex: 0, "aria-label": label });
     svg.parentElement.insertBefore(knob, speed);
     on(knob, "focus", () => (chosen = n));
     return knob;
@@ -72,8 +61,8 @@ export function makeFriction(page, curves, starts, reader) {
   let points = [];
   /** @type {{low: number, high: number, top: number}} ends of the axes */
   let span = null;
-  /** @type {{n: number, dx: number, dy: number, box: DOMRect} | null} n -1: the speed of the pull */
-  let grip = null;
+  /** @type {Regime[]} */
+  let regimes = [];
   let chosen = 1;
   let waiting = 0;
   let sized = false;
@@ -84,32 +73,36 @@ export function makeFriction(page, curves, starts, reader) {
     if (!sized) return;
     const { p, curve } = motion;
     points = curve ?? [[0, p.mu_k], [Number((5 * p.v).toPrecision(1)), p.mu_k]];
-    if (!grip) span = spanOf(p, points);
-    frame.scale(logAxis(span.low, span.high, "velocity", "speed"), { ...axisOf([0, span.top], "number", "μ", 0), title: "μ" });
-    const { left, right, top, bottom, width } = frame.area;
+    if (!held.some((isHeld) => isHeld())) span = spanOf(p, points);
+    const coefficients = { ...axisOf([0, span.top], "number", "μ", 0), title: "μ" };
+    frame.scale(logAxis(span.low, span.high, "velocity", "speed"), coefficients);
+    const { left, right, width } = frame.area;
     const step = (span.high / span.low) ** (1 / LINE_PARTS);
     const speeds = points.map(([u]) => u || span.low);
     for (let n = 0; n <= LINE_PARTS; n++) speeds.push(span.low * step ** n);
     speeds.sort((a, b) => a - b);
     put(line, { d: polyline(speeds.map((u) => [frame.x(u), frame.y(coefficientAt(points, u))])) });
-    const level = px(frame.y(p.mu_s));
-    put(limit, { d: `M${left} ${level}H${right}` });
-    setText(limitName, "μₛ");
-    put(limitName, { x: right - 18, y: level - 4 });
-    const at = px(frame.x(p.v));
-    put(here, { d: `M${at} ${top}V${bottom}` });
+    put(limit, { d: frame.level(p.mu_s) });
+    write(limitName, "μₛ", right - 18, px(frame.y(p.mu_s)) - 4);
+    put(here, { d: frame.upright(p.v) });
     knobs.forEach((knob, n) => {
       knob.hidden = n >= points.length;
       if (knob.hidden) return;
       const [u, mu] = points[n];
-      putAt(knob, n ? frame.x(u) : left, frame.y(mu));
-      put(knob, { "aria-valuenow": mu, "aria-valuemin": 0, "aria-valuemax": span.top, "aria-valuetext": `${quantity(u, "velocity")}, μ ${mu}` });
+      putKnob(knob, n ? frame.x(u) : left, frame.y(mu));
+      tell(knob, mu, 0, span.top, `${quantity(u, "velocity")}, μ ${mu}`);
     });
     byId("point-more").disabled = points.length === CURVE_POINTS.most;
     byId("point-less").disabled = points.length === CURVE_POINTS.least;
-    buttons.forEach((button, n) => put(button, { "aria-pressed": `${curve}` === `${n ? curves[n - 1].points : null}` }));
-    notes.forEach((note, n) => setText(note, !curve ? "" : n ? "A friction curve is set; this is about constant μs and μk." : "Not used: a friction curve is set."));
-    const now = [p.m, p.g, p.load, p.k, p.c, p.mu_s, curve ?? p.mu_k, span.low, span.high, width].join();
+    buttons.forEach((button, n) => {
+      put(button, { "aria-pressed": `${curve}` === `${n ? curves[n - 1].points : null}` });
+    });
+    const [control, ...others] = notes;
+    setText(control, curve ? "Not used: a friction curve is set." : "");
+    const about = curve ? "A friction curve is set; this is about constant μs and μk." : "";
+    for (const note of others) setText(note, about);
+    const { m, g, load, k, c, mu_s, mu_k } = p;
+    const now = [m, g, load, k, c, mu_s, curve ?? mu_k, span.low, span.high, width].join();
     if (now !== key) {
       key = now;
       // A refusal stands until something else is taken, as the table that it is about.
@@ -117,7 +110,12 @@ export function makeFriction(page, curves, starts, reader) {
       setText(bad, "");
       lay(COARSE);
     }
-    tell();
+    putKnob(speed, px(frame.x(p.v)), svg.clientHeight + 38);
+    const regime = regimes.find(({ high }) => p.v <= high) ?? regimes[0];
+    const words = `${quantity(p.v, "velocity")}, ${nameOfRegime(regime)}`;
+    tell(speed, p.v, span.low, span.high, words);
+    const calms = motion.slip.settles?.() ?? true;
+    setText(byId("friction-said"), regimesInWords(regimes, p.v, calms));
 
     /** @type {(step: number) => void} the bar, and again with all detail once nothing moves */
     function lay(step) {
@@ -131,21 +129,12 @@ export function makeFriction(page, curves, starts, reader) {
         show(page.solution());
       }, BAR_STILL);
     }
-
-    function tell() {
-      putAt(speed, at, svg.clientHeight + 38);
-      const regime = regimes.find(({ high }) => p.v <= high) ?? regimes[0];
-      put(speed, { "aria-valuenow": p.v, "aria-valuemin": span.low, "aria-valuemax": span.high, "aria-valuetext": `${quantity(p.v, "velocity")}, ${nameOfRegime(regime)}` });
-      setText(byId("friction-said"), regimesInWords(regimes, p.v, motion.slip.settles?.() ?? true));
-    }
   }
-  /** @type {Regime[]} */
-  let regimes = [];
 
-  /** Take a curve, or a speed of the pull, if the page does. */
-  function take(values, curve) {
+  /** Take a curve, or a speed of the pull, if the page does; `curve` may have to be read. */
+  function take(values, curve, still = true) {
     try {
-      page.set(values, { curve, still: true });
+      page.set(values, { curve: typeof curve === "function" ? curve() : curve, still });
       setText(bad, "");
     } catch (error) {
       setText(bad, error.message);
@@ -166,26 +155,9 @@ export function makeFriction(page, curves, starts, reader) {
     take({}, next);
   }
 
-  [...knobs, speed].forEach((knob, at) => {
+  const held = [...knobs, speed].map((knob, at) => {
     const n = knob === speed ? -1 : at;
     const now = () => (n < 0 ? [page.setting().v, 0] : (page.curve() ?? points)[n]);
-    on(knob, "pointerdown", ({ clientX, clientY, pointerId }) => {
-      const [u, mu] = now();
-      const box = svg.getBoundingClientRect();
-      grip = { n, dx: clientX - frame.x(u || span.low), dy: clientY - frame.y(mu), box };
-      knob.setPointerCapture(pointerId);
-    });
-    on(knob, "pointermove", ({ clientX, clientY }) => {
-      if (!grip) return;
-      const { left, width, bottom, height } = frame.area;
-      const share = (clientX - grip.dx - left) / width;
-      const mu = ((bottom - clientY + grip.dy) / height) * span.top;
-      move(n, span.low * (span.high / span.low) ** share, mu);
-    });
-    on(knob, "lostpointercapture", () => {
-      grip = null;
-      show(page.solution());
-    });
     on(knob, "keydown", (event) => {
       const more = event.shiftKey ? MORE : 1;
       const [right, up] = {
@@ -201,6 +173,15 @@ export function makeFriction(page, curves, starts, reader) {
       const [u, mu] = now();
       move(n, u * KEY_FACTOR ** (right * more), mu + up * KEY_MU * more);
     });
+    return makeDraggable(
+      knob,
+      () => {
+        const [u, mu] = now();
+        return [frame.x(u || span.low), frame.y(mu)];
+      },
+      (x, y) => move(n, frame.valueAtX(x), frame.valueAtY(y)),
+      () => show(page.solution()),
+    );
   });
 
   buttons.forEach((button, n) => {
@@ -211,53 +192,46 @@ export function makeFriction(page, curves, starts, reader) {
     });
   });
   on(byId("point-more"), "click", () => {
-    // What is drawn may be a press behind. Half-way to the next point, as the axis is; beyond the last at twice its speed.
+    // What is drawn may be a press behind. Half-way to the next point, as the axis is; beyond the
+    // last at twice its speed.
     points = page.curve() ?? points;
     const n = Math.min(chosen, points.length - 1);
     const [[low], [high]] = [points[n], points[n + 1] ?? [2 * points[n][0]]];
     const u = Number((points[n + 1] ? Math.sqrt((low || 0.1 * high) * high) : high).toPrecision(3));
     chosen = n + 1;
-    take({}, [...points.slice(0, n + 1), [u, coefficientAt(points, u)], ...points.slice(n + 1)]);
+    take({}, points.toSpliced(n + 1, 0, [u, coefficientAt(points, u)]));
   });
   on(byId("point-less"), "click", () => {
     points = page.curve() ?? points;
     const n = Math.min(Math.max(chosen, 1), points.length - 1);
     chosen = n - 1;
-    if (points.length > CURVE_POINTS.least) take({}, points.filter((_, each) => each !== n));
+    if (points.length > CURVE_POINTS.least) take({}, points.toSpliced(n, 1));
   });
-  const read = () => {
-    try {
-      page.set({}, { curve: curveIn(table.value, reader) });
-      setText(bad, "");
-    } catch (error) {
-      setText(bad, error.message);
-    }
-  };
+  const read = () => take({}, () => curveIn(table.value, reader), false);
   on(table, "change", read);
   on(byId("friction-file"), "change", async ({ target }) => {
     table.value = await target.files[0].text();
     read();
   });
-  on(byId("friction-save"), "click", () => save("curve.csv", new Blob([tableOf(points)], { type: "text/csv" })));
+  on(byId("friction-save"), "click", () => save("curve.csv", tableOf(points), "text/csv"));
 
   new ResizeObserver(() => {
-    frame.resize(svg.clientWidth, svg.clientHeight);
+    frame.resize();
     sized = true;
     show(page.solution());
   }).observe(svg);
   return whenSeen(byId("friction"), show);
 }
 
-/** Put a knob at a place of the plot [px]. */
-function putAt(knob, x, y) {
-  knob.style.transform = `translate(${px(x)}px, ${px(y)}px)`;
+/** What a knob says to who cannot see it. */
+function tell(knob, now, least, most, words) {
+  put(knob, { "aria-valuenow": now, "aria-valuemin": least, "aria-valuemax": most });
+  put(knob, { "aria-valuetext": words });
 }
 
 /**
  * The ends of the axes: whole decades about the points and the speed, and room above the friction.
- *
- * @param {Setting} p
- * @param {Curve} points
+ * @type {(p: Setting, points: Curve) => {low: number, high: number, top: number}}
  */
 function spanOf({ v, mu_s }, points) {
   const [least, most] = [Math.min(v, points[1][0]), Math.max(v, points[points.length - 1][0])];
@@ -270,11 +244,7 @@ function spanOf({ v, mu_s }, points) {
 
 /**
  * The regimes of constant friction: up to the critical velocity it sticks or is even.
- *
- * @param {Setting} p
- * @param {number} v_c critical velocity [m/s]
- * @param {{low: number, high: number}} span [m/s]
- * @returns {Regime[]}
+ * @type {(p: Setting, v_c: number, span: {low: number, high: number}) => Regime[]}
  */
 function constantRegimes({ mu_s, mu_k }, v_c, { low, high }) {
   const end = mu_s > mu_k ? Math.min(Math.max(v_c, low), high) : low;

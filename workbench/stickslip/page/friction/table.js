@@ -3,23 +3,13 @@
 import { scaleFor } from "../view/units.js";
 import { typedText } from "../controls/typed.js";
 
-/**
- * @import { Curve } from "../model/curve.js"
- * @import { Reader } from "../view/spelled.js"
- */
-
 /** The columns that are looked for, each with its SI unit, which the heading of a speed must name. */
 const COLUMNS = [
   { names: "speed|velocity|v|u|x_dot", unit: "m/s" },
   { names: "mu|coefficient|friction[ _]coefficient|cof", unit: "" },
 ];
 
-/**
- * The table of a curve.
- *
- * @param {Curve} curve
- * @returns {string}
- */
+/** @type {(curve: Curve) => string} */
 export function tableOf(curve) {
   const scale = scaleFor(curve[curve.length - 1][0], "velocity");
   const lines = curve.map(([u, mu]) => `${typedText(u, scale)}, ${mu}`);
@@ -27,12 +17,8 @@ export function tableOf(curve) {
 }
 
 /**
- * The curve of a table.
- *
- * @param {string} text
- * @param {Reader} reader
- * @returns {Curve}
- * @throws {RangeError} with the line and what is wrong with it
+ * The curve of a table; throws a RangeError with the line and what is wrong with it.
+ * @type {(text: string, reader: Reader) => Curve}
  */
 export function curveIn(text, reader) {
   const lines = text.split(/\r?\n/).map((line, n) => ({ line: line.trim(), at: n + 1 }));

@@ -2,11 +2,6 @@
 
 import { scaleFor, shortest } from "../view/units.js";
 
-/**
- * @import { Setting } from "../model/friction.js"
- * @import { Reader } from "../view/spelled.js"
- */
-
 /** The parameters of the command, each with the scales of its units; the first are always named. */
 const KINDS = {
   k: "stiffness",
@@ -21,14 +16,10 @@ const KINDS = {
 const ALWAYS = ["k", "v", "mu_s", "mu_k"];
 
 /**
- * The command that repeats a run. Python reads its numbers back as the very same doubles.
- *
- * @param {Setting} p
- * @param {Setting} starts start values of the FMU: the others are named where they differ
- * @param {number} to end of the run [s]; the command ends it up to 1 % later
- * @param {Reader} reader of quantities, as Python reads them
- * @param {boolean} isCurved whether a friction curve, saved as curve.csv, takes the place of mu_k
- * @returns {string} one line for a shell
+ * The command that repeats a run up to a time [s], or up to 1 % later: one line for a shell, whose
+ * numbers Python reads back as the very same doubles. What is as the FMU starts is left out; in the
+ * place of mu_k may be a friction curve, saved as curve.csv.
+ * @type {(p: Setting, starts: Setting, to: number, reader: Reader, isCurved: boolean) => string}
  */
 export function commandLine(p, starts, to, reader, isCurved) {
   const options = Object.keys(KINDS)

@@ -1,19 +1,12 @@
 /** The curve as a CSV file. */
 
-/** @import { Motion } from "../model/motion.js" */
-
 /** More transitions than this are left out of a file: it would grow without showing more. */
 const TRANSITIONS_AT_MOST = 100000;
 
 /**
- * The motion as a CSV file in the format of `stickslip simulate --output-file`, in SI, every
- * number with all its digits.
- *
- * @param {Motion} motion
- * @param {number} from [s]
- * @param {number} to [s]
- * @param {number} [samples] number of even steps; the transitions stand in between
- * @returns {string} the file
+ * The motion from one time to another [s] as a CSV file in the format of `stickslip simulate
+ * --output-file`, in SI, every number with all its digits: even steps, the transitions in between.
+ * @type {(motion: Motion, from: number, to: number, samples?: number) => string}
  */
 export function csvText(motion, from, to, samples = 2000) {
   const rows = ['"time","x","x_dot","x_pull","z","F","F_friction","F_s","sticking","mode"'];

@@ -5,26 +5,13 @@ import { csvText } from "./csv.js";
 import { byId, on, setText } from "../view/dom.js";
 import { pngOf, resolvedStyle, svgText } from "./picture.js";
 
-/**
- * @import { Curve } from "../model/curve.js"
- * @import { Setting } from "../model/friction.js"
- * @import { Motion } from "../model/motion.js"
- * @import { Stretch } from "../stage/stretch.js"
- * @import { Reader } from "../view/spelled.js"
- */
-
 /** Pixels between two drawings of the picture, and above them for its caption. */
 const GAP = 8;
 const TITLE = 40;
 /** Pixels of the PNG to one of the page. */
 const FINENESS = 2;
 
-/**
- * The setting as the lines of a caption, SI.
- *
- * @param {Setting} p
- * @param {Curve | null} curve friction curve
- */
+/** @type {(p: Setting, curve: Curve | null) => string[]} the lines of a caption, SI */
 function settingInWords({ k, v, mu_s, mu_k, m, g, load, c }, curve) {
   const kinetic = curve ? `μ(u) by ${curve.length} points` : `μₖ = ${mu_k}`;
   return [
@@ -34,13 +21,10 @@ function settingInWords({ k, v, mu_s, mu_k, m, g, load, c }, curve) {
 }
 
 /**
- * Bring the buttons to life.
- *
- * @param {{motion: () => Motion, stretch: Stretch, starts: Setting, reader: Reader}} of what they
- *   keep, and what reads quantities
- * @returns refresh(): after another setting or stretch of time
+ * Returns refresh(): after another setting or stretch of time.
+ * @type {(page: Page, stretch: Stretch, starts: Setting, reader: Reader) => {refresh: () => void}}
  */
-export function makeKeeping({ motion, stretch, starts, reader }) {
+export function makeKeeping(page, stretch, starts, reader) {
   const command = byId("command");
   const said = byId("keep-said");
 
@@ -55,18 +39,19 @@ export function makeKeeping({ motion, stretch, starts, reader }) {
   }
 
   atClick("save-csv", () => {
-    const text = csvText(motion(), stretch.from, stretch.to);
-    save("stick-slip.csv", new Blob([text], { type: "text/csv" }));
+    const { motion } = page.solution();
+    save("stick-slip.csv", csvText(motion, stretch.from, stretch.to), "text/csv");
     return "stick-slip.csv: SI units, events at their exact times.";
   });
   atClick("save-svg", () => {
-    save("stick-slip.svg", new Blob([picture().text], { type: "image/svg+xml" }));
+    save("stick-slip.svg", picture().text, "image/svg+xml");
     return "stick-slip.svg: charts and portrait.";
   });
   atClick("save-png", async () => {
     const { text, width, height } = picture();
     const background = getComputedStyle(document.body).backgroundColor;
-    save("stick-slip.png", await pngOf(text, width, height, FINENESS, background));
+    const png = await pngOf(text, width, height, FINENESS, background);
+    save("stick-slip.png", png, png.type);
     return "stick-slip.png: charts and portrait.";
   });
   atClick("copy", async () => {
@@ -81,7 +66,7 @@ export function makeKeeping({ motion, stretch, starts, reader }) {
 
   /** The charts one above the other as one document. */
   function picture() {
-    const svgs = ["x-chart", "F-chart", "phase-chart"].map((id) => byId(id));
+    const svgs = ["x-chart", "F-chart", "phase-chart"].map(byId);
     const width = Math.max(...svgs.map((svg) => svg.clientWidth));
     let y = TITLE;
     const parts = svgs.map((svg) => {
@@ -90,20 +75,22 @@ export function makeKeeping({ motion, stretch, starts, reader }) {
       return part;
     });
     const style = resolvedStyle(byId("chart-style").textContent, document.body);
-    return { text: svgText(parts, style, settingInWords(motion().p, motion().curve)), width, height: y - GAP };
+    const { p, curve } = page.solution().motion;
+    return { text: svgText(parts, style, settingInWords(p, curve)), width, height: y - GAP };
   }
 
   return {
     refresh() {
-      setText(command, commandLine(motion().p, starts, stretch.to, reader, !!motion().curve));
+      const { p, curve } = page.solution().motion;
+      setText(command, commandLine(p, starts, stretch.to, reader, curve !== null));
     },
   };
 }
 
-/** Hand a file to the person as a download. */
-export function save(name, blob) {
+/** @type {(name: string, content: BlobPart, type: string) => void} hand a file to the person */
+export function save(name, content, type) {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
+  link.href = URL.createObjectURL(new Blob([content], { type }));
   link.download = name;
   link.click();
   // The download has begun by then; freed at once, some browsers find nothing to save.

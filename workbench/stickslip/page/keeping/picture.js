@@ -4,26 +4,21 @@ import { draw, put, setText } from "../view/dom.js";
 
 /**
  * CSS with every var(--name) replaced by its value at an element, for use away from the page.
- *
- * @param {string} cssText
- * @param {Element} element
+ * @type {(cssText: string, element: Element) => string}
  */
 export function resolvedStyle(cssText, element) {
   const values = getComputedStyle(element);
-  return cssText.replace(
-    /var\(\s*(--[\w-]+)\s*(?:,\s*([^()]*))?\)/g,
-    (_, name, otherwise = "") => values.getPropertyValue(name).trim() || otherwise.trim(),
+  const chosen = matchMedia("(prefers-color-scheme: dark)").matches ? "$2" : "$1";
+  const valueOf = (name) => values.getPropertyValue(name).trim();
+  return cssText.replace(/var\((--[\w-]+)\)/g, (_, name) =>
+    valueOf(name).replace(/light-dark\((.*), (.*)\)/, chosen),
   );
 }
 
 /**
- * Drawings of the page as one SVG document that stands alone.
- *
- * @param {Array<{svg: SVGSVGElement, x: number, y: number, width: number, height: number}>} parts
- *   the drawings and where each is put [px]
- * @param {string} style CSS without custom properties; its `.sheet` is the background
- * @param {string[]} title what it shows: lines that are written on top
- * @returns {string} the document
+ * Drawings of the page as one SVG document that stands alone, {svg, x, y, width, height} [px], under the
+ * lines of a title; in the style, without custom properties, `.sheet` is the background.
+ * @type {(parts: any[], style: string, title: string[]) => string}
  */
 export function svgText(parts, style, title) {
   const width = Math.max(...parts.map((part) => part.x + part.width));
@@ -41,7 +36,6 @@ export function svgText(parts, style, title) {
     setText(draw(whole, "text", { class: "axis", x: 8, y: 15 + 16 * n }), line);
   });
   for (const { svg, ...place } of parts) {
-    /** @type {any} an SVGSVGElement, which cloneNode calls a Node */
     const copy = svg.cloneNode(true);
     // What placed it on the page must not place it here.
     copy.removeAttribute("style");
@@ -54,28 +48,21 @@ export function svgText(parts, style, title) {
 /**
  * An SVG document of this size [px] as a PNG, `scale` pixels of it to one of the document, on a
  * background [CSS colour].
- *
- * @param {string} text
- * @param {number} width [px]
- * @param {number} height [px]
- * @param {number} scale
- * @param {string} background
- * @returns {Promise<Blob>}
+ * @type {(text: string, width: number, height: number, scale: number, background: string) =>
+ *   Promise<Blob>}
  */
-export function pngOf(text, width, height, scale, background) {
+export async function pngOf(text, width, height, scale, background) {
   const image = new Image();
   image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
   const canvas = document.createElement("canvas");
   canvas.width = Math.round(width * scale);
   canvas.height = Math.round(height * scale);
-  return image.decode().then(() => {
-    const context = canvas.getContext("2d");
-    context.fillStyle = background;
-    context.fillRect(0, 0, canvas.width, canvas.height);
-    context.drawImage(image, 0, 0, canvas.width, canvas.height);
-    const tooLarge = new Error(`no picture can have ${canvas.width} x ${canvas.height} pixels`);
-    return new Promise((done, failed) => {
-      canvas.toBlob((blob) => (blob ? done(blob) : failed(tooLarge)), "image/png");
-    });
-  });
+  await image.decode();
+  const context = canvas.getContext("2d");
+  context.fillStyle = background;
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  context.drawImage(image, 0, 0, canvas.width, canvas.height);
+  const blob = await new Promise((done) => canvas.toBlob(done, "image/png"));
+  if (!blob) throw new Error(`no picture can have ${canvas.width} x ${canvas.height} pixels`);
+  return blob;
 }

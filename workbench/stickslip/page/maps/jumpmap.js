@@ -3,17 +3,10 @@
 import { jumpOverSpeed, slowJump } from "../model/maps.js";
 import { logAxis } from "../view/axis.js";
 import { byId, draw, put, setText } from "../view/dom.js";
-import { makeFrame, polyline, px } from "../view/frame.js";
+import { makeFrame, polyline, px, write } from "../view/frame.js";
 import { digits, quantity } from "../view/units.js";
 
-/** @import { Solution } from "../view/solution.js" */
-
-/**
- * Bring the chart to life.
- *
- * @param {SVGSVGElement} svg
- * @returns svg; resize(width, height) [px]; show(solution)
- */
+/** @type {(svg: SVGSVGElement) => {frame: Frame, show: (solution: Solution) => void}} */
 export function makeJumpMap(svg) {
   const frame = makeFrame(svg);
   const said = byId("jump-map-said");
@@ -23,10 +16,9 @@ export function makeJumpMap(svg) {
   const end = draw(frame.over, "path", { class: "centre" });
   const endName = draw(frame.over, "text", { class: "note", "text-anchor": "end" });
   const dot = draw(frame.over, "circle", { class: "dot", r: 4.5 });
-
   let drawn = "";
 
-  /** @param {Solution} solution */
+  /** @type {(solution: Solution) => void} */
   function show(solution) {
     const { motion, v_c, simple } = solution;
     const { p, cycle, numbers } = motion;
@@ -35,10 +27,9 @@ export function makeJumpMap(svg) {
     const key = [numbers.Delta, numbers.w, numbers.zeta, low, high, frame.area.width].join();
     if (key !== drawn) drawCurve(solution, low, high);
     drawn = key;
-    const at = px(frame.x(p.v));
-    put(here, { d: `M${at} ${frame.area.top}V${frame.area.bottom}` });
+    put(here, { d: frame.upright(p.v) });
     put(dot, { visibility: cycle.exists ? "visible" : "hidden" });
-    if (cycle.exists) put(dot, { cx: at, cy: px(frame.y(cycle.delta_x)) });
+    if (cycle.exists) put(dot, { cx: px(frame.x(p.v)), cy: px(frame.y(cycle.delta_x)) });
     setText(said, jumpInWords(p, cycle, v_c, simple.delta_x));
   }
 
@@ -53,30 +44,22 @@ export function makeJumpMap(svg) {
       logAxis(low, high, "velocity", "v"),
       logAxis(Math.min(...known) / 2, Math.max(...known) * 2.5, "length", "jump"),
     );
-    const { left, right } = frame.area;
     put(curve, { d: polyline(points.map(({ v, jump }) => [frame.x(v), frame.y(jump)])) });
-    const level = simple.delta_x > 0 ? `M${left} ${px(frame.y(simple.delta_x))}H${right}` : "";
-    put(constant, { d: level });
+    put(constant, { d: simple.delta_x > 0 ? frame.level(simple.delta_x) : "" });
     const last = v_c <= high ? points[points.length - 1] : undefined;
     const [x, y] = last ? [px(frame.x(last.v)), px(frame.y(last.jump))] : [0, 0];
     put(end, { d: last ? `M${x} ${y - 7}V${y + 7}` : "" });
-    setText(endName, last ? `ends at ${quantity(v_c, "velocity")}` : "");
-    put(endName, { x: Math.max(x + 4, left + 130), y: y - 11 });
+    const words = last ? `ends at ${quantity(v_c, "velocity")}` : "";
+    write(endName, words, Math.max(x + 4, frame.area.left + 130), y - 11);
   }
 
-  return {
-    svg,
-    resize: frame.resize,
-    show,
-  };
+  return { frame, show };
 }
 
 /**
- * The speeds that the chart spans, whole decades: slow enough to see the limit.
- *
- * @param {number} v in use [m/s]
- * @param {number} v_c critical velocity [m/s]
- * @param {number} ofGap speed at which lambda is 1 [m/s]
+ * The speeds that the chart spans [m/s], whole decades: slow enough to see the limit. With the speed
+ * of the gap lambda is 1.
+ * @type {(v: number, v_c: number, ofGap: number) => {low: number, high: number}}
  */
 function speeds(v, v_c, ofGap) {
   const known = v_c > 0 && v_c < Infinity ? v_c : ofGap || v;

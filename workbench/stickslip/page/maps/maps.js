@@ -5,17 +5,7 @@ import { whenSeen } from "../view/seen.js";
 import { makeJumpMap } from "./jumpmap.js";
 import { makePlane } from "./plane.js";
 
-/**
- * @import { Page } from "../main.js"
- * @import { Solution } from "../view/solution.js"
- */
-
-/**
- * Bring the maps to life.
- *
- * @param {Page} page
- * @returns {(solution: Solution) => void} shows a solution
- */
+/** @type {(page: Page) => (solution: Solution) => void} returns what shows a solution */
 export function makeMaps(page) {
   const maps = [makeJumpMap(byId("jump-map")), makePlane(byId("plane"), page)];
   let sized = false;
@@ -24,10 +14,10 @@ export function makeMaps(page) {
     if (sized) for (const map of maps) map.show(solution);
   };
   const resizes = new ResizeObserver(() => {
-    for (const { svg, resize } of maps) resize(svg.clientWidth, svg.clientHeight);
+    for (const { frame } of maps) frame.resize();
     sized = true;
     show(page.solution());
   });
-  for (const { svg } of maps) resizes.observe(svg);
+  for (const { frame } of maps) resizes.observe(frame.svg);
   return whenSeen(byId("maps"), show);
 }

@@ -4,14 +4,9 @@ import { numbersOf } from "../model/friction.js";
 import { criticalCurve, equalJump } from "../model/maps.js";
 import { logAxis } from "../view/axis.js";
 import { byId, draw, on, put, setText } from "../view/dom.js";
-import { makeFrame, polyline, px } from "../view/frame.js";
-import { quantity } from "../view/units.js";
-
-/**
- * @import { Page } from "../main.js"
- * @import { Setting } from "../model/friction.js"
- * @import { Solution } from "../view/solution.js"
- */
+import { hatched, makeFrame, polyline, px, write } from "../view/frame.js";
+import { makeDraggable, putKnob } from "../view/knob.js";
+import { quantity, withoutNoughts } from "../view/units.js";
 
 /** @typedef {{low: number, high: number}} Span SI */
 
@@ -28,25 +23,12 @@ const PAGE_STEP = 10 ** (1 / 4);
 const ROOM_FOR_WORDS = 30;
 const MOST_LINES = 9;
 
-/**
- * Bring the plane to life.
- *
- * @param {SVGSVGElement} svg
- * @param {Page} page
- * @returns svg; resize(width, height) [px]; show(solution)
- */
+/** @type {(svg: SVGSVGElement, page: Page) => {frame: Frame, show: (solution: Solution) => void}} */
 export function makePlane(svg, page) {
   const frame = makeFrame(svg);
   const said = byId("plane-said");
   const point = byId("plane-point");
-  const hatch = draw(svg.querySelector("defs"), "pattern", {
-    id: "plane-hatch",
-    width: 7,
-    height: 7,
-    patternUnits: "userSpaceOnUse",
-    patternTransform: "rotate(45)",
-  });
-  draw(hatch, "path", { class: "free-line", d: "M0 0V7" });
+  draw(hatched(svg, "plane-hatch", 7), "path", { class: "free-line", d: "M0 0V7" });
   const free = draw(frame.under, "path", { fill: "url(#plane-hatch)" });
   const lines = draw(frame.curves, "path", { class: "level" });
   const curve = draw(frame.curves, "path", { class: "curve mass" });
@@ -59,8 +41,6 @@ export function makePlane(svg, page) {
   let p = null;
   let drawn = "";
   let waiting = 0;
-  /** @type {{dx: number, dy: number, box: DOMRect} | null} from the point to the pointer [px] */
-  let grip = null;
 
   /** What the plane depends on: k and v are no part of it, their axes are. */
   const key = () =>
@@ -69,15 +49,14 @@ export function makePlane(svg, page) {
   /** @param {Solution} solution */
   function show({ motion, v_c }) {
     p = motion.p;
-    if (!grip) spans = { k: spanFor(p.k, spans?.k), v: spanFor(p.v, spans?.v) };
+    if (!isHeld()) spans = { k: spanFor(p.k, spans?.k), v: spanFor(p.v, spans?.v) };
     const now = key();
     if (now !== drawn) {
       drawn = now;
       drawPlane();
       waiting ||= setTimeout(drawLines, LINES_EVERY);
     }
-    const [x, y] = [frame.x(p.k), frame.y(p.v)].map(px);
-    point.style.transform = `translate(${x}px, ${y}px)`;
+    putKnob(point, frame.x(p.k), frame.y(p.v));
     const values = `k ${quantity(p.k, "stiffness")}, v ${quantity(p.v, "velocity")}`;
     put(point, {
       "aria-valuenow": Math.log10(p.k).toFixed(3),
@@ -88,16 +67,15 @@ export function makePlane(svg, page) {
     setText(said, planeInWords(p, v_c, values));
   }
 
+  /** @type {(values: {k: number, v: number}) => [x: number, y: number]} [px] */
+  const placeOf = ({ k, v }) => [frame.x(k), frame.y(v)];
+
   function drawPlane() {
     const { k, v } = spans;
-    frame.scale(
-      logAxis(k.low, k.high, "stiffness", "k"),
-      logAxis(v.low, v.high, "velocity", "v"),
-    );
+    const axis = logAxis(k.low, k.high, "stiffness", "k");
+    frame.scale(axis, logAxis(v.low, v.high, "velocity", "v"));
     const { left, right, top, bottom } = frame.area;
-    const points = criticalCurve(p, k.low, k.high).map(
-      (each) => /** @type {[number, number]} */ ([frame.x(each.k), frame.y(each.v)]),
-    );
+    const points = criticalCurve(p, k.low, k.high).map(placeOf);
     put(curve, { d: polyline(points) });
     // Without damping there is no region without stick-slip; with it, all that is not below v_c.
     const under = points.length ? `H${px(points[0][0])}L${polyline(points).slice(1)}V${top}` : "V";
@@ -105,8 +83,7 @@ export function makePlane(svg, page) {
     const whole = `M${left} ${bottom}H${right}V${top}H${left}Z`;
     put(free, { d: p.c === 0 ? "" : around || whole });
     const { text, x, y } = wordsFor(points);
-    setText(words, text);
-    put(words, { x: px(x), y: px(y) });
+    write(words, text, x, y);
   }
 
   /** The words for the free region, where there is most room for them. */
@@ -132,17 +109,14 @@ export function makePlane(svg, page) {
     let path = "";
     let used = 0;
     for (const jump of levels(p, spans)) {
-      const points = equalJump(p, jump, spans.v.low, spans.v.high).map(
-        (each) => /** @type {[number, number]} */ ([frame.x(each.k), frame.y(each.v)]),
-      );
+      const points = equalJump(p, jump, spans.v.low, spans.v.high).map(placeOf);
       path += polyline(points);
       const seen = points.find(
         ([x, y]) => x > left + 18 && x < right - 18 && y < bottom - 4 && y > top + 22,
       );
       if (!seen) continue;
       names[used] ??= draw(frame.over, "text", { class: "note", "text-anchor": "middle" });
-      setText(names[used], quantity(jump, "length").replace(".000", "").replace(/\.0+/, ""));
-      put(names[used++], { x: px(seen[0]), y: px(seen[1]) });
+      write(names[used++], withoutNoughts(quantity(jump, "length")), ...seen);
     }
     for (const name of names.splice(used)) name.remove();
     put(lines, { d: path });
@@ -160,31 +134,16 @@ export function makePlane(svg, page) {
 
   /** @type {(x: number, y: number) => void} to a place in the drawing [px], held inside the plot */
   function moveTo(x, y) {
-    const { left, top, width, height } = frame.area;
-    const along = (share, { low, high }) => low * (high / low) ** Math.min(Math.max(share, 0), 1);
+    const { left, right, top, bottom } = frame.area;
     move({
-      k: along((x - left) / width, spans.k),
-      v: along(1 - (y - top) / height, spans.v),
+      k: frame.valueAtX(Math.min(Math.max(x, left), right)),
+      v: frame.valueAtY(Math.min(Math.max(y, top), bottom)),
     });
   }
 
-  on(point, "pointerdown", (event) => {
-    const box = svg.getBoundingClientRect();
-    grip = {
-      dx: event.clientX - box.left - frame.x(p.k),
-      dy: event.clientY - box.top - frame.y(p.v),
-      box,
-    };
-    point.setPointerCapture(event.pointerId);
-  });
-  on(point, "pointermove", ({ clientX, clientY }) => {
-    if (grip) moveTo(clientX - grip.box.left - grip.dx, clientY - grip.box.top - grip.dy);
-  });
-  on(point, "lostpointercapture", () => {
-    grip = null;
-    // The axes follow once the point is let go, so that it stays under the pointer.
-    show(page.solution());
-  });
+  // The axes follow once the point is let go, so that it stays under the pointer.
+  const drop = () => show(page.solution());
+  const isHeld = makeDraggable(point, () => placeOf(p), moveTo, drop);
   on(svg, "click", ({ clientX, clientY }) => {
     const box = svg.getBoundingClientRect();
     moveTo(clientX - box.left, clientY - box.top);
@@ -208,25 +167,16 @@ export function makePlane(svg, page) {
     move({ k: now.k * k, v: now.v * v });
   });
 
-  return {
-    svg,
-    resize: frame.resize,
-    show,
-  };
+  return { frame, show };
 }
 
 /**
  * The ends of an axis, whole decades: those in use while the value is well inside them.
- *
- * @param {number} value SI
- * @param {Span} [old]
- * @returns {Span}
+ * @type {(value: number, old?: Span) => Span}
  */
 function spanFor(value, old) {
-  if (old) {
-    const share = Math.log(value / old.low) / Math.log(old.high / old.low);
-    if (share > EDGE && share < 1 - EDGE) return old;
-  }
+  const share = old ? Math.log(value / old.low) / Math.log(old.high / old.low) : 0;
+  if (share > EDGE && share < 1 - EDGE) return old;
   const low = Math.round(Math.log10(value) - 0.5 * DECADES);
   return { low: Number(`1e${low}`), high: Number(`1e${low + DECADES}`) };
 }

@@ -3,48 +3,10 @@
 import { risingZero } from "./root.js";
 import { responses } from "./slip.js";
 
-/**
- * @import { Band } from "./curve.js"
- * @import { SlipState } from "./slip.js"
- */
-
-/**
- * An arc.
- *
- * @typedef {object} Arc
- * @property {Band} band
- * @property {number} index of the band
- * @property {number} mode direction of slip: 1 forward, -1 backward
- * @property {number} start time since break-away [s]
- * @property {number} end the same, infinite where it stays on its line
- * @property {number} displacement of the mass at its start since break-away [m]
- * @property {number} growth of the spring's extension at its start since break-away [m]
- * @property {number} x_dot velocity at its start [m/s]
- * @property {number} x_ddot acceleration at its start [m/s^2]
- */
-
-/**
- * How an arc goes on.
- *
- * @typedef {object} Course
- * @property {number} tau when its speed leaves the line [s], infinite for never
- * @property {boolean} rising whether it leaves it upwards
- * @property {number} highest velocity where it first turned, if that was from rising [m/s], else NaN
- * @property {number} highestAt when [s]
- * @property {number} lowest velocity where it first turned from falling to rising [m/s], or NaN
- */
-
 /** A swing that has grown by exp(600) has left every line. */
 const MOST_GROWTH = 600;
 
-/**
- * The state of an arc.
- *
- * @param {Arc} arc
- * @param {number} v speed of the pull [m/s]
- * @param {number} tau time since its start [s]
- * @returns {SlipState}
- */
+/** @type {(arc: Arc, v: number, tau: number) => SlipState} the state tau [s] after its start */
 export function arcState({ band, displacement, growth, x_dot, x_ddot }, v, tau) {
   const { w, a } = band.oscillator;
   const { K, slope, G, H } = responses(band.oscillator, tau);
@@ -61,10 +23,7 @@ export function arcState({ band, displacement, growth, x_dot, x_ddot }, v, tau) 
 /**
  * Follow the speed of an arc from extreme to extreme, each in closed form, until it passes an end of
  * its line. Touching the end from inside does not pass it.
- *
- * @param {Arc} arc
- * @param {number} v speed of the pull [m/s]
- * @returns {Course}
+ * @type {(arc: Arc, v: number) => Course}
  */
 export function courseOf(arc, v) {
   const { band, mode, x_dot, x_ddot } = arc;
@@ -83,15 +42,13 @@ export function courseOf(arc, v) {
   const decays = a >= 0;
   let begin = 0;
   for (let n = 0; ; n++) {
+    const limit = rising ? high : low;
     const turns = extreme < Infinity && (decays || -a * extreme < MOST_GROWTH);
-    const end = turns ? extreme : tailEnd(arc, v, begin, rising ? high : low, rising);
+    const end = turns ? extreme : tailEnd(arc, v, begin, limit, rising);
     if (end === Infinity) return course;
     const speed = arcState(arc, v, end).x_dot;
-    const beyond = rising ? speed - high : low - speed;
-    if (beyond > 0 || !turns) {
-      course.rising = rising;
-      course.tau = passing(arc, v, rising ? high : low, rising, begin, end);
-      return course;
+    if (!turns || (rising ? speed > high : speed < low)) {
+      return { ...course, rising, tau: passing(arc, v, limit, rising, begin, end) };
     }
     if (rising && !n) [course.highest, course.highestAt] = [speed, end];
     if (!rising && n < 2) course.lowest = speed;
@@ -104,13 +61,9 @@ export function courseOf(arc, v) {
 }
 
 /**
- * The only extreme of a speed that does not swing: docs/theory.md (5).
- *
- * @param {number} x_ddot acceleration at the start [m/s^2]
- * @param {number} lead w^2 times the speed that the pull is ahead [m/s^3]
- * @param {number} fast the larger rate of decay [1/s]
- * @param {number} slow the smaller rate of decay [1/s]
- * @returns {number} [s], infinite where there is none
+ * The time [s] of the only extreme of a speed that does not swing, infinite where there is none:
+ * docs/theory.md (5). The `lead` is w^2 times the speed that the pull is ahead [m/s^3].
+ * @type {(x_ddot: number, lead: number, fast: number, slow: number) => number}
  */
 function turningTime(x_ddot, lead, fast, slow) {
   const apart = fast - slow;
@@ -120,14 +73,8 @@ function turningTime(x_ddot, lead, fast, slow) {
 }
 
 /**
- * A time by which a speed without further extreme has passed a limit.
- *
- * @param {Arc} arc
- * @param {number} v speed of the pull [m/s]
- * @param {number} begin last extreme [s]
- * @param {number} limit [m/s]
- * @param {boolean} rising
- * @returns {number} [s], infinite where it never does
+ * A time [s] by which a speed without extreme from `begin` on has passed a limit, infinite for never.
+ * @type {(arc: Arc, v: number, begin: number, limit: number, rising: boolean) => number}
  */
 function tailEnd(arc, v, begin, limit, rising) {
   const { oscillator } = arc.band;
@@ -142,15 +89,8 @@ function tailEnd(arc, v, begin, limit, rising) {
 }
 
 /**
- * When a monotone speed passes a limit.
- *
- * @param {Arc} arc
- * @param {number} v speed of the pull [m/s]
- * @param {number} limit [m/s]
- * @param {boolean} rising
- * @param {number} begin not yet passed [s]
- * @param {number} end passed [s]
- * @returns {number} [s]
+ * When [s] a speed, monotone from `begin` to `end`, passes a limit [m/s].
+ * @type {(arc: Arc, v: number, limit: number, rising: boolean, begin: number, end: number) => number}
  */
 function passing(arc, v, limit, rising, begin, end) {
   const sign = rising ? 1 : -1;

@@ -12,66 +12,19 @@ import { arcState, courseOf } from "./arc.js";
 import { bandsOf } from "./curve.js";
 import { numbersOf } from "./friction.js";
 
-/**
- * @import { Arc, Course } from "./arc.js"
- * @import { Band, Curve } from "./curve.js"
- * @import { Setting } from "./friction.js"
- * @import { SlipState } from "./slip.js"
- */
-
-/**
- * What the slips of a setting have in common, whatever the speed of the pull.
- *
- * @typedef {object} Contact
- * @property {number} m mass [kg]
- * @property {number} k stiffness of the spring [N/m]
- * @property {number} w natural frequency [rad/s]
- * @property {Band[]} bands
- * @property {number} F_s break-away force [N]
- * @property {number} F_1 friction at the beginning of slip [N]
- * @property {number} first acceleration just after a break-away [m/s^2]
- */
-
-/**
- * A slip from break-away, up to where its end is decided.
- *
- * @typedef {object} Chain
- * @property {Arc[]} arcs
- * @property {boolean} rests whether it comes to rest
- * @property {number} t_slip time until it rests [s], infinite if never
- * @property {number} spring_drop relief of the spring until then [m]
- * @property {number} peak velocity at its first maximum [m/s]; NaN if it has none
- * @property {number} peakAt when [s]
- * @property {number} margin above 0 where it never rests, below where it does [1]: the least speed
- *   of the slip over that of the pull, or how far the spring at the end of a slip back is above
- *   F_s, over F_s
- */
-
 /** Rounding of a difference of forces, in parts of them. */
 const FORCE_SLACK = 2 ** -49;
 /** A shorter stick is none, in units of 1/w. */
 const LEAST_STICK = 1e-12;
 const MOST_ARCS = 1000;
 
-/**
- * The contact of a setting.
- *
- * @param {Setting} p its v is of no influence
- * @param {Curve} curve
- * @returns {Contact}
- */
+/** @type {(p: Setting, curve: Curve) => Contact} whatever v is */
 export function contactOf(p, curve) {
   const { F_s, F_k, Delta, w } = numbersOf({ ...p, mu_k: curve[0][1] });
   return { m: p.m, k: p.k, w, bands: bandsOf(p, curve), F_s, F_1: F_k, first: w * w * Delta };
 }
 
-/**
- * The slip from break-away.
- *
- * @param {Contact} contact
- * @param {number} v speed of the pull [m/s], above 0
- * @returns {Chain}
- */
+/** @type {(contact: Contact, v: number) => Chain} the slip at a speed of the pull above 0 [m/s] */
 export function chainOf(contact, v) {
   /** @type {Chain} */
   const chain = {
@@ -113,13 +66,8 @@ export function chainOf(contact, v) {
 }
 
 /**
- * What follows an arc that has an end.
- *
- * @param {Contact} contact
- * @param {Arc} arc
- * @param {Course} course of the arc
- * @param {number} v speed of the pull [m/s]
- * @returns {Arc} from standstill a slip in the direction in which the spring pulls
+ * What follows an arc that has an end; from standstill a slip the way that the spring pulls.
+ * @type {(contact: Contact, arc: Arc, course: Course, v: number) => Arc}
  */
 export function follow(contact, arc, { tau, rising }, v) {
   const { band, index, mode } = arc;
@@ -143,10 +91,7 @@ export function follow(contact, arc, { tau, rising }, v) {
 
 /**
  * How far below 0 the speed of an arc would go on its line, over that of the pull [1], at most 1.
- *
- * @param {Arc} arc
- * @param {number} v speed of the pull [m/s]
- * @returns {number}
+ * @type {(arc: Arc, v: number) => number}
  */
 function depthOf(arc, v) {
   const { lowest } = courseOf({ ...arc, band: { ...arc.band, low: -Infinity } }, v);
@@ -154,15 +99,9 @@ function depthOf(arc, v) {
 }
 
 /**
- * The arc that begins with a state.
- *
- * @param {Contact} contact
- * @param {number} index of its band
- * @param {number} mode
- * @param {number} start [s]
- * @param {SlipState} state
- * @returns {Arc}
+ * The arc on the band `index` that begins with a state, at a time [s].
+ * @type {(contact: Contact, index: number, mode: number, start: number, state: SlipState) => Arc}
  */
 function arcAt({ bands }, index, mode, start, state) {
-  return { band: bands[index], index, mode, start, end: Infinity, ...state };
+  return { band: bands[index], index, start, end: Infinity, ...state, mode };
 }

@@ -1,16 +1,12 @@
 /** From which velocity on a damped slip no longer comes to rest: docs/theory.md (13), (14). */
 
-import { numbersOf } from "./friction.js";
+import { nuOf, numbersOf } from "./friction.js";
 import { risingZero } from "./root.js";
 
-/** @import { Setting } from "./friction.js" */
-
 /**
- * The critical velocity.
- *
- * @param {Setting} p its v is of no influence
- * @returns {number} v_c [m/s]: infinite without damping, where there is none; 0 where damping
- *   leaves no cycle at any speed
+ * The critical velocity v_c [m/s], whatever v is: infinite without damping, where there is none; 0
+ * where damping leaves no cycle at any speed.
+ * @type {(p: Setting) => number}
  */
 export function criticalVelocity(p) {
   if (p.c === 0) return Infinity;
@@ -18,44 +14,34 @@ export function criticalVelocity(p) {
   return zeta < 1 ? w * Delta * Math.exp(-logCriticalLambda(zeta)) : 0;
 }
 
-/**
- * The handbooks' critical velocity, first order of the exact one.
- *
- * @param {Setting} p its v is of no influence
- * @returns {number} v_c [m/s], NaN without damping
- */
+/** @type {(p: Setting) => number} the handbooks' v_c [m/s], first order; NaN without damping */
 export function firstOrderCriticalVelocity(p) {
   const { Delta, zeta } = numbersOf(p);
   return p.c === 0 ? NaN : (p.k * Delta) / Math.sqrt(4 * Math.PI * zeta * p.k * p.m);
 }
 
 /**
- * ln lambda_c, the unknown in which the equation is nearly linear at both ends.
- *
- * @param {number} zeta damping ratio [1], above 0 and below 1
- * @returns {number} [1]
+ * ln lambda_c, the unknown in which the equation is nearly linear at both ends; 0 < zeta < 1.
+ * @type {(zeta: number) => number}
  */
 export function logCriticalLambda(zeta) {
-  const nu = Math.sqrt((1 - zeta) * (1 + zeta));
+  const nu = nuOf(zeta);
   // Light damping gives lambda_c = sqrt(4 pi zeta), heavy exp((zeta/nu)(pi + acos zeta)). The root
   // is above the first and below the sum of both; a unit to each side makes them a bracket.
   const light = 0.5 * Math.log(4 * Math.PI * zeta);
   const heavy = (zeta / nu) * (Math.PI + Math.acos(zeta));
   const low = light - 1;
   const high = Math.max(light, heavy) + Math.LN2 + 1;
-  return risingZero((log) => logDepth(log, zeta, nu), low, high, zeta < 0.3 ? light : heavy);
+  return risingZero((log) => logDepth(log, zeta), low, high, zeta < 0.3 ? light : heavy);
 }
 
 /**
- * ln of the deepest velocity deviation over v, and its slope in ln lambda: a slip from rest ends
+ * ln of the deepest velocity deviation over v at ln lambda, and its slope: a slip from rest ends
  * where it is 0 or more.
- *
- * @param {number} log ln lambda [1]
- * @param {number} zeta damping ratio [1]
- * @param {number} nu sqrt(1 - zeta^2) [1]
- * @returns {[number, number]} value and slope [1]
+ * @type {(log: number, zeta: number) => [value: number, slope: number]}
  */
-export function logDepth(log, zeta, nu) {
+export function logDepth(log, zeta) {
+  const nu = nuOf(zeta);
   // Below lambda = 1 the logarithm is of 1 + lambda (lambda - 2 zeta), above of lambda times that.
   const e = Math.exp(-Math.abs(log));
   const inner = e * (e - 2 * zeta);

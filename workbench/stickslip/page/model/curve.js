@@ -1,67 +1,27 @@
 /** A measured friction curve: straight lines between points of speed and coefficient. */
 
+import { numbersOf } from "./friction.js";
 import { oscillatorOf } from "./slip.js";
-
-/**
- * @import { Setting } from "./friction.js"
- * @import { Oscillator } from "./slip.js"
- */
-
-/**
- * Points (u, mu) of rising speed [m/s], the first at 0; between them the coefficient of friction in
- * slip is a straight line, beyond the last it is constant.
- *
- * @typedef {[u: number, mu: number][]} Curve
- */
-
-/**
- * Speeds on one line of a curve: slip is linear there, damped by the line's slope too.
- *
- * @typedef {object} Band
- * @property {number} low lower end [m/s]
- * @property {number} high upper end [m/s], infinite for the last
- * @property {number} fall -dmu/du [s/m]
- * @property {Oscillator} oscillator
- */
 
 /** Points of a curve at least and at most. */
 export const CURVE_POINTS = { least: 2, most: 12 };
 
-/**
- * The coefficient at a speed.
- *
- * @param {Curve} curve
- * @param {number} u speed [m/s], not below 0
- * @returns {number} [1]
- */
+/** @type {(curve: Curve, u: number) => number} the coefficient [1] at a speed u [m/s] from 0 on */
 export function coefficientAt(curve, u) {
-  for (let i = 1; i < curve.length; i++) {
-    const [low, mu] = curve[i - 1];
-    const [high, next] = curve[i];
-    if (u < high) return mu + ((next - mu) * (u - low)) / (high - low);
-  }
-  return curve[curve.length - 1][1];
+  const at = curve.findIndex(([high]) => u < high);
+  if (at < 0) return curve[curve.length - 1][1];
+  const [[low, mu], [high, next]] = curve.slice(at - 1);
+  return mu + ((next - mu) * (u - low)) / (high - low);
 }
 
-/**
- * Whether a curve is a constant, which is Coulomb's friction.
- *
- * @param {Curve} curve
- * @returns {boolean}
- */
+/** @type {(curve: Curve) => boolean} whether it is a constant, which is Coulomb's friction */
 export function isFlat(curve) {
   return curve.every(([, mu]) => mu === curve[0][1]);
 }
 
-/**
- * The bands of a curve; neighbours on one line are one band.
- *
- * @param {Setting} p
- * @param {Curve} curve
- * @returns {Band[]} by rising speed
- */
-export function bandsOf({ m, g, load, k, c }, curve) {
-  const N = m * g + load;
+/** @type {(p: Setting, curve: Curve) => Band[]} by rising speed; neighbours on a line are one */
+export function bandsOf(p, curve) {
+  const { N, w } = numbersOf(p);
   /** @type {Band[]} */
   const bands = [];
   curve.forEach(([low, mu], at) => {
@@ -69,21 +29,12 @@ export function bandsOf({ m, g, load, k, c }, curve) {
     const fall = high < Infinity ? (mu - next) / (high - low) : 0;
     const last = bands[bands.length - 1];
     if (last?.fall === fall) last.high = high;
-    else {
-      const oscillator = oscillatorOf(Math.sqrt(k / m), (c - N * fall) / (2 * m));
-      bands.push({ low, high, fall, oscillator });
-    }
+    else bands.push({ low, high, fall, oscillator: oscillatorOf(w, (p.c - N * fall) / (2 * p.m)) });
   });
   return bands;
 }
 
-/**
- * What is wrong with a curve, or null.
- *
- * @param {Curve} curve
- * @param {number} mu_s break-away coefficient [1]
- * @returns {string | null}
- */
+/** @type {(curve: Curve, mu_s: number) => string | null} what is wrong with a curve, or null */
 export function curveFlaw(curve, mu_s) {
   const { least, most } = CURVE_POINTS;
   if (curve.length < least || curve.length > most) {

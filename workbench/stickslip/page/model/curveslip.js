@@ -2,45 +2,27 @@
 
 import { arcState, courseOf } from "./arc.js";
 import { chainOf, contactOf, follow } from "./chain.js";
+import { periodOf } from "./cycle.js";
 import { numbersOf } from "./friction.js";
 import { risingZero } from "./root.js";
-
-/**
- * @import { Arc } from "./arc.js"
- * @import { Contact } from "./chain.js"
- * @import { Band, Curve } from "./curve.js"
- * @import { Cycle } from "./cycle.js"
- * @import { Setting } from "./friction.js"
- * @import { Piece, Slip, SlipState } from "./slip.js"
- */
 
 /** A turn that repeats the last one to this part repeats it for ever. */
 const SAME_TURN = 1e-13;
 /** After so many arcs a slip without end repeats its last turn. */
 const MOST_FOLLOWED = 3000;
 
-/**
- * The steady cycle under a friction curve, and its slip, or the slip without end.
- *
- * @param {Setting} p
- * @param {Curve} curve
- * @returns {{cycle: Cycle, slip: Slip}}
- */
+/** @type {(p: Setting, curve: Curve) => {cycle: Cycle, slip: Slip}} its slip may be without end */
 export function slipOnCurve(p, curve) {
   const contact = contactOf(p, curve);
-  const { k, v } = p;
-  const chain = chainOf(contact, v);
-  const { F_s, Delta, lambda_, zeta, w } = numbersOf({ ...p, mu_k: curve[0][1] });
-  const { rests, spring_drop, peak, peakAt } = chain;
-  const t_slip = rests ? chain.t_slip : NaN;
-  const t_stick = spring_drop / v;
-  const T = t_stick + t_slip;
-  const x_dot_peak = rests ? peak : NaN;
-  const { at, pieces, settles } = played(contact, chain.arcs, v, rests);
+  const { v } = p;
+  const { rests, spring_drop, peak, peakAt, t_slip, arcs } = chainOf(contact, v);
+  const numbers = numbersOf({ ...p, mu_k: curve[0][1] });
+  const period = periodOf(spring_drop / v, rests ? t_slip : NaN);
+  const playing = played(contact, arcs, v, rests);
   // The spring is longest when the mass first has the speed of the pull.
   /** @type {(tau: number) => [number, number]} */
   const lead = (tau) => {
-    const { x_dot, x_ddot } = at(tau);
+    const { x_dot, x_ddot } = playing.at(tau);
     return [x_dot - v, x_ddot];
   };
   const longest = peak > v ? risingZero(lead, 0, peakAt, 0.5 * peakAt) : NaN;
@@ -48,54 +30,41 @@ export function slipOnCurve(p, curve) {
   const slow = Math.max(here.slow, 0);
   return {
     cycle: {
-      F_s,
-      Delta,
-      lambda_,
-      zeta,
-      w,
+      ...numbers,
+      ...period,
       exists: rests,
       spring_drop,
-      delta_x: v * T,
-      t_slip,
-      t_stick,
-      T,
-      f: 1 / T,
-      x_dot_peak,
-      share: t_stick / T,
+      delta_x: v * period.T,
+      x_dot_peak: rests ? peak : NaN,
     },
     slip: {
-      at,
-      pieces,
-      settles,
-      overshoot: peak > v ? { tau: longest, growth: at(longest).growth } : null,
+      ...playing,
+      overshoot: peak > v ? { tau: longest, growth: playing.at(longest).growth } : null,
       rate: Math.max(...contact.bands.map(({ oscillator }) => rateOf(oscillator))),
       fast: slow,
       slow,
-      scale: Math.max((2 * Math.PI) / w, here.overdamped && slow > 0 ? 3 / slow : 0),
+      scale: Math.max((2 * Math.PI) / numbers.w, here.overdamped && slow > 0 ? 3 / slow : 0),
     },
   };
 }
 
-/** @type {(oscillator: Band["oscillator"]) => number} of the fastest change [rad/s] */
+/** @type {(oscillator: Oscillator) => number} of the fastest change [rad/s] */
 function rateOf({ w, slow, fast }) {
   return Math.max(w, Math.abs(slow), Math.abs(fast));
 }
 
 /**
- * What plays the arcs of a slip; those of one without end are made when they are asked for.
- *
- * @param {Contact} contact
- * @param {Arc[]} arcs the first
- * @param {number} v speed of the pull [m/s]
- * @param {boolean} rests whether they are all
- * @returns {Required<Pick<Slip, "at" | "pieces" | "settles">>}
+ * What plays the first arcs of a slip, which are all if it rests; those of a slip without end are
+ * made when they are asked for.
+ * @type {(contact: Contact, arcs: Arc[], v: number, rests: boolean) =>
+ *   Required<Pick<Slip, "at" | "pieces" | "settles">>}
  */
 function played(contact, arcs, v, rests) {
   let latest = 0;
   /** @type {{start: number, length: number} | null} the turn that is repeated, times [s] */
   let turn = null;
 
-  /** @returns {boolean} whether there is another arc */
+  /** Make another arc, if there is one. */
   function more() {
     const last = arcs[arcs.length - 1];
     if (rests || turn || last.end === Infinity) return false;
@@ -126,36 +95,27 @@ function played(contact, arcs, v, rests) {
     return { arc: arcs[latest], shift };
   }
 
-  /** @type {Slip["at"]} */
-  function at(tau) {
-    const { arc, shift } = find(tau);
-    const state = arcState(arc, v, tau - shift - arc.start);
-    return { ...state, displacement: state.displacement + v * shift, mode: arc.mode };
-  }
-
-  /**
-   * @param {number} from [s]
-   * @param {number} to [s]
-   * @returns {Generator<Piece>}
-   */
-  function* pieces(from, to) {
-    for (let begin = from; begin < to; ) {
-      const { arc, shift } = find(begin);
-      // Of the slip of a cycle the last arc holds on.
-      const end = rests && latest === arcs.length - 1 ? to : Math.min(arc.end + shift, to);
-      const { fast, slow } = arc.band.oscillator;
-      const turns = end < to && find(end).arc.x_dot === 0;
-      yield { start: arc.start + shift, end, rate: rateOf(arc.band.oscillator), fast, slow, turns };
-      // Rounding must not find the same arc again.
-      begin = Math.max(end, begin + 2 ** -51 * begin);
-    }
-  }
-
-  /** @type {Required<Slip>["settles"]} */
-  function settles() {
-    for (let another = !rests; another; ) another = more();
-    return !rests && !turn;
-  }
-
-  return { at, pieces, settles };
+  return {
+    at(tau) {
+      const { arc, shift } = find(tau);
+      const state = arcState(arc, v, tau - shift - arc.start);
+      return { ...state, displacement: state.displacement + v * shift, mode: arc.mode };
+    },
+    *pieces(from, to) {
+      for (let begin = from; begin < to; ) {
+        const { arc, shift } = find(begin);
+        // Of the slip of a cycle the last arc holds on.
+        const end = rests && latest === arcs.length - 1 ? to : Math.min(arc.end + shift, to);
+        const { fast, slow } = arc.band.oscillator;
+        const turns = end < to && find(end).arc.x_dot === 0;
+        yield { start: arc.start + shift, end, rate: rateOf(arc.band.oscillator), fast, slow, turns };
+        // Rounding must not find the same arc again.
+        begin = Math.max(end, begin + 2 ** -51 * begin);
+      }
+    },
+    settles() {
+      for (let another = !rests; another; ) another = more();
+      return !rests && !turn;
+    },
+  };
 }

@@ -1,35 +1,24 @@
 /** Curves over speed and stiffness: the jump, the critical velocity, lines of equal jump. */
 
+import { jumpAlong } from "./along.js";
 import { criticalVelocity, logCriticalLambda } from "./critical.js";
 import { grazingPeriod, plainPeriod } from "./cycle.js";
-import { numbersOf } from "./friction.js";
+import { nuOf, numbersOf } from "./friction.js";
 import { zeroBetween } from "./root.js";
 
-/** @import { Setting } from "./friction.js" */
+/** @typedef {{k: number, v: number}} PlanePoint stiffness [N/m], speed [m/s] */
 
-/**
- * A point of the k-v plane.
- *
- * @typedef {{k: number, v: number}} PlanePoint stiffness [N/m], speed [m/s]
- */
-
-/** Points of a curve: enough for straight lines between them. */
+/** Points of the jump; of the critical velocity, which is steep on one side; of a line of equal jump. */
 const POINTS = 40;
-/** The same of the critical velocity, which falls off steeply on one side. */
 const CRITICAL_POINTS = 80;
+const LINE_POINTS = 28;
 /** At this zeta/nu the critical velocity is 1e-16 of its largest. */
 const STEEPEST = 12;
-/** The same of a line of equal jump, which is nearly straight. */
-const LINE_POINTS = 28;
 
 /**
- * The exact jump over the speed, up to the critical velocity.
- *
- * @param {Setting} p its v is of no influence
- * @param {number} low the lowest speed [m/s]
- * @param {number} high the highest speed [m/s]
- * @returns {{v: number, jump: number}[]} speeds [m/s] and jumps [m], rising; none where there is no
- *   cycle from `low` on
+ * The exact jump [m] over the speed [m/s], from `low` to `high` or the critical velocity; none where
+ * there is no cycle from `low` on. The v of the setting is of no influence.
+ * @type {(p: Setting, low: number, high: number) => {v: number, jump: number}[]}
  */
 export function jumpOverSpeed(p, low, high) {
   const { Delta, w, zeta } = numbersOf(p);
@@ -43,24 +32,16 @@ export function jumpOverSpeed(p, low, high) {
   });
 }
 
-/**
- * What the jump comes down to for a slow pull.
- *
- * @param {Setting} p its v is of no influence
- * @returns {number} [m]; 2 Delta without damping
- */
+/** @type {(p: Setting) => number} the jump [m] of a slow pull; 2 Delta without damping */
 export function slowJump(p) {
   const { Delta, zeta } = numbersOf(p);
-  return Delta * (1 + Math.exp((-Math.PI * zeta) / Math.sqrt((1 - zeta) * (1 + zeta))));
+  return Delta * (1 + Math.exp((-Math.PI * zeta) / nuOf(zeta)));
 }
 
 /**
- * The critical velocity over the stiffness.
- *
- * @param {Setting} p its k and v are of no influence
- * @param {number} low the lowest stiffness [N/m]
- * @param {number} high the highest stiffness [N/m]
- * @returns {PlanePoint[]} k rising; none without damping, or where zeta is 1 or more throughout
+ * The critical velocity over the stiffness, from `low` to `high` [N/m]; none without damping, or
+ * where zeta is 1 or more throughout. The k and v of the setting are of no influence.
+ * @type {(p: Setting, low: number, high: number) => PlanePoint[]}
  */
 export function criticalCurve(p, low, high) {
   if (p.c === 0) return [];
@@ -76,68 +57,44 @@ export function criticalCurve(p, low, high) {
 }
 
 /**
- * A line of equal jump in the k-v plane.
- *
- * The jump rises with v and falls with k, so k rises with v along the line, up to the critical
- * velocity.
- *
- * @param {Setting} p its k and v are of no influence
- * @param {number} jump [m]
- * @param {number} low a speed [m/s]
- * @param {number} high a higher one [m/s]
- * @returns {PlanePoint[]} v rising, through both speeds or up to the end of the line; none where
- *   there is no such jump between the speeds
+ * A line of equal jump [m] in the plane, from the speed `low` to `high` [m/s] or up to the critical
+ * velocity; none where there is no such jump. The jump rises with v and falls with k, so k rises
+ * with v along the line. The k and v of the setting are of no influence.
+ * @type {(p: Setting, jump: number, low: number, high: number) => PlanePoint[]}
  */
 export function equalJump(p, jump, low, high) {
-  const force = (p.mu_s - p.mu_k) * (p.m * p.g + p.load);
-  if (p.c === 0) {
-    if (force === 0) {
-      return [low, high].map((v) => ({ k: p.m * ((2 * Math.PI * v) / jump) ** 2, v }));
-    }
-    // With lambda given both follow: jump = (v/w) period, lambda = force/(v sqrt(k m)).
-    const scale = Math.sqrt((jump * force) / p.m);
-    const [slow, fast] = [scale / low, scale / high];
-    // As the period is 2 pi to 2 pi + 2 lambda, these reach beyond both speeds.
-    const [first, last] = [Math.min(slow, slow ** 2 / 6), Math.min(fast, fast ** 2) / 7];
-    return spaced(first, last, 2 * LINE_POINTS).map((lambda_) => {
-      const v = scale / Math.sqrt(lambda_ * plainPeriod(lambda_, 0));
-      return { k: (force / (v * lambda_)) ** 2 / p.m, v };
-    });
-  }
-  if (!(force > 0)) return [];
+  const force = (p.mu_s - p.mu_k) * numbersOf(p).N;
+  const damped = p.c > 0;
   // The jump for a slow pull is force/k at zeta = 1 and larger than that at the critical velocity.
   const soft = (p.c * p.c) / (4 * p.m);
-  if (jump * soft >= force) return [];
-  const softest = Math.max(soft, force / jump) * (1 + 1e-12);
-  const end = endOfLine(p, jump, softest);
+  if (damped && !(jump * soft < force)) return [];
+  let softest = Math.max(soft, force / jump) * (1 + 1e-12);
+  const end = damped ? endOfLine(p, jump, softest) : { k: Infinity, v: Infinity };
   const last = Math.min(end.v, high);
   if (!(last > low)) return [];
-  let k = softest;
   return spaced(low, last, LINE_POINTS).map((v) => {
     if (v === end.v) return end;
-    /** @type {(log: number) => number} */
-    const excess = (log) => {
-      const { Delta, w, zeta } = numbersOf({ ...p, k: Math.exp(log) });
-      const period = zeta < 1 ? plainPeriod((w * Delta) / v, zeta) : NaN;
-      // To the left of the line the speed may be above the critical one.
-      return Number.isNaN(period) ? 1 : Math.log(((v / w) * period) / jump);
+    /** @type {Way} */
+    const way = (log) => {
+      const { lambda_, zeta, w } = numbersOf({ ...p, k: Math.exp(log), v });
+      return [lambda_, zeta, v / w];
     };
-    k = Math.exp(zeroBetween(excess, Math.log(k), Math.log(end.k)));
-    return { k, v };
+    // A slip takes half a swing at least.
+    if (!damped) softest = Math.max(softest, p.m * ((Math.PI * v) / jump) ** 2);
+    const to = damped ? Math.log(end.k) : NaN;
+    // To the left of the line the speed may be above the critical one.
+    softest = Math.exp(jumpAlong(way, jump, Infinity, Math.log(softest), to));
+    return { k: softest, v };
   });
 }
 
 /**
- * Where a line of equal jump meets the critical velocity.
- *
- * @param {Setting} p damped
- * @param {number} jump [m]
- * @param {number} softest a stiffness at which every jump is larger [N/m]
- * @returns {PlanePoint}
+ * Where a line of equal jump [m] of a damped setting meets the critical velocity; at the stiffness
+ * `softest` [N/m] every jump is larger.
+ * @type {(p: Setting, jump: number, softest: number) => PlanePoint}
  */
 function endOfLine(p, jump, softest) {
-  /** @type {(log: number) => number} */
-  const excess = (log) => {
+  const excess = (/** @type {number} */ log) => {
     const { Delta, w, zeta } = numbersOf({ ...p, k: Math.exp(log) });
     const logLambda = logCriticalLambda(zeta);
     const v = w * Delta * Math.exp(-logLambda);

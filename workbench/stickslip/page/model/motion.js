@@ -12,85 +12,7 @@ import { numbersOf } from "./friction.js";
 import { slipFromRest } from "./slip.js";
 import { twofoldOver, twofoldPlus, twofoldTimes, twoProduct, twoSum } from "./twofold.js";
 
-/**
- * @import { Curve } from "./curve.js"
- * @import { Cycle } from "./cycle.js"
- * @import { Numbers, Setting } from "./friction.js"
- * @import { Slip } from "./slip.js"
- * @import { Twofold } from "./twofold.js"
- */
-
-/**
- * The state of the motion at a time.
- *
- * @typedef {object} State
- * @property {number} t time [s]
- * @property {number} mode 0: stick, 1: slip, -1: slip backward
- * @property {number} x position of the mass [m]
- * @property {number} x_dot its velocity [m/s]
- * @property {number} x_ddot its acceleration [m/s^2]
- * @property {number} x_pull position of the pulled end [m]
- * @property {number} z extension of the spring [m]
- * @property {number} F spring force [N]
- * @property {number} F_friction force of the way on the mass, damping included [N]
- */
-
-/**
- * A stick or a slip.
- *
- * @typedef {object} Phase
- * @property {"stick" | "slip"} kind
- * @property {number} n slips before it [1]
- * @property {number} start [s]
- * @property {number} end [s], infinite for a slip without end
- */
-
-/**
- * A transition.
- *
- * @typedef {object} Transition
- * @property {number} t time [s]
- * @property {"break-away" | "re-stick"} kind
- */
-
-/**
- * The motion of a setting.
- *
- * @typedef {object} Motion
- * @property {Setting} p the setting
- * @property {Curve | null} curve the friction curve, null for constant friction
- * @property {Numbers} numbers what follows from the setting alone; under a curve its mu_k is mu_1
- * @property {Cycle} cycle the steady cycle
- * @property {Slip} slip the slip of every cycle, or the one without end
- * @property {number} first when the mass first breaks away [s]
- * @property {number} beat period, or the scale of a slip without end [s]
- * @property {number} z_s extension of the spring at break-away [m]
- * @property {number} z_even the same in steady sliding [m]
- * @property {(t: number) => State} at the state at a time [s], from 0 on
- * @property {(t: number, n: number, left: number) => State} sticking the state at a time [s] in
- *   the stick after n slips, `left` [s] before it breaks away
- * @property {(t: number, n: number, tau: number) => State} slipping the state at a time [s] in
- *   the slip after n others, `tau` [s] after its break-away
- * @property {(from: number, to: number) => Iterable<Phase>} phases the sticks and slips that touch
- *   a stretch of time [s]
- * @property {(from: number, to: number) => Iterable<Transition>} events the transitions in a
- *   stretch of time [s]
- */
-
-/**
- * The dates of the break-aways.
- *
- * @typedef {object} Dates
- * @property {(n: number) => Twofold} breakAway the time [s] of the break-away after n slips
- */
-
-/**
- * Solve a setting.
- *
- * @param {Setting} p
- * @param {Curve | null} [curve] friction curve, in place of mu_k
- * @returns {Motion}
- */
+/** @type {(p: Setting, curve?: Curve | null) => Motion} a curve takes the place of mu_k */
 export function motionOf(p, curve = null) {
   const used = curve ? { ...p, mu_k: curve[0][1] } : p;
   const isConstant = !curve || isFlat(curve);
@@ -98,35 +20,35 @@ export function motionOf(p, curve = null) {
   const { cycle, slip } = isConstant
     ? { cycle: steadyCycle(used), slip: slipFromRest(used) }
     : slipOnCurve(p, curve);
-  const dates = datesOf(used, cycle, isConstant && cycle.zeta === 0);
+  const date = datesOf(used, cycle, isConstant && cycle.zeta === 0);
   /** @type {(speed: number) => number} kinetic friction [N] */
   const kinetic = (speed) =>
     isConstant ? numbers.F_k : coefficientAt(curve, Math.abs(speed)) * numbers.N;
-  const first = dates.breakAway(0)[0];
   const z_s = numbers.F_s / p.k;
 
   /** @type {(n: number) => number} the time [s] of the break-away after n slips */
-  const breakAway = (n) => dates.breakAway(n)[0];
+  const breakAway = (n) => date(n)[0];
+  const first = breakAway(0);
   /** @type {(n: number) => number} the time [s] at which the slip after n others ends */
   const reStick = (n) => breakAway(n) + cycle.t_slip;
   /** @type {(t: number, n: number) => number} from the break-away after n slips to t [s] */
   const sinceBreakAway = (t, n) => {
-    const [high, low] = dates.breakAway(n);
+    const [high, low] = date(n);
     return t - high - low;
   };
   /** @type {(n: number) => number} position of the mass in the stick after n slips [m] */
   const positionBefore = (n) => (n === 0 ? 0 : n * cycle.delta_x);
 
   /** @type {Motion["sticking"]} */
-  const sticking = (t, n, left) => {
+  function sticking(t, n, left) {
     const z = n === 0 ? p.v * t : z_s - p.v * left;
     const x = positionBefore(n);
     const F = p.k * z;
     return { t, mode: 0, x, x_dot: 0, x_ddot: 0, x_pull: x + z, z, F, F_friction: -F };
-  };
+  }
 
   /** @type {Motion["slipping"]} */
-  const slipping = (t, n, tau) => {
+  function slipping(t, n, tau) {
     const { displacement, x_dot, x_ddot, growth, mode = 1 } = slip.at(tau);
     // A re-stick is at rest to the last bit; rounding must not show a mass that goes back.
     const speed = mode * Math.max(mode * x_dot, 0);
@@ -135,17 +57,17 @@ export function motionOf(p, curve = null) {
     const F = numbers.F_s + p.k * growth;
     const F_friction = -(mode * kinetic(speed) + p.c * speed);
     return { t, mode, x, x_dot: speed, x_ddot, x_pull: x + z, z, F, F_friction };
-  };
+  }
 
   /** @type {(t: number) => number} break-aways before t [s], less one; t is after the first */
-  const lastBreakAway = (t) => {
+  function lastBreakAway(t) {
     if (!cycle.exists) return 0;
     let n = Math.max(Math.floor((t - first) / cycle.T), 0);
     // The quotient may be off by one; the mass still sticks at the very time of a break-away.
     if (n > 0 && sinceBreakAway(t, n) <= 0) n -= 1;
     if (sinceBreakAway(t, n + 1) > 0) n += 1;
     return n;
-  };
+  }
 
   /** @type {Motion["at"]} */
   function at(t) {
@@ -157,11 +79,7 @@ export function motionOf(p, curve = null) {
     return sticking(t, n + 1, Math.max(-sinceBreakAway(t, n + 1), 0));
   }
 
-  /**
-   * @param {number} from [s]
-   * @param {number} to [s]
-   * @returns {Generator<Phase>}
-   */
+  /** @type {(from: number, to: number) => Generator<Phase>} */
   function* phases(from, to) {
     if (from < first) yield { kind: "stick", n: 0, start: 0, end: first };
     if (to <= first) return;
@@ -177,11 +95,7 @@ export function motionOf(p, curve = null) {
     }
   }
 
-  /**
-   * @param {number} from [s]
-   * @param {number} to [s]
-   * @returns {Generator<Transition>}
-   */
+  /** @type {(from: number, to: number) => Generator<Transition>} */
   function* events(from, to) {
     for (const { kind, n, start, end } of phases(from, to)) {
       const isEvent = kind === "slip" || n > 0;
@@ -203,12 +117,9 @@ export function motionOf(p, curve = null) {
 }
 
 /**
- * When the mass breaks away: (6), and every period from then on, in twice the digits.
- *
- * @param {Setting} p
- * @param {Cycle} cycle of the setting
- * @param {boolean} undamped whether friction is constant and there is no damping
- * @returns {Dates}
+ * When [s] the mass breaks away after n slips: (6), and every period from then on, in twice the
+ * digits. Undamped: under constant friction, without damping.
+ * @type {(p: Setting, cycle: Cycle, undamped: boolean) => (n: number) => Twofold}
  */
 function datesOf({ m, g, load, k, mu_s, mu_k, v }, cycle, undamped) {
   const rate = twoProduct(k, v);
@@ -218,10 +129,7 @@ function datesOf({ m, g, load, k, mu_s, mu_k, v }, cycle, undamped) {
   const gap = twoSum(mu_s, -mu_k);
   const climb = twofoldPlus(twofoldTimes(normal, gap[0]), [normal[0] * gap[1], 0]);
   /** @type {Twofold} */
-  const stick =
-    undamped ? twofoldTimes(twofoldOver(climb, rate), 2) : [cycle.t_stick, 0];
+  const stick = undamped ? twofoldTimes(twofoldOver(climb, rate), 2) : [cycle.t_stick, 0];
   const period = twofoldPlus(stick, [cycle.t_slip, 0]);
-  return {
-    breakAway: (n) => (n === 0 ? first : twofoldPlus(first, twofoldTimes(period, n))),
-  };
+  return (n) => (n === 0 ? first : twofoldPlus(first, twofoldTimes(period, n)));
 }

@@ -7,34 +7,11 @@
 import { chainOf, contactOf } from "./chain.js";
 import { zeroBetween } from "./root.js";
 
-/**
- * @import { Contact } from "./chain.js"
- * @import { Curve } from "./curve.js"
- * @import { Setting } from "./friction.js"
- */
-
-/**
- * A range of speeds of the pull in which the answer is the same. Where it neither sticks nor is even
- * it swings.
- *
- * @typedef {object} Regime
- * @property {number} low [m/s]
- * @property {number} high [m/s]
- * @property {boolean} sticks whether the slip from break-away comes to rest
- * @property {boolean} even whether steady sliding is stable
- */
-
 /** Between coarse samples a range can hide where the margin is this small [1]. */
 const NEAR = 0.3;
 const FINER = 6;
 
-/**
- * The answer at one speed.
- *
- * @param {Contact} contact
- * @param {number} v [m/s]
- * @returns {Pick<Regime, "sticks" | "even">}
- */
+/** @type {(contact: Contact, v: number) => Pick<Regime, "sticks" | "even">} at one speed [m/s] */
 export function regimeAt(contact, v) {
   const near = contact.bands.filter(({ low, high }) => v >= low && v <= high);
   const even = near.every(({ oscillator }) => oscillator.a >= 0);
@@ -42,14 +19,9 @@ export function regimeAt(contact, v) {
 }
 
 /**
- * The answers over a range of speeds.
- *
- * @param {Setting} p its v is of no influence
- * @param {Curve} curve
- * @param {number} low lower end [m/s], above 0
- * @param {number} high upper end [m/s]
- * @param {number} step between two samples, as a part of the speed
- * @returns {Regime[]} by rising speed, without gaps
+ * The answers from one speed to another [m/s], by rising speed and without gaps; `step` is the part
+ * of the speed between two samples.
+ * @type {(p: Setting, curve: Curve, low: number, high: number, step: number) => Regime[]}
  */
 export function regimesOf(p, curve, low, high, step) {
   const contact = contactOf(p, curve);
@@ -72,13 +44,8 @@ export function regimesOf(p, curve, low, high, step) {
 }
 
 /**
- * Where a slip from break-away begins or ceases to come to rest.
- *
- * @param {Contact} contact
- * @param {number} low [m/s]
- * @param {number} high [m/s]
- * @param {number} step between two samples, as a part of the speed
- * @returns {number[]} [m/s]
+ * The speeds [m/s] at which a slip from break-away begins or ceases to come to rest.
+ * @type {(contact: Contact, low: number, high: number, step: number) => number[]}
  */
 function stickEnds(contact, low, high, step) {
   const count = Math.ceil(Math.log(high / low) / step);

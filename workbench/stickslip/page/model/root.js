@@ -1,13 +1,12 @@
 /**
- * The zero of a rising function between two points that enclose it, by Newton's method kept inside
- * the bracket: a step that would leave it becomes a halving.
+ * The zero of a rising function between two points that enclose it, to the last digit but one, by
+ * Newton's method kept inside the bracket: a step that would leave it becomes a halving.
  *
  * @param {(x: number) => [number, number]} f value and slope; only the value's sign decides where
  *   the zero lies, so an inexact slope costs steps and not digits
  * @param {number} low here f <= 0
  * @param {number} high here f >= 0
  * @param {number} start first guess inside the bracket
- * @returns {number} the zero, to the last digit but one
  */
 export function risingZero(f, low, high, start) {
   let x = start;
@@ -27,18 +26,13 @@ export function risingZero(f, low, high, start) {
 }
 
 /**
- * The zero of a function between two points at which it has different signs, without slopes: by
- * inverse quadratic interpolation where that is safe, else by halving.
+ * The zero of a function between two points at which it has different signs, to the last digit but
+ * one, without slopes: by inverse quadratic interpolation where that is safe, else by halving. Where
+ * rounding has left both signs alike, the point with the smaller value.
  *
  * T. R. Chandrupatla, Adv. Eng. Softw. 28 (1997) 145-149, doi:10.1016/S0965-9978(96)00051-8.
  *
- * @param {(x: number) => number} f
- * @param {number} a one point
- * @param {number} b the other point
- * @param {number} [fa] f(a)
- * @param {number} [fb] f(b)
- * @returns {number} the zero, to the last digit but one; where rounding has left both signs alike,
- *   the point with the smaller value
+ * @type {(f: (x: number) => number, a: number, b: number, fa?: number, fb?: number) => number}
  */
 export function zeroBetween(f, a, b, fa = f(a), fb = f(b)) {
   if (fa > 0 === fb > 0) return Math.abs(fa) < Math.abs(fb) ? a : b;
@@ -46,16 +40,9 @@ export function zeroBetween(f, a, b, fa = f(a), fb = f(b)) {
   for (let step = 0; step < 200; step++) {
     const x = a + share * (b - a);
     const fx = f(x);
-    let c = a;
-    let fc = fa;
-    if (fx > 0 !== fa > 0) {
-      c = b;
-      fc = fb;
-      b = a;
-      fb = fa;
-    }
-    a = x;
-    fa = fx;
+    let [c, fc] = [a, fa];
+    if (fx > 0 !== fa > 0) [c, fc, b, fb] = [b, fb, a, fa];
+    [a, fa] = [x, fx];
     const best = Math.abs(fa) < Math.abs(fb) ? a : b;
     const finest = (2 ** -51 * Math.abs(best)) / Math.abs(b - a);
     if (fx === 0 || finest > 0.5) return best;

@@ -2,31 +2,17 @@
 
 import { numbersOf } from "./friction.js";
 
-/** @import { Setting } from "./friction.js" */
-
-/**
- * The first cycle of a run, read off at the ends of steps; NaN what the run did not come to.
- *
- * @typedef {object} Marched
- * @property {number} break_away time of the first break-away [s]
- * @property {number} t_slip time in slip [s]
- * @property {number} t_stick time in stick [s]
- * @property {number} T time between two break-aways [s]
- * @property {number} delta_x jump of the mass [m]
- */
-
 /** Steps of slip after which a run is given up. */
 const MOST_STEPS = 1e5;
 
 /**
- * March from rest on a relaxed spring to the second break-away, without damping.
+ * The first cycle of a run from rest on a relaxed spring, without damping, in steps of h [s]: read
+ * off at the ends of steps [SI], NaN what the run did not come to.
  *
  * The steps are those of stickslip_design.claims.verlet.march, operation by operation. The steps of
  * a stick change nothing, so they are counted at once.
  *
- * @param {Setting} p its c of no influence
- * @param {number} h step [s]
- * @returns {Marched}
+ * @type {(p: Setting, h: number) => Record<"break_away" | "t_slip" | "t_stick" | "T" | "delta_x", number>}
  */
 export function march(p, h) {
   const { F_s, F_k } = numbersOf(p);
@@ -69,13 +55,9 @@ export function march(p, h) {
 }
 
 /**
- * The first step at whose end the mass breaks away.
- *
- * @param {number} from the earliest step
- * @param {(t: number) => boolean} breaks whether it does at a time [s]; never again not, once it does
- * @param {number} h step [s]
- * @param {number} near about when it does [s]
- * @returns {number} its number
+ * The first step, `from` the earliest on, at whose end the mass breaks away; at a time [s] it does,
+ * and from then on; about when is `near` [s].
+ * @type {(from: number, breaks: (t: number) => boolean, h: number, near: number) => number}
  */
 function stepOfBreakAway(from, breaks, h, near) {
   let n = Math.max(from, Math.floor(near / h) - 2);

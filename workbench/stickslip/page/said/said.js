@@ -3,33 +3,11 @@
 import { claimed } from "../model/claims.js";
 import { kineticInUse } from "../model/friction.js";
 import { on, put, setText } from "../view/dom.js";
-import { digits, quantity } from "../view/units.js";
+import { digits, quantity, withoutNoughts } from "../view/units.js";
 
 /**
- * @import { Page } from "../main.js"
- * @import { Curve } from "../model/curve.js"
- * @import { Setting } from "../model/friction.js"
- * @import { Solution } from "../view/solution.js"
- */
-
-/**
- * What a sentence asks of the stage.
- *
- * @typedef {object} Sentence
- * @property {string} id
- * @property {Partial<Setting>} set the setting, the start values apart, SI
- * @property {Partial<Setting>} [before] what differs in the setting that it is compared with
- * @property {Curve} [curve] its friction curve
- * @property {"start"} [from] where the first load-up belongs to it
- */
-
-/**
- * Bring the sentences to life.
- *
- * @param {Page} page
- * @param {Sentence[]} sentences
- * @param {Setting} starts the values of the FMU
- * @returns {(solution: Solution) => void} shows which sentence has set the stage
+ * Returns what shows which sentence has set the stage.
+ * @type {(page: Page, sentences: Sentence[], starts: Setting) => (solution: Solution) => void}
  */
 export function makeSaid(page, sentences, starts) {
   let chosen = "";
@@ -63,13 +41,9 @@ function fillIn(id, numbers) {
   }
 }
 
-/** A number as the sentences show it: without noughts at its end. */
+/** A number as the sentences show it. */
 function figure(value, kind) {
-  const text =
-    kind === "percent"
-      ? `${value < 0 ? "" : "+"}${digits(100 * value, 3)}\u00a0%`
-      : kind === "times"
-        ? digits(value, 3)
-        : quantity(value, kind);
-  return text.replace(/(\.\d*?)0+(?!\d)/, "$1").replace(/\.(?!\d)/, "");
+  const percent = () => `${value < 0 ? "" : "+"}${digits(100 * value, 3)}\u00a0%`;
+  const own = { percent, times: () => digits(value, 3) }[kind];
+  return withoutNoughts(own ? own() : quantity(value, kind));
 }

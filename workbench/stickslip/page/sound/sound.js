@@ -4,13 +4,6 @@ import { harmonicsOfMotion } from "../model/harmonics.js";
 import { byId, on, put, setText } from "../view/dom.js";
 import { quantity, scaleFor } from "../view/units.js";
 
-/**
- * @import { Page } from "../main.js"
- * @import { Cycle } from "../model/cycle.js"
- * @import { Motion } from "../model/motion.js"
- * @import { Solution } from "../view/solution.js"
- */
-
 /** What can be heard as a tone [Hz]; below, each slip is a thud, if one comes in time [s]. */
 const LOWEST_TONE = 20;
 const HIGHEST_TONE = 2e4;
@@ -85,11 +78,8 @@ export function makeSound(page) {
 }
 
 /**
- * Let a motion sound.
- *
- * @param {BaseAudioContext} context
- * @param {Motion} motion
- * @returns {(() => void) | null} lets it fade; null where there is nothing to hear
+ * Let a motion sound; returns what lets it fade, or null where there is nothing to hear.
+ * @type {(context: BaseAudioContext, motion: Motion) => (() => void) | null}
  */
 function sounding(context, motion) {
   const { cycle } = motion;
@@ -140,11 +130,7 @@ function thuds(context, { T }) {
   return { source, level: PEAK };
 }
 
-/**
- * What is heard of a cycle, in words.
- *
- * @param {Cycle} cycle
- */
+/** @type {(cycle: Cycle) => string} what is heard of a cycle, in words */
 function inSound({ exists, f, T }) {
   if (!exists) return "Steady sliding makes no periodic sound.";
   if (f > HIGHEST_TONE) return `Silent: ${quantity(f, "frequency")} is above hearing.`;
@@ -156,11 +142,7 @@ function inSound({ exists, f, T }) {
   return `A tone of ${quantity(f, "frequency")}, close to ${noteOf(f)}.`;
 }
 
-/**
- * The nearest note of equal temperament, a′ being 440 Hz, in both ways of writing it.
- *
- * @param {number} f [Hz]
- */
+/** The nearest note of equal temperament, a′ being 440 Hz, in both ways of writing it. */
 function noteOf(f) {
   const key = Math.round(12 * Math.log2(f / 440)) + 57;
   const octave = Math.floor(key / 12);

@@ -1,13 +1,8 @@
 /** Block and ground with the teeth between them, and the places where the block stood. */
 
 import { draw, put, setText } from "../view/dom.js";
-import { px } from "../view/frame.js";
+import { px, write } from "../view/frame.js";
 import { quantity } from "../view/units.js";
-
-/**
- * @import { Motion, State } from "../model/motion.js"
- * @import { Layout } from "./schematic.js"
- */
 
 /** Width and depth of a tooth, and how far the block is lifted while it slips [px]. */
 const TOOTH = { wide: 8, deep: 5, lift: 3 };
@@ -27,12 +22,7 @@ function teeth(left, right, height) {
   return `M${px(left)} ${px(height)}${tooth.repeat(count)}`;
 }
 
-/**
- * Returns what lays the ground.
- *
- * @param {SVGSVGElement} svg
- * @returns {(layout: Layout) => void}
- */
+/** @type {(svg: SVGSVGElement) => (layout: Layout) => void} returns what lays the ground */
 export function makeGround(svg) {
   const ground = draw(svg, "path", { class: "ground" });
   return ({ width, ground: height }) => {
@@ -43,9 +33,7 @@ export function makeGround(svg) {
 /**
  * Returns what draws the block in a layout; that returns what puts it where a state has it, its
  * left edge at a place [px].
- *
- * @param {SVGSVGElement} svg
- * @returns {(layout: Layout, motion: Motion) => (state: State, left: number) => void}
+ * @type {(svg: SVGSVGElement) => (layout: Layout, motion: Motion) => (state: State, left: number) => void}
  */
 export function makeBlock(svg) {
   const group = draw(svg, "g", { class: "mass" });
@@ -67,9 +55,8 @@ export function makeBlock(svg) {
       const phase = mode === 0 ? (Math.ceil(left / TOOTH.wide) * TOOTH.wide - left) : 0;
       put(teethBelow, { d: `${teeth(phase, block, 0)}Z` });
       const long = STREAK * Math.min(Math.max(x_dot, 0) / fastest, 1);
-      put(streaks, {
-        d: mode === 0 ? "" : [0.25, 0.5, 0.75].map((h) => `M-5 ${px(-h * tall)}h${px(-long)}`).join(""),
-      });
+      const lines = [0.25, 0.5, 0.75].map((h) => `M-5 ${px(-h * tall)}h${px(-long)}`);
+      put(streaks, { d: mode === 0 ? "" : lines.join("") });
       if (mode === shown) return;
       shown = mode;
       put(group, { class: mode === 0 ? "mass stick" : "mass slip" });
@@ -82,9 +69,7 @@ export function makeBlock(svg) {
 /**
  * Returns what draws in a layout where the block stuck before; that returns what shows it for a
  * state in the window that starts at a position [m].
- *
- * @param {SVGSVGElement} svg
- * @returns {(layout: Layout, motion: Motion) => (state: State, start: number) => void}
+ * @type {(svg: SVGSVGElement) => (layout: Layout, motion: Motion) => (state: State, start: number) => void}
  */
 export function makePlaces(svg) {
   const outlines = draw(svg, "path", { class: "places" });
@@ -110,11 +95,10 @@ export function makePlaces(svg) {
       put(outlines, { d });
       const measured = last >= first && apart >= ROOM_FOR_LENGTH && apart < Infinity;
       const [a, b] = [middle + at(last), middle + (x - start) * scale];
-      put(length, {
-        d: measured && b - a > MEASURED ? `M${px(a)} ${px(top)}v6m0 -3H${px(b)}m0 -3v6` : "",
-      });
-      setText(words, measured && mode === 0 ? text : "");
-      if (measured) put(words, { x: px(0.5 * (a + b)), y: px(top - 3) });
+      const isLong = measured && b - a > MEASURED;
+      put(length, { d: isLong ? `M${px(a)} ${px(top)}v6m0 -3H${px(b)}m0 -3v6` : "" });
+      if (measured) write(words, mode === 0 ? text : "", 0.5 * (a + b), top - 3);
+      else setText(words, "");
     };
   };
 }

@@ -1,13 +1,8 @@
 /** The force of the spring as a bar as long as its extension, and the force at which the teeth give. */
 
 import { draw, put, setText } from "../view/dom.js";
-import { px } from "../view/frame.js";
+import { px, write } from "../view/frame.js";
 import { quantity } from "../view/units.js";
-
-/**
- * @import { Motion } from "../model/motion.js"
- * @import { Layout } from "./schematic.js"
- */
 
 /** Height of the bar above the block, and how thick it is [px]. */
 const ABOVE = 26;
@@ -18,9 +13,7 @@ const GAUGE_LETTER = 6.3;
 /**
  * Returns what scales the gauge for a motion; that returns what fills it for an extension [m] of
  * the spring that begins at a place [px].
- *
- * @param {SVGSVGElement} svg
- * @returns {(layout: Layout, motion: Motion) => (z: number, right: number) => void}
+ * @type {(svg: SVGSVGElement) => (layout: Layout, motion: Motion) => (z: number, right: number) => void}
  */
 export function makeGauge(svg) {
   const group = draw(svg, "g", { class: "gauge" });
@@ -34,15 +27,15 @@ export function makeGauge(svg) {
   return ({ base, high, scale, shortest, ground, tall, level, width }, { numbers, z_s }) => {
     const y = ground - tall - ABOVE - THICK;
     const at = (/** @type {number} */ z) => shortest + (z - base) * scale;
-    const long = `Fₛ = ${quantity(numbers.F_s, "force")}: the teeth give`;
-    const short = `Fₛ = ${quantity(numbers.F_s, "force")}`;
-    const text = width > 620 ? long : short;
+    const force = `Fₛ = ${quantity(numbers.F_s, "force")}`;
+    const text = width > 620 ? `${force}: the teeth give` : force;
     const half = 0.5 * GAUGE_LETTER * text.length;
     // A gauge that does not begin at a relaxed spring shows that it is cut.
-    const zero = base <= 0 ? `M${px(at(0))} -3v${THICK + 6}` : `M2 ${THICK + 3}l4 ${-THICK - 6}m3 0l-4 ${THICK + 6}`;
-    put(track, { d: `${zero}M${px(Math.min(at(0), at(base)) > 0 ? at(base) : 0)} ${0.5 * THICK}H${px(at(high))}` });
+    const cut = `M2 ${THICK + 3}l4 ${-THICK - 6}m3 0l-4 ${THICK + 6}`;
+    const zero = base <= 0 ? `M${px(at(0))} -3v${THICK + 6}` : cut;
+    const from = Math.min(at(0), at(base)) > 0 ? at(base) : 0;
+    put(track, { d: `${zero}M${px(from)} ${0.5 * THICK}H${px(at(high))}` });
     put(limit, { d: `M${px(at(z_s))} -5v${THICK + 10}` });
-    setText(words, text);
     return (z, right) => {
       const end = Math.max(at(z), 0);
       const begin = base <= 0 ? at(0) : 0;
@@ -50,8 +43,7 @@ export function makeGauge(svg) {
       put(bar, { x: px(Math.min(begin, end)), width: px(Math.abs(end - begin)) });
       put(tie, { d: `M${px(end)} ${THICK}V${px(level - y)}` });
       put(name, { x: px(end - 8), y: THICK + 14 });
-      const middle = Math.min(right + at(z_s), width - half - 4) - right;
-      put(words, { x: px(middle), y: -9 });
+      write(words, text, Math.min(right + at(z_s), width - half - 4) - right, -9);
     };
   };
 }

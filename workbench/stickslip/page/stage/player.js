@@ -2,8 +2,6 @@
 
 import { byId, on, setText } from "../view/dom.js";
 
-/** @import { Stretch } from "./stretch.js" */
-
 /** How long the view takes to play, where no speed is chosen [s]. */
 const VIEW = 10;
 const SCRUB_STEPS = 1000;

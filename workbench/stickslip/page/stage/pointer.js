@@ -2,23 +2,15 @@
 
 import { on } from "../view/dom.js";
 
-/**
- * @import { Stretch } from "./stretch.js"
- * @import { Chart } from "./timecharts.js"
- */
-
 /** A drag shorter than this was meant as a click [px]. */
 const CLICK = 6;
 /** Fingers nearer to each other than this tell no stretch [px]. */
 const NEAREST = 12;
 
 /**
- * Listen to a chart.
- *
- * @param {Chart} chart
- * @param {Stretch} stretch the stretch of time
- * @param {{read: (t: number | null) => void, changed: () => void}} say what happens: read(t) the
- *   pointer is at t [s], or null: it left; changed() the stretch is another
+ * Listen to a chart: read(t) says that the pointer is at t [s], or null: it left; changed() that the
+ * stretch of time is another.
+ * @type {(chart: Chart, stretch: Stretch, say: Record<"read" | "changed", any>) => void}
  */
 export function listen(chart, stretch, { read, changed }) {
   const { svg, area } = chart.frame;

@@ -3,22 +3,12 @@
 import { axisOf } from "../view/axis.js";
 import { loopPath, slipNodes } from "../view/curves.js";
 import { draw, put, setText } from "../view/dom.js";
-import { makeFrame, px } from "../view/frame.js";
-
-/**
- * @import { Motion, State } from "../model/motion.js"
- * @import { Frame } from "../view/frame.js"
- */
+import { makeFrame, px, write } from "../view/frame.js";
 
 /** Swings of a slip without end that are drawn. */
 const SWINGS = 20;
 
-/**
- * Bring the portrait to life.
- *
- * @param {SVGSVGElement} svg
- * @returns resize(), show(motion, ghost), mark(state)
- */
+/** Returns resize(), show(motion, ghost), mark(state). */
 export function makePortrait(svg) {
   const frame = makeFrame(svg);
   const ghostCurve = draw(frame.curves, "path", { class: "curve ghost" });
@@ -30,14 +20,10 @@ export function makePortrait(svg) {
   const thresholdName = draw(frame.over, "text", { class: "note limit", "text-anchor": "end" });
   const dot = draw(frame.over, "circle", { class: "dot", r: 4.5 });
   setText(thresholdName, "Fₛ/k");
-  setText(centreName, "steady sliding");
   /** @type {Motion} */
   let motion = null;
 
-  /**
-   * @param {Motion} next
-   * @param {Motion | null} ghost
-   */
+  /** @type {(next: Motion, ghost: Motion | null) => void} */
   function show(next, ghost) {
     motion = next;
     const { cycle, p, z_s, z_even } = motion;
@@ -52,25 +38,22 @@ export function makePortrait(svg) {
     );
     put(whole, { d: loopPath(motion, frame, states, cycle.exists) });
     put(ghostCurve, { d: ghost ? loopPath(ghost, frame, others, ghost.cycle.exists) : "" });
-    const line = px(frame.x(z_s));
-    put(threshold, { d: `M${line} ${frame.area.top}V${frame.area.bottom}` });
-    put(thresholdName, { x: line - 4, y: frame.area.top + 26 });
+    put(threshold, { d: frame.upright(z_s) });
+    put(thresholdName, { x: px(frame.x(z_s)) - 4, y: frame.area.top + 26 });
     const left = px(frame.x(z_even));
     const top = px(frame.y(p.v));
     put(centre, { d: `M${left - 5} ${top}h10M${left} ${top - 5}v10` });
-    const anchor = left > frame.area.left + 90 ? "end" : "start";
-    put(centreName, { x: left, y: top - 8, "text-anchor": anchor });
+    write(centreName, "steady sliding", left, top - 8);
+    put(centreName, { "text-anchor": left > frame.area.left + 90 ? "end" : "start" });
   }
 
   /**
    * What of the present cycle has passed: the stick so far, or the stick and the slip so far.
-   *
-   * @param {State} state
+   * @type {(state: State) => string}
    */
   function trailOf({ t, z, x_dot, mode }) {
     const { cycle, z_s } = motion;
-    const point = (/** @type {number} */ a, /** @type {number} */ b) =>
-      `${px(frame.x(a))} ${px(frame.y(b))}`;
+    const point = (a, b) => `${px(frame.x(a))} ${px(frame.y(b))}`;
     const [phase] = motion.phases(t, t + 1e-9 * motion.beat);
     const n = phase ? phase.n : 0;
     const rest = point(n === 0 ? 0 : z_s - cycle.spring_drop, 0);
@@ -78,17 +61,12 @@ export function makePortrait(svg) {
     const tau = Math.max(t - phase.start, 0);
     // Of a slip without end the last swing is enough.
     const begin = cycle.exists ? 0 : Math.max(tau - motion.slip.scale, 0);
-    const states = slipNodes(motion.slip, begin, tau, Infinity).map((each) =>
-      motion.slipping(each, 0, each),
-    );
-    const path = loopPath(motion, frame, states, false);
+    const path = loopPath(motion, frame, statesOf(motion, begin, tau), false);
     return begin === 0 ? `M${rest}L${path.slice(1)}` : path;
   }
 
   return {
-    resize() {
-      frame.resize(svg.clientWidth, svg.clientHeight);
-    },
+    resize: frame.resize,
     show,
     /** @param {State} state */
     mark(state) {
@@ -100,11 +78,16 @@ export function makePortrait(svg) {
 
 /**
  * States of a motion's slip, t [s] counted from its break-away.
- *
- * @param {Motion} motion
+ * @type {(motion: Motion, begin: number, end: number) => State[]}
  */
+function statesOf(motion, begin, end) {
+  const nodes = slipNodes(motion.slip, begin, end, Infinity);
+  return nodes.map((tau) => motion.slipping(tau, 0, tau));
+}
+
+/** @type {(motion: Motion) => State[]} those of its whole slip */
 function loopOf(motion) {
   const { cycle, slip } = motion;
   const end = cycle.exists ? cycle.t_slip : Math.min(30 / slip.slow, SWINGS * slip.scale);
-  return slipNodes(slip, 0, end, Infinity).map((tau) => motion.slipping(tau, 0, tau));
+  return statesOf(motion, 0, end);
 }

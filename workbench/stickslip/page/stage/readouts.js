@@ -3,31 +3,18 @@
 import { byId, setText } from "../view/dom.js";
 import { fixed, scaleFor } from "../view/units.js";
 
-/** @import { Motion, State } from "../model/motion.js" */
-
-/** @typedef {{size: number, unit: string, decimals: number}} Scale */
-
 /**
- * Bring the read-outs to life.
- *
- * @returns fit(motion, seen): after a new setting or stretch of time; show(state): write
- *   the numbers of a state of the motion; tell(state): the same in words
+ * Returns fit(motion, seen): after a new setting or stretch of time; show(state): write the numbers
+ * of a state of the motion; tell(state): the same in words.
  */
 export function makeReadouts() {
-  const now = byId("now");
-  const ofX = byId("x-now");
-  const ofF = byId("F-now");
-  const ofZ = byId("z-now");
-  /** @type {Partial<Record<"t" | "x" | "x_dot" | "z" | "F", Scale>>} */
+  const [now, ofX, ofF, ofZ] = ["now", "x-now", "F-now", "z-now"].map(byId);
+  /** @type {Partial<Record<"t" | "x" | "x_dot" | "z" | "F", Scale & {decimals: number}>>} */
   let scales = {};
 
   return {
-    /**
-     * @param {Motion} motion
-     * @param {{from: number, to: number}} seen stretch of time [s]
-     */
-    fit(motion, seen) {
-      const { cycle, numbers, slip, p, z_s } = motion;
+    /** @type {(motion: Motion, seen: Seen) => void} */
+    fit({ cycle, numbers, slip, p, z_s }, seen) {
       // Without friction the spring is as long as its swing.
       const longest = Math.max(z_s + (slip.overshoot?.growth ?? 0), p.v / numbers.w);
       // While the cursor moves, units and decimals stand still.
@@ -57,14 +44,7 @@ export function makeReadouts() {
   };
 }
 
-/**
- * A unit for values up to `largest`, and decimals for differences of a thousandth of `range`.
- *
- * @param {number} largest SI
- * @param {string} kind of quantity
- * @param {number} [range] SI
- * @returns {Scale}
- */
+/** A unit for values up to `largest`, and decimals for differences of a thousandth of `range` [SI]. */
 function rangeOf(largest, kind, range = largest) {
   const scale = scaleFor(largest, kind);
   const decimals = Math.ceil(3 - Math.log10(range / scale.size));

@@ -1,10 +1,8 @@
 /** The ruler under the ground. */
 
-import { draw, put, setText } from "../view/dom.js";
-import { px } from "../view/frame.js";
+import { draw, put } from "../view/dom.js";
+import { px, write } from "../view/frame.js";
 import { scaleFor } from "../view/units.js";
-
-/** @import { Layout } from "./schematic.js" */
 
 /** Pixels between two numbers, at least. */
 const MARKS_APART = 58;
@@ -12,9 +10,7 @@ const MARKS_APART = 58;
 /**
  * Returns what scales the ruler for a window's length [m]; that returns what labels it for the
  * window that starts at a position [m].
- *
- * @param {SVGSVGElement} svg
- * @returns {(layout: Layout, length: number) => (start: number) => void}
+ * @type {(svg: SVGSVGElement) => (layout: Layout, length: number) => (start: number) => void}
  */
 export function makeRuler(svg) {
   const group = draw(svg, "g", { class: "ruler" });
@@ -27,8 +23,7 @@ export function makeRuler(svg) {
     const apart = step * size * scale;
     const zero = left + 0.5 * block;
     const y = ground + 30;
-    setText(name, unit);
-    put(name, { x: width - 6, y });
+    write(name, unit, width - 6, y);
     const count = Math.floor(width / apart + 3);
     while (labels.length < count) labels.push(draw(group, "text"));
     for (const label of labels.splice(count)) label.remove();
@@ -40,8 +35,7 @@ export function makeRuler(svg) {
         for (let j = 0; j < 5; j++) d += `M${px(at + j * apart * 0.2)} ${ground + 11}v${j ? 3 : 7}`;
         const text = String(Number(((first + i) * step).toPrecision(12))).replace("-", "−");
         const roomy = (first + i) % Math.ceil((text.length * 8) / apart) === 0;
-        setText(label, roomy && at > 12 && at < width - 44 ? text : "");
-        put(label, { x: px(at), y });
+        write(label, roomy && at > 12 && at < width - 44 ? text : "", at, y);
       });
       put(marks, { d });
     };

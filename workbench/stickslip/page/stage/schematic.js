@@ -7,11 +7,6 @@ import { makeBlock, makeGround, makePlaces } from "./contact.js";
 import { makeGauge } from "./gauge.js";
 import { makeRuler } from "./ruler.js";
 
-/**
- * @import { Motion, State } from "../model/motion.js"
- * @import { Stretch } from "./stretch.js"
- */
-
 /** Pixels: left of the block, for the grip with its arrow, below the ground. */
 const ROOM = { left: 22, pull: 74, below: 34 };
 
@@ -19,23 +14,6 @@ const ROOM = { left: 22, pull: 74, below: 34 };
 const SEEN = 1.15;
 /** How near to the end of a window a mass stands at it, in windows. */
 const ROUNDING = 1e-6;
-
-/**
- * What the parts of the picture are placed by.
- *
- * @typedef {object} Layout
- * @property {number} width of the picture [px]
- * @property {number} ground height of the ground [px]
- * @property {number} left of the block at the start of a window [px]
- * @property {number} block width of the block [px]
- * @property {number} tall its height [px]
- * @property {number} level height of the spring [px]
- * @property {number} shortest length of the spring at its least extension [px]
- * @property {number} base the least extension that is drawn [m]
- * @property {number} high the largest extension [m]
- * @property {number} way length of a window [m]
- * @property {number} scale [px/m]
- */
 
 /**
  * Draw the model in an empty SVG element.
@@ -58,18 +36,12 @@ export function makeSchematic(svg) {
   /** @type {(state: State) => void} */
   let show = () => {};
 
-  /**
-   * @param {Motion} motion
-   * @param {Stretch} seen
-   * @param {number} width [px]
-   * @param {number} height [px]
-   */
+  /** @type {(motion: Motion, seen: Stretch, width: number, height: number) => void} */
   function arrange(motion, seen, width, height) {
     put(svg, { viewBox: `0 0 ${width} ${height}` });
     const layout = layoutOf(motion, seen, width, height);
-    const { left, block, scale, shortest, base, level } = layout;
+    const { left, block, scale, shortest, base, level, way } = layout;
     const origin = motion.at(seen.from).x;
-    const { way } = layout;
     layGround(layout);
     const placeMarks = layPlaces(layout, motion);
     const turnRuler = layRuler(layout, way);
@@ -99,13 +71,7 @@ export function makeSchematic(svg) {
   return { arrange, show: (/** @type {State} */ state) => show(state) };
 }
 
-/**
- * @param {Motion} motion
- * @param {Stretch} seen
- * @param {number} width [px]
- * @param {number} height [px]
- * @returns {Layout}
- */
+/** @type {(motion: Motion, seen: Stretch, width: number, height: number) => Layout} */
 function layoutOf(motion, seen, width, height) {
   const tall = Math.min(Math.max(Math.min(0.4 * height, width / 8), 30), 96);
   const block = 1.3 * tall;
@@ -120,28 +86,14 @@ function layoutOf(motion, seen, width, height) {
     way -= stride;
     ({ base, high, end } = reachOf(motion, seen, way));
   }
-  return {
-    width,
-    ground,
-    left: ROOM.left,
-    block,
-    tall,
-    level: ground - 0.5 * tall,
-    shortest,
-    base,
-    high,
-    way,
-    scale: free / (way + end - base),
-  };
+  const [level, scale] = [ground - 0.5 * tall, free / (way + end - base)];
+  return { width, ground, left: ROOM.left, block, tall, level, shortest, base, high, way, scale };
 }
 
 /**
  * Extensions of the spring [m]: the least that is drawn, the most, and the one that has to find
- * room where the mass is at the end of a window.
- *
- * @param {Motion} motion
- * @param {Stretch} seen
- * @param {number} way length of a window [m]
+ * room where the mass is at the end of a window, whose length is `way` [m].
+ * @type {(motion: Motion, seen: Seen, way: number) => {base: number, high: number, end: number}}
  */
 function reachOf({ numbers, cycle, slip, z_s, z_even, first }, seen, way) {
   // Under a friction curve a slip without end may grow for some swings.

@@ -1,9 +1,5 @@
 /** The stretch of time that the charts show, and the length of way that the stage shows. */
 
-/** @import { Motion } from "../model/motion.js" */
-
-/** @typedef {ReturnType<typeof makeStretch>} Stretch */
-
 /** Cycles of the whole picture; while a slider moves, it may come to hold these fewest or most. */
 const CYCLES = 6;
 const FEWEST = 2.5;
@@ -19,9 +15,9 @@ const LEAST_ZOOMED_IN = 1e-5;
 /**
  * Keep the stretch of time: the whole picture, until a person chooses another.
  *
- * @returns from, to [s], span; way(motion): the length that the stage shows [m]; fit(motion, ghost)
+ * @returns from, to [s], span; way: the length that the stage shows [m]; fit(motion, ghost)
  *   after a new setting; choose(from, to), zoom(factor, at), move(share), reset(), fromStart(),
- *   release(from)
+ *   release(from): the next setting chooses the picture
  */
 export function makeStretch() {
   /** @type {Motion} */
@@ -41,11 +37,7 @@ export function makeStretch() {
     if (kind === "start") to = Math.max(to, motion.first + 0.5 * span);
   };
 
-  /**
-   * The latest end of a stretch that begins at a time: cycles count, the load-up does not.
-   *
-   * @type {(start: number) => number} [s]
-   */
+  /** @type {(start: number) => number} the latest end [s]: cycles count, the load-up does not */
   const latest = (start) => Math.max(start, motion.first) + MOST_ZOOMED_OUT * motion.beat;
 
   /** @type {(...ends: number[]) => void} start and end [s] */
@@ -58,8 +50,9 @@ export function makeStretch() {
     kind = "chosen";
   }
 
-  function reset() {
-    kind = "cycles";
+  /** @type {(wanted: "cycles" | "start") => void} */
+  function showWhole(wanted) {
+    kind = wanted;
     lay(usual(motion));
   }
 
@@ -79,10 +72,7 @@ export function makeStretch() {
       const cycles = (to - from) / motion.beat;
       return stride * Math.min(Math.max(cycles, FEWEST), MOST);
     },
-    /**
-     * @param {Motion} next
-     * @param {Motion | null} ghost that is shown beside it
-     */
+    /** @type {(next: Motion, ghost: Motion | null) => void} the ghost is shown beside it */
     fit(next, ghost) {
       const span = to - from;
       motion = next;
@@ -97,20 +87,12 @@ export function makeStretch() {
       else lay(usual(motion));
       free = false;
     },
-    /**
-     * Let the next setting choose the picture.
-     *
-     * @param {"cycles" | "start"} [wanted]
-     */
-    release(wanted = "cycles") {
+    release(wanted = /** @type {"cycles" | "start"} */ ("cycles")) {
       kind = wanted;
       free = true;
     },
     choose,
-    /**
-     * @param {number} factor by which the stretch grows [1]
-     * @param {number} [at] what stays in place [s]
-     */
+    /** @type {(factor: number, at?: number) => void} grow about what stays in place [s] */
     zoom(factor, at = 0.5 * (from + to)) {
       choose(at - (at - from) * factor, at + (to - at) * factor);
     },
@@ -119,19 +101,14 @@ export function makeStretch() {
       const step = Math.max(share * (to - from), -from);
       choose(from + step, to + step);
     },
-    reset,
-    fromStart() {
-      kind = "start";
-      lay(usual(motion));
-    },
+    reset: () => showWhole("cycles"),
+    fromStart: () => showWhole("start"),
   };
 }
 
 /**
- * The span of the whole picture: some cycles, or till a slip without end has settled.
- *
- * @param {Motion} motion
- * @returns {number} [s]
+ * The span of the whole picture [s]: some cycles, or till a slip without end has settled.
+ * @type {(motion: Motion) => number}
  */
 function usual({ cycle, beat, slip }) {
   if (cycle.exists) return CYCLES * beat;
@@ -139,11 +116,9 @@ function usual({ cycle, beat, slip }) {
 }
 
 /**
- * When the steady cycles begin: at the end of the first slip, or where none ends, at a break-away
- * that leaves the load-up in sight.
- *
- * @param {Motion} motion
- * @returns {number} [s]
+ * When [s] the steady cycles begin: at the end of the first slip, or where none ends, at a
+ * break-away that leaves the load-up in sight.
+ * @type {(motion: Motion) => number}
  */
 export function cyclesBegin({ cycle, first, beat }) {
   return cycle.exists ? first + cycle.t_slip : Math.max(first - beat, 0);

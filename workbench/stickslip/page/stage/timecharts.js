@@ -3,18 +3,9 @@
 import { axisOf } from "../view/axis.js";
 import { seenPhases, timePath } from "../view/curves.js";
 import { draw, put, setText } from "../view/dom.js";
-import { makeFrame, px } from "../view/frame.js";
+import { hatched, makeFrame, px, write } from "../view/frame.js";
 import { quantity, scaleFor } from "../view/units.js";
 import { cyclesBegin } from "./stretch.js";
-
-/**
- * @import { Motion, State } from "../model/motion.js"
- * @import { SeenPhase } from "../view/curves.js"
- * @import { Frame } from "../view/frame.js"
- */
-
-/** @typedef {ReturnType<typeof makeChart>} Chart */
-/** @typedef {{from: number, to: number}} Seen a stretch of time [s] */
 
 /** A phase's name is written into its band where that is this wide [px]. */
 const ROOM_FOR_NAME = 38;
@@ -34,8 +25,8 @@ const LETTER = 6.2;
  *
  * @param {SVGSVGElement} svgX for the position
  * @param {SVGSVGElement} svgF for the force
- * @returns charts: both; resize(); show(motion, seen): draw them; mark(state): move the
- *   cursor there
+ * @returns charts: both; resize(); show(motion, seen, ghost): draw them, and beside them the steady
+ *   cycles of a ghost; mark(state): move the cursor there
  */
 export function makeTimeCharts(svgX, svgF) {
   const x = makeChart(svgX);
@@ -53,30 +44,30 @@ export function makeTimeCharts(svgX, svgF) {
   /** @type {Element[]} */
   const names = [];
 
-  /**
-   * @param {Motion} motion
-   * @param {Seen} seen
-   * @param {Motion | null} ghost whose steady cycles are drawn beside those of the motion
-   */
+  /** @type {(motion: Motion, seen: Seen, ghost: Motion | null) => void} */
   function show(motion, seen, ghost) {
     const { p, numbers } = motion;
-    const phases = seenPhases(motion, seen, x.frame.area.width);
+    const { left, right, top, width } = x.frame.area;
+    const phases = seenPhases(motion, seen, width);
     const points = phases.flatMap((phase) => phase.points);
-    const before = ghost ? ghostOf(ghost, motion, seen, x.frame.area.width) : [];
-    const time = timeAxis(seen);
+    const before = ghost ? ghostOf(ghost, motion, seen, width) : [];
+    const { size, unit } = scaleFor(seen.to, "time");
+    const time = { low: seen.from, high: seen.to, size, title: `time in ${unit}` };
     const edges = [points[0].x, points[points.length - 1].x, p.v * seen.from, p.v * seen.to];
     x.frame.scale(time, axisOf(edges, "length", "x", 0.13, 0.06));
-    F.frame.scale(time, forceAxis(motion, seen, [...points, ...before.flatMap((phase) => phase.points)]));
+    const forces = [...points, ...before.flatMap((phase) => phase.points)].map((point) => point.F);
+    // Whole cycles are seen against zero and the threshold; a detail for itself.
+    if (seen.to - seen.from >= motion.beat) forces.push(0, numbers.F_s);
+    F.frame.scale(time, axisOf(forces, "force", "F", 0.05, 0.22));
     put(ghosts[0], { d: timePath(before, x.frame, "x", "x_dot") });
     put(ghosts[1], { d: timePath(before, F.frame, "F", "F_dot") });
     put(position, { d: timePath(phases, x.frame, "x", "x_dot") });
     put(force, { d: timePath(phases, F.frame, "F", "F_dot") });
-    const { left, right } = x.frame.area;
     const [start, end] = [seen.from, seen.to].map((t) => px(x.frame.y(p.v * t)));
     put(pull, { d: `M${left} ${start}L${right} ${end}` });
+    put(threshold, { d: F.frame.level(numbers.F_s) });
     const level = px(F.frame.y(numbers.F_s));
-    put(threshold, { d: `M${left} ${level}H${right}` });
-    const above = level - F.frame.area.top > ROOM_ABOVE ? -6 : 13;
+    const above = level - top > ROOM_ABOVE ? -6 : 13;
     const F_s = quantity(numbers.F_s, "force");
     note(thresholdName, `Fₛ = ${F_s}`, right - 4, level + above, F.frame);
     nameCurves(motion, seen, phases);
@@ -88,30 +79,23 @@ export function makeTimeCharts(svgX, svgF) {
 
   /**
    * Write the names of mass and pulled end at their curves, where these are apart.
-   *
-   * @param {Motion} motion
-   * @param {Seen} seen
-   * @param {SeenPhase[]} phases
+   * @type {(motion: Motion, seen: Seen, phases: SeenPhase[]) => void}
    */
   function nameCurves({ p }, seen, phases) {
     const { left, right, bottom } = x.frame.area;
     // The line rises: the name clears it where it ends.
     const t = seen.from + ((8 + PULLED_END) / (right - left)) * (seen.to - seen.from);
     note(pullName, "pulled end", left + 8, x.frame.y(p.v * t) - 2, x.frame);
-    const stick = [...phases].reverse().find(
+    const stick = phases.findLast(
       ({ kind, start, end }) =>
         kind === "stick" && x.frame.x(end) - x.frame.x(start) > ROOM_FOR_NAME && end < seen.to,
     );
     const middle = stick ? 0.5 * (x.frame.x(stick.start) + x.frame.x(stick.end)) : right - 20;
-    const height = stick ? x.frame.y(stick.points[0].x) + 15 : Infinity;
-    note(massName, "mass", middle, Math.min(height, stick ? bottom - 18 : height), x.frame);
+    const height = stick ? Math.min(x.frame.y(stick.points[0].x) + 15, bottom - 18) : Infinity;
+    note(massName, "mass", middle, height, x.frame);
   }
 
-  /**
-   * @param {Motion} motion
-   * @param {Seen} seen
-   * @param {SeenPhase[]} phases
-   */
+  /** @type {(motion: Motion, seen: Seen, phases: SeenPhase[]) => void} */
   function showOvershoot({ numbers, p, slip }, seen, phases) {
     const height = slip.overshoot ? p.k * slip.overshoot.growth : 0;
     const top = F.frame.y(numbers.F_s + height);
@@ -128,7 +112,7 @@ export function makeTimeCharts(svgX, svgF) {
     note(overshoot, room && left < area.right ? words : "", at, top - 4, F.frame);
   }
 
-  /** @param {SeenPhase[]} phases */
+  /** @type {(phases: SeenPhase[]) => void} */
   function nameBands(phases) {
     let used = 0;
     for (const { kind, start, end } of phases) {
@@ -136,30 +120,23 @@ export function makeTimeCharts(svgX, svgF) {
       const width = x.frame.x(end) - left;
       if (width < ROOM_FOR_NAME) continue;
       names[used] ??= draw(x.frame.over, "text", { class: "band-name", "text-anchor": "middle" });
-      const name = names[used++];
-      setText(name, kind === "stick" ? "stick" : "slip");
-      put(name, { x: px(left + 0.5 * width), y: x.frame.area.bottom - 5 });
+      write(names[used++], kind, left + 0.5 * width, x.frame.area.bottom - 5);
     }
     for (const name of names.splice(used)) name.remove();
-  }
-
-  /** @param {State} state */
-  function mark(state) {
-    x.mark(state.t, state.x);
-    F.mark(state.t, state.F);
-    put(pullDot, { cx: px(x.frame.x(state.t)), cy: px(x.frame.y(state.x_pull)) });
   }
 
   return {
     charts: [x, F],
     resize() {
-      for (const { frame } of [x, F]) {
-        const { clientWidth, clientHeight } = frame.svg;
-        frame.resize(clientWidth, clientHeight);
-      }
+      for (const { frame } of [x, F]) frame.resize();
     },
     show,
-    mark,
+    /** @param {State} state */
+    mark(state) {
+      x.mark(state.t, state.x);
+      F.mark(state.t, state.F);
+      put(pullDot, { cx: px(x.frame.x(state.t)), cy: px(x.frame.y(state.x_pull)) });
+    },
   };
 }
 
@@ -168,71 +145,51 @@ export function makeTimeCharts(svgX, svgF) {
  *
  * @param {SVGSVGElement} svg
  */
-function makeChart(svg) {
+export function makeChart(svg) {
   const frame = makeFrame(svg);
-  const hatch = draw(svg.querySelector("defs"), "pattern", {
-    id: `${svg.id}-hatch`,
-    width: 6,
-    height: 6,
-    patternUnits: "userSpaceOnUse",
-    patternTransform: "rotate(45)",
-  });
+  const hatch = hatched(svg, `${svg.id}-hatch`, 6);
   draw(hatch, "rect", { class: "slip-band", width: 6, height: 6 });
   draw(hatch, "path", { class: "hatch", d: "M0 0V6" });
-  const sticks = draw(frame.under, "path", { class: "stick-band" });
-  const slips = draw(frame.under, "path", { fill: `url(#${svg.id}-hatch)` });
+  const bands = {
+    stick: draw(frame.under, "path", { class: "stick-band" }),
+    slip: draw(frame.under, "path", { fill: `url(#${svg.id}-hatch)` }),
+  };
   const choice = draw(frame.over, "rect", { class: "choice", visibility: "hidden" });
   const line = draw(frame.over, "path", { class: "cursor" });
   const dot = draw(frame.over, "circle", { class: "dot", r: 4 });
 
-  /** @param {SeenPhase[]} phases */
-  function shade(phases) {
-    const { top, bottom } = frame.area;
-    const paths = { stick: "", slip: "" };
-    for (const { kind, start, end } of phases) {
-      const [left, right] = [start, end].map((t) => px(frame.x(t)));
-      paths[kind] += `M${left} ${top}H${right}V${bottom}H${left}Z`;
-    }
-    put(sticks, { d: paths.stick });
-    put(slips, { d: paths.slip });
-  }
-
-  /**
-   * @param {number} t [s]
-   * @param {number} value SI
-   */
-  function mark(t, value) {
-    const left = px(frame.x(t));
-    put(line, { d: `M${left} ${frame.area.top}V${frame.area.bottom}` });
-    put(dot, { cx: left, cy: px(frame.y(value)) });
-  }
-
-  /**
-   * Show the stretch between two places as chosen, or none.
-   *
-   * @param {number} [a] [px]
-   * @param {number} [b] [px]
-   */
-  function choose(a, b) {
-    const shown = b !== undefined;
-    put(choice, { visibility: shown ? "visible" : "hidden" });
-    if (!shown) return;
-    const { top, height } = frame.area;
-    put(choice, { x: Math.min(a, b), width: Math.abs(b - a), y: top, height });
-  }
-
-  return { frame, shade, mark, choose };
+  return {
+    frame,
+    /** @type {(phases: SeenPhase[]) => void} */
+    shade(phases) {
+      const { top, bottom } = frame.area;
+      const paths = { stick: "", slip: "" };
+      for (const { kind, start, end } of phases) {
+        const [left, right] = [start, end].map((t) => px(frame.x(t)));
+        paths[kind] += `M${left} ${top}H${right}V${bottom}H${left}Z`;
+      }
+      for (const kind of ["stick", "slip"]) put(bands[kind], { d: paths[kind] });
+    },
+    /** @type {(t: number, value: number) => void} at a time [s] */
+    mark(t, value) {
+      put(line, { d: frame.upright(t) });
+      put(dot, { cx: px(frame.x(t)), cy: px(frame.y(value)) });
+    },
+    /** @type {(a?: number, b?: number) => void} the stretch between two places [px], or none */
+    choose(a, b) {
+      const shown = b !== undefined;
+      put(choice, { visibility: shown ? "visible" : "hidden" });
+      if (!shown) return;
+      const { top, height } = frame.area;
+      put(choice, { x: Math.min(a, b), width: Math.abs(b - a), y: top, height });
+    },
+  };
 }
 
 /**
  * The steady cycles of a motion as they are drawn beside those of another, both from the end of
- * their first slips.
- *
- * @param {Motion} ghost
- * @param {Motion} motion
- * @param {Seen} seen
- * @param {number} width of the chart [px]
- * @returns {SeenPhase[]} none where they would be a blur
+ * their first slips, in a width [px]; none where they would be a blur.
+ * @type {(ghost: Motion, motion: Motion, seen: Seen, width: number) => SeenPhase[]}
  */
 function ghostOf(ghost, motion, { from, to }, width) {
   const later = cyclesBegin(motion) - cyclesBegin(ghost);
@@ -245,36 +202,11 @@ function ghostOf(ghost, motion, { from, to }, width) {
   }));
 }
 
-/** @param {Seen} seen */
-function timeAxis({ from, to }) {
-  const { size, unit } = scaleFor(to, "time");
-  return { low: from, high: to, size, title: `time in ${unit}` };
-}
-
 /**
- * @param {Motion} motion
- * @param {Seen} seen
- * @param {SeenPhase["points"]} points
- */
-function forceAxis({ numbers, beat }, { from, to }, points) {
-  const values = points.map(({ F }) => F);
-  // Whole cycles are seen against zero and the threshold; a detail for itself.
-  if (to - from >= beat) values.push(0, numbers.F_s);
-  return axisOf(values, "force", "F", 0.05, 0.22);
-}
-
-/**
- * Write a note where it is inside the plot, else hide it.
- *
- * @param {Element} element
- * @param {string} words
- * @param {number} left [px]
- * @param {number} top [px]
- * @param {Frame} frame
+ * Write a note where it is inside the plot [px], else hide it.
+ * @type {(element: Element, words: string, left: number, top: number, frame: Frame) => void}
  */
 function note(element, words, left, top, { area }) {
-  const shown = words && top > area.top && top < area.bottom;
-  setText(element, shown ? words : "");
-  if (!shown) return;
-  put(element, { x: px(left), y: px(top) });
+  if (words && top > area.top && top < area.bottom) write(element, words, left, top);
+  else setText(element, "");
 }

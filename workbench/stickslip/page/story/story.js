@@ -3,23 +3,7 @@
 import { byId, on } from "../view/dom.js";
 
 /**
- * @import { Curve } from "../model/curve.js"
- * @import { Setting } from "../model/friction.js"
- * @import { Page } from "../main.js"
- */
-
-/**
- * A step of the story.
- *
- * @typedef {object} Step
- * @property {Setting} set the values that it sets [SI]
- * @property {Curve} [curve] the friction curve that it sets
- * @property {number} [over] number of the step whose curves stay as a ghost, from 1
- * @property {"start"} [from] shows the first load-up too
- */
-
-/**
- * Bring the story to life. It changes no setting before the reader starts it.
+ * The story changes no setting before the reader starts it.
  *
  * @param {Page} page
  * @param {Step[]} steps

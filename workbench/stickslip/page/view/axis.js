@@ -2,30 +2,13 @@
 
 import { scaleFor } from "./units.js";
 
-/**
- * An axis.
- *
- * @typedef {object} Axis
- * @property {number} low lower end [SI]
- * @property {number} high upper end [SI]
- * @property {number} size of its unit [SI]
- * @property {string} title quantity and unit
- * @property {boolean} [log] whether each decade is as long as another
- */
-
 /** What is spanned is at least this part of its size: less is rounding and no motion. */
 const FINEST = 1e-9;
 const MOST_MARKS = 50;
 
 /**
- * An axis that spans some values, with room beside them.
- *
- * @param {number[]} values SI, one at least
- * @param {string} kind of quantity, for its unit
- * @param {string} name of the quantity
- * @param {number} below part of the range that is left free below the values
- * @param {number} above the same above them
- * @returns {Axis}
+ * An axis that spans some values [SI], one at least, with parts of the range left free beside them.
+ * @type {(values: number[], kind: string, name: string, below: number, above?: number) => Axis}
  */
 export function axisOf(values, kind, name, below, above = below) {
   const least = Math.min(...values);
@@ -42,37 +25,25 @@ export function axisOf(values, kind, name, below, above = below) {
   };
 }
 
-/**
- * A logarithmic axis.
- *
- * @param {number} low lower end [SI], above 0
- * @param {number} high upper end [SI]
- * @param {string} kind of quantity, for its unit
- * @param {string} name of the quantity
- * @returns {Axis}
- */
+/** @type {(low: number, high: number, kind: string, name: string) => Axis} a logarithmic one [SI] */
 export function logAxis(low, high, kind, name) {
   const { size, unit } = scaleFor(Math.sqrt(low) * Math.sqrt(high), kind);
   return { low, high, size, title: `${name} in ${unit}`, log: true };
 }
 
-/**
- * How far along an axis a value lies.
- *
- * @param {Axis} axis
- * @param {number} value [SI]
- * @returns {number} 0 at the lower end, 1 at the upper
- */
+/** @type {(axis: Axis, value: number) => number} 0 at the lower end, 1 at the upper */
 export function shareAlong({ low, high, log }, value) {
   return log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
 }
 
+/** @type {(axis: Axis, share: number) => number} the value [SI] at a share of an axis */
+export function valueAlong({ low, high, log }, share) {
+  return log ? low * (high / low) ** share : low + share * (high - low);
+}
+
 /**
- * Round values within an axis and their texts, about `count` of them.
- *
- * @param {Axis} axis
- * @param {number} count
- * @returns {{value: number, text: string}[]} values [SI]
+ * Round values [SI] within an axis and their texts, about `count` of them.
+ * @type {(axis: Axis, count: number) => {value: number, text: string}[]}
  */
 export function ticks(axis, count) {
   if (axis.log) return logTicks(axis, count);
@@ -97,12 +68,7 @@ export function ticks(axis, count) {
   });
 }
 
-/**
- * Marks at powers of ten, some left out where they are dense; with 2 and 5 where they are few.
- *
- * @param {Axis} axis
- * @param {number} count
- */
+/** Marks at powers of ten, some left out where they are dense; with 2 and 5 where they are few. */
 function logTicks({ low, high, size }, count) {
   const first = Math.ceil(Math.log10(low / size) - 1e-9);
   const last = Math.floor(Math.log10(high / size) + 1e-9);

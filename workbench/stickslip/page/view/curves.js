@@ -5,23 +5,6 @@
 
 import { px } from "./frame.js";
 
-/**
- * @import { Motion, State } from "../model/motion.js"
- * @import { Slip } from "../model/slip.js"
- * @import { Frame } from "./frame.js"
- */
-
-/**
- * A phase as it is drawn.
- *
- * @typedef {object} SeenPhase
- * @property {"stick" | "slip"} kind
- * @property {number} start [s], cut to what is seen
- * @property {number} end [s], cut to what is seen
- * @property {(State & {F_dot: number})[]} points exact states in it, with the rate of the spring
- *   force [N/s]
- */
-
 /** Radians of the fastest motion that one cubic spans; it then errs by 1e-4 of the swing. */
 const FINE_STEP = 0.4;
 /** The same where swings are so dense that a thousandth is not seen. */
@@ -31,38 +14,29 @@ const STILL_AFTER = 30;
 const MOST_NODES = 4000;
 
 /**
- * The phases in a stretch of time, each with exact points of x(t) and F(t) and their slopes.
- *
- * @param {Motion} motion
- * @param {{from: number, to: number}} seen the stretch of time [s]
- * @param {number} width its width in pixels
- * @returns {SeenPhase[]}
+ * The phases in a stretch of time that is so many pixels wide.
+ * @type {(motion: Motion, seen: Seen, width: number) => SeenPhase[]}
  */
 export function seenPhases(motion, { from, to }, width) {
   const perSecond = width / (to - from);
   return Array.from(motion.phases(from, to), ({ kind, n, start, end }) => {
     const a = Math.max(start, from);
     const b = Math.min(end, to);
-    /** @type {(state: State) => SeenPhase["points"][number]} */
-    const point = (state) => ({ ...state, F_dot: motion.p.k * (motion.p.v - state.x_dot) });
-    const points =
+    const states =
       kind === "stick"
-        ? [a, b].map((t) => point(motion.sticking(t, n, end - t)))
+        ? [a, b].map((t) => motion.sticking(t, n, end - t))
         : slipNodes(motion.slip, a - start, b - start, (b - a) * perSecond).map((tau) =>
-            point(motion.slipping(start + tau, n, tau)),
+            motion.slipping(start + tau, n, tau),
           );
+    const { k, v } = motion.p;
+    const points = states.map((state) => ({ ...state, F_dot: k * (v - state.x_dot) }));
     return { kind, start: a, end: b, points };
   });
 }
 
 /**
- * The times since break-away at which a slip is computed, from `a` to `b` [s].
- *
- * @param {Slip} slip of a motion
- * @param {number} a [s]
- * @param {number} b [s]
- * @param {number} width how many pixels this stretch takes
- * @returns {number[]} [s]
+ * The times since break-away at which a slip is computed, from `a` to `b` [s], in so many pixels.
+ * @type {(slip: Slip, a: number, b: number, width: number) => number[]}
  */
 export function slipNodes(slip, a, b, width) {
   // More than a cubic to three pixels is not seen.
@@ -84,12 +58,8 @@ export function slipNodes(slip, a, b, width) {
 }
 
 /**
- * Path data of a quantity over time.
- *
- * @param {SeenPhase[]} phases
- * @param {Frame} frame of the chart
- * @param {"x" | "F"} name of the quantity
- * @param {"x_dot" | "F_dot"} slope name of its derivative
+ * Path data of a quantity over time, by its name and that of its derivative.
+ * @type {(phases: SeenPhase[], frame: Frame, name: "x" | "F", slope: "x_dot" | "F_dot") => string}
  */
 export function timePath(phases, frame, name, slope) {
   let path = "";
@@ -111,27 +81,20 @@ export function timePath(phases, frame, name, slope) {
 }
 
 /**
- * A slip as path data: velocity over spring extension.
- *
- * @param {Motion} motion
- * @param {Frame} frame of the chart
- * @param {State[]} states of its slip, one at least, t [s] counted from the break-away
- * @param {boolean} closed whether the stick leads back to the break-away
+ * A slip as path data, velocity over spring extension: states of it, one at least, t [s] counted
+ * from the break-away; closed where the stick leads back to the break-away.
+ * @type {(motion: Motion, frame: Frame, states: State[], closed: boolean) => string}
  */
 export function loopPath(motion, frame, states, closed) {
   const point = (z, x_dot) => `${px(frame.x(z))} ${px(frame.y(x_dot))}`;
   const { v } = motion.p;
   let path = `M${point(states[0].z, states[0].x_dot)}`;
-  let last = null;
-  for (const state of states) {
-    const { t, z, x_dot, x_ddot } = state;
-    if (last) {
-      const third = (t - last.t) / 3;
-      path +=
-        `C${point(last.z + third * (v - last.x_dot), last.x_dot + third * last.x_ddot)}` +
-        ` ${point(z - third * (v - x_dot), x_dot - third * x_ddot)} ${point(z, x_dot)}`;
-    }
-    last = state;
-  }
+  states.slice(1).forEach(({ t, z, x_dot, x_ddot }, index) => {
+    const last = states[index];
+    const third = (t - last.t) / 3;
+    path +=
+      `C${point(last.z + third * (v - last.x_dot), last.x_dot + third * last.x_ddot)}` +
+      ` ${point(z - third * (v - x_dot), x_dot - third * x_ddot)} ${point(z, x_dot)}`;
+  });
   return closed ? `${path}L${point(motion.z_s, 0)}` : path;
 }

@@ -2,33 +2,22 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 
-/**
- * The element of the page with this id.
- *
- * @param {string} id
- * @returns {any} of the class that its tag in the markup says
- */
+/** @type {(id: string) => any} the element with this id, of the class that its tag says */
 export function byId(id) {
   return document.getElementById(id);
 }
 
-/**
- * Let something happen at an event of an element.
- *
- * @param {EventTarget} element
- * @param {string} type of the event
- * @param {(event: any) => void} act
- * @param {AddEventListenerOptions} [options]
- */
+/** What Python hands to the page. */
+export const data = JSON.parse(byId("page-data").textContent);
+
+/** @type {(element: EventTarget, type: string, act: (event: any) => void, options?: any) => void} */
 export function on(element, type, act, options) {
   element.addEventListener(type, act, options);
 }
 
 /**
  * Give an element these attributes; the same value again would cost a layout.
- *
- * @param {Element} element
- * @param {Record<string, any>} attributes texts and numbers by name
+ * @type {(element: Element, attributes: Record<string, any>) => void}
  */
 export function put(element, attributes) {
   for (const [name, value] of Object.entries(attributes)) {
@@ -38,9 +27,7 @@ export function put(element, attributes) {
 
 /**
  * Give an element this text; the same text again would cost a layout.
- *
- * @param {Element} element
- * @param {string} text
+ * @type {(element: Element, text: string) => void}
  */
 export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
@@ -48,13 +35,10 @@ export function setText(element, text) {
 
 /**
  * Make an SVG element with these attributes inside a parent.
- *
- * @param {ParentNode} parent
- * @param {string} tag
- * @param {Record<string, string | number>} [attributes]
+ * @type {(parent: ParentNode, tag: string, attributes?: Record<string, any>) => SVGElement}
  */
 export function draw(parent, tag, attributes = {}) {
-  const element = document.createElementNS(SVG, tag);
+  const element = /** @type {SVGElement} */ (document.createElementNS(SVG, tag));
   put(element, attributes);
   parent.append(element);
   return element;

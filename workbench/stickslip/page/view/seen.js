@@ -4,13 +4,13 @@
 const UNSEEN_STILL = 250;
 
 /**
- * Put off what is out of sight.
+ * What draws at once where the element is in sight, else when it comes into sight or nothing has
+ * changed for a while.
  *
  * @template What
  * @param {Element} element where it is shown
  * @param {(what: What) => void} show draws it
- * @returns {(what: What) => void} draws it at once where the element is in sight, else when it
- *   comes into sight or nothing has changed for a while
+ * @returns {(what: What) => void}
  */
 export function whenSeen(element, show) {
   /** @type {What | null} */

@@ -1,34 +1,17 @@
 /** Quantities as people type them, read as the command reads them: `20 mm/s`, `40 N/um`, `1e3`. */
 
-/**
- * A unit: its size in SI as a fraction, and the exponents of the base units.
- *
- * @typedef {{top: bigint, bottom: bigint, dimension: number[]}} Unit
- */
-
-/**
- * The command's own tables: size as a fraction and exponents by symbol, names of dimensions.
- *
- * @typedef {object} UnitTable
- * @property {Record<string, [top: number, bottom: number, ...dimension: number[]]>} prefixable
- * @property {Record<string, [top: number, bottom: number, ...dimension: number[]]>} alone
- * @property {Record<string, [top: number, bottom: number]>} prefixes
- * @property {Record<string, string>} kinds name of a quantity by its SI unit
- */
-
-/** @typedef {ReturnType<typeof makeReader>} Reader */
-
 const NUMBER = /^[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+-]?\d+)?/i;
 const FACTOR = /^(1|%|\p{L}+)(?:(?:\^|\*\*)?([+-]?\d{1,2})|([²³]))?$/u;
 const PRODUCT = /[.·]|(?<!\*)\*(?!\*)/;
 
-/** The smallest double above 0 is two to minus this power. */
-const LOWEST = 1074;
+/** With so many digits the quotient of two numbers is told from the middle of two doubles. */
+const MANY = 100;
 
 /**
- * Make the reader of quantities.
+ * Make the reader of quantities from the command's own tables: units that take a prefix and others,
+ * each with its size as a fraction and exponents of the base units; prefixes; names of quantities by
+ * SI unit.
  *
- * @param {UnitTable} table
  * @returns read(text, unit, shown): a quantity of the dimension of `unit`; valueOf(number, unit):
  *   the double, SI, nearest to a decimal number of a unit
  */
@@ -73,13 +56,10 @@ export function makeReader({ prefixable, alone, prefixes, kinds }) {
 
   return {
     /**
-     * Read a quantity.
-     *
-     * @param {string} text as typed
-     * @param {string} unit SI, of the dimension that is expected
-     * @param {string} shown the unit of a number without one
-     * @returns {{value?: number, wrong?: string, inUnit: boolean}} the finite double nearest to the
-     *   quantity, SI, or what is wrong with the text; whether it names a unit
+     * Read a quantity of the dimension of an SI unit; a number without a unit has the one shown. The
+     * value is the finite double nearest to it; inUnit: whether the text names a unit.
+     * @type {(text: string, unit: string, shown: string) =>
+     *   {value?: number, wrong?: string, inUnit: boolean}}
      */
     read(text, unit, shown) {
       const typed = text.trim();
@@ -105,11 +85,7 @@ export function makeReader({ prefixable, alone, prefixes, kinds }) {
   };
 }
 
-/**
- * A text short enough to be said again.
- *
- * @param {string} text
- */
+/** @type {(text: string) => string} short enough to be said again */
 export function shortened(text) {
   return text.length > 14 ? `${text.slice(0, 12)}…` : text;
 }
@@ -122,31 +98,15 @@ function same(one, other) {
   return one.every((power, n) => power === other[n]);
 }
 
-/** The double nearest to a decimal number times the size of a unit: rounded once. */
+/** The double nearest to a decimal number times the size of a unit: rounded once, by `Number`. */
 function scaled(number, { top, bottom }) {
   const unscaled = Number(number);
-  // A number that is 0 or infinity as a double has an exponent that a fraction must not expand.
   if (top === bottom || !unscaled || !Number.isFinite(unscaled)) return unscaled;
   const [mantissa, exponent = "0"] = number.toLowerCase().split("e");
   const [whole, decimals = ""] = mantissa.replace(/[+-]/, "").split(".");
-  const power = Number(exponent) - decimals.length;
-  const ten = 10n ** BigInt(Math.abs(power));
-  const above = BigInt(whole + decimals) * top;
-  const value = nearest(power > 0 ? above * ten : above, power < 0 ? bottom * ten : bottom);
+  const places = MANY + `${bottom}`.length;
+  const above = BigInt(whole + decimals) * top * 10n ** BigInt(places);
+  const power = Number(exponent) - decimals.length - places - 1;
+  const value = Number(`${above / bottom}${above % bottom ? 1 : 0}e${power}`);
   return unscaled < 0 ? -value : value;
-}
-
-/** The double nearest to a fraction above 0, the even one of two that are as near. */
-function nearest(top, bottom) {
-  const bits = (whole) => whole.toString(2).length;
-  // The quotient as a whole number of 53 bits, of fewer where doubles end, times a power of two.
-  for (let shift = Math.min(53 - bits(top) + bits(bottom), LOWEST); ; shift -= 1) {
-    const above = top << BigInt(Math.max(shift, 0));
-    const below = bottom << BigInt(Math.max(-shift, 0));
-    const whole = above / below;
-    if (whole >> 53n) continue;
-    const rest = 2n * (above - whole * below);
-    const up = rest > below || (rest === below && whole & 1n);
-    return Number(up ? whole + 1n : whole) * 2 ** -shift;
-  }
 }

@@ -1,0 +1,70 @@
+/**
+ * The words of the page: they are known in every module but those of the model.
+ *
+ * @typedef {object} Solution a setting solved: all that the page shows of it
+ * @property {Motion} motion
+ * @property {Simplified} simple the cycle as designers write it
+ * @property {number} v_c critical velocity [m/s], NaN under a friction curve that is not flat
+ * @property {number} v_c_simple the same to first order [m/s]
+ * @property {Solution} constant the same with constant friction
+ *
+ * @typedef {object} Page what a section asks of the page
+ * @property {(values: Partial<Setting>, look?: Look) => void} set take these values [SI], the
+ *   others stay; throws a RangeError with the reason if they are refused
+ * @property {() => Setting} setting the values in use
+ * @property {() => Curve | null} curve the friction curve in use, null for constant friction
+ * @property {() => Solution} solution the setting solved
+ *
+ * @typedef {object} Look how a new setting is looked at
+ * @property {boolean} [ghost] the curves of the setting before stay as a ghost
+ * @property {"cycles" | "start"} [from] steady cycles, or the first load-up too
+ * @property {Curve | null} [curve] the friction curve, null for constant friction; without it the
+ *   one in use stays
+ * @property {boolean} [still] whether the picture keeps its span
+ *
+ * @typedef {{from: number, to: number}} Seen a stretch of time [s]
+ * @typedef {ReturnType<typeof import("../stage/stretch.js").makeStretch>} Stretch
+ *
+ * @typedef {object} SeenPhase a phase as it is drawn
+ * @property {"stick" | "slip"} kind
+ * @property {number} start [s], cut to what is seen
+ * @property {number} end [s], cut to what is seen
+ * @property {(State & {F_dot: number})[]} points exact states in it, with the rate of the spring
+ *   force [N/s]
+ *
+ * @typedef {{size: number, unit: string}} Scale a unit and its size [SI]
+ *
+ * @typedef {object} Axis
+ * @property {number} low lower end [SI]
+ * @property {number} high upper end [SI]
+ * @property {number} size of its unit [SI]
+ * @property {string} title quantity and unit
+ * @property {boolean} [log] whether each decade is as long as another
+ *
+ * @typedef {ReturnType<typeof import("./frame.js").makeFrame>} Frame
+ * @typedef {ReturnType<typeof import("../stage/timecharts.js").makeChart>} Chart
+ * @typedef {ReturnType<typeof import("./spelled.js").makeReader>} Reader
+ *
+ * @typedef {object} Layout what the parts of the schematic are placed by
+ * @property {number} width of the picture [px]
+ * @property {number} ground height of the ground [px]
+ * @property {number} left of the block at the start of a window [px]
+ * @property {number} block width of the block [px]
+ * @property {number} tall its height [px]
+ * @property {number} level height of the spring [px]
+ * @property {number} shortest length of the spring at its least extension [px]
+ * @property {number} base the least extension that is drawn [m]
+ * @property {number} high the largest extension [m]
+ * @property {number} way length of a window [m]
+ * @property {number} scale [px/m]
+ *
+ * @typedef {Setting & {id: string, cures: (Partial<Setting> | null)[]}} Application
+ * @typedef {any} Control a row of the page's controls, as controls.toml explains it
+ * @typedef {any} Sentence what a sentence asks of the stage, as said.toml explains it
+ * @typedef {any} Step of the story, as story.toml explains it
+ *
+ * @typedef {object} Offer what a cell of the table of cures offers
+ * @property {number} [value] of the parameter [SI]; without one the words say why there is none
+ * @property {string} words
+ * @property {boolean} [far] whether the value is out of reach
+ */
