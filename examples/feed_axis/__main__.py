@@ -13,7 +13,7 @@ import numpy as np
 import typer
 
 from stickslip.errors import CommandError
-from stickslip.units import parse
+from stickslip.parameters import quantity
 from stickslip_design.axis import AxisError, axis_of, example, read_axis
 from stickslip_native.compiler import CompilerError
 from stickslip_verification.report.svg import as_svg
@@ -71,12 +71,12 @@ def run(
     """Run the axis in a master; print what was found, write FeedAxis.ssp, run.csv and run.svg."""
     axis = axis_of(example()) if file is None else read_axis(file)
     move = Move(
-        parse(feed, "m/s", "--feed"),
+        quantity(feed, "m/s", "--feed"),
         axis.demand.acceleration or 0.1,
-        parse(distance, "m", "--distance"),
+        quantity(distance, "m", "--distance"),
     )
     ssp = build_all(output, axis, move, native=native)
-    end = parse(stop_time, "s", "--stop-time")
+    end = quantity(stop_time, "s", "--stop-time")
     found = run_in(master, ssp, end, axis.drive.T_s if axis.drive else 0.0)
     with plots.styled():
         if move.distance:

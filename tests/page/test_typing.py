@@ -3,8 +3,7 @@
 from decimal import Decimal, localcontext
 from random import Random
 
-from stickslip.errors import CommandError
-from stickslip.units import KINDS, parse
+from stickslip_design.quantity import KINDS, QuantityError, typed
 from tests.page.window import SI, Window
 
 NONSENSE = {
@@ -47,13 +46,13 @@ def test_what_is_typed_is_taken_to_the_last_bit_in_its_unit_or_the_one_beside(
         ("c", "2 kN.s/m", ""),
     ):
         window.type(name, text)
-        assert window.setting[name] == parse(f"{text} {unit}", SI[name], name)
+        assert window.setting[name] == typed(f"{text} {unit}", SI[name])
 
 
 def of_command(text: str, unit: str) -> float | str:
     try:
-        return parse(text, unit, "--x")
-    except CommandError as error:
+        return typed(text, unit)
+    except QuantityError as error:
         return str(error)
 
 
@@ -143,7 +142,7 @@ def test_a_unit_that_is_half_typed_is_complained_of_later(window: Window) -> Non
     window.until("document.querySelector('#v-said').textContent.includes('unknown unit')")
     window.page.keyboard.type("n")
     assert window.said("v") == ""
-    assert window.setting["v"] == parse("2 mm/min", "m/s", "v")
+    assert window.setting["v"] == typed("2 mm/min", "m/s")
 
 
 def test_the_shown_unit_stays_while_numbers_are_typed_in_it(window: Window) -> None:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.units import parse
+from stickslip_design.quantity import typed as read
 from tests.page.browser import watched
 
 if TYPE_CHECKING:
@@ -152,7 +152,7 @@ class Window:
 
     def si_of(self, name: str) -> float:
         typed = f"{self.page.input_value(f'#{name}')} {self.page.inner_text(f'#{name}-unit')}"
-        return parse(typed, SI[name], name)
+        return read(typed, SI[name])
 
     def said(self, name: str) -> str:
         note = self.page.locator(f"#{name}-said")

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import stickslip_ref
 from stickslip.files import make_folder, writing
-from stickslip.parameters import ParameterError, Parameters, read_above_zero
+from stickslip.parameters import ParameterError, Parameters, above_zero
 from stickslip.runs.engines import (
     check_slips,
     experiment,
@@ -294,7 +294,7 @@ def critical(
     """
     p = p or Parameters()
     ends = tuple(
-        None if each is None else read_above_zero(each, "m/s", name)
+        None if each is None else above_zero(each, "m/s", name)
         for each, name in zip(between, ("lowest", "highest"), strict=True)
     )
     low, high = ends
@@ -470,7 +470,7 @@ def share(within: float | str | None) -> float | None:
     """Return a part, above 0 and below 1; `ParameterError` if it is no such part."""
     if within is None:
         return None
-    part = read_above_zero(within, "1", "within")
+    part = above_zero(within, "1", "within")
     if not part < 1.0:
         raise ParameterError(
             "within", f" {within}: must be above 0 % and below 100 %, as 1% or as 0.01"

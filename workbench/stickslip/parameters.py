@@ -41,32 +41,30 @@ def read(variable: Variable, given: float | str) -> float:
     items = {item.name.lower(): item.value for item in variable.type.items}
     if isinstance(given, str) and given.strip().lower() in items:
         return items[given.strip().lower()]
-    try:
-        value = read_as(given, "1" if items else variable.unit or "1", f"({variable.range})")
-    except QuantityError as error:
-        raise ParameterError(variable.name, f" {given!r} {error}") from None
+    unit = "1" if items else variable.unit or "1"
+    value = quantity(given, unit, variable.name, f"({variable.range})")
     if (objection := variable.objection(value)) is not None:
         raise ParameterError(variable.name, f" {given!r}: {objection}")
     return value
 
 
-def read_as(given: float | str, unit: str, within: str = "") -> float:
-    """Return a quantity in an SI unit, given as a number or as a text; errors as of `typed`."""
-    return typed(given, unit, within) if isinstance(given, str) else float(given)
-
-
-def read_above_zero(given: float | str, unit: str, name: str) -> float:
-    """Return what is given for `name`, in an SI unit.
+def quantity(given: float | str, unit: str, name: str, within: str = "") -> float:
+    """Return what is given for `name`, a number or a text with a unit, in an SI unit.
 
     Raises
     ------
     ParameterError
-        If it is no quantity of the dimension of `unit`, or not above 0.
+        If a text is no quantity of the dimension of `unit`; `within` is the range in words.
     """
     try:
-        value = read_as(given, unit, "above 0")
+        return typed(given, unit, within) if isinstance(given, str) else float(given)
     except QuantityError as error:
         raise ParameterError(name, f" {given!r} {error}") from None
+
+
+def above_zero(given: float | str, unit: str, name: str) -> float:
+    """Return such a quantity; raises ParameterError if it is not above 0 too."""
+    value = quantity(given, unit, name, "above 0")
     if not value > 0.0:
         raise ParameterError(name, f" {given!r} is out of range: it must be above 0 {unit}")
     return value
@@ -234,7 +232,7 @@ class Parameters:
 
         force = self.normal_force
         if force is not None:
-            force = read_above_zero(force, "N", "normal_force")
+            force = above_zero(force, "N", "normal_force")
         try:
             curve = read_curve(Path(self.curve), force)
         except CurveError as error:

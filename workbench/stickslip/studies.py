@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.parameters import Parameters, read_above_zero
+from stickslip.parameters import Parameters, above_zero
 from stickslip_design.maps.study import map_ as mapped
 from stickslip_design.sweeps.study import sweep as sweep
 from stickslip_design.tolerances.study import scatter as scatter
@@ -53,5 +53,5 @@ def map(  # noqa: A001 - the name of the command
     held = p.values.items() - Parameters(law=p.law).values.items()
     values = {name: value for name, value in held if name not in over}
     if axis is not None:
-        values = {} if feed is None else {"feed": read_above_zero(feed, "m/s", "feed")}
+        values = {} if feed is None else {"feed": above_zero(feed, "m/s", "feed")}
     return mapped(over, values=values, law=p.law, axis=axis, **options)

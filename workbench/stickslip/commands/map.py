@@ -11,7 +11,7 @@ from stickslip.commands.expanded import Only, command
 from stickslip.commands.options import Computing
 from stickslip.commands.shared import say
 from stickslip.errors import CommandError
-from stickslip.parameters import Parameters, read_above_zero
+from stickslip.parameters import Parameters, above_zero
 
 if TYPE_CHECKING:
     import xarray
@@ -89,7 +89,7 @@ def map(  # noqa: A001 - the name of the command
             given.append("--law")
         if given:
             raise CommandError(f"{given[0]} goes with a map of the block; {axis} states the axis")
-        values = {} if feed is None else {"feed": read_above_zero(feed, "m/s", "feed")}
+        values = {} if feed is None else {"feed": above_zero(feed, "m/s", "feed")}
         held, name = {} if feed is None else {"feed": "--feed"}, axis.stem
     study, spans = _study(over or [], axis, p.law, values, held, p.curve, limit)
     folder = output or f"{name}-map"

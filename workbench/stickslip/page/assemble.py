@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import Any, Final
 
 from stickslip.page.script import joined
-from stickslip.units import KINDS
+from stickslip_design.quantity import KINDS
 from stickslip_fmu.release import VERSION
 from stickslip_fmu.spec import TABLE
 from stickslip_verification import UNIT_PREFIXES, UNITS_ALONE, UNITS_WITH_PREFIX

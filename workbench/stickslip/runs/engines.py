@@ -15,11 +15,10 @@ import numpy as np
 
 import stickslip_ref
 from fmi.table import Table, Variable
-from stickslip.parameters import ParameterError, Parameters, read_above_zero, read_as
+from stickslip.parameters import ParameterError, Parameters, above_zero, quantity
 from stickslip.progress import deferred_interrupt
 from stickslip.runs.run import Run, drawable_interval, fitting_interval, sample_times
 from stickslip_design.curve_file import CURVE
-from stickslip_design.quantity import QuantityError
 from stickslip_fmu.spec import TABLE
 from stickslip_verification import Event, Transition, drive, events_between, truth
 from stickslip_verification.truth import COULOMB_NAME
@@ -69,7 +68,7 @@ def experiment(
         If a text is no time, the stop is not after the start, or the interval is not positive or
         makes more than a million samples.
     """
-    start, stop = _time(start_time, "start_time"), _time(stop_time, "stop_time")
+    start, stop = quantity(start_time, "s", "start_time"), quantity(stop_time, "s", "stop_time")
     if not stop > start:
         raise ParameterError(
             "stop_time",
@@ -81,7 +80,7 @@ def experiment(
         if drawn:
             interval = drawable_interval(duration, interval, math.sqrt(p.k / p.m))
         return Experiment(p, start, stop, interval)
-    interval = read_above_zero(output_interval, "s", "output_interval")
+    interval = above_zero(output_interval, "s", "output_interval")
     smallest = max(duration / LARGEST_SAMPLE_COUNT, math.ulp(max(abs(start), abs(stop))))
     if interval < smallest:
         raise ParameterError(
@@ -90,13 +89,6 @@ def experiment(
             f"of {duration:g} s, a million samples",
         )
     return Experiment(p, start, stop, interval)
-
-
-def _time(given: float | str, name: str) -> float:
-    try:
-        return read_as(given, "s")
-    except QuantityError as error:
-        raise ParameterError(name, f" {given!r} {error}") from None
 
 
 def reference_parameters(p: Parameters) -> stickslip_ref.Parameters:
