@@ -29,8 +29,9 @@ OUTSIDE = {
     "stickslip_verification.truth": "mpmath",
     "stickslip_score": "numpy scipy mpmath lazy_loader",
     "stickslip_design": "numpy scipy mpmath matplotlib xarray fmpy lazy_loader markupsafe PIL "
-    "contourpy threadpoolctl",
-    "stickslip": "numpy scipy matplotlib typer rich fmpy jinja2 markupsafe xarray",
+    "contourpy threadpoolctl pydantic fsspec",
+    "stickslip": "numpy scipy matplotlib typer rich fmpy jinja2 markupsafe xarray pandas "
+    "lazy_loader",
 }
 """What a package, or a folder of it, may import from outside beside the standard library."""
 HEAVY = ("numpy", "scipy", "fmpy", "matplotlib", "pythonfmu", "mpmath", "xarray")
