@@ -37,7 +37,7 @@ _RUNTIME = (
 """What Zig links into libraries: name, file of the licence, and what it is."""
 
 
-class CompilerError(Exception):
+class CompilerError(RuntimeError):
     """The compiler is missing, or it failed; the text is one line."""
 
 

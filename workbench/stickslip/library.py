@@ -358,15 +358,17 @@ def build(
     from stickslip.handbook import parts
 
     place = Path(target)
-    make_folder(place.parent if place.suffix == ".fmu" else place, "target")
+    folder = place.parent if place.suffix == ".fmu" else place
     if not native:
         from stickslip_fmu.packer import build as packed
 
+        make_folder(folder, "target")
         return packed(place, parts(fmi, law=law), fmi, law)
     from stickslip_native.compiler import compiler_for
     from stickslip_native.packer import build as compiled
 
     files = parts(fmi, compiler_for(this_machine).runtime(), law)
+    make_folder(folder, "target")
     return compiled(place, files, fmi, this_machine, law)
 
 
