@@ -24,7 +24,7 @@ OVER = {"v": "1..900 mm/s log 20", "k": "0.1..10 kN/m log 11", "c": "0.5..6 15",
 def some_page() -> tuple[View, list[Slice], str, dict[str, Any]]:
     """Return a map over four parameters, its slices, its page and the data in that."""
     view = View(stickslip_design.map_(OVER, workers=1))
-    slices, words = view.read(view.places(60))
+    slices, words = view.slices(view.places(60)), view.overall()
     text = page(view, slices, words)
     found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)
     assert found is not None

@@ -150,10 +150,10 @@ def _show(dataset: "xarray.Dataset", folder: str) -> None:
     from stickslip_design.maps.views import View
 
     view = View(dataset)
-    (drawn, *shown), told = view.read([view.nearest(), *view.places(MOST_SLICES)])
+    (drawn,), told = view.slices([view.nearest()]), view.overall()
     files = {
         "map.png": picture(view, drawn),
-        "index.html": page(view, shown, told).encode("utf-8"),
+        "index.html": page(view, view.slices(view.places(MOST_SLICES)), told).encode("utf-8"),
     }
     for name, content in files.items():
         _write(folder, name, content)

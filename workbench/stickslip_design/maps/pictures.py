@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ..points.blocks import Regime
-from .views import VALID, Colours, Side, Slice, View, colours, contours
+from ..points.columns import Regime
+from .views import VALID, Side, Slice, View, colours, contours
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,9 +70,9 @@ def _draw(axes: Axes, view: View, part: Slice) -> None:
     mesh = axes.pcolormesh(
         x,
         y,
-        np.ma.masked_where(hidden, np.abs(values) / scale.unit.size),
+        np.ma.masked_where(hidden, scale.shown(values)),
         cmap=COLOUR_MAP,
-        norm=_norm(scale),
+        norm=scale.norm,
         shading="nearest",
         rasterized=True,
     )
@@ -121,48 +121,33 @@ def _draw(axes: Axes, view: View, part: Slice) -> None:
         )
 
 
-def _norm(scale: Colours) -> Any:
-    from matplotlib.colors import LogNorm, Normalize
-
-    return (LogNorm if scale.log else Normalize)(scale.low, scale.high)
-
-
 def _lines(axes: Axes, view: View, field: NDArray[Any], level: float, **look: Any) -> bool:
     """Draw the lines at a level; tell whether there are any."""
-    found = False
-    for line in contours(field, level):
-        columns, rows = line[:, 0], line[:, 1]
-        axes.plot(_at(view.x, columns), _at(view.y, rows), **look, solid_capstyle="round")
-        found = True
-    return found
-
-
-def _at(side: Side, places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the values shown at places between the values of a side."""
-    numbers = np.arange(side.values.size)
-    if side.log:
-        return np.asarray(np.exp(np.interp(places, numbers, np.log(side.shown))))
-    return np.asarray(np.interp(places, numbers, side.shown))
+    numbers = np.arange(max(field.shape))
+    lines = list(contours(field, level))
+    for line in lines:
+        for side, places in zip((view.x, view.y), line.T, strict=True):
+            scale, back = (np.log, np.exp) if side.log else (np.asarray, np.asarray)
+            places[:] = back(np.interp(places, numbers[: side.values.size], scale(side.shown)))
+        axes.plot(*line.T, **look, solid_capstyle="round")
+    return bool(lines)
 
 
 def _mark_point(axes: Axes, view: View, legend: list[Any]) -> None:
     """Mark where the block or the axis itself is, if that is in the picture."""
-    if not {view.x.name, view.y.name} <= view.point.keys():
+    point = view.mark
+    if point is None:
         return
-    x, y = view.point[view.x.name], view.point[view.y.name]
-    for value, side in ((x, view.x), (y, view.y)):
-        if not side.values[0] <= value <= side.values[-1]:
-            return
     (mark,) = axes.plot(
-        x / view.x.unit.size,
-        y / view.y.unit.size,
+        point.x / view.x.unit.size,
+        point.y / view.y.unit.size,
         marker="o",
         markersize=9,
         color="white",
         markeredgecolor=_POINT,
         markeredgewidth=2.5,
         linestyle="none",
-        label=f"{view.x.name} = {view.x.unit.told(x)}, {view.y.name} = {view.y.unit.told(y)}",
+        label=point.label,
     )
     legend.append(mark)
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,18 +18,13 @@ from fmi.table import Variable
 from ..axis import AxisError, AxisFile, Number
 from ..axis.build import key_of
 from ..axis.keys import UNITS
+from ..points import columns
 from ..points.axes import axis_points, check
 from ..points.axes import has_closed_form as axis_has_closed_form
-from ..points.blocks import (
-    COLUMNS,
-    WITHOUT_INFLUENCE,
-    block_points,
-    has_closed_form,
-    table_of_law,
-)
+from ..points.blocks import WITHOUT_INFLUENCE, block_points, has_closed_form, table_of_law
+from ..points.columns import FEED, WITHOUT_FEED, Column
 from ..quantity import typed
 from ..shown import EXACT, told
-from .grid import Column
 from .over import Dimension, Quantity
 
 Arrays = Mapping[str, NDArray[np.float64]]
@@ -42,8 +37,6 @@ _CLOSED: Final = 16384
 
 _FOLLOWED: Final = 1024
 """Points of a block that is followed from event to event: some 0.1 s."""
-
-_RUN: Final = re.compile(r"^run \d+: ")
 
 _AXES: Final = 16
 """Axes of a block that are computed one by one."""
@@ -61,24 +54,18 @@ class BlockSource:
         Name and value [SI] of the parameters and inputs that are not at their start values.
     limit
         Whether the critical velocity is computed.
-    closed
-        Whether all of the map has closed forms.
+    by_slips
+        Whether slips are followed, which is slow without a C compiler: where the map has no closed
+        forms.
     """
 
     law: str
     values: tuple[tuple[str, float], ...]
     limit: bool
-    closed: bool
+    by_slips: bool
 
-    @property
-    def fastest(self) -> str:
-        """The pulling velocity: the critical one does not depend on it."""
-        return "v"
-
-    @property
-    def by_slips(self) -> bool:
-        """Whether slips are followed: where there is no closed form."""
-        return not self.closed
+    fastest: ClassVar = "v"
+    """What changes from point to point: the critical velocity does not depend on it."""
 
     @property
     def title(self) -> str:
@@ -91,8 +78,8 @@ class BlockSource:
 
     @property
     def most(self) -> int:
-        """Points of a block."""
-        return _CLOSED if self.closed else _FOLLOWED
+        """About how many points are computed in one call."""
+        return _FOLLOWED if self.by_slips else _CLOSED
 
     @property
     def identity(self) -> Mapping[str, Any]:
@@ -102,11 +89,7 @@ class BlockSource:
     @property
     def columns(self) -> dict[str, Column]:
         """The columns by name."""
-        found = {name: Column(*each) for name, each in COLUMNS.items()}
-        if not self.limit:
-            del found["v_c"]
-            return found
-        return found | {"v_c": Column(*COLUMNS["v_c"], without=("v",))}
+        return {name: each for name, each in columns.BLOCK.items() if self.limit or name != "v_c"}
 
     def at(self, values: Arrays) -> Mapping[str, NDArray[np.generic]]:
         """Return the columns at some points."""
@@ -118,7 +101,7 @@ class BlockSource:
             block_points({**dict(self.values), **values}, self.law, limit=False)
         except ValueError as error:
             # The number of the run is that of a corner, which nobody typed.
-            raise ValueError(_RUN.sub("", str(error))) from error
+            raise ValueError(re.sub(r"^run \d+: ", "", str(error))) from error
 
     def point(self, names: Sequence[str]) -> dict[str, float]:
         """Return the values of some parameters of the block itself, which the map is about."""
@@ -145,7 +128,7 @@ def block_source(
         for name, each in values.items()
         if name not in mapped and each != start.get(name)
     }
-    return BlockSource(law, tuple(sorted(given.items())), limit, closed)
+    return BlockSource(law, tuple(sorted(given.items())), limit, by_slips=not closed)
 
 
 def block_quantities(law: str) -> dict[str, Quantity]:
@@ -168,10 +151,6 @@ def _objection(row: Variable, value: float) -> str | None:
     return row.objection(value)
 
 
-FEED: Final = "feed"
-"""The name of the feed in a map of an axis."""
-
-
 @dataclass(frozen=True)
 class AxisSource:
     """An axis whose file states other numbers: `points.axes.axis_points`.
@@ -190,15 +169,9 @@ class AxisSource:
     feed: float | None
     feeds: int
 
-    @property
-    def fastest(self) -> str:
-        """The feed: one axis answers for all of them."""
-        return FEED
-
-    @property
-    def by_slips(self) -> bool:
-        """Whether slips are followed: never, the axis has a reference of its own."""
-        return False
+    fastest: ClassVar = FEED
+    """What changes from point to point: one axis answers for all feeds."""
+    by_slips: ClassVar = False
 
     @property
     def title(self) -> str:
@@ -208,7 +181,7 @@ class AxisSource:
 
     @property
     def most(self) -> int:
-        """Points of a block."""
+        """About how many points are computed in one call."""
         return _CLOSED if axis_has_closed_form(self.file.axis()) else max(_AXES, self.feeds)
 
     @property
@@ -219,9 +192,8 @@ class AxisSource:
     @property
     def columns(self) -> dict[str, Column]:
         """The columns by name."""
-        if self.feed is None and not self.feeds:
-            return {name: _AXIS_COLUMNS[name] for name in _WITHOUT_FEED}
-        return _AXIS_COLUMNS
+        without = self.feed is None and not self.feeds
+        return {n: each for n, each in columns.AXIS.items() if not without or n in WITHOUT_FEED}
 
     def at(self, values: Arrays) -> Mapping[str, NDArray[np.generic]]:
         """Return the columns at some points."""
@@ -235,7 +207,7 @@ class AxisSource:
         table = self.feed if feeds is None else np.broadcast_to(feeds.ravel(), (count, feeds.size))
         found = axis_points(self.file, flat, table)
         return {
-            name: np.broadcast_to(each.reshape(of_axis if name in _WITHOUT_FEED else shape), shape)
+            name: np.broadcast_to(each.reshape(of_axis if name in WITHOUT_FEED else shape), shape)
             for name, each in found.items()
         }
 
@@ -249,22 +221,12 @@ class AxisSource:
 
     def point(self, names: Sequence[str]) -> dict[str, float]:
         """Return the values of some parameters of the axis itself, which the map is about."""
-        found = {name: _number(self.file, name).value for name in names if name != FEED}
+        found = {name: check(self.file, name).value for name in names if name != FEED}
         feeds = demanded(self.file)
         return found | {FEED: feeds[0]} if feeds and FEED in names else found
 
 
-_AXIS_COLUMNS: Final = {
-    "jump": Column("m", "Jump of the table; 0 where it never jumps"),
-    "rate": Column("Hz", "Jumps in a second; 0 where it never jumps"),
-    "regime": Column("1", "What the table does: 0 moves evenly, 1 sticks and slips, 2 swings"),
-    "critical_feed": Column(
-        "m/s", "Critical feed: the highest at which the table jumps", without=(FEED,)
-    ),
-    "stable": Column("1", "Whether the servo loop is stable", without=(FEED,)),
-    "clamped": Column("1", "Whether mu_k came above mu_s and was taken as that", without=(FEED,)),
-}
-_WITHOUT_FEED: Final = ("critical_feed", "stable", "clamped")
+Source = BlockSource | AxisSource
 
 
 def axis_source(file: AxisFile, over: Sequence[Dimension], feed: float | None) -> AxisSource:
@@ -300,15 +262,9 @@ def axis_quantities(file: AxisFile) -> dict[str, Quantity]:
     return found
 
 
-def _number(file: AxisFile, path: str) -> Number:
-    number = file.values[path]
-    assert isinstance(number, Number)
-    return number
-
-
 def _read(file: AxisFile, path: str, text: str) -> float:
     """Read a quantity as the file does, in the unit in which the file states it."""
-    key, unit = key_of(path), _number(file, path).unit
+    key, unit = key_of(path), check(file, path).unit
     kinds = [each for each in key.kinds if each.unit == unit]
     return UNITS.read(text, kinds, next(iter(kinds)) if key.bare else None)[0]
 

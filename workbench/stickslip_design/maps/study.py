@@ -12,18 +12,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..axis import AxisFile, read_axis_file
 from ..chunks import Progress, Results, run
 from ..chunks.manifest import manifest_of
 from ..datasets import need, provenance, read_grid
-from .grid import Box, Grid, GridStudy, boxes
+from ..points.columns import FEED
+from .grid import GridStudy, boxes
 from .over import Dimension, OverError, dimensions
 from .sources import (
-    FEED,
-    AxisSource,
-    BlockSource,
+    Source,
     axis_quantities,
     axis_source,
     block_quantities,
@@ -89,8 +87,8 @@ def map_(
     Returns
     -------
     xarray.Dataset
-        One dimension a parameter, in the order of `over`; variables as `points.blocks.COLUMNS`, of
-        an axis as `points.axes.axis_points`, with ``units`` and ``long_name``. With a `folder` they
+        One dimension a parameter, in the order of `over`; variables as `points.columns.BLOCK`, of
+        an axis as `AXIS` there, with ``units`` and ``long_name``. With a `folder` they
         are read from there when they are used.
 
     Raises
@@ -123,7 +121,7 @@ def study_of(
     limit: bool | None = None,
 ) -> tuple[GridStudy, tuple[Dimension, ...]]:
     """Return the study of a map, and its dimensions in the order of `over`; see `map_`."""
-    source: BlockSource | AxisSource
+    source: Source
     if axis is None:
         spans = dimensions(over, block_quantities(law))
         source = block_source(law, values, spans, limit)
@@ -136,17 +134,10 @@ def study_of(
         source = axis_source(file, spans, values.get(FEED))
     slow = [each for each in spans if each.name != source.fastest]
     fast = [each for each in spans if each.name == source.fastest]
-    study = GridStudy(Grid((*slow, *fast)), source)
-    _check_corners(study)
-    return study, spans
-
-
-def _check_corners(study: GridStudy) -> None:
-    """Check the corners of the grid: what does not go together is told before the study."""
-    ends = {
-        each.name: np.array([each.values[0], each.values[-1]]) for each in study.grid.dimensions
-    }
-    study.source.check(dict(zip(ends, np.ix_(*ends.values()), strict=True)))
+    # At its corners: what does not go together is told before the study.
+    ends = {each.name: np.array([each.values[0], each.values[-1]]) for each in (*slow, *fast)}
+    source.check(dict(zip(ends, np.ix_(*ends.values()), strict=True)))
+    return GridStudy((*slow, *fast), source), spans
 
 
 def computed(
@@ -161,14 +152,27 @@ def computed(
 
     With `fresh` it is made anew; otherwise one that is there whole stays.
     """
-    need("xarray")
+    zarr = need("zarr")
     if folder is None:
-        return _in_memory(study, spans, run(None))
-    need("zarr")
+        store = zarr.storage.MemoryStore()
+        _write(study, spans, run(None), store)
+        return read_grid(store).load()
     target = _inside(folder, FILE)
     results = run(_inside(folder, _CHUNKS))
     if fresh or not _is_whole(target, study, spans):
-        _write(study, spans, results, target)
+        # A local dataset has its name when it is whole, any has its attributes then.
+        local = "://" not in target
+        place = f"{target}.part" if local else target
+        _remove(place)
+        _write(study, spans, results, place)
+        with warnings.catch_warnings():
+            # All metadata in one file is no part of the format yet; without, xarray warns of
+            # slowness.
+            warnings.simplefilter("ignore")
+            zarr.consolidate_metadata(place)
+        if local:
+            _remove(target)
+            os.replace(place, target)  # noqa: PTH105 - both are texts, for addresses
     return read_grid(target)
 
 
@@ -201,90 +205,48 @@ def _remove(target: str) -> None:
         system.rm(path, recursive=True)
 
 
-def _in_memory(study: GridStudy, spans: tuple[Dimension, ...], results: Results) -> xarray.Dataset:
-    whole = Box(0, study.count, tuple(slice(0, size) for size in study.grid.shape))
-    variables = {
-        name: (
-            _names_of(spans, study, name),
-            _arranged(study, spans, name, column, whole)[0],
-            _attributes(study, name),
-        )
-        for name, column in results.read().items()
-    }
-    coordinates = {each.name: ((each.name,), np.array(each.values), _of(each)) for each in spans}
-    about = {**_about(study, spans), **provenance(study.identity)}
-    made: xarray.Dataset = need("xarray").Dataset(variables, coordinates, about)
-    return made
-
-
-def _write(study: GridStudy, spans: tuple[Dimension, ...], results: Results, target: str) -> None:
-    """Write the dataset slab by slab; it has its attributes, and its name, when it is whole."""
-    local = "://" not in target
-    place = f"{target}.part" if local else target
-    _remove(place)
-    group = need("zarr").open_group(place, mode="w")
+def _write(study: GridStudy, spans: tuple[Dimension, ...], results: Results, target: Any) -> None:
+    """Write the dataset slab by slab."""
+    group = need("zarr").open_group(target, mode="w")
     for each in spans:
-        _array(group, each.name, np.array(each.values), (each.name,), _of(each))
-    arrays: dict[str, Any] = {}
-    for box in boxes(study.grid.shape, 0, study.count, _SLAB):
+        values = np.array(each.values)
+        group.create_array(
+            each.name, data=values, dimension_names=(each.name,), attributes=_of(each),
+            fill_value=np.nan,
+        )  # fmt: skip
+    inner = [each.name for each in study.dimensions]
+    for box in boxes(study.shape, 0, study.count, _SLAB):
         for name, column in results.read(box.start, box.stop).items():
-            part, where = _arranged(study, spans, name, column, box)
-            if name not in arrays:
-                names = _names_of(spans, study, name)
-                arrays[name] = group.create_array(
+            about = study.source.columns[name]
+            names = [each.name for each in spans if each.name not in about.without]
+            # What a column does not depend on is the same for all values: the first one tells.
+            part = column.reshape(box.shape)[tuple(slice(None) if n in names else 0 for n in inner)]
+            left = [n for n in inner if n in names]
+            part = part.transpose([left.index(n) for n in names])
+            if name not in group:
+                group.create_array(
                     name,
                     shape=tuple(len(each.values) for each in spans if each.name in names),
                     dtype=part.dtype,
                     chunks=part.shape,
                     dimension_names=names,
-                    attributes=_attributes(study, name),
+                    attributes={"units": about.unit, "long_name": about.description}
+                    | (_REGIMES if name == "regime" else {}),
                     fill_value=np.nan if part.dtype.kind == "f" else part.dtype.type(0),
                 )
-            arrays[name][where] = part
-    about = {**_about(study, spans), **provenance(study.identity)}
-    group.attrs.update({**about, _KEY: manifest_of(study).key})
-    with warnings.catch_warnings():
-        # All metadata in one file is no part of the format yet; without, xarray warns of slowness.
-        warnings.simplefilter("ignore")
-        need("zarr").consolidate_metadata(place)
-    if local:
-        _remove(target)
-        os.replace(place, target)  # noqa: PTH105 - both are texts, for addresses
-
-
-def _array(
-    group: Any, name: str, values: NDArray[Any], names: tuple[str, ...], attributes: Any
-) -> None:
-    made = group.create_array(
-        name,
-        shape=values.shape,
-        dtype=values.dtype,
-        dimension_names=names,
-        attributes=attributes,
-        fill_value=np.nan,
+            group[name][tuple(box.slices[inner.index(n)] for n in names)] = part
+    names = [each.name for each in spans]
+    group.attrs.update(
+        {
+            # What the pictures need to know, and that there is no seed.
+            "title": study.source.title,
+            "over": json.dumps(names),
+            "point": json.dumps(study.source.point(names)),
+            "seed": "none",
+            **provenance(study.identity),
+            _KEY: manifest_of(study).key,
+        }
     )
-    made[:] = values
-
-
-def _names_of(spans: tuple[Dimension, ...], study: GridStudy, column: str) -> tuple[str, ...]:
-    """Return the dimensions of a column, in the order that was asked for."""
-    without = study.source.columns[column].without
-    return tuple(each.name for each in spans if each.name not in without)
-
-
-def _arranged(
-    study: GridStudy, spans: tuple[Dimension, ...], name: str, column: NDArray[Any], box: Box
-) -> tuple[NDArray[Any], tuple[slice, ...]]:
-    """Return a box of a column in the dimensions of the dataset, and where it is there."""
-    inner = [each.name for each in study.grid.dimensions]
-    shape = [cut.stop - cut.start for cut in box.slices]
-    names = _names_of(spans, study, name)
-    # What a column does not depend on is the same for all values: the first one tells.
-    kept = tuple(slice(None) if each in names else 0 for each in inner)
-    part = column.reshape(shape)[kept]
-    left = [each for each in inner if each in names]
-    order = [left.index(each) for each in names]
-    return part.transpose(order), tuple(box.slices[inner.index(each)] for each in names)
 
 
 def _of(dimension: Dimension) -> dict[str, str]:
@@ -294,20 +256,4 @@ def _of(dimension: Dimension) -> dict[str, str]:
         "long_name": dimension.description,
         "shown_in": dimension.shown,
         "spacing": "log" if dimension.log else "lin",
-    }
-
-
-def _attributes(study: GridStudy, name: str) -> dict[str, Any]:
-    column = study.source.columns[name]
-    found = {"units": column.unit, "long_name": column.description}
-    return found | _REGIMES if name == "regime" else found
-
-
-def _about(study: GridStudy, spans: tuple[Dimension, ...]) -> dict[str, str]:
-    """Return what the pictures need to know, and that there is no seed."""
-    return {
-        "title": study.source.title,
-        "over": json.dumps([each.name for each in spans]),
-        "point": json.dumps(study.source.point([each.name for each in spans])),
-        "seed": "none",
     }

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from enum import IntEnum
 from functools import cache
 from typing import Any, Final
 
@@ -28,35 +27,12 @@ from stickslip_ref import (
 from stickslip_ref import friction_law as reference_law
 
 from . import dwelling, falling
+from .columns import Regime
 from .falling import CURVE, last_coefficient
 from .slips import BESIDE, LEAST_STICK, Floats, Motion, Values
 
 WITHOUT_INFLUENCE: Final = ("F_ext", "x_start", "x_dot_start", "z_start", "age_start")
 """Parameters and inputs that the steady motion does not depend on."""
-
-
-class Regime(IntEnum):
-    """What the mass does: a cycle with a stick where there is one, else by the steady sliding."""
-
-    EVEN = 0
-    STICKS = 1
-    SWINGS = 2
-
-
-COLUMNS: Final = {
-    "delta_x": ("m", "Jump of the mass in a slip; 0 where it never sticks"),
-    "T": ("s", "Period of the stick-slip cycle"),
-    "f": ("Hz", "Frequency of the stick-slip cycle"),
-    "t_stick": ("s", "Length of a stick"),
-    "t_slip": ("s", "Time from break-away to re-stick"),
-    "stick_share": ("1", "Part of the period in which the mass sticks; 0 where it never does"),
-    "regime": ("1", "What the mass does: 0 slides evenly, 1 sticks and slips, 2 swings"),
-    "at_limit": ("1", "Whether a limit is within 1e-6 of the pulling velocity"),
-    "delta_x_simplified": ("m", "Jump as designers write it, 2 (mu_s - mu_k) N/k"),
-    "simplified_error": ("1", "Relative error of that jump"),
-    "v_c": ("m/s", "Critical velocity: the highest at which a cycle with a stick exists"),
-}
-"""SI unit and description of the columns of `block_points`."""
 
 
 @cache
@@ -91,8 +67,8 @@ def block_points(
     Returns
     -------
     dict
-        `COLUMNS` by name, of the common shape of the arrays, read-only, ``v_c`` only with `limit`.
-        ``regime`` (int8) is a `Regime`, ``at_limit`` is a bool. Where the mass never sticks
+        `columns.BLOCK` by name, of the common shape of the arrays, read-only, ``v_c`` only with
+        `limit`. ``regime`` (int8) is a `Regime`, ``at_limit`` a bool. Where the mass never sticks
         ``delta_x`` and ``stick_share`` are 0, and what has no value is NaN: also where, with
         friction that grows at rest, the mass sticks and the sticks do not settle to one length.
 

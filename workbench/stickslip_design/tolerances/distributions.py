@@ -141,8 +141,7 @@ def varying(
     for path, text in vary.items():
         if path.startswith("demand."):
             raise AxisError("is asked of the axis and does not vary", key=path, name=file.name)
-        number = file.values.get(path)
-        check(file, path, number.value if isinstance(number, Number) else 0.0)
+        check(file, path)
         if not isinstance(text, str) or not text.strip():
             raise AxisError("has no distribution", key=path, name=file.name, within=_WRITTEN)
     found: dict[str, Distribution] = {}
@@ -172,10 +171,7 @@ def range_of(file: AxisFile, path: str, text: str) -> tuple[float, float]:
     AxisError
         If the file states no such number, or the text is no range of it.
     """
-    number = file.values.get(path)
-    check(file, path, number.value if isinstance(number, Number) else 0.0)
-    assert isinstance(number, Number)
-    low, high = _read(file, path, number, f"uniform {text}", "uniform").numbers
+    low, high = _read(file, path, check(file, path), f"uniform {text}", "uniform").numbers
     check(file, path, [low, high])
     return low, high
 

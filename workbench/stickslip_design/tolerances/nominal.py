@@ -9,19 +9,20 @@ statistic. The number keeps its relative scatter.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..axis import AxisError, AxisFile, Number
+from ..axis import AxisError, AxisFile
 from ..chunks import Columns, Results, Study
-from ..points.axes import EVEN, axis_points, check
+from ..points.axes import axis_points, check
+from ..points.columns import Regime
 from .distributions import Distribution
 from .probability import Probability, probability, ranks
-from .samples import Population, Samples, in_blocks, scaled
+from .samples import Machines, Population, Samples, scaled
 
 Floats = NDArray[np.float64]
 
@@ -32,7 +33,7 @@ _STEPS_CLOSED, _STEPS = 20, 13
 
 
 @dataclass(frozen=True)
-class Turns:
+class Turns(Machines):
     """The study of where each machine turns from jumping to even motion.
 
     Attributes
@@ -54,33 +55,11 @@ class Turns:
     NaN where both ends are alike.
     """
 
-    population: Population
     feed: float
     count: int
     path: str
     low: float
     high: float
-
-    @property
-    def quantum(self) -> int:
-        """A chunk is a multiple of so many points."""
-        return self.population.block
-
-    @property
-    def identity(self) -> Mapping[str, Any]:
-        """All that the results depend on, but for versions."""
-        return {
-            "study": "scatter: turns",
-            **self.population.identity,
-            "feed": self.feed,
-            "count": self.count,
-            "path": self.path,
-            "factors": [self.low, self.high],
-        }
-
-    def compute(self, start: int, stop: int) -> Columns:
-        """Return the columns of the machines from `start` up to `stop`."""
-        return in_blocks(start, stop, self.quantum, self._block)
 
     def _block(self, start: int, stop: int) -> Columns:
         count = stop - start
@@ -89,7 +68,7 @@ class Turns:
         def even(factors: Floats) -> NDArray[np.bool_]:
             changes = scaled(self.population.file, drawn, self.path, factors, count)
             found = axis_points(self.population.file, changes, self.feed, regimes_only=True)
-            return np.asarray(found["regime"] == EVEN)
+            return np.asarray(found["regime"] == Regime.EVEN)
 
         between = 1.0 if self.low < 1.0 < self.high else math.sqrt(self.low * self.high)
         low, middle, high = (np.full(count, each) for each in (self.low, between, self.high))
@@ -165,9 +144,7 @@ def factors(
     AxisError
         If the file states no such number, or the range is not one of its.
     """
-    stated = file.values.get(path)
-    check(file, path, stated.value if isinstance(stated, Number) else 0.0)
-    assert isinstance(stated, Number)
+    stated = check(file, path)
     now = stated.value if distribution is None else distribution.nominal
     if now == 0.0:
         raise AxisError(
@@ -221,13 +198,11 @@ def solved(
     """
     file = population.file
     now, low, high = factors(file, path, population.varied.get(path), within)
-    stated = file.values[path]
-    assert isinstance(stated, Number)
 
     def even(factor: float, name: str) -> Probability:
-        study = Samples(population, (feed,), count, path, factor, regimes_only=True)
+        study = Samples(population, (feed,), count, (path, factor), regimes_only=True)
         regimes = compute(study, name).read()["regime 1"]
-        return probability(int((regimes == EVEN).sum()), count)
+        return probability(int((regimes == Regime.EVEN).sum()), count)
 
     found = compute(Turns(population, feed, count, path, low, high), "turns").read()
     at_low, at_high = (found[name].astype(np.bool_) for name in ("even at low", "even at high"))
@@ -254,7 +229,7 @@ def solved(
     at_most = at_most == (now > 0.0)
     ends = (now * low, float(at_low.mean())), (now * high, float(at_high.mean()))
     return Solved(
-        path=path, unit=stated.unit, share=share, feed=feed,
+        path=path, unit=check(file, path).unit, share=share, feed=feed,
         value=math.nan if unsolved else now * factor,
         low=math.nan if unsolved else bounds[at_most],
         high=math.nan if unsolved else bounds[not at_most],

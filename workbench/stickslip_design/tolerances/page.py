@@ -26,25 +26,23 @@ def html(found: Scatter) -> str:
     return environment(_HERE / "templates").get_template("scatter.html.j2").render(
         name=asked.population.file.axis().name,
         sentences=list(words.sentences(found)),
-        pictures=[drawn for name in PICTURES if (drawn := _drawn(found, name)) is not None],
+        pictures=[_drawn(found, name) for name in PICTURES],
         feeds=words.feeds(found),
         parts=words.parts(found),
         numbers=words.numbers(found),
         correlations=words.correlations(found),
         count=asked.count,
-        seed=found.seed,
+        seed=asked.population.seed,
         version=VERSION,
         digest=found.provenance["inputs_digest"],
         style=text_of("report.css", _STYLES),
     )  # fmt: skip
 
 
-def _drawn(found: Scatter, name: str) -> Markup | None:
-    page = picture(found, name)
-    if page is None:
-        return None
+def _drawn(found: Scatter, name: str) -> Markup:
     with mpl.rc_context(STYLE):
-        return Markup(as_part(page, name, f"Scatter: {name}"))
+        page = picture(found, name)
+        return Markup(as_part(page, name, f"Scatter: {name}") if page is not None else "")
 
 
 def data(found: Scatter) -> dict[str, Any]:

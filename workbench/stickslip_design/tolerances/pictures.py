@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
 
-from ..points.axes import STICKS
+from ..points.columns import Regime
 from ..shown import EXACT, number
 from .probability import interval
 from .result import Scatter
@@ -103,7 +103,9 @@ def draw_convergence(on: Axes, found: Scatter) -> bool:
     chosen = (open_ones or [1])[: len(_COLOURS)]
     sizes = np.unique(np.geomspace(min(_FIRST, count), count, _LOOKS).round().astype(np.int64))
     for place, colour, line in zip(chosen, _COLOURS, _LINES, strict=False):
-        hits = np.cumsum(found.columns[f"regime {place}"] == STICKS)[sizes - 1].astype(np.float64)
+        hits = np.cumsum(found.columns[f"regime {place}"] == Regime.STICKS)[sizes - 1].astype(
+            np.float64
+        )
         low, high = interval(hits, sizes.astype(np.float64))
         on.fill_between(sizes, 100.0 * low, 100.0 * high, color=colour, alpha=_BAND, lw=0.0)
         name = feed(found.question.feeds[place - 1])

@@ -66,11 +66,6 @@ class Question:
         """The study of the machines."""
         return Samples(self.population, self.feeds, self.count)
 
-    @property
-    def points(self) -> int:
-        """How many variants of the axis are computed, but for those that a `hold` needs."""
-        return self.count + self.rows * (len(self.population.varied) + 2)
-
 
 def question(
     axis: AxisFile,
