@@ -98,7 +98,6 @@ def map(  # noqa: A001 - the name of the command
         study,
         spans,
         folder=folder,
-        fresh=computing.fresh,
         run=lambda place: run(study, place, described="Computing the map", **vars(computing)),
     )
     _show(dataset, folder)

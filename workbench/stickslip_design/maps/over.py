@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..quantity import QuantityError
 from ..ranges import parse_range
@@ -34,14 +34,14 @@ class Quantity(NamedTuple):
         The meaning, in words.
     read
         Reads a quantity with its unit into SI; raises QuantityError.
-    objection
-        Returns why a value cannot be taken; None if it can.
+    check
+        Raises a ValueError if one of some values cannot be taken.
     """
 
     unit: str
     description: str
     read: Callable[[str], float]
-    objection: Callable[[float], str | None]
+    check: Callable[[NDArray[np.float64]], object]
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def _dimension(name: str, given: str | Sequence[float], known: Mapping[str, Quan
         near = get_close_matches(name, known, 3, 0.4)
         remedy = f"nearest: {', '.join(near)}" if near else f"known are {', '.join(known)}"
         raise OverError(f"{name!r} is no parameter that can be mapped over; {remedy}")
-    unit, description, read, objection = known[name]
+    unit, description, read, check = known[name]
     if isinstance(given, str):
         text = repr(f"{name}={given}")
         try:
@@ -137,13 +137,13 @@ def _dimension(name: str, given: str | Sequence[float], known: Mapping[str, Quan
     if not isinstance(given, str):
         # Drawn as it is spaced: by equal ratios or by equal distances.
         log = bool(values[0] > 0.0) and _even(np.log(values)) and not _even(values)
-    for value in values.tolist():
-        reason = objection(value) if math.isfinite(value) else "a value is not finite"
-        if reason is not None:
-            raise OverError(f"{text}: {reason}")
+    try:
+        check(values)
+    except ValueError as error:
+        raise OverError(f"{text}: {error}") from None
     return Dimension(name, tuple(values.tolist()), unit, description, shown, log)
 
 
-def _even(numbers: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> bool:
+def _even(numbers: NDArray[np.float64]) -> bool:
     steps = np.diff(numbers)
     return bool(np.allclose(steps, steps.mean(), rtol=1e-6))

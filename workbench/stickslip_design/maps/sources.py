@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from fmi.table import Variable
 
-from ..axis import AxisError, AxisFile, Number
+from ..axis import AxisFile, Number
 from ..axis.build import key_of
-from ..axis.keys import UNITS
 from ..points import columns
-from ..points.axes import axis_points, check
+from ..points.axes import axis_points, check, read_number
 from ..points.axes import has_closed_form as axis_has_closed_form
 from ..points.blocks import WITHOUT_INFLUENCE, block_points, has_closed_form, table_of_law
 from ..points.columns import FEED, WITHOUT_FEED, Column
@@ -138,17 +137,19 @@ def block_quantities(law: str) -> dict[str, Quantity]:
             row.unit or "1",
             row.description,
             partial(typed, unit=row.unit or "1", within=f"({row.range})"),
-            partial(_objection, row),
+            partial(_check, row),
         )
         for row in table_of_law(law).rows
         if row.settable and row.name not in WITHOUT_INFLUENCE
     }
 
 
-def _objection(row: Variable, value: float) -> str | None:
-    if row.kind != "Real" and not value.is_integer():
-        return f"{row.name} takes whole numbers, not {value:g}"
-    return row.objection(value)
+def _check(row: Variable, values: NDArray[np.float64]) -> None:
+    for value in values.tolist():
+        whole = row.kind == "Real" or value.is_integer()
+        reason = row.objection(value) if whole else f"{row.name} takes whole numbers, not {value:g}"
+        if reason is not None:
+            raise ValueError(reason)
 
 
 @dataclass(frozen=True)
@@ -222,8 +223,8 @@ class AxisSource:
     def point(self, names: Sequence[str]) -> dict[str, float]:
         """Return the values of some parameters of the axis itself, which the map is about."""
         found = {name: check(self.file, name).value for name in names if name != FEED}
-        feeds = demanded(self.file)
-        return found | {FEED: feeds[0]} if feeds and FEED in names else found
+        feed = _first_feed(self.file)
+        return found if feed is None or FEED not in names else found | {FEED: feed}
 
 
 Source = BlockSource | AxisSource
@@ -233,17 +234,13 @@ def axis_source(file: AxisFile, over: Sequence[Dimension], feed: float | None) -
     """Return the source of a map of an axis; its feed is that of the demand where none is given."""
     feeds = next((len(each.values) for each in over if each.name == FEED), 0)
     if feed is None and not feeds:
-        feed = next(iter(demanded(file)), None)
+        feed = _first_feed(file)
     return AxisSource(file, None if feeds else feed, feeds)
 
 
-def demanded(file: AxisFile) -> list[float]:
-    """Return the feeds that a file demands [m/s]."""
-    return [
-        each.value
-        for path, each in file.values.items()
-        if path.startswith("demand.feeds") and isinstance(each, Number)
-    ]
+def _first_feed(file: AxisFile) -> float | None:
+    feeds = (path for path in file.values if path.startswith("demand.feeds"))
+    return next((check(file, path).value for path in feeds), None)
 
 
 def axis_quantities(file: AxisFile) -> dict[str, Quantity]:
@@ -252,30 +249,16 @@ def axis_quantities(file: AxisFile) -> dict[str, Quantity]:
         path: Quantity(
             each.unit,
             key_of(path).meaning,
-            partial(_read, file, path),
-            partial(_refusal, file, path),
+            partial(read_number, each),
+            partial(check, file, path),
         )
         for path, each in file.values.items()
         if isinstance(each, Number) and not path.startswith("demand.")
     }
-    found[FEED] = Quantity("m/s", "Feed", partial(typed, unit="m/s", within="> 0"), _feed_refusal)
-    return found
+    read = partial(typed, unit="m/s", within="> 0")
+    return found | {FEED: Quantity("m/s", "Feed", read, _check_feed)}
 
 
-def _read(file: AxisFile, path: str, text: str) -> float:
-    """Read a quantity as the file does, in the unit in which the file states it."""
-    key, unit = key_of(path), check(file, path).unit
-    kinds = [each for each in key.kinds if each.unit == unit]
-    return UNITS.read(text, kinds, next(iter(kinds)) if key.bare else None)[0]
-
-
-def _refusal(file: AxisFile, path: str, value: float) -> str | None:
-    try:
-        check(file, path, value)
-    except AxisError as error:
-        return str(error)
-    return None
-
-
-def _feed_refusal(value: float) -> str | None:
-    return None if value > 0.0 else f"a feed is above 0, not {value:g} m/s"
+def _check_feed(values: NDArray[np.float64]) -> None:
+    if not (values.min() > 0.0 and np.isfinite(values).all()):
+        raise ValueError(f"a feed is above 0, not {values.min():g} m/s")

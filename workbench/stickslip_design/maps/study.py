@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from ..axis import AxisFile, read_axis_file
-from ..chunks import Progress, Results, run
-from ..chunks.manifest import manifest_of
+from ..chunks import Results
 from ..datasets import need, provenance, read_grid
 from ..points.columns import FEED
 from .grid import GridStudy, boxes
@@ -40,26 +39,18 @@ _CHUNKS: Final = "chunks"
 _SLAB: Final = 2**20
 """Points that are written at a time: some 100 MB of columns, and a chunk of the dataset."""
 
-_KEY: Final = "study_key"
-"""The attribute of a dataset with the key of its study: of all that it depends on."""
-
 _REGIMES: Final = {"flag_values": [0, 1, 2], "flag_meanings": "even sticks swings"}
 
 
-def map_(
+def study_of(
     over: Mapping[str, str | Sequence[float]],
     *,
-    values: Mapping[str, float] | None = None,
+    values: Mapping[str, float],
     law: str = "coulomb",
     axis: AxisFile | Path | str | None = None,
-    folder: Path | str | None = None,
-    workers: int | None = None,
-    cluster: str | None = None,
-    fresh: bool = False,
     limit: bool | None = None,
-    progress: Callable[[Progress], None] | None = None,
-) -> xarray.Dataset:
-    """Map the steady motion of the block, or of an axis, over two parameters or more.
+) -> tuple[GridStudy, tuple[Dimension, ...]]:
+    """Return the study of a map, and its dimensions in the order of `over`.
 
     Parameters
     ----------
@@ -75,52 +66,15 @@ def map_(
         The friction law of the block, ``"coulomb"`` or ``"stribeck"``.
     axis
         The axis, in place of the block: an axis file.
-    folder
-        Where the study is kept, a folder or an address of fsspec: chunk files, from which it
-        resumes, and the dataset as ``map.zarr``, which is not made again where it is whole.
-    workers, cluster, fresh, progress
-        As of `chunks.run`.
     limit
         Whether the critical velocity of the block is computed. None: where it has a closed form,
         or at most 1000 are searched, at 10 to 100 ms.
 
-    Returns
-    -------
-    xarray.Dataset
-        One dimension a parameter, in the order of `over`; variables as `points.columns.BLOCK`, of
-        an axis as `AXIS` there, with ``units`` and ``long_name``. With a `folder` they
-        are read from there when they are used.
-
     Raises
     ------
     ValueError
-        If a range or a value cannot be taken, or the study cannot be computed to its end.
+        If a range or a value cannot be taken.
     """
-    values = values or {}
-    for name in over:
-        if name in values:
-            raise OverError(f"{name}: it is held, and the map is over it too")
-    study, spans = study_of(over, values=values, law=law, axis=axis, limit=limit)
-    return computed(
-        study,
-        spans,
-        folder=folder,
-        fresh=fresh,
-        run=lambda where: run(
-            study, where, workers=workers, cluster=cluster, fresh=fresh, progress=progress
-        ),
-    )
-
-
-def study_of(
-    over: Mapping[str, str | Sequence[float]],
-    *,
-    values: Mapping[str, float],
-    law: str = "coulomb",
-    axis: AxisFile | Path | str | None = None,
-    limit: bool | None = None,
-) -> tuple[GridStudy, tuple[Dimension, ...]]:
-    """Return the study of a map, and its dimensions in the order of `over`; see `map_`."""
     source: Source
     if axis is None:
         spans = dimensions(over, block_quantities(law))
@@ -145,13 +99,9 @@ def computed(
     spans: tuple[Dimension, ...],
     *,
     folder: Path | str | None,
-    fresh: bool,
     run: Callable[[str | None], Results],
 ) -> xarray.Dataset:
-    """Return the dataset of a study that `run` computes in the folder that it is given.
-
-    With `fresh` it is made anew; otherwise one that is there whole stays.
-    """
+    """Return the dataset of a study that `run` computes in the folder that it is given."""
     zarr = need("zarr")
     if folder is None:
         store = zarr.storage.MemoryStore()
@@ -159,41 +109,23 @@ def computed(
         return read_grid(store).load()
     target = _inside(folder, FILE)
     results = run(_inside(folder, _CHUNKS))
-    if fresh or not _is_whole(target, study, spans):
-        # A local dataset has its name when it is whole, any has its attributes then.
-        local = "://" not in target
-        place = f"{target}.part" if local else target
-        _remove(place)
-        _write(study, spans, results, place)
-        with warnings.catch_warnings():
-            # All metadata in one file is no part of the format yet; without, xarray warns of
-            # slowness.
-            warnings.simplefilter("ignore")
-            zarr.consolidate_metadata(place)
-        if local:
-            _remove(target)
-            os.replace(place, target)  # noqa: PTH105 - both are texts, for addresses
+    # A local dataset has its name when it is whole.
+    local = "://" not in target
+    place = f"{target}.part" if local else target
+    _remove(place)
+    _write(study, spans, results, place)
+    with warnings.catch_warnings():
+        # All metadata in one file is no part of the format yet; without, xarray warns of slowness.
+        warnings.simplefilter("ignore")
+        zarr.consolidate_metadata(place)
+    if local:
+        _remove(target)
+        os.replace(place, target)  # noqa: PTH105 - both are texts, for addresses
     return read_grid(target)
 
 
 def _inside(folder: Path | str, name: str) -> str:
     return f"{folder}/{name}" if "://" in str(folder) else str(Path(folder) / name)
-
-
-def _is_whole(target: str, study: GridStudy, spans: tuple[Dimension, ...]) -> bool:
-    """Tell whether a dataset is there whole, made of this study with these versions, as asked for.
-
-    The study is the same wherever the fastest dimension stands, and for any unit in which one was
-    typed.
-    """
-    with suppress(FileNotFoundError, KeyError, ValueError):
-        there = need("zarr").open_group(target, mode="r")
-        return (
-            there.attrs[_KEY] == manifest_of(study).key
-            and json.loads(there.attrs["over"]) == [each.name for each in spans]
-            and all(dict(there[each.name].attrs) == _of(each) for each in spans)
-        )
-    return False
 
 
 def _remove(target: str) -> None:
@@ -244,7 +176,6 @@ def _write(study: GridStudy, spans: tuple[Dimension, ...], results: Results, tar
             "point": json.dumps(study.source.point(names)),
             "seed": "none",
             **provenance(study.identity),
-            _KEY: manifest_of(study).key,
         }
     )
 

@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -170,7 +171,7 @@ _LIMITS: Final = (("v_c", "v"), ("critical_feed", "feed"))
 
 
 class View:
-    """How a dataset of `map_` is looked at: its first two parameters are the sides of a picture.
+    """How the dataset of a map is looked at: its first two parameters are the sides of a picture.
 
     Attributes
     ----------
@@ -214,7 +215,7 @@ class View:
         if not all(side.values[0] <= value <= side.values[-1] for side, value in both):
             return None
         told = ", ".join(f"{side.name} = {side.unit.told(value)}" for side, value in both)
-        return Mark(*values, told)
+        return Mark(values[0], values[1], told)
 
     def units(self, name: str) -> str:
         """Return the SI unit of a variable."""
@@ -237,9 +238,7 @@ class View:
             for each, count in zip(self.further, counts, strict=True)
         ]
         names = [each.name for each in self.further]
-        combined = np.meshgrid(*chosen, indexing="ij") if chosen else [np.zeros(1, int)]
-        rows = np.stack([each.ravel() for each in combined], axis=1).tolist()
-        return [dict(zip(names, row, strict=False)) for row in rows]
+        return [dict(zip(names, row, strict=True)) for row in product(*chosen)]
 
     def nearest(self) -> dict[str, int]:
         """Return the slice nearest to the block or axis itself; else that in the middle."""
@@ -278,7 +277,7 @@ class View:
                     ratio = abs(part.data[speed]) / part.data[limit]
                     log = np.log(ratio.transpose(self.y.name, self.x.name).values)
                 # Where the search of a limit has failed there is none to draw.
-                return np.clip(log, -30.0, 30.0)
+                return np.asarray(np.clip(log, -30.0, 30.0))
         return None
 
     def border(self, part: Slice) -> Floats | None:

@@ -20,6 +20,7 @@ from stickslip_ref import coulomb_limit, critical_velocity, steady_cycle
 
 from ..axis import Axis, AxisError, AxisFile, Number
 from ..axis.build import key_of
+from ..axis.keys import UNITS
 from ..critical import jumps_of, kind_beside, limits_of
 from ..loop.jumps import limit_of_jumps
 from ..loop.stability import is_stable
@@ -83,8 +84,17 @@ def axis_points(
     given = {path: np.ascontiguousarray(each, np.float64) for path, each in changes.items()}
     for path, each in given.items():
         check(file, path, each)
+    count = len(table)
+    found: dict[str, NDArray[Any]] = {
+        "critical_feed": np.full(count, math.nan),
+        "stable": np.ones(count, dtype=np.bool_),
+        "clamped": np.empty(count, dtype=np.bool_),
+        "jump": np.full(table.shape, math.nan),
+        "rate": np.full(table.shape, math.nan),
+        "regime": np.full(table.shape, Regime.UNKNOWN, dtype=np.int8),
+    }
     compute = _closed if has_closed_form(file.axis()) else _each
-    found = compute(file, given, table, regimes_only=regimes_only)
+    compute(found, file, given, table, regimes_only)
     if feeds is None:
         return {name: found[name] for name in WITHOUT_FEED}
     if feeds.ndim < 2:
@@ -122,6 +132,12 @@ def check(file: AxisFile, path: str, values: ArrayLike = ()) -> Number:
     return number
 
 
+def read_number(number: Number, text: str) -> float:
+    """Read a quantity into the unit in which a file states a number; raises QuantityError."""
+    kind = UNITS.kinds[number.unit]
+    return UNITS.read(text, (kind,), kind if number.unit == "1" else None)[0]
+
+
 def _table_of(changes: Mapping[str, Floats], feeds: Floats | None) -> Floats:
     """Return the feeds of each point as (points, feeds); raises ValueError."""
     lengths: dict[str, tuple[int, ...]] = {path: np.shape(each) for path, each in changes.items()}
@@ -141,44 +157,27 @@ def _table_of(changes: Mapping[str, Floats], feeds: Floats | None) -> Floats:
 
 
 def _closed(
-    file: AxisFile, changes: Mapping[str, Floats], table: Floats, *, regimes_only: bool
-) -> dict[str, NDArray[Any]]:
-    """Return the columns of axes on a rigid drive with constant friction, in closed form."""
+    found: dict[str, NDArray[Any]], file: AxisFile, changes: Mapping[str, Floats], table: Floats,
+    regimes_only: bool,
+) -> None:  # fmt: skip
+    """Compute the columns of axes on a rigid drive with constant friction, in closed form."""
     axes = file.changed(changes).axis()
-    shape = table.shape[:1]
-    limit = np.array(np.broadcast_to(coulomb_limit(axes.block(1.0)), shape))
-    found: dict[str, NDArray[Any]] = {
-        "critical_feed": limit,
-        "stable": np.ones(shape, dtype=np.bool_),
-        "clamped": np.array(np.broadcast_to(axes.friction.capped, shape)),
-        "jump": np.full(table.shape, math.nan),
-        "rate": np.full(table.shape, math.nan),
-        "regime": np.where(table <= limit[:, np.newaxis], Regime.STICKS, Regime.EVEN).astype(
-            np.int8
-        ),
-    }
+    found["critical_feed"][:] = limit = np.asarray(coulomb_limit(axes.block(1.0)))
+    found["clamped"][:] = axes.friction.capped
+    found["regime"][:] = np.where(table <= limit[..., np.newaxis], Regime.STICKS, Regime.EVEN)
     for column, feed in enumerate(() if regimes_only else table.T):
         cycle = steady_cycle(axes.block(np.ascontiguousarray(feed)))  # type: ignore[arg-type]
         found["jump"][:, column] = np.where(cycle.exists, cycle.delta_x, 0.0)
         found["rate"][:, column] = np.where(cycle.exists, cycle.f, 0.0)
         # Within rounding of the limit the cycle itself decides.
         found["regime"][:, column] = np.where(cycle.exists, Regime.STICKS, Regime.EVEN)
-    return found
 
 
 def _each(
-    file: AxisFile, changes: Mapping[str, Floats], table: Floats, *, regimes_only: bool
-) -> dict[str, NDArray[Any]]:
-    """Return the columns of axes that are computed one by one; an unstable loop swings."""
-    count = len(table)
-    found: dict[str, NDArray[Any]] = {
-        "critical_feed": np.full(count, math.nan),
-        "stable": np.ones(count, dtype=np.bool_),
-        "clamped": np.empty(count, dtype=np.bool_),
-        "jump": np.full(table.shape, math.nan),
-        "rate": np.full(table.shape, math.nan),
-        "regime": np.full(table.shape, Regime.UNKNOWN, dtype=np.int8),
-    }
+    found: dict[str, NDArray[Any]], file: AxisFile, changes: Mapping[str, Floats], table: Floats,
+    regimes_only: bool,
+) -> None:  # fmt: skip
+    """Compute the columns of axes one by one; an unstable loop swings."""
     for point, feeds in enumerate(table.tolist()):
         axis = file.changed({path: float(each[point]) for path, each in changes.items()}).axis()
         found["clamped"][point] = axis.friction.capped
@@ -197,7 +196,6 @@ def _each(
                 ]
                 found["jump"][point], found["rate"][point] = np.reshape(motions, (-1, 2)).T
             found["critical_feed"][point], found["regime"][point] = critical, regimes
-    return found
 
 
 def _regimes(

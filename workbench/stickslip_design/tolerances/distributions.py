@@ -28,7 +28,7 @@ from scipy.special import ndtr, ndtri
 from ..axis import AxisError, AxisFile, Number
 from ..axis.build import key_of
 from ..axis.keys import UNITS
-from ..points.axes import check
+from ..points.axes import check, read_number
 from ..quantity import QuantityError, parts_of
 
 Floats = NDArray[np.float64]
@@ -185,33 +185,30 @@ def _around(value: float, spread: float, spread_is: SpreadIs) -> Distribution:
 def _read(
     file: AxisFile, path: str, number: Number, text: str, spread_is: SpreadIs
 ) -> Distribution:
-    def refused(reason: str) -> AxisError:
-        return AxisError(reason, key=path, value=text, name=file.name, within=_WRITTEN)
-
     try:
-        if _PLUS_MINUS.search(text):
-            centre, _, around = _PLUS_MINUS.sub("±", text).partition("±")
-            value = _value(number, centre) if centre.strip() else number.value
-            spread = _scatter(number, value, around.strip(), _unit(centre))
-            if not spread > 0.0:
-                raise QuantityError("has a ± that is not above 0")
-            return _around(value, spread, spread_is)
-        kind, _, rest = text.partition(" ")
-        if kind not in _COUNT:
-            raise QuantityError("is no distribution")
-        parts = _NEXT.split(rest.replace("..", " ").strip())
-        if len(parts) != _COUNT[kind]:
-            raise QuantityError(f"has {len(parts)} numbers in place of {_COUNT[kind]}")
-        return _of_kind(kind, number, parts)
+        if not _PLUS_MINUS.search(text):
+            return _of_kind(number, text)
+        centre, _, around = _PLUS_MINUS.sub("±", text).partition("±")
+        value = read_number(number, centre) if centre.strip() else number.value
+        spread = _scatter(number, value, around.strip(), _unit(centre))
+        if not spread > 0.0:
+            raise QuantityError("has a ± that is not above 0")
+        return _around(value, spread, spread_is)
     except QuantityError as error:
-        raise refused(str(error)) from None
+        raise AxisError(str(error), key=path, value=text, name=file.name, within=_WRITTEN) from None
 
 
-def _of_kind(kind: str, number: Number, parts: list[str]) -> Distribution:
+def _of_kind(number: Number, text: str) -> Distribution:
+    kind, _, rest = text.partition(" ")
+    if kind not in _COUNT:
+        raise QuantityError("is no distribution")
+    parts = _NEXT.split(rest.replace("..", " ").strip())
+    if len(parts) != _COUNT[kind]:
+        raise QuantityError(f"has {len(parts)} numbers in place of {_COUNT[kind]}")
     last = _unit(parts[-1])
     if kind in {"normal", "lognormal"}:
         centre = parts[0] if _unit(parts[0]) or last == "%" else f"{parts[0]} {last}"
-        value = _value(number, centre)
+        value = read_number(number, centre)
         sigma = _scatter(number, value, parts[1], _unit(centre))
         if not sigma > 0.0:
             raise QuantityError("has a standard deviation that is not above 0")
@@ -220,7 +217,7 @@ def _of_kind(kind: str, number: Number, parts: list[str]) -> Distribution:
                 raise QuantityError("has a median that is not above 0")
             return Distribution(kind, (value, sigma / value))
         return Distribution(kind, (value, sigma))
-    values = tuple(_value(number, part if _unit(part) else f"{part} {last}") for part in parts)
+    values = tuple(read_number(number, part if _unit(part) else f"{part} {last}") for part in parts)
     if not values[0] < values[-1] or list(values) != sorted(values):
         raise QuantityError("is empty or reversed")
     return Distribution(kind, values)
@@ -230,16 +227,11 @@ def _unit(text: str) -> str:
     return parts_of(text)[1] if text.strip() else ""
 
 
-def _value(number: Number, text: str) -> float:
-    kind = UNITS.kinds[number.unit]
-    return UNITS.read(text, (kind,), kind if number.unit == "1" else None)[0]
-
-
 def _scatter(number: Number, value: float, text: str, unit_of_value: str) -> float:
     """Return a scatter in the unit of its number; percent are of the value, if that has none."""
     if _unit(text) == "%" != unit_of_value:
         return abs(value) * UNITS.read(text, (UNITS.kinds["1"],), None)[0]
-    return _value(number, text if _unit(text) else f"{text} {unit_of_value}")
+    return read_number(number, text if _unit(text) else f"{text} {unit_of_value}")
 
 
 def _within(file: AxisFile, path: str, found: Distribution) -> Distribution:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,6 +87,20 @@ class Turns(Machines):
         }
 
 
+class Hold(NamedTuple):
+    """What must hold: at `feed` [m/s] a `share` of machines runs evenly, by the number `path`.
+
+    The number is looked for between `low` and `high` times its nominal value `now`.
+    """
+
+    share: float
+    feed: float
+    path: str
+    now: float
+    low: float
+    high: float
+
+
 @dataclass(frozen=True)
 class Solved:
     """The nominal value of a number at which enough machines run evenly.
@@ -133,11 +147,13 @@ class Solved:
     unsolved: str = ""
 
 
-def factors(
-    file: AxisFile, path: str, distribution: Distribution | None,
+def hold_of(
+    file: AxisFile, path: str, distribution: Distribution | None, share: float, feed: float,
     within: tuple[float, float] | None,
-) -> tuple[float, float, float]:  # fmt: skip
-    """Return the nominal value of a number, and the factors on it among which is looked for.
+) -> Hold:  # fmt: skip
+    """Return what must hold, the number looked for `within` a lowest and a highest value.
+
+    None: a tenth to ten times its nominal value, in the SI unit in which the file states it.
 
     Raises
     ------
@@ -152,7 +168,7 @@ def factors(
             name=file.name,
         )  # fmt: skip
     if within is None:
-        return now, 1.0 / _WIDEST, _WIDEST
+        return Hold(share, feed, path, now, 1.0 / _WIDEST, _WIDEST)
     check(file, path, within)
     low, high = sorted(each / now for each in within)
     if not within[0] < within[1] or not low > 0.0:
@@ -160,17 +176,11 @@ def factors(
             "is looked for in an empty or reversed range, or one that holds 0", key=path,
             value=f"{within[0]:g} to {within[1]:g}", name=file.name,
         )  # fmt: skip
-    return now, low, high
+    return Hold(share, feed, path, now, low, high)
 
 
 def solved(
-    population: Population,
-    path: str,
-    share: float,
-    feed: float,
-    count: int,
-    compute: Callable[[Study, str], Results],
-    within: tuple[float, float] | None = None,
+    population: Population, hold: Hold, count: int, compute: Callable[[Study, str], Results]
 ) -> Solved:
     """Return the nominal value at which a share of machines runs evenly at a feed.
 
@@ -178,26 +188,14 @@ def solved(
     ----------
     population
         The machines.
-    path
-        Name of the number in the axis file; it need not vary.
-    share
-        Which share must run evenly, above 0 and below 1 [-].
-    feed
-        The feed [m/s].
+    hold
+        What must hold.
     count
         How many machines are drawn: the same for each value.
     compute
         Computes a study; the text says what for.
-    within
-        The lowest and the highest value; by default a tenth and ten times the nominal one.
-
-    Raises
-    ------
-    AxisError
-        If the file states no such number, or the range is not one of its.
     """
-    file = population.file
-    now, low, high = factors(file, path, population.varied.get(path), within)
+    share, feed, path, now, low, high = hold
 
     def even(factor: float, name: str) -> Probability:
         study = Samples(population, (feed,), count, (path, factor), regimes_only=True)
@@ -229,7 +227,7 @@ def solved(
     at_most = at_most == (now > 0.0)
     ends = (now * low, float(at_low.mean())), (now * high, float(at_high.mean()))
     return Solved(
-        path=path, unit=check(file, path).unit, share=share, feed=feed,
+        path=path, unit=check(population.file, path).unit, share=share, feed=feed,
         value=math.nan if unsolved else now * factor,
         low=math.nan if unsolved else bounds[at_most],
         high=math.nan if unsolved else bounds[not at_most],

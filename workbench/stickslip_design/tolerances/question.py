@@ -12,7 +12,7 @@ from ..axis.keys import BY_PATH, UNITS
 from ..points.axes import has_closed_form
 from ..quantity import QuantityError
 from .distributions import SpreadIs, range_of, varying
-from .nominal import factors
+from .nominal import Hold, hold_of
 from .samples import Population, Samples
 
 SAMPLES_CLOSED, SAMPLES = 100_000, 1_000
@@ -21,20 +21,6 @@ _ROWS_CLOSED: Final = 4096
 """Rows of the Sobol indices by default, where closed forms answer."""
 _SEEDS: Final = 2**128
 """How many seeds Philox has."""
-
-
-@dataclass(frozen=True)
-class Hold:
-    """What must hold: at `feed` [m/s] a `share` of machines runs evenly, by the number `path`.
-
-    The number is looked for `within` a lowest and a highest value, in the SI unit in which the
-    file states it; None: a tenth to ten times its nominal value.
-    """
-
-    share: float
-    feed: float
-    path: str
-    within: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -108,8 +94,7 @@ def question(
             raise ValueError(f"a share of {share:g} is out of range; it must be above 0, below 1")
         if isinstance(within, str):
             within = range_of(axis, solve, within)
-        factors(axis, solve, varied.get(solve), within)
-        wanted = Hold(share, _feed(feed), solve, within)
+        wanted = hold_of(axis, solve, varied.get(solve), share, _feed(feed), within)
     elif within is not None:
         raise ValueError("a range to look within goes with a number to solve for")
     return Question(population, found, count, rows, wanted)
