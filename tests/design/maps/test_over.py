@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip_design.maps.over import OverError, dimensions, split
+from stickslip_design.maps.over import OverError, dimensions
 from stickslip_design.maps.sources import block_quantities
 
 KNOWN = block_quantities("stribeck")
@@ -55,9 +55,3 @@ def test_what_cannot_be_mapped_over_is_refused_with_what_was_typed(
     with pytest.raises(OverError) as refused:
         dimensions(over, KNOWN)
     assert reason in str(refused.value)
-
-
-def test_a_parameter_is_typed_once() -> None:
-    assert split(["v = 1..2 mm/s", "k=1..2"]) == {"v": "1..2 mm/s", "k": "1..2"}
-    with pytest.raises(OverError, match=r"v is given twice: '1\.\.2' and '1\.\.3'"):
-        split(["v=1..2", "v=1..3"])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.commands.expanded import Only, command
+from stickslip.commands.expanded import Only, command, named
 from stickslip.commands.options import Computing
 from stickslip.commands.shared import say
 from stickslip.errors import CommandError
@@ -113,14 +113,14 @@ def _study(
     limit: bool | None,
 ) -> "tuple[GridStudy, tuple[Dimension, ...]]":
     from stickslip_design.datasets import need
-    from stickslip_design.maps.over import OverError, split
+    from stickslip_design.maps.over import OverError
     from stickslip_design.maps.study import study_of
     from stickslip_design.points.slips import native_problem
 
     for package in ("xarray", "zarr"):
         need(package)
     try:
-        ranges = split(over)
+        ranges = named(over, "--over")
         for name in ranges:
             of_curve = curve is not None and re.fullmatch(r"shape|n_points|mu_\d+|u_\d+", name)
             by = "--curve" if of_curve else held.get(name)

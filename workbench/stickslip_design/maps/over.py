@@ -28,10 +28,8 @@ class Quantity(NamedTuple):
 
     Attributes
     ----------
-    unit
-        SI unit, "1" for a plain number.
-    description
-        The meaning, in words.
+    unit, description
+        SI unit, "1" for a plain number; the meaning, in words.
     read
         Reads a quantity with its unit into SI; raises QuantityError.
     check
@@ -50,16 +48,12 @@ class Dimension:
 
     Attributes
     ----------
-    name
-        The parameter.
-    values
-        Its values [SI].
+    name, values
+        The parameter and its values [SI].
     unit, description
         As of `Quantity`.
-    shown
-        The unit in which it was typed; "" for none.
-    log
-        Whether it is drawn on a logarithmic scale.
+    shown, log
+        The unit in which it was typed, "" for none; whether it is drawn on a logarithmic scale.
     """
 
     name: str
@@ -92,25 +86,6 @@ def dimensions(
         raise OverError(
             f"a map is over two parameters or more, not {len(found)}; give each as {_FORM}"
         )
-    return found
-
-
-def split(texts: Sequence[str]) -> dict[str, str]:
-    """Return ranges by the name of their parameter, of texts such as ``v=0.1..50 mm/s``.
-
-    Raises
-    ------
-    OverError
-        If a text has no name, or two have the same.
-    """
-    found: dict[str, str] = {}
-    for text in texts:
-        name, equals, span = (part.strip() for part in text.partition("="))
-        if not (name and equals):
-            raise OverError(f"{text!r} is no range; expected {_FORM}")
-        if name in found:
-            raise OverError(f"{name} is given twice: {found[name]!r} and {span!r}")
-        found[name] = span
     return found
 
 

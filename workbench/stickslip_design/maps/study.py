@@ -20,7 +20,6 @@ from ..points.columns import FEED
 from .grid import GridStudy, boxes
 from .over import Dimension, OverError, dimensions
 from .sources import (
-    Source,
     axis_quantities,
     axis_source,
     block_quantities,
@@ -75,7 +74,6 @@ def study_of(
     ValueError
         If a range or a value cannot be taken.
     """
-    source: Source
     if axis is None:
         spans = dimensions(over, block_quantities(law))
         source = block_source(law, values, spans, limit)
@@ -84,13 +82,12 @@ def study_of(
         unknown = sorted(values.keys() - {FEED})
         if unknown:
             raise OverError(f"{unknown[0]}: the axis file states what is held, but for the feed")
+        if FEED in values and FEED in over:
+            raise OverError(f"{FEED}: it is held, and the map is over it too")
         spans = dimensions(over, axis_quantities(file))
         source = axis_source(file, spans, values.get(FEED))
     slow = [each for each in spans if each.name != source.fastest]
     fast = [each for each in spans if each.name == source.fastest]
-    # At its corners: what does not go together is told before the study.
-    ends = {each.name: np.array([each.values[0], each.values[-1]]) for each in (*slow, *fast)}
-    source.check(dict(zip(ends, np.ix_(*ends.values()), strict=True)))
     return GridStudy((*slow, *fast), source), spans
 
 
@@ -167,13 +164,12 @@ def _write(study: GridStudy, spans: tuple[Dimension, ...], results: Results, tar
                     fill_value=np.nan if part.dtype.kind == "f" else part.dtype.type(0),
                 )
             group[name][tuple(box.slices[inner.index(n)] for n in names)] = part
-    names = [each.name for each in spans]
     group.attrs.update(
         {
             # What the pictures need to know, and that there is no seed.
             "title": study.source.title,
-            "over": json.dumps(names),
-            "point": json.dumps(study.source.point(names)),
+            "over": json.dumps([each.name for each in spans]),
+            "point": json.dumps(study.source.point),
             "seed": "none",
             **provenance(study.identity),
         }

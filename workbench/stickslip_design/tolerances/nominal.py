@@ -38,16 +38,12 @@ class Turns(Machines):
 
     Attributes
     ----------
-    population
-        The machines.
+    population, count
+        The machines, and how many.
     feed
         The feed [m/s].
-    count
-        How many machines.
-    path
-        The number of the axis file that is multiplied.
-    low, high
-        The least and the largest factor.
+    path, low, high
+        The number of the axis file that is multiplied, and the least and the largest factor.
 
     Notes
     -----

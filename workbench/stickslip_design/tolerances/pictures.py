@@ -61,9 +61,7 @@ def draw_probability(on: Axes, found: Scatter) -> bool:
             color=INK, marker="o", ms=4.5, capsize=3.0, lw=1.2, zorder=3, clip_on=False,
         )  # fmt: skip
     _log_axis(on)
-    on.set_ylim(0.0, 100.0)
-    on.set_xlabel("feed  [mm/s]")
-    on.set_ylabel("machines that jump  [%]")
+    on.set(ylim=(0.0, 100.0), xlabel="feed  [mm/s]", ylabel="machines that jump  [%]")
     on.set_title("How many jump", loc="left")
     on.grid(visible=True)
     return True
@@ -111,8 +109,7 @@ def draw_convergence(on: Axes, found: Scatter) -> bool:
         name = feed(found.question.feeds[place - 1])
         on.plot(sizes, 100.0 * hits / sizes, color=colour, ls=line, lw=1.4, label=name)
     _log_axis(on)
-    on.set_xlabel("machines drawn")
-    on.set_ylabel("machines that jump  [%]")
+    on.set(xlabel="machines drawn", ylabel="machines that jump  [%]")
     on.set_title("Convergence", loc="left")
     on.legend(loc="best", fontsize=8.5)
     on.grid(visible=True)

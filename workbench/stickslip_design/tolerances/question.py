@@ -29,12 +29,10 @@ class Question:
 
     Attributes
     ----------
-    population
-        The machines.
+    population, count
+        The machines, and how many are drawn.
     feeds
         Feeds at which each is judged [m/s].
-    count
-        How many are drawn.
     rows
         Rows of the Sobol indices, a power of two; 0: none.
     hold

@@ -40,14 +40,10 @@ class Outcome:
     ----------
     feed
         The feed [m/s].
-    jumps
-        The probability that a machine jumps there.
-    even
-        The probability that it runs evenly: its jump is 0.
-    swings
-        How many swing without rest, or have an unstable loop.
-    unknown
-        How many could not be computed.
+    jumps, even
+        The probabilities that a machine jumps there, and that it runs evenly: its jump is 0.
+    swings, unknown
+        How many swing without rest, or have an unstable loop; how many could not be computed.
     jump
         The `QUANTILES` of the jump [m] of those that jump; NaN where none does.
     unmeasured
@@ -69,12 +65,10 @@ class Scatter:
 
     Attributes
     ----------
-    question
-        What was asked.
+    question, outcomes
+        What was asked, and what the machines do, by feed.
     columns
         The numbers and results of each machine, as `Samples` describes them.
-    outcomes
-        What the machines do, by feed.
     clamped
         How many had their mu_k above their mu_s, and it was taken as that.
     indices

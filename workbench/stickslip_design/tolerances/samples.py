@@ -124,12 +124,10 @@ class Samples(Machines):
 
     Attributes
     ----------
-    population
-        The machines.
+    population, count
+        The machines, and how many are drawn.
     feeds
         Feeds at which each is judged [m/s].
-    count
-        How many are drawn.
     scaled
         A number of the file that is multiplied in all of them, empty for none, and the factor.
     regimes_only
