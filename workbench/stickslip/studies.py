@@ -68,10 +68,9 @@ def map(  # noqa: A001 - the name of the command
     values = {name: value for name, value in held if name not in over}
     if axis is not None:
         values = {} if feed is None else {"feed": above_zero(feed, "m/s", "feed")}
-    study, spans = study_of(over, values=values, law=p.law, axis=axis, limit=limit)
+    study = study_of(over, values=values, law=p.law, axis=axis, limit=limit)
     return computed(
         study,
-        spans,
         folder=folder,
         run=lambda place: run(
             study, place, workers=workers, cluster=cluster, fresh=fresh, progress=progress

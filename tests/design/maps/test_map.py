@@ -96,7 +96,7 @@ def test_what_cannot_be_mapped_is_refused(
 def test_a_study_is_the_same_to_the_bit_however_it_is_cut_and_sent(
     over: dict[str, str], options: dict[str, Any]
 ) -> None:
-    study = study_of(over, values=C, **options)[0]
+    study = study_of(over, values=C, **options)
     expected = study.compute(0, study.count)
     sent: GridStudy = pickle.loads(pickle.dumps(study))
     assert sent.identity == study.identity
@@ -120,5 +120,5 @@ def test_all_that_results_depend_on_is_an_input_and_what_is_only_shown_is_not(
     over: dict[str, str], values: dict[str, float], options: dict[str, Any], same: bool
 ) -> None:
     spans = {"v": "1..2 mm/s 3", "k": "1..2 kN/m 3"}
-    other = study_of({**spans, **over}, values=values, **options)[0]
-    assert (other.identity == study_of(spans, values={})[0].identity) is same
+    other = study_of({**spans, **over}, values=values, **options)
+    assert (other.identity == study_of(spans, values={}).identity) is same

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     import xarray
 
     from stickslip_design.maps.grid import GridStudy
-    from stickslip_design.maps.over import Dimension
 
 
 @command
@@ -91,12 +90,11 @@ def map(  # noqa: A001 - the name of the command
             raise CommandError(f"{given[0]} goes with a map of the block; {axis} states the axis")
         values = {} if feed is None else {"feed": above_zero(feed, "m/s", "feed")}
         held, name = {} if feed is None else {"feed": "--feed"}, axis.stem
-    study, spans = _study(over or [], axis, p.law, values, held, p.curve, limit)
+    study = _study(over or [], axis, p.law, values, held, p.curve, limit)
     folder = output or f"{name}-map"
     _check_folder(folder)
     dataset = computed(
         study,
-        spans,
         folder=folder,
         run=lambda place: run(study, place, described="Computing the map", **vars(computing)),
     )
@@ -111,7 +109,7 @@ def _study(
     held: Mapping[str, str],
     curve: Path | None,
     limit: bool | None,
-) -> "tuple[GridStudy, tuple[Dimension, ...]]":
+) -> "GridStudy":
     from stickslip_design.datasets import need
     from stickslip_design.maps.over import OverError
     from stickslip_design.maps.study import study_of
@@ -126,12 +124,12 @@ def _study(
             by = "--curve" if of_curve else held.get(name)
             if by is not None:
                 raise OverError(f"{name} is set by {by} too")
-        study, spans = study_of(ranges, values=values, law=law, axis=axis, limit=limit)
+        study = study_of(ranges, values=values, law=law, axis=axis, limit=limit)
     except OverError as error:
         raise CommandError(f"--over: {error}") from error
     if study.source.by_slips and (problem := native_problem()) is not None:
         say(f"warning: {problem}; the Python block computes, some hundred times slower")
-    return study, spans
+    return study
 
 
 def _check_folder(folder: str) -> None:

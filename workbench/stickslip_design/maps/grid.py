@@ -77,14 +77,19 @@ class GridStudy:
 
     Attributes
     ----------
-    dimensions
-        In the order of computing: the last one changes from point to point.
+    over
+        The dimensions as they were asked for.
     source
         What is computed.
     """
 
-    dimensions: tuple[Dimension, ...]
+    over: tuple[Dimension, ...]
     source: Source
+
+    @property
+    def dimensions(self) -> tuple[Dimension, ...]:
+        """In the order of computing: the last one changes from point to point."""
+        return tuple(sorted(self.over, key=lambda each: each.name == self.source.fastest))
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..points.columns import Regime
+from ..shown import number
 from .views import VALID, Side, Slice, View, colours, contours
 
 if TYPE_CHECKING:
@@ -155,14 +156,11 @@ def _mark_point(axes: Axes, view: View, legend: list[Any]) -> None:
 def _name(axis: Any, side: Side) -> None:
     from matplotlib.ticker import FuncFormatter, NullFormatter
 
-    from ..shown import number
-
     if side.log:
         axis.set_tick_params(which="minor", labelsize=7)
-        getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
-        if side.values[-1] > 20.0 * side.values[0]:
-            axis.set_minor_formatter(NullFormatter())
-        else:
-            axis.set_minor_formatter(FuncFormatter(lambda value, _: number(value, 4)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: number(value, 4)))
+        axis.axes.set(**{f"{axis.axis_name}scale": "log"})
+        plain = FuncFormatter(lambda value, _: number(value, 4))
+        axis.set_major_formatter(plain)
+        short = side.values[-1] <= 20.0 * side.values[0]
+        axis.set_minor_formatter(plain if short else NullFormatter())
     axis.set_label_text(side.label)

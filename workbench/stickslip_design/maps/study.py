@@ -7,7 +7,6 @@ import os
 import shutil
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -48,8 +47,8 @@ def study_of(
     law: str = "coulomb",
     axis: AxisFile | Path | str | None = None,
     limit: bool | None = None,
-) -> tuple[GridStudy, tuple[Dimension, ...]]:
-    """Return the study of a map, and its dimensions in the order of `over`.
+) -> GridStudy:
+    """Return the study of a map.
 
     Parameters
     ----------
@@ -86,37 +85,30 @@ def study_of(
             raise OverError(f"{FEED}: it is held, and the map is over it too")
         spans = dimensions(over, axis_quantities(file))
         source = axis_source(file, spans, values.get(FEED))
-    slow = [each for each in spans if each.name != source.fastest]
-    fast = [each for each in spans if each.name == source.fastest]
-    return GridStudy((*slow, *fast), source), spans
+    return GridStudy(spans, source)
 
 
 def computed(
-    study: GridStudy,
-    spans: tuple[Dimension, ...],
-    *,
-    folder: Path | str | None,
-    run: Callable[[str | None], Results],
+    study: GridStudy, *, folder: Path | str | None, run: Callable[[str | None], Results]
 ) -> xarray.Dataset:
     """Return the dataset of a study that `run` computes in the folder that it is given."""
     zarr = need("zarr")
     if folder is None:
         store = zarr.storage.MemoryStore()
-        _write(study, spans, run(None), store)
+        _write(study, run(None), store)
         return read_grid(store).load()
     target = _inside(folder, FILE)
     results = run(_inside(folder, _CHUNKS))
     # A local dataset has its name when it is whole.
     local = "://" not in target
     place = f"{target}.part" if local else target
-    _remove(place)
-    _write(study, spans, results, place)
+    _write(study, results, place)
     with warnings.catch_warnings():
         # All metadata in one file is no part of the format yet; without, xarray warns of slowness.
         warnings.simplefilter("ignore")
         zarr.consolidate_metadata(place)
     if local:
-        _remove(target)
+        shutil.rmtree(target, ignore_errors=True)
         os.replace(place, target)  # noqa: PTH105 - both are texts, for addresses
     return read_grid(target)
 
@@ -125,19 +117,10 @@ def _inside(folder: Path | str, name: str) -> str:
     return f"{folder}/{name}" if "://" in str(folder) else str(Path(folder) / name)
 
 
-def _remove(target: str) -> None:
-    if "://" not in target:
-        shutil.rmtree(target, ignore_errors=True)
-        return
-    system, path = need("fsspec.core").url_to_fs(target)
-    with suppress(FileNotFoundError):
-        system.rm(path, recursive=True)
-
-
-def _write(study: GridStudy, spans: tuple[Dimension, ...], results: Results, target: Any) -> None:
+def _write(study: GridStudy, results: Results, target: Any) -> None:
     """Write the dataset slab by slab."""
     group = need("zarr").open_group(target, mode="w")
-    for each in spans:
+    for each in study.over:
         values = np.array(each.values)
         group.create_array(
             each.name, data=values, dimension_names=(each.name,), attributes=_of(each),
@@ -147,7 +130,7 @@ def _write(study: GridStudy, spans: tuple[Dimension, ...], results: Results, tar
     for box in boxes(study.shape, 0, study.count, _SLAB):
         for name, column in results.read(box.start, box.stop).items():
             about = study.source.columns[name]
-            names = [each.name for each in spans if each.name not in about.without]
+            names = [each.name for each in study.over if each.name not in about.without]
             # What a column does not depend on is the same for all values: the first one tells.
             part = column.reshape(box.shape)[tuple(slice(None) if n in names else 0 for n in inner)]
             left = [n for n in inner if n in names]
@@ -155,7 +138,7 @@ def _write(study: GridStudy, spans: tuple[Dimension, ...], results: Results, tar
             if name not in group:
                 group.create_array(
                     name,
-                    shape=tuple(len(each.values) for each in spans if each.name in names),
+                    shape=tuple(len(each.values) for each in study.over if each.name in names),
                     dtype=part.dtype,
                     chunks=part.shape,
                     dimension_names=names,
@@ -168,7 +151,7 @@ def _write(study: GridStudy, spans: tuple[Dimension, ...], results: Results, tar
         {
             # What the pictures need to know, and that there is no seed.
             "title": study.source.title,
-            "over": json.dumps([each.name for each in spans]),
+            "over": json.dumps([each.name for each in study.over]),
             "point": json.dumps(study.source.point),
             "seed": "none",
             **provenance(study.identity),

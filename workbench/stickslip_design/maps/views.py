@@ -269,8 +269,8 @@ class View:
             found.append(Slice(place, part.transpose(*sides)))
         return found
 
-    def above_limit(self, part: Slice) -> Floats | None:
-        """Return ln(v / v_c) over a slice, which is 0 at the limit; None where it has none."""
+    def border(self, part: Slice) -> Floats | None:
+        """Return what is 0 where stick-slip ends: ln(v / v_c), else the border of the regime."""
         for limit, speed in _LIMITS:
             if limit in part.data and speed in (self.x.name, self.y.name):
                 with np.errstate(divide="ignore", invalid="ignore"):
@@ -278,14 +278,9 @@ class View:
                     log = np.log(ratio.transpose(self.y.name, self.x.name).values)
                 # Where the search of a limit has failed there is none to draw.
                 return np.asarray(np.clip(log, -30.0, 30.0))
-        return None
-
-    def border(self, part: Slice) -> Floats | None:
-        """Return what is 0 where stick-slip ends: `above_limit`, else the border of the regime."""
-        exact = self.above_limit(part)
-        if exact is not None or "regime" not in part.data:
-            return exact
-        return np.where(part.columns["regime"] == Regime.STICKS, -0.5, 0.5)
+        if "regime" not in part.data:
+            return None
+        return np.where(part.data["regime"].values == Regime.STICKS, -0.5, 0.5)
 
     def told(self, place: Mapping[str, int]) -> str:
         """Return the values of the further parameters of a slice, in words."""

@@ -100,16 +100,14 @@ def question(
 
 def _feed(written: float | str) -> float:
     """Return a feed [m/s]; raises ValueError if it is not above 0."""
+    kind = UNITS.kinds["m/s"]
     try:
-        kind = UNITS.kinds["m/s"]
-        value = (
-            UNITS.read(written, (kind,), None)[0] if isinstance(written, str) else float(written)
-        )
+        value = UNITS.read(written, (kind,), None)[0] if isinstance(written, str) else written
     except QuantityError as error:
         raise ValueError(f"feed {written} {error}; expected {kind.expected('above 0')}") from None
     if value not in BY_PATH["demand.feeds"].within:
         raise ValueError(f"feed {written} is out of range; it must be above 0")
-    return value
+    return float(value)
 
 
 def _held(text: str) -> tuple[float, str]:
