@@ -36,7 +36,7 @@ def test_a_map_has_the_dimensions_asked_for_and_agrees_with_the_reference(
     import xarray
 
     over = {name: OVER[name] for name in names}
-    found = ss.map(over, ss.Parameters(**C), folder=tmp_path, workers=1).load()
+    found = ss.map(over, ss.Parameters(c=3.0), folder=tmp_path, workers=1).load()
     xarray.testing.assert_identical(xarray.open_zarr(tmp_path / "map.zarr").load(), found)
     assert (found["k"].attrs["units"], found["delta_x"].attrs["units"]) == ("N/m", "m")
     assert json.loads(found.attrs["inputs"])["values"] == C

@@ -71,10 +71,9 @@ def page(view: View, slices: Sequence[Slice], told: Sequence[str]) -> str:
     from matplotlib.colors import to_hex
 
     places = [each.place for each in slices]
-    variables = list(view.variables)
     bars: dict[str, _Bar] = {}
     pictures: dict[str, list[str]] = {}
-    for variable in variables:
+    for variable in view.variables:
         samples = [each.columns[variable.name] for each in slices]
         scale = colours(view.units(variable.name), samples)
         bars[variable.name] = _bar(variable, scale)
@@ -101,13 +100,10 @@ def page(view: View, slices: Sequence[Slice], told: Sequence[str]) -> str:
     versions: dict[str, str] = json.loads(view.dataset.attrs["versions"])
     folder = Path(__file__).parent / "templates"
     return environment(folder).get_template("map.html.j2").render(
-        title=view.title,
+        view=view,
         told=told,
-        variables=variables,
         bars=bars,
         sliders=sliders,
-        x=view.x,
-        y=view.y,
         x_ticks=ticks(view.x, _WIDTH),
         y_ticks=[each._replace(at=_HEIGHT - each.at) for each in ticks(view.y, _HEIGHT)],
         width=_WIDTH,

@@ -7,7 +7,7 @@ and friction that grows at rest are followed from event to event by the exact bl
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from typing import Any, Final
 
@@ -84,11 +84,7 @@ def block_points(
     """
     given = _checked(values, law)
     shape = np.broadcast_shapes(*(np.shape(each) for each in values.values()))
-    if has_closed_form(given, law):
-        motion = _coulomb(given)
-    else:
-        follow = dwelling.motion if law == COULOMB_NAME else falling.motion
-        motion = _followed(given, law, follow)
+    motion = _coulomb(given) if has_closed_form(given, law) else _followed(given, law)
     columns = _columns(given, law, motion)
     if limit:
         without = {name: each for name, each in values.items() if name != "v"}
@@ -180,24 +176,25 @@ def _coulomb(given: Values) -> Motion:
     return Motion(sticks, t_stick, np.asarray(cycle.t_slip), even, np.asarray(at_limit))
 
 
-def _followed(
-    given: Values, law: str, motion: Callable[[dict[str, float | Floats], str, int], Motion]
-) -> Motion:
+def _followed(given: Values, law: str) -> Motion:
     """Return motions that are followed from event to event, of a list of blocks."""
     shape = np.broadcast_shapes(*(np.shape(each) for each in given.values()))
     flat = {
         name: np.broadcast_to(each, shape).ravel() if np.ndim(each) else float(each)
         for name, each in given.items()
     }
-    others = [each for name, each in given.items() if name != "v"]
     # A pull backward is the mirror image of one forward.
     flat["v"] = np.broadcast_to(np.abs(given["v"]), shape).ravel()
-    v = np.abs(given["v"])
-    # Whether v, and nothing else, changes along the last dimension.
-    last = np.shape(v)[-1:] == shape[-1:] == (np.size(v),)
-    last = last and not any(np.shape(each)[-1:] == shape[-1:] for each in others)
-    row = v.size if last and np.all(np.diff(v.ravel()) > 0.0) else 1
-    found = motion(flat, law, row)
+    if law == COULOMB_NAME:
+        found = dwelling.motion(flat)
+    else:
+        v = np.abs(given["v"])
+        others = [each for name, each in given.items() if name != "v"]
+        # Whether v, and nothing else, changes along the last dimension.
+        last = np.shape(v)[-1:] == shape[-1:] == (np.size(v),)
+        last = last and not any(np.shape(each)[-1:] == shape[-1:] for each in others)
+        row = v.size if last and np.all(np.diff(v.ravel()) > 0.0) else 1
+        found = falling.motion(flat, law, row)
     return Motion(**{name: each.reshape(shape) for name, each in found._asdict().items()})
 
 

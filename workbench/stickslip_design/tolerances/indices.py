@@ -17,7 +17,7 @@ from scipy.stats import qmc, sobol_indices
 
 from ..chunks import Columns
 from .probability import CONFIDENCE
-from .samples import Machines, answered
+from .samples import Machines
 
 Floats = NDArray[np.float64]
 
@@ -73,7 +73,7 @@ class Mixed(Machines):
     def _block(self, start: int, stop: int) -> Columns:
         count = len(self.population.varied)
         drawn = mixed(self.population.seed, self.rows, count, start, stop)
-        return answered(self.population.file, self.population.at(drawn), self.feeds)
+        return self.population.answered(self.population.at(drawn), self.feeds)
 
 
 def mixed(seed: int, rows: int, count: int, start: int, stop: int) -> Floats:

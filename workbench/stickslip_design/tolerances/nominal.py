@@ -22,7 +22,7 @@ from ..points.axes import axis_points, check
 from ..points.columns import Regime
 from .distributions import Distribution
 from .probability import Probability, probability, ranks
-from .samples import Machines, Population, Samples, scaled
+from .samples import Machines, Population, Samples
 
 Floats = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ class Turns(Machines):
         drawn = self.population.drawn(start, stop)
 
         def even(factors: Floats) -> NDArray[np.bool_]:
-            changes = scaled(self.population.file, drawn, self.path, factors, count)
+            changes = self.population.scaled(drawn, self.path, factors)
             found = axis_points(self.population.file, changes, self.feed, regimes_only=True)
             return np.asarray(found["regime"] == Regime.EVEN)
 

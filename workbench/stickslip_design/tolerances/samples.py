@@ -86,6 +86,29 @@ class Population:
             for place, (path, each) in enumerate(self.varied.items())
         }
 
+    def scaled(
+        self, changes: dict[str, Floats], path: str, by: float | Floats
+    ) -> dict[str, Floats]:
+        """Return changes with one number multiplied, one that does not vary too; "" for none."""
+        if not path:
+            return changes
+        count = len(next(iter(changes.values())))
+        stated = np.full(count, check(self.file, path).value)
+        return {**changes, path: changes.get(path, stated) * by}
+
+    def answered(
+        self, changes: Mapping[str, Floats], feeds: tuple[float, ...], *, regimes_only: bool = False
+    ) -> Columns:
+        """Return numbers and what each machine does at some feeds, as the columns of `Samples`."""
+        count = len(next(iter(changes.values())))
+        table = np.broadcast_to(feeds, (count, len(feeds)))
+        found = axis_points(self.file, changes, table, regimes_only=regimes_only)
+        columns: Columns = {**changes, **{name: found[name] for name in WITHOUT_FEED}}
+        for name in ("jump", "rate", "regime"):
+            for place, column in enumerate(found[name].T, 1):
+                columns[f"{name} {place}"] = np.ascontiguousarray(column)
+        return columns
+
 
 @dataclass(frozen=True)
 class Machines:
@@ -147,34 +170,5 @@ class Samples(Machines):
 
     def _block(self, start: int, stop: int) -> Columns:
         drawn = self.population.drawn(start, stop)
-        changes = scaled(self.population.file, drawn, *self.scaled, stop - start)
-        return answered(self.population.file, changes, self.feeds, regimes_only=self.regimes_only)
-
-
-def scaled(
-    file: AxisFile, changes: Mapping[str, Floats], path: str, by: float | Floats, count: int
-) -> dict[str, Floats]:
-    """Return changes with one number multiplied, one that does not vary too; "" for none."""
-    if not path:
-        return dict(changes)
-    stated = np.full(count, check(file, path).value)
-    return {**changes, path: changes.get(path, stated) * by}
-
-
-def answered(
-    file: AxisFile,
-    changes: Mapping[str, Floats],
-    feeds: tuple[float, ...],
-    *,
-    regimes_only: bool = False,
-) -> Columns:
-    """Return the numbers that vary and what each machine does, as the columns of `Samples`."""
-    count = len(next(iter(changes.values())))
-    found = axis_points(
-        file, changes, np.broadcast_to(feeds, (count, len(feeds))), regimes_only=regimes_only
-    )
-    columns: Columns = {**changes, **{name: found[name] for name in WITHOUT_FEED}}
-    for name in ("jump", "rate", "regime"):
-        for place, column in enumerate(found[name].T, 1):
-            columns[f"{name} {place}"] = np.ascontiguousarray(column)
-    return columns
+        changes = self.population.scaled(drawn, *self.scaled)
+        return self.population.answered(changes, self.feeds, regimes_only=self.regimes_only)
