@@ -77,15 +77,13 @@ def unit_of(unit: str, largest: float, typed: str = "") -> Unit:
     written, plain = on_data_sheet(typed) if typed else None, on_data_sheet(unit)
     if written is not None and plain is not None:
         return Unit(float(written.factor / plain.factor), typed)
-    if unit == "1":
-        return Unit(1.0, "")
-    ladder: Sequence[tuple[float, str]] = ((1.0, unit),)
+    ladder: Sequence[tuple[float, str]] = ((1.0, "" if unit == "1" else unit),)
     if unit == "N/m":
         ladder = _OF_STIFFNESS
     if unit in _PREFIXED:
         # Metres and seconds have no larger units in a workshop.
-        large = unit not in ("m", "m/s", "s")
-        ladder = tuple((size, f"{sign}{unit}") for size, sign in _PREFIXES if large or size <= 1.0)
+        least = 0 if unit in ("N", "Hz") else 2
+        ladder = [(size, f"{sign}{unit}") for size, sign in _PREFIXES[least:]]
     return next((Unit(*each) for each in ladder if largest >= each[0]), Unit(*ladder[-1]))
 
 
@@ -95,14 +93,10 @@ class Side:
 
     Attributes
     ----------
-    name, description
-        The parameter.
-    values
-        Its values [SI].
-    unit
-        The unit that they are shown in.
-    log
-        Whether they are drawn on a logarithmic scale.
+    name, description, values
+        The parameter, and its values [SI].
+    unit, log
+        The unit that they are shown in, and whether on a logarithmic scale.
     """
 
     name: str
@@ -175,10 +169,8 @@ class View:
 
     Attributes
     ----------
-    x, y
-        The first and the second parameter.
-    further
-        The others.
+    x, y, further
+        The first and the second parameter, and the others.
     variables
         What there is to show; the first one is the main one.
     point

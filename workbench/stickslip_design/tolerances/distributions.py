@@ -138,39 +138,29 @@ def varying(
     AxisError
         If the file states no such number, a text is no distribution, or nothing varies.
     """
-    for path, text in vary.items():
+    for path in vary:
         if path.startswith("demand."):
             raise AxisError("is asked of the axis and does not vary", key=path, name=file.name)
         check(file, path)
-        if not isinstance(text, str) or not text.strip():
-            raise AxisError("has no distribution", key=path, name=file.name, within=_WRITTEN)
     found: dict[str, Distribution] = {}
     for path, number in file.values.items():
         if not isinstance(number, Number) or path.startswith("demand."):
             continue
-        if path in vary:
-            if vary[path].strip() != "fixed":
-                found[path] = _read(file, path, number, vary[path].strip(), spread_is)
-        elif number.spread:
-            found[path] = _around(number.value, number.spread, spread_is)
+        text = vary.get(path, "").strip()
+        if path in vary and text != "fixed":
+            found[path] = _within(file, path, _read(file, path, number, text, spread_is))
+        elif path not in vary and number.spread:
+            found[path] = _within(file, path, _around(number.value, number.spread, spread_is))
     if not found:
         raise AxisError(
             "nothing varies: no number of the file has a ±", name=file.name,
             remedy='write a ± there, or --vary "friction.mu_s=normal 0.2 0.02"',
         )  # fmt: skip
-    for path, each in found.items():
-        found[path] = _within(file, path, each)
     return found
 
 
 def range_of(file: AxisFile, path: str, text: str) -> tuple[float, float]:
-    """Return lowest and highest of a text such as ``36..44 N/um``, in the unit of the file.
-
-    Raises
-    ------
-    AxisError
-        If the file states no such number, or the text is no range of it.
-    """
+    """Return the ends of a text such as ``36..44 N/um`` in the unit of the file; AxisError."""
     low, high = _read(file, path, check(file, path), f"uniform {text}", "uniform").numbers
     check(file, path, [low, high])
     return low, high
@@ -237,13 +227,10 @@ def _scatter(number: Number, value: float, text: str, unit_of_value: str) -> flo
 def _within(file: AxisFile, path: str, found: Distribution) -> Distribution:
     """Return a distribution within the range of its number; raises AxisError if much is outside."""
     within = key_of(path).within
-    if found.kind == "lognormal":
-        check(file, path, found.nominal)
-        return found
+    bounded = found.kind in {"uniform", "triangular"}
+    check(file, path, [found.numbers[0], found.numbers[-1]] if bounded else found.nominal)
     if found.kind != "normal":
-        check(file, path, [found.numbers[0], found.numbers[-1]])
         return found
-    check(file, path, found.nominal)
     low = math.nextafter(within.low, math.inf) if within.strict else within.low
     found = replace(found, low=low, high=within.high)
     if found.cut > _MOST_CUT:

@@ -12,9 +12,10 @@ from stickslip_fmu.release import VERSION
 from stickslip_verification.report.environment import environment, text_of
 from stickslip_verification.report.svg import STYLE, as_part
 
+from ..report.record import plain
 from . import words
 from .pictures import PICTURES, picture
-from .result import Scatter, plain
+from .result import Scatter
 
 _HERE: Final = Path(__file__).parent
 _STYLES: Final = _HERE.parent / "report" / "templates"

@@ -15,6 +15,7 @@ from ..chunks import Columns
 from ..datasets import need, provenance
 from ..points.axes import check
 from ..points.columns import AXIS, Regime
+from ..report.record import plain
 from .indices import Indices
 from .nominal import Solved
 from .probability import Probability, probability
@@ -160,20 +161,3 @@ def outcome(feed: float, regime: NDArray[Any], jump: NDArray[np.float64]) -> Out
         jump=tuple(np.quantile(known, QUANTILES).tolist()) if len(known) else (math.nan,) * 3,
         unmeasured=int(sticks.sum()) - len(known),
     )
-
-
-def plain(value: Any) -> Any:
-    """Return a result as what JSON knows; infinity as a text, what is not a number as null."""
-    if hasattr(value, "_asdict"):
-        return plain(value._asdict())
-    if hasattr(value, "__dataclass_fields__"):
-        return {name: plain(getattr(value, name)) for name in value.__dataclass_fields__}
-    if isinstance(value, Mapping):
-        return {str(key): plain(each) for key, each in value.items()}
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, tuple | list):
-        return [plain(each) for each in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None if math.isnan(value) else "Infinity" if value > 0.0 else "-Infinity"
-    return value
