@@ -18,12 +18,7 @@ from ..datasets import need, provenance, read_grid
 from ..points.columns import FEED
 from .grid import GridStudy, boxes
 from .over import Dimension, OverError, dimensions
-from .sources import (
-    axis_quantities,
-    axis_source,
-    block_quantities,
-    block_source,
-)
+from .sources import axis_quantities, axis_source, block_quantities, block_source
 
 if TYPE_CHECKING:
     import xarray
@@ -48,25 +43,9 @@ def study_of(
     axis: AxisFile | Path | str | None = None,
     limit: bool | None = None,
 ) -> GridStudy:
-    """Return the study of a map.
+    """Return the study of a map; `over`, `axis` and `limit` as of `stickslip.map`.
 
-    Parameters
-    ----------
-    over
-        By name the values of a parameter [SI], rising, or a text such as ``"0.1..50 mm/s log 400"``
-        (low..high, unit, ``log`` or ``lin``, number of values; without the last two 200 values at
-        equal distances). Of the block: parameters and inputs that the steady motion depends on. Of
-        an axis: numbers that its file states (``axis.mass``, ``friction.mu_s``), and ``feed``.
-    values
-        Values of the block that are held [SI]; the rest has its start value. Of an axis: ``feed``,
-        where the map is not over it; without it the first that the file demands.
-    law
-        The friction law of the block, ``"coulomb"`` or ``"stribeck"``.
-    axis
-        The axis, in place of the block: an axis file.
-    limit
-        Whether the critical velocity of the block is computed. None: where it has a closed form,
-        or at most 1000 are searched, at 10 to 100 ms.
+    `values` of the block are held [SI], the rest has its start value; of an axis: ``feed``.
 
     Raises
     ------

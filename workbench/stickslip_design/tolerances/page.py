@@ -42,7 +42,7 @@ def html(found: Scatter) -> str:
 
 def _drawn(found: Scatter, name: str) -> Markup:
     with mpl.rc_context(STYLE):
-        page = picture(found, name)
+        page = picture(found, [name])
         return Markup(as_part(page, name, f"Scatter: {name}") if page is not None else "")
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 import matplotlib as mpl
@@ -149,25 +149,16 @@ PICTURES: Final[dict[str, Draw]] = {
 """The pictures by name."""
 
 
-def picture(found: Scatter, name: str) -> Figure | None:
-    """Return a picture; None where there is nothing to draw."""
+def picture(found: Scatter, names: Sequence[str] = tuple(PICTURES)) -> Figure | None:
+    """Return one picture, or four on a page; None where there is nothing to draw."""
+    side = math.isqrt(len(names))
     with mpl.rc_context(STYLE):
-        page = Figure(figsize=(5.2, 3.4), layout="constrained")
-        on = page.add_subplot()
-        on.set_axisbelow(True)
-        return page if PICTURES[name](on, found) else None
-
-
-def overview(found: Scatter) -> Figure:
-    """Return the pictures on one page."""
-    with mpl.rc_context(STYLE):
-        page = Figure(figsize=(10.4, 7.0), layout="constrained")
-        for place, draw in enumerate(PICTURES.values(), 1):
-            on = page.add_subplot(2, 2, place)
+        page = Figure(figsize=(5.2 * side, 3.4 * side), layout="constrained")
+        for place, name in enumerate(names, 1):
+            on = page.add_subplot(side, side, place)
             on.set_axisbelow(True)
-            if not draw(on, found):
-                on.set_visible(False)
-    return page
+            on.set_visible(PICTURES[name](on, found))
+    return page if any(on.get_visible() for on in page.axes) else None
 
 
 def _log_axis(on: Axes) -> None:
