@@ -7,7 +7,7 @@ and friction that grows at rest are followed from event to event by the exact bl
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 from typing import Any, Final
 
@@ -111,23 +111,17 @@ def critical_speeds(values: Values, law: str = COULOMB_NAME) -> Floats:
     if has_closed_form(given, law):
         return np.asarray(coulomb_limit(_parameters(given)))
     arrays = np.broadcast_arrays(*(np.asarray(each, float) for each in given.values()))
-    found = np.empty(arrays[0].shape)
+    found = np.full(arrays[0].shape, np.nan)
+    friction = reference_law(law)
     for place in np.ndindex(found.shape):
         point = {name: float(each[place]) for name, each in zip(given, arrays, strict=True)}
-        found[place] = _critical_speed(point, law)
+        own = {name: point[name] for name in friction.parameters if name in point}
+        with suppress(RuntimeError):
+            limit = critical_velocity(_parameters(point), friction, own)
+            # The search ends somewhere; a cycle that exists up to there has no end that is known.
+            endless = limit.cycle and limit.highest >= limit.between[1]
+            found[place] = np.inf if endless else limit.highest
     return found
-
-
-def _critical_speed(point: Mapping[str, float], law: str) -> float:
-    of_law = reference_law(law)
-    own = {name: point[name] for name in of_law.parameters if name in point}
-    try:
-        found = critical_velocity(_parameters(point), of_law, own)
-    except RuntimeError:
-        return np.nan
-    high = found.highest
-    # The search ends somewhere; a cycle that exists up to there has no end that is known.
-    return np.inf if found.cycle and high >= found.between[1] else high
 
 
 def _checked(values: Values, law: str) -> dict[str, float | Floats]:
@@ -208,8 +202,13 @@ def _columns(given: Values, law: str, motion: Motion) -> dict[str, NDArray[Any]]
     regime = np.where(
         motion.sticks, Regime.STICKS, np.where(motion.swings, Regime.SWINGS, Regime.EVEN)
     )
+    p = _parameters(given)
+    mu_k = np.asarray(p.mu_k)
+    if law != COULOMB_NAME:
+        # Of a measured curve that of its last point.
+        mu_k = np.where(np.equal(given["shape"], CURVE), last_coefficient(given), mu_k)
     with np.errstate(divide="ignore", invalid="ignore"):
-        simplified = np.copysign(_simplified_jump(given, law), v)
+        simplified = np.copysign(2.0 * (p.mu_s - mu_k) * p.N / p.k, v)
         return {
             "delta_x": delta_x,
             "T": T,
@@ -222,12 +221,3 @@ def _columns(given: Values, law: str, motion: Motion) -> dict[str, NDArray[Any]]
             "delta_x_simplified": simplified,
             "simplified_error": simplified / (v * T) - 1.0,
         }
-
-
-def _simplified_jump(given: Values, law: str) -> Floats:
-    """Return 2 (mu_s - mu_k) N/k [m]; of a measured curve mu_k is that of its last point."""
-    p = _parameters(given)
-    mu_k = np.asarray(p.mu_k)
-    if law != COULOMB_NAME:
-        mu_k = np.where(np.equal(given["shape"], CURVE), last_coefficient(given), mu_k)
-    return np.asarray(2.0 * (p.mu_s - mu_k) * p.N / p.k)
