@@ -141,7 +141,7 @@ class Scatter:
             kind, _, place = name.partition(" ")
             about = self._about(kind)
             if place:
-                about["long_name"] += f" at {self.question.feeds[int(place) - 1]:.6g} m/s"
+                about["long_name"] += f" (at {self.question.feeds[int(place) - 1]:.6g} m/s)"
             data[name.replace(" ", "_")] = "sample", column, about
         coordinates = {"sample": np.arange(self.question.count)}
         table: xarray.Dataset = need("xarray").Dataset(data, coordinates, self.provenance)
