@@ -72,10 +72,12 @@ def computed(
 ) -> xarray.Dataset:
     """Return the dataset of a study that `run` computes in the folder that it is given."""
     zarr = need("zarr")
+    # A store gives its arrays back in any order.
+    names = [*(each.name for each in study.over), *study.source.columns]
     if folder is None:
         store = zarr.storage.MemoryStore()
         _write(study, run(None), store)
-        return read_grid(store).load()
+        return read_grid(store)[names].load()
     target = _inside(folder, FILE)
     results = run(_inside(folder, _CHUNKS))
     # A local dataset has its name when it is whole.
@@ -89,7 +91,7 @@ def computed(
     if local:
         shutil.rmtree(target, ignore_errors=True)
         os.replace(place, target)  # noqa: PTH105 - both are texts, for addresses
-    return read_grid(target)
+    return read_grid(target)[names]
 
 
 def _inside(folder: Path | str, name: str) -> str:
