@@ -127,6 +127,14 @@ def test_the_script_of_the_readme_does_what_its_commands_do(tmp_path: Path) -> N
         assert (tmp_path / name).is_file()
 
 
+def test_a_dash_is_standard_input_and_standard_output(tmp_path: Path) -> None:
+    text = "\n".join(ss.library._toml(AXIS))
+    words = ("-m", "stickslip", "design", "-", "-o", "axis.html", "--json", "-")
+    done = python(*words, cwd=tmp_path, input=text)
+    assert json.loads(done.stdout.partition("\n}\n")[0] + "}")["format"] == 2
+    assert (tmp_path / "axis.html").is_file()
+
+
 def test_importing_the_library_imports_nothing_heavy() -> None:
     heavy = ("numpy", "scipy", "matplotlib", "fmpy", "rich", "typer", "xarray")
     code = f"import sys, stickslip; print([name for name in {heavy!r} if name in sys.modules])"

@@ -40,7 +40,6 @@ app = typer.Typer(
     help=SUMMARY,
     # Plain help takes half the time and folds well in any terminal.
     rich_markup_mode=None,
-    add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 

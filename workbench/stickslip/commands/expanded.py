@@ -4,12 +4,14 @@ import contextlib
 import functools
 import inspect
 import sys
+import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final, get_args, get_origin, get_type_hints
 
 import typer
+from typer.models import ArgumentInfo
 
 from stickslip.errors import CommandError
 from stickslip.parameters import ParameterError, Quantity
@@ -19,6 +21,7 @@ _PANELS: Final = {
     "input": "Inputs, held over the run (20mm/s, 5 N)",
 }
 _OURS: Final = ("stickslip", "fmi")
+_DASH: Final = Path("-")
 
 
 @dataclass(frozen=True)
@@ -67,9 +70,18 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
         made[argument.name] = (kind, {name: text for name, (text, _) in of_fields.items()})
         options += [option for _, option in of_fields.values()]
 
+    read = {
+        option.name
+        for option in options
+        if any(isinstance(each, ArgumentInfo) for each in get_args(option.annotation))
+    }
+
     @functools.wraps(function)
     def run(**given: Any) -> None:
-        with _refusals(tuple(given)), _here_on_path():
+        with _refusals(tuple(given)), _here_on_path(), contextlib.ExitStack() as stack:
+            for name in [name for name, value in given.items() if value == _DASH]:
+                # An argument is a file that is read, maybe twice; an option one that is written.
+                given[name] = _standard_input(stack) if name in read else Path("/dev/stdout")
             for name, (kind, names) in made.items():
                 typed = {each: given.pop(each) for each in names}
                 for each, value in typed.items():
@@ -125,6 +137,12 @@ def _typed(hint: Any) -> Any:
         return list[str]
     kinds = set(get_args(hint)) - {type(None)} or {hint}
     return next(kind for kind in (bool, Path, str, int, float) if kind in kinds)
+
+
+def _standard_input(stack: contextlib.ExitStack) -> Path:
+    file = Path(stack.enter_context(tempfile.TemporaryDirectory()), "stdin")
+    file.write_bytes(sys.stdin.buffer.read())
+    return file
 
 
 @contextlib.contextmanager

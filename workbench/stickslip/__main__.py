@@ -1,0 +1,5 @@
+"""`python -m stickslip`: the command."""
+
+from stickslip.cli import main
+
+main()
