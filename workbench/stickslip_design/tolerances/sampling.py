@@ -87,15 +87,15 @@ def factor_of(names: Sequence[str], correlation: Mapping[tuple[str, str], float]
     for row in range(len(names)):
         for column in range(row + 1):
             rest = R[row, column] - math.fsum(L[row, :column] * L[column, :column])
+            excluded = False
             if row == column:
-                if rest < -_ROUNDING:
-                    raise ValueError(
-                        "the correlations exclude each other: no numbers have all of them"
-                    )
+                excluded = rest < -_ROUNDING
                 L[row, row] = math.sqrt(max(rest, 0.0))
             elif L[column, column] > math.sqrt(_ROUNDING):
                 L[row, column] = rest / L[column, column]
-            elif abs(rest) > math.sqrt(_ROUNDING):
+            else:
+                excluded = abs(rest) > math.sqrt(_ROUNDING)
+            if excluded:
                 raise ValueError("the correlations exclude each other: no numbers have all of them")
     return tuple(tuple(map(float, row[: place + 1])) for place, row in enumerate(L))
 
