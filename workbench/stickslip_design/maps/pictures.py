@@ -108,7 +108,18 @@ def _draw(axes: Axes, view: View, part: Slice) -> None:
             legend.append(
                 Patch(facecolor=grey, hatch="..", edgecolor=_VALID, linewidth=0.0, label=label)
             )
-    _mark_point(axes, view, legend)
+    if view.mark is not None:
+        legend += axes.plot(
+            view.mark.x / view.x.unit.size,
+            view.mark.y / view.y.unit.size,
+            marker="o",
+            markersize=9,
+            color="white",
+            markeredgecolor=_POINT,
+            markeredgewidth=2.5,
+            linestyle="none",
+            label=view.mark.label,
+        )
     for side, axis in ((view.x, axes.xaxis), (view.y, axes.yaxis)):
         _name(axis, side)
     bar = axes.figure.colorbar(mesh, ax=axes)
@@ -132,25 +143,6 @@ def _lines(axes: Axes, view: View, field: NDArray[Any], level: float, **look: An
             places[:] = back(np.interp(places, numbers[: side.values.size], scale(side.shown)))
         axes.plot(*line.T, **look, solid_capstyle="round")
     return bool(lines)
-
-
-def _mark_point(axes: Axes, view: View, legend: list[Any]) -> None:
-    """Mark where the block or the axis itself is, if that is in the picture."""
-    point = view.mark
-    if point is None:
-        return
-    (mark,) = axes.plot(
-        point.x / view.x.unit.size,
-        point.y / view.y.unit.size,
-        marker="o",
-        markersize=9,
-        color="white",
-        markeredgecolor=_POINT,
-        markeredgewidth=2.5,
-        linestyle="none",
-        label=point.label,
-    )
-    legend.append(mark)
 
 
 def _name(axis: Any, side: Side) -> None:

@@ -33,10 +33,8 @@ class Indices:
 
     Attributes
     ----------
-    first
-        Part of the variance that a number makes alone [-].
-    total
-        Part that it makes alone and together with others [-].
+    first, total
+        Parts of the variance that a number makes alone, and alone and together with others [-].
     first_range, total_range
         Intervals of confidence of 95 %, shape (numbers, 2), by resampling the rows.
     """

@@ -30,10 +30,8 @@ class Population:
 
     Attributes
     ----------
-    file
-        The axis file.
-    varied
-        The distributions by name.
+    file, varied
+        The axis file, and the distributions by name.
     correlation
         Correlations of pairs of them, -1 to 1; others are 0.
     seed

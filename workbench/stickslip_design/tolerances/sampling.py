@@ -31,18 +31,7 @@ _HALF: Final = 2.0**-54
 def shares(seed: int, start: int, stop: int, count: int) -> Floats:
     """Return the random shares of samples [-], above 0 and below 1.
 
-    Parameters
-    ----------
-    seed
-        The seed, from 0 to 2^128 - 1.
-    start, stop
-        The samples from `start` up to but not including `stop`.
-    count
-        Shares of a sample.
-
-    Returns
-    -------
-    array of shape (stop - start, count)
+    `count` of them for each sample from `start` up to `stop`; the seed is 0 to 2^128 - 1.
     """
     counts = -(-count // _WORDS)
     generator = np.random.Philox(key=seed)
