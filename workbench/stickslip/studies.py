@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stickslip.parameters import Parameters, above_zero
-from stickslip_design.maps.study import map_ as mapped
+from stickslip_design.chunks import Progress, run
+from stickslip_design.maps.study import computed, study_of
 from stickslip_design.sweeps.study import sweep as sweep
 from stickslip_design.tolerances.study import scatter as scatter
 
@@ -23,26 +24,39 @@ def map(  # noqa: A001 - the name of the command
     *,
     axis: AxisFile | Path | str | None = None,
     feed: float | str | None = None,
-    **options: Any,
+    limit: bool | None = None,
+    folder: Path | str | None = None,
+    workers: int | None = None,
+    cluster: str | None = None,
+    fresh: bool = False,
+    progress: Callable[[Progress], None] | None = None,
 ) -> xarray.Dataset:
     """Map jump, period and regime of the block, or of an axis, over two parameters or more.
 
     Parameters
     ----------
     over
-        By name a range, such as ``"0.1..50 mm/s log 400"``, or rising values [SI].
+        By name a range, such as ``"0.1..50 mm/s log 400"`` (lin where it is not said, and 200
+        values), or rising values [SI]. Of an axis: numbers that its file states
+        (``axis.mass``), and ``feed``.
     p
         The block, but for what the map is over.
     axis, feed
         The axis file in place of the block, and its feed [m/s] where the map is not over it.
-    options
-        ``folder``, ``workers``, ``cluster``, ``fresh``, ``limit``, ``progress``, as of
-        `stickslip_design.maps.study.map_`.
+    limit
+        Whether the critical velocity of the block is computed. None: where it has a closed form,
+        or at most 1000 are searched, at 10 to 100 ms.
+    folder
+        Where the study is kept, a folder or an address of fsspec: chunk files, from which it
+        resumes, and the dataset as ``map.zarr``, which is read when it is used.
+    workers, cluster, fresh, progress
+        As of `stickslip_design.chunks.run`.
 
     Returns
     -------
     xarray.Dataset
-        One dimension a parameter; variables with ``units`` and ``long_name``.
+        One dimension a parameter, in the order of `over`; variables with ``units`` and
+        ``long_name``: `stickslip_design.points.columns`.
 
     Raises
     ------
@@ -54,4 +68,11 @@ def map(  # noqa: A001 - the name of the command
     values = {name: value for name, value in held if name not in over}
     if axis is not None:
         values = {} if feed is None else {"feed": above_zero(feed, "m/s", "feed")}
-    return mapped(over, values=values, law=p.law, axis=axis, **options)
+    study = study_of(over, values=values, law=p.law, axis=axis, limit=limit)
+    return computed(
+        study,
+        folder=folder,
+        run=lambda place: run(
+            study, place, workers=workers, cluster=cluster, fresh=fresh, progress=progress
+        ),
+    )

@@ -1,3 +1,2 @@
-from .maps.study import map_ as map_
 from .sweeps.study import sweep as sweep
 from .tolerances.study import scatter as scatter

@@ -19,8 +19,8 @@ EXAMPLE: Final = "0.1..50 mm/s log 400"
 BETWEEN: Final = ".."
 """What stands between the ends of a range."""
 
-MOST_VALUES: Final = 1_000_000_000
-"""Values of one range: more fit into no memory."""
+MOST_VALUES: Final = 10_000_000
+"""Most values of a range: they are held in memory."""
 
 _SPACED: Final = {"log": True, "lin": False}
 _COUNT: Final = re.compile(r"[+-]?\d{1,18}", re.ASCII)
@@ -38,12 +38,15 @@ class Range:
         How many values, at least 2.
     log
         Whether each value has the same ratio to the next, in place of the same distance.
+    symbol
+        The unit as it was written; "" for none.
     """
 
     low: float
     high: float
     count: int
     log: bool
+    symbol: str = ""
 
     def values(self) -> NDArray[np.float64]:
         """Return the values, shape (count,), rising; the ends are exact."""
@@ -51,11 +54,11 @@ class Range:
         return np.asarray(spaced(self.low, self.high, self.count), dtype=np.float64)
 
 
-def parse_range(text: str, unit: str, *, read: Read = typed) -> Range:
-    """Read a range: ``LOW..HIGH [UNIT] [log] COUNT``.
+def parse_range(text: str, unit: str, *, read: Read = typed, count: int | None = None) -> Range:
+    """Read a range: ``LOW..HIGH [UNIT] [log|lin] [COUNT]``.
 
-    The unit stands behind the high end and counts for both; the low end may have one of its own
-    (``900 um/s..2 mm/s 12``). Without ``log``, or with ``lin``, the distances are equal.
+    A unit of one end counts for both, and each may have its own (``900 um/s..2 mm/s 12``). Without
+    ``log`` the distances are equal.
 
     Parameters
     ----------
@@ -66,6 +69,8 @@ def parse_range(text: str, unit: str, *, read: Read = typed) -> Range:
     read
         Reads one end, given text and unit; default: `stickslip_design.quantity.typed`, in which a
         plain number is SI.
+    count
+        How many values a range has that does not say it; None: it is refused.
 
     Raises
     ------
@@ -77,21 +82,26 @@ def parse_range(text: str, unit: str, *, read: Read = typed) -> Range:
     if not between or BETWEEN in rest or rest.startswith("."):
         raise QuantityError(f"is no range; expected such as {EXAMPLE!r}")
     number, tail = parts_of(rest)
-    *words, last = tail.split() or [""]
-    if not _COUNT.fullmatch(last):
+    words, spacing, counts = tail.split(), list[str](), list[str]()
+    while words and (words[-1] in _SPACED or _COUNT.fullmatch(words[-1])):
+        (spacing if words[-1] in _SPACED else counts).append(words.pop())
+    for what, said in (("spacing", spacing), ("count", counts)):
+        if len(said) > 1:
+            raise QuantityError(f"has two words for its {what}")
+    if not counts and count is None:
         raise QuantityError(f"does not end with how many values; expected such as {EXAMPLE!r}")
-    count = int(last)
-    log = _SPACED[words.pop()] if words and words[-1] in _SPACED else False
-    symbol = " ".join(words)
+    count = int(counts[0]) if counts else count or 0
+    log = spacing == ["log"]
     low_number, low_symbol = parts_of(low_text)
+    symbol = " ".join(words) or low_symbol
     low = read(f"{low_number} {low_symbol or symbol}".strip(), unit)
     high = read(f"{number} {symbol}".strip(), unit)
     if not 2 <= count <= MOST_VALUES:
-        raise QuantityError(f"has {count} values; expected 2 to {MOST_VALUES}")
+        raise QuantityError(f"has {count} values; 2 to {MOST_VALUES:g} are possible")
     if low == high:
         raise QuantityError("is empty: both ends are the same")
     if low > high:
-        raise QuantityError("runs backwards: the low end is above the high end")
+        raise QuantityError("is reversed: its end must be above its begin")
     if log and low <= 0.0:
         raise QuantityError("is logarithmic and begins at 0 or below; expected both ends above 0")
-    return Range(low, high, count, log)
+    return Range(low, high, count, log, symbol)

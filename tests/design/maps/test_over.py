@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stickslip_design.maps.over import OverError, dimensions, split
+from stickslip_design.maps.over import OverError, dimensions
 from stickslip_design.maps.sources import block_quantities
 
 KNOWN = block_quantities("stribeck")
@@ -37,11 +37,11 @@ def test_a_range_is_read_as_it_is_typed_and_a_list_is_spaced_as_it_is(
     [
         ({"v": "50..1 mm/s", **K}, "'v=50..1 mm/s' is reversed"),
         ({"v": "1..2 mm/s 1", **K}, "'v=1..2 mm/s 1' has 1 values"),
-        ({"v": "0..2 mm/s log", **K}, "is logarithmic: both ends must be above 0"),
+        ({"v": "0..2 mm/s log", **K}, "is logarithmic and begins at 0 or below"),
         ({"v": "1..2 kg", **K}, "'v=1..2 kg' is a mass; expected a velocity"),
         ({"v": "1..2 mm/s log lin", **K}, "has two words for its spacing"),
-        ({"v": "1..1.0000000000000004 m/s 10", **K}, "has not so many numbers between its ends"),
-        ({"v": "1 mm/s", **K}, "'v=1 mm/s' is no range; expected NAME=LOW..HIGH"),
+        ({"v": "1..1.0000000000000004 m/s 10", **K}, "does not rise from value to value"),
+        ({"v": "1 mm/s", **K}, "'v=1 mm/s' is no range; expected such as"),
         ({"v": [1.0, 0.5], **K}, "the range of v does not rise"),
         (K, "a map is over two parameters or more, not 1"),
         ({"mu_z": "0..1", **K}, "'mu_z' is no parameter that can be mapped over; nearest: mu_"),
@@ -55,9 +55,3 @@ def test_what_cannot_be_mapped_over_is_refused_with_what_was_typed(
     with pytest.raises(OverError) as refused:
         dimensions(over, KNOWN)
     assert reason in str(refused.value)
-
-
-def test_a_parameter_is_typed_once() -> None:
-    assert split(["v = 1..2 mm/s", "k=1..2"]) == {"v": "1..2 mm/s", "k": "1..2"}
-    with pytest.raises(OverError, match=r"v is given twice: '1\.\.2' and '1\.\.3'"):
-        split(["v=1..2", "v=1..3"])

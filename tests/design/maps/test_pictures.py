@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-import stickslip_design
+import stickslip as ss
 from stickslip_design.maps.page import page
 from stickslip_design.maps.views import Slice, View, contours
 from tests.needs import needs
@@ -23,8 +23,8 @@ OVER = {"v": "1..900 mm/s log 20", "k": "0.1..10 kN/m log 11", "c": "0.5..6 15",
 @cache
 def some_page() -> tuple[View, list[Slice], str, dict[str, Any]]:
     """Return a map over four parameters, its slices, its page and the data in that."""
-    view = View(stickslip_design.map_(OVER, workers=1))
-    slices, words = view.read(view.places(60))
+    view = View(ss.map(OVER, workers=1))
+    slices, words = view.slices(view.places(60)), view.overall()
     text = page(view, slices, words)
     found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)
     assert found is not None
@@ -37,7 +37,7 @@ def test_a_slice_is_what_the_dataset_has_there() -> None:
     places = view.places(60)
     # The first picture is nearest to the start values.
     assert view.nearest() == {"c": 0, "m": 0}
-    dataset = stickslip_design.map_(OVER, workers=1)
+    dataset = ss.map(OVER, workers=1)
     for place, part in list(zip(places, slices, strict=True))[::13]:
         there = dataset.isel(place)
         for name in ("delta_x", "regime"):

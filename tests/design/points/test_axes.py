@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from stickslip_design.axis import AxisError, axis_file_of, example
 from stickslip_design.critical import critical_feed, jumps_of
-from stickslip_design.points.axes import EVEN, STICKS, SWINGS, UNKNOWN, axis_points
+from stickslip_design.points.axes import axis_points
+from stickslip_design.points.columns import Regime
 from stickslip_ref import Parameters, critical_velocity
 
 ZETA = """
@@ -71,21 +72,21 @@ def test_many_variants_are_judged_as_each_is_alone(
         one = [found[name][place] for name in ("critical_feed", "jump", "rate")]
         # Rounding: the same operations on arrays and numbers, iterated to 2e-15.
         assert_allclose(one, [limit, *(jumps or (0.0, 0.0))], rtol=1e-12)
-    assert_array_equal(found["regime"] == STICKS, found["jump"] > 0.0)
+    assert_array_equal(found["regime"] == Regime.STICKS, found["jump"] > 0.0)
 
 
 def test_where_friction_falls_a_little_the_table_swings_above_its_jumps() -> None:
     feeds = np.array([[1e-4, 5e-3, 1.15e-2, 1.0]])
     changes = {"friction.mu_s": np.array([0.202]), "friction.mu_k": np.array([0.1888])}
     found = axis_points(axis_file_of(FALLING.replace("-1 kN", "0 N")), changes, feeds)
-    assert found["regime"].tolist() == [[EVEN, STICKS, SWINGS, EVEN]]
+    assert found["regime"].tolist() == [[Regime.EVEN, Regime.STICKS, Regime.SWINGS, Regime.EVEN]]
     assert (found["jump"] > 0.0).tolist() == [[False, True, False, False]]
 
 
 def test_an_unstable_loop_swings_and_its_jump_is_unknown() -> None:
     found = axis_points(axis_file_of(example()), {"drive.K_v": np.array([25.0, 300.0])}, 1e-3)
     assert found["stable"].tolist() == [True, False]
-    assert found["regime"].tolist() == [STICKS, SWINGS]
+    assert found["regime"].tolist() == [Regime.STICKS, Regime.SWINGS]
     assert math.isinf(found["critical_feed"][1])
     assert math.isnan(found["jump"][1])
 
@@ -111,7 +112,7 @@ def test_a_variant_that_cannot_be_computed_is_unknown_and_costs_no_other_one(
     monkeypatch.setattr("stickslip_design.points.axes.critical_velocity", failing)
     file, mass = axis_file_of(GROWING), np.array([500.0, 600.0])
     found = axis_points(file, {"axis.mass": mass}, 2e-4)
-    assert found["regime"].tolist() == [STICKS, UNKNOWN]
+    assert found["regime"].tolist() == [Regime.STICKS, Regime.UNKNOWN]
     assert np.isnan([found[name][1] for name in ("critical_feed", "jump", "rate")]).all()
     for name, column in axis_points(file, {"axis.mass": mass[:1]}, 2e-4).items():
         assert found[name][0] == column[0], name

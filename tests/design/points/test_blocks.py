@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 import stickslip_ref
 from stickslip_design.points import slips
-from stickslip_design.points.blocks import Regime, block_points, critical_speeds
+from stickslip_design.points.blocks import block_points, critical_speeds
+from stickslip_design.points.columns import Regime
 from tests.conftest import Sized
 from tests.needs import needs
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.commands.expanded import Only, command
+from stickslip.commands.expanded import Only, command, named
 from stickslip.commands.options import Computing
 from stickslip.commands.shared import say
 from stickslip.errors import CommandError
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     import xarray
 
     from stickslip_design.maps.grid import GridStudy
-    from stickslip_design.maps.over import Dimension
 
 
 @command
@@ -91,14 +90,12 @@ def map(  # noqa: A001 - the name of the command
             raise CommandError(f"{given[0]} goes with a map of the block; {axis} states the axis")
         values = {} if feed is None else {"feed": above_zero(feed, "m/s", "feed")}
         held, name = {} if feed is None else {"feed": "--feed"}, axis.stem
-    study, spans = _study(over or [], axis, p.law, values, held, p.curve, limit)
+    study = _study(over or [], axis, p.law, values, held, p.curve, limit)
     folder = output or f"{name}-map"
     _check_folder(folder)
     dataset = computed(
         study,
-        spans,
         folder=folder,
-        fresh=computing.fresh,
         run=lambda place: run(study, place, described="Computing the map", **vars(computing)),
     )
     _show(dataset, folder)
@@ -112,27 +109,27 @@ def _study(
     held: Mapping[str, str],
     curve: Path | None,
     limit: bool | None,
-) -> "tuple[GridStudy, tuple[Dimension, ...]]":
+) -> "GridStudy":
     from stickslip_design.datasets import need
-    from stickslip_design.maps.over import OverError, split
+    from stickslip_design.maps.over import OverError
     from stickslip_design.maps.study import study_of
     from stickslip_design.points.slips import native_problem
 
     for package in ("xarray", "zarr"):
         need(package)
     try:
-        ranges = split(over)
+        ranges = named(over, "--over")
         for name in ranges:
             of_curve = curve is not None and re.fullmatch(r"shape|n_points|mu_\d+|u_\d+", name)
             by = "--curve" if of_curve else held.get(name)
             if by is not None:
                 raise OverError(f"{name} is set by {by} too")
-        study, spans = study_of(ranges, values=values, law=law, axis=axis, limit=limit)
+        study = study_of(ranges, values=values, law=law, axis=axis, limit=limit)
     except OverError as error:
         raise CommandError(f"--over: {error}") from error
     if study.source.by_slips and (problem := native_problem()) is not None:
         say(f"warning: {problem}; the Python block computes, some hundred times slower")
-    return study, spans
+    return study
 
 
 def _check_folder(folder: str) -> None:
@@ -150,10 +147,10 @@ def _show(dataset: "xarray.Dataset", folder: str) -> None:
     from stickslip_design.maps.views import View
 
     view = View(dataset)
-    (drawn, *shown), told = view.read([view.nearest(), *view.places(MOST_SLICES)])
+    (drawn,), told = view.slices([view.nearest()]), view.overall()
     files = {
         "map.png": picture(view, drawn),
-        "index.html": page(view, shown, told).encode("utf-8"),
+        "index.html": page(view, view.slices(view.places(MOST_SLICES)), told).encode("utf-8"),
     }
     for name, content in files.items():
         _write(folder, name, content)

@@ -166,10 +166,11 @@ def _write(found: "Scatter", folder: Path) -> list[str]:
     from stickslip.files import writing
     from stickslip_design.datasets import write_points
     from stickslip_design.tolerances.page import data, html
-    from stickslip_design.tolerances.pictures import overview
+    from stickslip_design.tolerances.pictures import picture
 
     image, table = io.BytesIO(), folder / "machines.parquet"
-    overview(found).savefig(image, format="png", dpi=150)
+    if (drawn := picture(found)) is not None:
+        drawn.savefig(image, format="png", dpi=150)
     contents = {
         "scatter.html": html(found).encode(),
         "scatter.png": image.getvalue(),

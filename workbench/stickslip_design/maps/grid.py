@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..chunks import Columns
 from .over import Dimension
+from .sources import Source
 
 
 class Box(NamedTuple):
@@ -22,28 +22,10 @@ class Box(NamedTuple):
     stop: int
     slices: tuple[slice, ...]
 
-
-@dataclass(frozen=True)
-class Grid:
-    """All combinations of the values of some dimensions.
-
-    Attributes
-    ----------
-    dimensions
-        In the order of computing: the last one changes from point to point.
-    """
-
-    dimensions: tuple[Dimension, ...]
-
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of values by dimension."""
-        return tuple(len(each.values) for each in self.dimensions)
-
-    @property
-    def count(self) -> int:
-        """Number of points."""
-        return math.prod(self.shape)
+        return tuple(cut.stop - cut.start for cut in self.slices)
 
 
 def block(shape: tuple[int, ...], most: int) -> int:
@@ -86,109 +68,70 @@ def _row(shape: tuple[int, ...], most: int) -> tuple[int, int]:
     return depth, row
 
 
-class Column(NamedTuple):
-    """A column of results: SI unit, description, and the dimensions it does not depend on."""
-
-    unit: str
-    description: str
-    without: tuple[str, ...] = ()
-
-
-class Source(Protocol):
-    """What a grid study computes at points."""
-
-    @property
-    def title(self) -> str:
-        """What is mapped, in words."""
-
-    @property
-    def fastest(self) -> str:
-        """The parameter, if the grid has it, that changes from point to point."""
-
-    @property
-    def by_slips(self) -> bool:
-        """Whether slips are followed, which is slow without a C compiler."""
-
-    @property
-    def columns(self) -> Mapping[str, Column]:
-        """The columns by name."""
-
-    def check(self, values: Mapping[str, NDArray[np.float64]]) -> None:
-        """Raise a ValueError if values do not go together at a point."""
-
-    def point(self, names: Sequence[str]) -> dict[str, float]:
-        """Return the values of some parameters of what the map is about, where it has them [SI]."""
-
-    @property
-    def most(self) -> int:
-        """About how many points are computed in one call."""
-
-    @property
-    def identity(self) -> Mapping[str, Any]:
-        """All that the results depend on beside the grid: JSON."""
-
-    def at(self, values: Mapping[str, NDArray[np.float64]]) -> Mapping[str, NDArray[np.generic]]:
-        """Return columns at the points of arrays that broadcast, by the name of the dimension.
-
-        The columns broadcast to the common shape.
-        """
-
-
-def _identity(dimension: Dimension) -> dict[str, Any]:
-    values = np.array(dimension.values)
-    return {
-        "name": dimension.name,
-        "low": dimension.values[0],
-        "high": dimension.values[-1],
-        "count": len(dimension.values),
-        "values": sha256(values.tobytes()).hexdigest(),
-    }
-
-
 @dataclass(frozen=True)
 class GridStudy:
-    """The points of a grid, as `chunks.run` takes them.
+    """All combinations of the values of some dimensions, as `chunks.run` takes them.
 
     Points are computed in blocks that begin at the same places however the study is cut: the
     vector code of NumPy may round by where in an array a number stands.
+
+    Attributes
+    ----------
+    over
+        The dimensions as they were asked for.
+    source
+        What is computed.
     """
 
-    grid: Grid
+    over: tuple[Dimension, ...]
     source: Source
+
+    @property
+    def dimensions(self) -> tuple[Dimension, ...]:
+        """In the order of computing: the last one changes from point to point."""
+        return tuple(sorted(self.over, key=lambda each: each.name == self.source.fastest))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values by dimension."""
+        return tuple(len(each.values) for each in self.dimensions)
 
     @property
     def count(self) -> int:
         """Number of points."""
-        return self.grid.count
+        return math.prod(self.shape)
 
     @property
     def quantum(self) -> int:
         """Points of a block."""
-        return block(self.grid.shape, self.source.most)
+        return block(self.shape, self.source.most)
 
     @property
     def identity(self) -> Mapping[str, Any]:
         """All that the results depend on, but for versions."""
-        over = [_identity(each) for each in self.grid.dimensions]
+        over = [
+            {
+                "name": each.name,
+                "low": each.values[0],
+                "high": each.values[-1],
+                "count": len(each.values),
+                "values": sha256(np.array(each.values).tobytes()).hexdigest(),
+            }
+            for each in self.dimensions
+        ]
         return {"study": "map", **self.source.identity, "over": over}
 
     def compute(self, start: int, stop: int) -> Columns:
         """Return the columns of the points from `start` up to `stop`."""
         columns: Columns = {}
-        rank = len(self.grid.dimensions)
-        for box in boxes(self.grid.shape, start, stop, self.source.most):
-            values = {
-                each.name: np.array(each.values[cut]).reshape(
-                    [-1 if place == other else 1 for other in range(rank)]
-                )
-                for place, (each, cut) in enumerate(
-                    zip(self.grid.dimensions, box.slices, strict=True)
-                )
-            }
-            shape = tuple(cut.stop - cut.start for cut in box.slices)
-            for name, each in self.source.at(values).items():
+        for box in boxes(self.shape, start, stop, self.source.most):
+            cut = [
+                each.values[part] for each, part in zip(self.dimensions, box.slices, strict=True)
+            ]
+            values = dict(zip((each.name for each in self.dimensions), np.ix_(*cut), strict=True))
+            for name, column in self.source.at(values).items():
                 if name not in columns:
-                    columns[name] = np.empty(stop - start, each.dtype)
+                    columns[name] = np.empty(stop - start, column.dtype)
                 part = columns[name][box.start - start : box.stop - start]
-                part.reshape(shape)[...] = each
+                part.reshape(box.shape)[...] = column
         return columns

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ..points.blocks import Regime
-from .views import VALID, Colours, Side, Slice, View, colours, contours
+from ..points.columns import Regime
+from ..shown import number
+from .views import VALID, Side, Slice, View, colours, contours
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,9 +71,9 @@ def _draw(axes: Axes, view: View, part: Slice) -> None:
     mesh = axes.pcolormesh(
         x,
         y,
-        np.ma.masked_where(hidden, np.abs(values) / scale.unit.size),
+        np.ma.masked_where(hidden, scale.shown(values)),
         cmap=COLOUR_MAP,
-        norm=_norm(scale),
+        norm=scale.norm,
         shading="nearest",
         rasterized=True,
     )
@@ -107,7 +108,18 @@ def _draw(axes: Axes, view: View, part: Slice) -> None:
             legend.append(
                 Patch(facecolor=grey, hatch="..", edgecolor=_VALID, linewidth=0.0, label=label)
             )
-    _mark_point(axes, view, legend)
+    if view.mark is not None:
+        legend += axes.plot(
+            view.mark.x / view.x.unit.size,
+            view.mark.y / view.y.unit.size,
+            marker="o",
+            markersize=9,
+            color="white",
+            markeredgecolor=_POINT,
+            markeredgewidth=2.5,
+            linestyle="none",
+            label=view.mark.label,
+        )
     for side, axis in ((view.x, axes.xaxis), (view.y, axes.yaxis)):
         _name(axis, side)
     bar = axes.figure.colorbar(mesh, ax=axes)
@@ -121,63 +133,26 @@ def _draw(axes: Axes, view: View, part: Slice) -> None:
         )
 
 
-def _norm(scale: Colours) -> Any:
-    from matplotlib.colors import LogNorm, Normalize
-
-    return (LogNorm if scale.log else Normalize)(scale.low, scale.high)
-
-
 def _lines(axes: Axes, view: View, field: NDArray[Any], level: float, **look: Any) -> bool:
     """Draw the lines at a level; tell whether there are any."""
-    found = False
-    for line in contours(field, level):
-        columns, rows = line[:, 0], line[:, 1]
-        axes.plot(_at(view.x, columns), _at(view.y, rows), **look, solid_capstyle="round")
-        found = True
-    return found
-
-
-def _at(side: Side, places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the values shown at places between the values of a side."""
-    numbers = np.arange(side.values.size)
-    if side.log:
-        return np.asarray(np.exp(np.interp(places, numbers, np.log(side.shown))))
-    return np.asarray(np.interp(places, numbers, side.shown))
-
-
-def _mark_point(axes: Axes, view: View, legend: list[Any]) -> None:
-    """Mark where the block or the axis itself is, if that is in the picture."""
-    if not {view.x.name, view.y.name} <= view.point.keys():
-        return
-    x, y = view.point[view.x.name], view.point[view.y.name]
-    for value, side in ((x, view.x), (y, view.y)):
-        if not side.values[0] <= value <= side.values[-1]:
-            return
-    (mark,) = axes.plot(
-        x / view.x.unit.size,
-        y / view.y.unit.size,
-        marker="o",
-        markersize=9,
-        color="white",
-        markeredgecolor=_POINT,
-        markeredgewidth=2.5,
-        linestyle="none",
-        label=f"{view.x.name} = {view.x.unit.told(x)}, {view.y.name} = {view.y.unit.told(y)}",
-    )
-    legend.append(mark)
+    numbers = np.arange(max(field.shape))
+    lines = list(contours(field, level))
+    for line in lines:
+        for side, places in zip((view.x, view.y), line.T, strict=True):
+            scale, back = (np.log, np.exp) if side.log else (np.asarray, np.asarray)
+            places[:] = back(np.interp(places, numbers[: side.values.size], scale(side.shown)))
+        axes.plot(*line.T, **look, solid_capstyle="round")
+    return bool(lines)
 
 
 def _name(axis: Any, side: Side) -> None:
     from matplotlib.ticker import FuncFormatter, NullFormatter
 
-    from ..shown import number
-
     if side.log:
         axis.set_tick_params(which="minor", labelsize=7)
-        getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
-        if side.values[-1] > 20.0 * side.values[0]:
-            axis.set_minor_formatter(NullFormatter())
-        else:
-            axis.set_minor_formatter(FuncFormatter(lambda value, _: number(value, 4)))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: number(value, 4)))
+        axis.axes.set(**{f"{axis.axis_name}scale": "log"})
+        plain = FuncFormatter(lambda value, _: number(value, 4))
+        axis.set_major_formatter(plain)
+        short = side.values[-1] <= 20.0 * side.values[0]
+        axis.set_minor_formatter(plain if short else NullFormatter())
     axis.set_label_text(side.label)

@@ -4,35 +4,30 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fmi.table import Variable
 
-from ..axis import AxisError, AxisFile, Number
+from ..axis import AxisFile, Number
 from ..axis.build import key_of
-from ..axis.keys import UNITS
-from ..points.axes import axis_points, check
+from ..points.axes import axis_points, check, read_number
 from ..points.axes import has_closed_form as axis_has_closed_form
-from ..points.blocks import (
-    COLUMNS,
-    WITHOUT_INFLUENCE,
-    block_points,
-    has_closed_form,
-    table_of_law,
-)
+from ..points.blocks import WITHOUT_INFLUENCE, block_points, has_closed_form, table_of_law
+from ..points.columns import AXIS, BLOCK, FEED, WITHOUT_FEED, Column
 from ..quantity import typed
 from ..shown import EXACT, told
-from .grid import Column
 from .over import Dimension, Quantity
 
-Arrays = Mapping[str, NDArray[np.float64]]
+Values: TypeAlias = Mapping[str, NDArray[np.float64]]
+Columns: TypeAlias = Mapping[str, NDArray[np.generic]]
 
 MOST_LIMITS: Final = 1000
 """Searches of a critical velocity, of 10 to 100 ms, that a map makes without being told to."""
@@ -43,109 +38,89 @@ _CLOSED: Final = 16384
 _FOLLOWED: Final = 1024
 """Points of a block that is followed from event to event: some 0.1 s."""
 
-_RUN: Final = re.compile(r"^run \d+: ")
-
 _AXES: Final = 16
 """Axes of a block that are computed one by one."""
 
 
 @dataclass(frozen=True)
-class BlockSource:
-    """The block under a friction law: `points.blocks.block_points`.
+class Source:
+    """What a map computes at points.
 
     Attributes
     ----------
-    law
-        The friction law.
-    values
-        Name and value [SI] of the parameters and inputs that are not at their start values.
-    limit
-        Whether the critical velocity is computed.
-    closed
-        Whether all of the map has closed forms.
+    title
+        What is mapped, in words.
+    fastest
+        The parameter, if the map is over it, that changes from point to point.
+    by_slips
+        Whether slips are followed, which is slow without a C compiler.
+    most
+        About how many points are computed in one call.
+    columns
+        The columns by name.
+    identity
+        All that the results depend on beside the grid: JSON.
+    point
+        The values [SI] of the block or axis itself, of the parameters that the map is over.
+    at
+        Returns columns at the points of arrays that broadcast, by the name of the dimension. The
+        columns broadcast to the common shape.
     """
 
-    law: str
-    values: tuple[tuple[str, float], ...]
-    limit: bool
-    closed: bool
-
-    @property
-    def fastest(self) -> str:
-        """The pulling velocity: the critical one does not depend on it."""
-        return "v"
-
-    @property
-    def by_slips(self) -> bool:
-        """Whether slips are followed: where there is no closed form."""
-        return not self.closed
-
-    @property
-    def title(self) -> str:
-        """What is mapped, in words."""
-        rows = table_of_law(self.law).by_name
-        held = [
-            f"{name} = {told(value, rows[name].unit or '1', EXACT)}" for name, value in self.values
-        ]
-        return f"Block, friction law {self.law}" + (f"; {', '.join(held)}" if held else "")
-
-    @property
-    def most(self) -> int:
-        """Points of a block."""
-        return _CLOSED if self.closed else _FOLLOWED
-
-    @property
-    def identity(self) -> Mapping[str, Any]:
-        """Law and values."""
-        return {"law": self.law, "values": dict(self.values), "limit": self.limit}
-
-    @property
-    def columns(self) -> dict[str, Column]:
-        """The columns by name."""
-        found = {name: Column(*each) for name, each in COLUMNS.items()}
-        if not self.limit:
-            del found["v_c"]
-            return found
-        return found | {"v_c": Column(*COLUMNS["v_c"], without=("v",))}
-
-    def at(self, values: Arrays) -> Mapping[str, NDArray[np.generic]]:
-        """Return the columns at some points."""
-        return block_points({**dict(self.values), **values}, self.law, limit=self.limit)
-
-    def check(self, values: Arrays) -> None:
-        """Raise a ValueError if values do not go together at a point."""
-        try:
-            block_points({**dict(self.values), **values}, self.law, limit=False)
-        except ValueError as error:
-            # The number of the run is that of a corner, which nobody typed.
-            raise ValueError(_RUN.sub("", str(error))) from error
-
-    def point(self, names: Sequence[str]) -> dict[str, float]:
-        """Return the values of some parameters of the block itself, which the map is about."""
-        start = {**table_of_law(self.law).start_values(), **dict(self.values)}
-        return {name: start[name] for name in names}
+    title: str
+    fastest: str
+    by_slips: bool
+    most: int
+    columns: Mapping[str, Column]
+    identity: Mapping[str, Any]
+    point: Mapping[str, float]
+    at: Callable[[Values], Columns]
 
 
 def block_source(
-    law: str,
-    values: Mapping[str, float],
-    over: Sequence[Dimension],
-    limit: bool | None,
-) -> BlockSource:
-    """Return the source of a map of the block; `limit` None: where it costs a minute at most."""
-    spanned = {**values, **{each.name: each.values[-1] for each in over}}
-    closed = has_closed_form(spanned, law)
+    law: str, values: Mapping[str, float], over: Sequence[Dimension], limit: bool | None
+) -> Source:
+    """Return the source of a map of the block; `limit` None: where it costs a minute at most.
+
+    Raises
+    ------
+    ValueError
+        If values do not go together at a corner of the map.
+    """
+    table = table_of_law(law)
+    closed = has_closed_form({**values, **{each.name: each.values[-1] for each in over}}, law)
     if limit is None:
         searches = math.prod(len(each.values) for each in over if each.name != "v")
         limit = closed or searches <= MOST_LIMITS
-    start = table_of_law(law).start_values()
-    mapped = {*WITHOUT_INFLUENCE, *(each.name for each in over)}
-    given = {
-        name: each
-        for name, each in values.items()
-        if name not in mapped and each != start.get(name)
+    start = table.start_values()
+    names = [each.name for each in over]
+    held = {
+        name: value
+        for name, value in sorted(values.items())
+        if name not in {*WITHOUT_INFLUENCE, *names} and value != start.get(name)
     }
-    return BlockSource(law, tuple(sorted(given.items())), limit, closed)
+    ends = np.ix_(*((each.values[0], each.values[-1]) for each in over))
+    try:
+        block_points({**held, **dict(zip(names, ends, strict=True))}, law, limit=False)
+    except ValueError as error:
+        # The number of the run is that of a corner, which nobody typed.
+        raise ValueError(re.sub(r"^run \d+: ", "", str(error))) from error
+    shown = [f"{n} = {told(v, table.by_name[n].unit or '1', EXACT)}" for n, v in held.items()]
+    return Source(
+        title=f"Block, friction law {law}" + (f"; {', '.join(shown)}" if shown else ""),
+        # The critical velocity does not depend on it.
+        fastest="v",
+        by_slips=not closed,
+        most=_CLOSED if closed else _FOLLOWED,
+        columns={name: each for name, each in BLOCK.items() if limit or name != "v_c"},
+        identity={"law": law, "values": held, "limit": limit},
+        point={name: held.get(name, start[name]) for name in names},
+        at=partial(_blocks_at, held, law, limit),
+    )
+
+
+def _blocks_at(held: Mapping[str, float], law: str, limit: bool, values: Values) -> Columns:
+    return block_points({**held, **values}, law, limit=limit)
 
 
 def block_quantities(law: str) -> dict[str, Quantity]:
@@ -155,133 +130,70 @@ def block_quantities(law: str) -> dict[str, Quantity]:
             row.unit or "1",
             row.description,
             partial(typed, unit=row.unit or "1", within=f"({row.range})"),
-            partial(_objection, row),
+            partial(_check, row),
         )
         for row in table_of_law(law).rows
         if row.settable and row.name not in WITHOUT_INFLUENCE
     }
 
 
-def _objection(row: Variable, value: float) -> str | None:
-    if row.kind != "Real" and not value.is_integer():
-        return f"{row.name} takes whole numbers, not {value:g}"
-    return row.objection(value)
+def _check(row: Variable, values: NDArray[np.float64]) -> None:
+    for value in values.tolist():
+        whole = row.kind == "Real" or value.is_integer()
+        reason = row.objection(value) if whole else f"{row.name} takes whole numbers, not {value:g}"
+        if reason is not None:
+            raise ValueError(reason)
 
 
-FEED: Final = "feed"
-"""The name of the feed in a map of an axis."""
+def axis_source(file: AxisFile, over: Sequence[Dimension], feed: float | None) -> Source:
+    """Return the source of a map of an axis; its feed is that of the demand where none is given.
 
+    Without any feed the critical one alone is mapped.
 
-@dataclass(frozen=True)
-class AxisSource:
-    """An axis whose file states other numbers: `points.axes.axis_points`.
-
-    Attributes
-    ----------
-    file
-        The axis file.
-    feed
-        The feed [m/s] where the map is not over it; None: the critical feed alone is mapped.
-    feeds
-        How many feeds the map is over.
+    Raises
+    ------
+    AxisError
+        If numbers do not go together at a corner of the map.
     """
-
-    file: AxisFile
-    feed: float | None
-    feeds: int
-
-    @property
-    def fastest(self) -> str:
-        """The feed: one axis answers for all of them."""
-        return FEED
-
-    @property
-    def by_slips(self) -> bool:
-        """Whether slips are followed: never, the axis has a reference of its own."""
-        return False
-
-    @property
-    def title(self) -> str:
-        """What is mapped, in words."""
-        feed = "" if self.feed is None else f" at {told(self.feed, 'm/s')}"
-        return f"Axis {Path(self.file.name).stem}{feed}"
-
-    @property
-    def most(self) -> int:
-        """Points of a block."""
-        return _CLOSED if axis_has_closed_form(self.file.axis()) else max(_AXES, self.feeds)
-
-    @property
-    def identity(self) -> Mapping[str, Any]:
-        """What the file states, and the feed."""
-        return {"axis": self.file.identity, "feed": self.feed}
-
-    @property
-    def columns(self) -> dict[str, Column]:
-        """The columns by name."""
-        if self.feed is None and not self.feeds:
-            return {name: _AXIS_COLUMNS[name] for name in _WITHOUT_FEED}
-        return _AXIS_COLUMNS
-
-    def at(self, values: Arrays) -> Mapping[str, NDArray[np.generic]]:
-        """Return the columns at some points."""
-        changes = {name: each for name, each in values.items() if name != FEED}
-        shape = np.broadcast_shapes(*(each.shape for each in values.values()))
-        feeds = values.get(FEED)
-        # The feed, where there is one, is the last dimension.
-        of_axis = shape if feeds is None else (*shape[:-1], 1)
-        flat = {name: np.broadcast_to(each, of_axis).ravel() for name, each in changes.items()}
-        count = math.prod(of_axis)
-        table = self.feed if feeds is None else np.broadcast_to(feeds.ravel(), (count, feeds.size))
-        found = axis_points(self.file, flat, table)
-        return {
-            name: np.broadcast_to(each.reshape(of_axis if name in _WITHOUT_FEED else shape), shape)
-            for name, each in found.items()
-        }
-
-    def check(self, values: Arrays) -> None:
-        """Raise an AxisError if values do not go together at a point."""
-        points = np.broadcast_arrays(*values.values())
-        for place in np.ndindex(points[0].shape):
-            numbers = {name: float(each[place]) for name, each in zip(values, points, strict=True)}
-            numbers.pop(FEED, None)
-            self.file.changed(numbers).axis()
-
-    def point(self, names: Sequence[str]) -> dict[str, float]:
-        """Return the values of some parameters of the axis itself, which the map is about."""
-        found = {name: _number(self.file, name).value for name in names if name != FEED}
-        feeds = demanded(self.file)
-        return found | {FEED: feeds[0]} if feeds and FEED in names else found
-
-
-_AXIS_COLUMNS: Final = {
-    "jump": Column("m", "Jump of the table; 0 where it never jumps"),
-    "rate": Column("Hz", "Jumps in a second; 0 where it never jumps"),
-    "regime": Column("1", "What the table does: 0 moves evenly, 1 sticks and slips, 2 swings"),
-    "critical_feed": Column(
-        "m/s", "Critical feed: the highest at which the table jumps", without=(FEED,)
-    ),
-    "stable": Column("1", "Whether the servo loop is stable", without=(FEED,)),
-    "clamped": Column("1", "Whether mu_k came above mu_s and was taken as that", without=(FEED,)),
-}
-_WITHOUT_FEED: Final = ("critical_feed", "stable", "clamped")
-
-
-def axis_source(file: AxisFile, over: Sequence[Dimension], feed: float | None) -> AxisSource:
-    """Return the source of a map of an axis; its feed is that of the demand where none is given."""
+    names = [each.name for each in over if each.name != FEED]
     feeds = next((len(each.values) for each in over if each.name == FEED), 0)
-    if feed is None and not feeds:
-        feed = next(iter(demanded(file)), None)
-    return AxisSource(file, None if feeds else feed, feeds)
+    demanded = (check(file, path).value for path in file.values if path.startswith("demand.feeds"))
+    first = next(demanded, None)
+    feed = None if feeds else first if feed is None else feed
+    for ends in product(*((d.values[0], d.values[-1]) for d in over if d.name != FEED)):
+        file.changed(dict(zip(names, ends, strict=True))).axis()
+    point = {name: check(file, name).value for name in names}
+    if feeds and first is not None:
+        point[FEED] = first
+    closed = axis_has_closed_form(file.axis())
+    at = "" if feed is None else f" at {told(feed, 'm/s')}"
+    return Source(
+        title=f"Axis {Path(file.name).stem}{at}",
+        # One axis answers for all feeds.
+        fastest=FEED,
+        by_slips=False,
+        most=_CLOSED if closed else max(_AXES, feeds),
+        columns={n: each for n, each in AXIS.items() if feed or feeds or n in WITHOUT_FEED},
+        identity={"axis": file.identity, "feed": feed},
+        point=point,
+        at=partial(_axes_at, file, feed),
+    )
 
 
-def demanded(file: AxisFile) -> list[float]:
-    """Return the feeds that a file demands [m/s]."""
-    return [
-        each.value
-        for path, each in file.values.items()
-        if path.startswith("demand.feeds") and isinstance(each, Number)
-    ]
+def _axes_at(file: AxisFile, feed: float | None, values: Values) -> Columns:
+    changes = {name: each for name, each in values.items() if name != FEED}
+    shape = np.broadcast_shapes(*(each.shape for each in values.values()))
+    feeds = values.get(FEED)
+    # The feed, where there is one, is the last dimension.
+    of_axis = shape if feeds is None else (*shape[:-1], 1)
+    flat = {name: np.broadcast_to(each, of_axis).ravel() for name, each in changes.items()}
+    count = math.prod(of_axis)
+    table = feed if feeds is None else np.broadcast_to(feeds.ravel(), (count, feeds.size))
+    found = axis_points(file, flat, table)
+    return {
+        name: np.broadcast_to(each.reshape(of_axis if name in WITHOUT_FEED else shape), shape)
+        for name, each in found.items()
+    }
 
 
 def axis_quantities(file: AxisFile) -> dict[str, Quantity]:
@@ -290,36 +202,16 @@ def axis_quantities(file: AxisFile) -> dict[str, Quantity]:
         path: Quantity(
             each.unit,
             key_of(path).meaning,
-            partial(_read, file, path),
-            partial(_refusal, file, path),
+            partial(read_number, each),
+            partial(check, file, path),
         )
         for path, each in file.values.items()
         if isinstance(each, Number) and not path.startswith("demand.")
     }
-    found[FEED] = Quantity("m/s", "Feed", partial(typed, unit="m/s", within="> 0"), _feed_refusal)
-    return found
+    read = partial(typed, unit="m/s", within="> 0")
+    return found | {FEED: Quantity("m/s", "Feed", read, _check_feed)}
 
 
-def _number(file: AxisFile, path: str) -> Number:
-    number = file.values[path]
-    assert isinstance(number, Number)
-    return number
-
-
-def _read(file: AxisFile, path: str, text: str) -> float:
-    """Read a quantity as the file does, in the unit in which the file states it."""
-    key, unit = key_of(path), _number(file, path).unit
-    kinds = [each for each in key.kinds if each.unit == unit]
-    return UNITS.read(text, kinds, next(iter(kinds)) if key.bare else None)[0]
-
-
-def _refusal(file: AxisFile, path: str, value: float) -> str | None:
-    try:
-        check(file, path, value)
-    except AxisError as error:
-        return str(error)
-    return None
-
-
-def _feed_refusal(value: float) -> str | None:
-    return None if value > 0.0 else f"a feed is above 0, not {value:g} m/s"
+def _check_feed(values: NDArray[np.float64]) -> None:
+    if not (values.min() > 0.0 and np.isfinite(values).all()):
+        raise ValueError(f"a feed is above 0, not {values.min():g} m/s")

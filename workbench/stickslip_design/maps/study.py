@@ -7,28 +7,18 @@ import os
 import shutil
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..axis import AxisFile, read_axis_file
-from ..chunks import Progress, Results, run
-from ..chunks.manifest import manifest_of
+from ..chunks import Results
 from ..datasets import need, provenance, read_grid
-from .grid import Box, Grid, GridStudy, boxes
+from ..points.columns import FEED
+from .grid import GridStudy, boxes
 from .over import Dimension, OverError, dimensions
-from .sources import (
-    FEED,
-    AxisSource,
-    BlockSource,
-    axis_quantities,
-    axis_source,
-    block_quantities,
-    block_source,
-)
+from .sources import axis_quantities, axis_source, block_quantities, block_source
 
 if TYPE_CHECKING:
     import xarray
@@ -42,76 +32,7 @@ _CHUNKS: Final = "chunks"
 _SLAB: Final = 2**20
 """Points that are written at a time: some 100 MB of columns, and a chunk of the dataset."""
 
-_KEY: Final = "study_key"
-"""The attribute of a dataset with the key of its study: of all that it depends on."""
-
 _REGIMES: Final = {"flag_values": [0, 1, 2], "flag_meanings": "even sticks swings"}
-
-
-def map_(
-    over: Mapping[str, str | Sequence[float]],
-    *,
-    values: Mapping[str, float] | None = None,
-    law: str = "coulomb",
-    axis: AxisFile | Path | str | None = None,
-    folder: Path | str | None = None,
-    workers: int | None = None,
-    cluster: str | None = None,
-    fresh: bool = False,
-    limit: bool | None = None,
-    progress: Callable[[Progress], None] | None = None,
-) -> xarray.Dataset:
-    """Map the steady motion of the block, or of an axis, over two parameters or more.
-
-    Parameters
-    ----------
-    over
-        By name the values of a parameter [SI], rising, or a text such as ``"0.1..50 mm/s log 400"``
-        (low..high, unit, ``log`` or ``lin``, number of values; without the last two 200 values at
-        equal distances). Of the block: parameters and inputs that the steady motion depends on. Of
-        an axis: numbers that its file states (``axis.mass``, ``friction.mu_s``), and ``feed``.
-    values
-        Values of the block that are held [SI]; the rest has its start value. Of an axis: ``feed``,
-        where the map is not over it; without it the first that the file demands.
-    law
-        The friction law of the block, ``"coulomb"`` or ``"stribeck"``.
-    axis
-        The axis, in place of the block: an axis file.
-    folder
-        Where the study is kept, a folder or an address of fsspec: chunk files, from which it
-        resumes, and the dataset as ``map.zarr``, which is not made again where it is whole.
-    workers, cluster, fresh, progress
-        As of `chunks.run`.
-    limit
-        Whether the critical velocity of the block is computed. None: where it has a closed form,
-        or at most 1000 are searched, at 10 to 100 ms.
-
-    Returns
-    -------
-    xarray.Dataset
-        One dimension a parameter, in the order of `over`; variables as `points.blocks.COLUMNS`, of
-        an axis as `points.axes.axis_points`, with ``units`` and ``long_name``. With a `folder` they
-        are read from there when they are used.
-
-    Raises
-    ------
-    ValueError
-        If a range or a value cannot be taken, or the study cannot be computed to its end.
-    """
-    values = values or {}
-    for name in over:
-        if name in values:
-            raise OverError(f"{name}: it is held, and the map is over it too")
-    study, spans = study_of(over, values=values, law=law, axis=axis, limit=limit)
-    return computed(
-        study,
-        spans,
-        folder=folder,
-        fresh=fresh,
-        run=lambda where: run(
-            study, where, workers=workers, cluster=cluster, fresh=fresh, progress=progress
-        ),
-    )
 
 
 def study_of(
@@ -121,9 +42,16 @@ def study_of(
     law: str = "coulomb",
     axis: AxisFile | Path | str | None = None,
     limit: bool | None = None,
-) -> tuple[GridStudy, tuple[Dimension, ...]]:
-    """Return the study of a map, and its dimensions in the order of `over`; see `map_`."""
-    source: BlockSource | AxisSource
+) -> GridStudy:
+    """Return the study of a map; `over`, `axis` and `limit` as of `stickslip.map`.
+
+    `values` of the block are held [SI], the rest has its start value; of an axis: ``feed``.
+
+    Raises
+    ------
+    ValueError
+        If a range or a value cannot be taken.
+    """
     if axis is None:
         spans = dimensions(over, block_quantities(law))
         source = block_source(law, values, spans, limit)
@@ -132,159 +60,84 @@ def study_of(
         unknown = sorted(values.keys() - {FEED})
         if unknown:
             raise OverError(f"{unknown[0]}: the axis file states what is held, but for the feed")
+        if FEED in values and FEED in over:
+            raise OverError(f"{FEED}: it is held, and the map is over it too")
         spans = dimensions(over, axis_quantities(file))
         source = axis_source(file, spans, values.get(FEED))
-    slow = [each for each in spans if each.name != source.fastest]
-    fast = [each for each in spans if each.name == source.fastest]
-    study = GridStudy(Grid((*slow, *fast)), source)
-    _check_corners(study)
-    return study, spans
-
-
-def _check_corners(study: GridStudy) -> None:
-    """Check the corners of the grid: what does not go together is told before the study."""
-    ends = {
-        each.name: np.array([each.values[0], each.values[-1]]) for each in study.grid.dimensions
-    }
-    study.source.check(dict(zip(ends, np.ix_(*ends.values()), strict=True)))
+    return GridStudy(spans, source)
 
 
 def computed(
-    study: GridStudy,
-    spans: tuple[Dimension, ...],
-    *,
-    folder: Path | str | None,
-    fresh: bool,
-    run: Callable[[str | None], Results],
+    study: GridStudy, *, folder: Path | str | None, run: Callable[[str | None], Results]
 ) -> xarray.Dataset:
-    """Return the dataset of a study that `run` computes in the folder that it is given.
-
-    With `fresh` it is made anew; otherwise one that is there whole stays.
-    """
-    need("xarray")
+    """Return the dataset of a study that `run` computes in the folder that it is given."""
+    zarr = need("zarr")
+    # A store gives its arrays back in any order.
+    names = [*(each.name for each in study.over), *study.source.columns]
     if folder is None:
-        return _in_memory(study, spans, run(None))
-    need("zarr")
+        store = zarr.storage.MemoryStore()
+        _write(study, run(None), store)
+        return read_grid(store)[names].load()
     target = _inside(folder, FILE)
     results = run(_inside(folder, _CHUNKS))
-    if fresh or not _is_whole(target, study, spans):
-        _write(study, spans, results, target)
-    return read_grid(target)
+    # A local dataset has its name when it is whole.
+    local = "://" not in target
+    place = f"{target}.part" if local else target
+    _write(study, results, place)
+    with warnings.catch_warnings():
+        # All metadata in one file is no part of the format yet; without, xarray warns of slowness.
+        warnings.simplefilter("ignore")
+        zarr.consolidate_metadata(place)
+    if local:
+        shutil.rmtree(target, ignore_errors=True)
+        os.replace(place, target)  # noqa: PTH105 - both are texts, for addresses
+    return read_grid(target)[names]
 
 
 def _inside(folder: Path | str, name: str) -> str:
     return f"{folder}/{name}" if "://" in str(folder) else str(Path(folder) / name)
 
 
-def _is_whole(target: str, study: GridStudy, spans: tuple[Dimension, ...]) -> bool:
-    """Tell whether a dataset is there whole, made of this study with these versions, as asked for.
-
-    The study is the same wherever the fastest dimension stands, and for any unit in which one was
-    typed.
-    """
-    with suppress(FileNotFoundError, KeyError, ValueError):
-        there = need("zarr").open_group(target, mode="r")
-        return (
-            there.attrs[_KEY] == manifest_of(study).key
-            and json.loads(there.attrs["over"]) == [each.name for each in spans]
-            and all(dict(there[each.name].attrs) == _of(each) for each in spans)
-        )
-    return False
-
-
-def _remove(target: str) -> None:
-    if "://" not in target:
-        shutil.rmtree(target, ignore_errors=True)
-        return
-    system, path = need("fsspec.core").url_to_fs(target)
-    with suppress(FileNotFoundError):
-        system.rm(path, recursive=True)
-
-
-def _in_memory(study: GridStudy, spans: tuple[Dimension, ...], results: Results) -> xarray.Dataset:
-    whole = Box(0, study.count, tuple(slice(0, size) for size in study.grid.shape))
-    variables = {
-        name: (
-            _names_of(spans, study, name),
-            _arranged(study, spans, name, column, whole)[0],
-            _attributes(study, name),
-        )
-        for name, column in results.read().items()
-    }
-    coordinates = {each.name: ((each.name,), np.array(each.values), _of(each)) for each in spans}
-    about = {**_about(study, spans), **provenance(study.identity)}
-    made: xarray.Dataset = need("xarray").Dataset(variables, coordinates, about)
-    return made
-
-
-def _write(study: GridStudy, spans: tuple[Dimension, ...], results: Results, target: str) -> None:
-    """Write the dataset slab by slab; it has its attributes, and its name, when it is whole."""
-    local = "://" not in target
-    place = f"{target}.part" if local else target
-    _remove(place)
-    group = need("zarr").open_group(place, mode="w")
-    for each in spans:
-        _array(group, each.name, np.array(each.values), (each.name,), _of(each))
-    arrays: dict[str, Any] = {}
-    for box in boxes(study.grid.shape, 0, study.count, _SLAB):
+def _write(study: GridStudy, results: Results, target: Any) -> None:
+    """Write the dataset slab by slab."""
+    group = need("zarr").open_group(target, mode="w")
+    for each in study.over:
+        values = np.array(each.values)
+        group.create_array(
+            each.name, data=values, dimension_names=(each.name,), attributes=_of(each),
+            fill_value=np.nan,
+        )  # fmt: skip
+    inner = [each.name for each in study.dimensions]
+    for box in boxes(study.shape, 0, study.count, _SLAB):
         for name, column in results.read(box.start, box.stop).items():
-            part, where = _arranged(study, spans, name, column, box)
-            if name not in arrays:
-                names = _names_of(spans, study, name)
-                arrays[name] = group.create_array(
+            about = study.source.columns[name]
+            names = [each.name for each in study.over if each.name not in about.without]
+            # What a column does not depend on is the same for all values: the first one tells.
+            part = column.reshape(box.shape)[tuple(slice(None) if n in names else 0 for n in inner)]
+            left = [n for n in inner if n in names]
+            part = part.transpose([left.index(n) for n in names])
+            if name not in group:
+                group.create_array(
                     name,
-                    shape=tuple(len(each.values) for each in spans if each.name in names),
+                    shape=tuple(len(each.values) for each in study.over if each.name in names),
                     dtype=part.dtype,
                     chunks=part.shape,
                     dimension_names=names,
-                    attributes=_attributes(study, name),
+                    attributes={"units": about.unit, "long_name": about.description}
+                    | (_REGIMES if name == "regime" else {}),
                     fill_value=np.nan if part.dtype.kind == "f" else part.dtype.type(0),
                 )
-            arrays[name][where] = part
-    about = {**_about(study, spans), **provenance(study.identity)}
-    group.attrs.update({**about, _KEY: manifest_of(study).key})
-    with warnings.catch_warnings():
-        # All metadata in one file is no part of the format yet; without, xarray warns of slowness.
-        warnings.simplefilter("ignore")
-        need("zarr").consolidate_metadata(place)
-    if local:
-        _remove(target)
-        os.replace(place, target)  # noqa: PTH105 - both are texts, for addresses
-
-
-def _array(
-    group: Any, name: str, values: NDArray[Any], names: tuple[str, ...], attributes: Any
-) -> None:
-    made = group.create_array(
-        name,
-        shape=values.shape,
-        dtype=values.dtype,
-        dimension_names=names,
-        attributes=attributes,
-        fill_value=np.nan,
+            group[name][tuple(box.slices[inner.index(n)] for n in names)] = part
+    group.attrs.update(
+        {
+            # What the pictures need to know, and that there is no seed.
+            "title": study.source.title,
+            "over": json.dumps([each.name for each in study.over]),
+            "point": json.dumps(study.source.point),
+            "seed": "none",
+            **provenance(study.identity),
+        }
     )
-    made[:] = values
-
-
-def _names_of(spans: tuple[Dimension, ...], study: GridStudy, column: str) -> tuple[str, ...]:
-    """Return the dimensions of a column, in the order that was asked for."""
-    without = study.source.columns[column].without
-    return tuple(each.name for each in spans if each.name not in without)
-
-
-def _arranged(
-    study: GridStudy, spans: tuple[Dimension, ...], name: str, column: NDArray[Any], box: Box
-) -> tuple[NDArray[Any], tuple[slice, ...]]:
-    """Return a box of a column in the dimensions of the dataset, and where it is there."""
-    inner = [each.name for each in study.grid.dimensions]
-    shape = [cut.stop - cut.start for cut in box.slices]
-    names = _names_of(spans, study, name)
-    # What a column does not depend on is the same for all values: the first one tells.
-    kept = tuple(slice(None) if each in names else 0 for each in inner)
-    part = column.reshape(shape)[kept]
-    left = [each for each in inner if each in names]
-    order = [left.index(each) for each in names]
-    return part.transpose(order), tuple(box.slices[inner.index(each)] for each in names)
 
 
 def _of(dimension: Dimension) -> dict[str, str]:
@@ -294,20 +147,4 @@ def _of(dimension: Dimension) -> dict[str, str]:
         "long_name": dimension.description,
         "shown_in": dimension.shown,
         "spacing": "log" if dimension.log else "lin",
-    }
-
-
-def _attributes(study: GridStudy, name: str) -> dict[str, Any]:
-    column = study.source.columns[name]
-    found = {"units": column.unit, "long_name": column.description}
-    return found | _REGIMES if name == "regime" else found
-
-
-def _about(study: GridStudy, spans: tuple[Dimension, ...]) -> dict[str, str]:
-    """Return what the pictures need to know, and that there is no seed."""
-    return {
-        "title": study.source.title,
-        "over": json.dumps([each.name for each in spans]),
-        "point": json.dumps(study.source.point([each.name for each in spans])),
-        "seed": "none",
     }

@@ -5,20 +5,23 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..points.blocks import Regime
+from ..datasets import need
+from ..points.columns import Regime
 from ..quantity import on_data_sheet
 from ..shown import number
 from .grid import boxes
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.colors import Normalize
 
 Floats = NDArray[np.float64]
 
@@ -74,15 +77,13 @@ def unit_of(unit: str, largest: float, typed: str = "") -> Unit:
     written, plain = on_data_sheet(typed) if typed else None, on_data_sheet(unit)
     if written is not None and plain is not None:
         return Unit(float(written.factor / plain.factor), typed)
-    if unit == "1":
-        return Unit(1.0, "")
-    ladder: Sequence[tuple[float, str]] = ((1.0, unit),)
+    ladder: Sequence[tuple[float, str]] = ((1.0, "" if unit == "1" else unit),)
     if unit == "N/m":
         ladder = _OF_STIFFNESS
     if unit in _PREFIXED:
         # Metres and seconds have no larger units in a workshop.
-        large = unit not in ("m", "m/s", "s")
-        ladder = tuple((size, f"{sign}{unit}") for size, sign in _PREFIXES if large or size <= 1.0)
+        least = 0 if unit in ("N", "Hz") else 2
+        ladder = [(size, f"{sign}{unit}") for size, sign in _PREFIXES[least:]]
     return next((Unit(*each) for each in ladder if largest >= each[0]), Unit(*ladder[-1]))
 
 
@@ -92,14 +93,10 @@ class Side:
 
     Attributes
     ----------
-    name, description
-        The parameter.
-    values
-        Its values [SI].
-    unit
-        The unit that they are shown in.
-    log
-        Whether they are drawn on a logarithmic scale.
+    name, description, values
+        The parameter, and its values [SI].
+    unit, log
+        The unit that they are shown in, and whether on a logarithmic scale.
     """
 
     name: str
@@ -120,18 +117,31 @@ class Side:
 
 
 class Slice(NamedTuple):
-    """A part of a map over two parameters: arrays (values of y, values of x).
+    """A part of a map over two parameters.
 
     Attributes
     ----------
     place
         Number of the value of each further parameter.
-    columns
-        The variables [SI] by name.
+    data
+        The variables [SI], by y and x.
     """
 
     place: Mapping[str, int]
-    columns: Mapping[str, NDArray[Any]]
+    data: xarray.Dataset
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The variables [SI] by name, arrays (values of y, values of x)."""
+        return {str(name): each.values for name, each in self.data.data_vars.items()}
+
+
+class Mark(NamedTuple):
+    """Values of x and y [SI] that are marked in the picture, and what they are."""
+
+    x: float
+    y: float
+    label: str
 
 
 class Variable(NamedTuple):
@@ -155,14 +165,12 @@ _LIMITS: Final = (("v_c", "v"), ("critical_feed", "feed"))
 
 
 class View:
-    """How a dataset of `map_` is looked at: its first two parameters are the sides of a picture.
+    """How the dataset of a map is looked at: its first two parameters are the sides of a picture.
 
     Attributes
     ----------
-    x, y
-        The first and the second parameter.
-    further
-        The others.
+    x, y, further
+        The first and the second parameter, and the others.
     variables
         What there is to show; the first one is the main one.
     point
@@ -190,6 +198,17 @@ class View:
         """What is mapped, in words."""
         return str(self.dataset.attrs["title"])
 
+    @property
+    def mark(self) -> Mark | None:
+        """Where the block or the axis itself is, if that is in the picture."""
+        sides = (self.x, self.y)
+        values = [self.point.get(side.name, math.nan) for side in sides]
+        both = list(zip(sides, values, strict=True))
+        if not all(side.values[0] <= value <= side.values[-1] for side, value in both):
+            return None
+        told = ", ".join(f"{side.name} = {side.unit.told(value)}" for side, value in both)
+        return Mark(values[0], values[1], told)
+
     def units(self, name: str) -> str:
         """Return the SI unit of a variable."""
         return str(self.dataset[name].attrs["units"])
@@ -211,9 +230,7 @@ class View:
             for each, count in zip(self.further, counts, strict=True)
         ]
         names = [each.name for each in self.further]
-        combined = np.meshgrid(*chosen, indexing="ij") if chosen else [np.zeros(1, int)]
-        rows = np.stack([each.ravel() for each in combined], axis=1).tolist()
-        return [dict(zip(names, row, strict=False)) for row in rows]
+        return [dict(zip(names, row, strict=True)) for row in product(*chosen)]
 
     def nearest(self) -> dict[str, int]:
         """Return the slice nearest to the block or axis itself; else that in the middle."""
@@ -224,73 +241,38 @@ class View:
             for each in self.further
         }
 
-    def read(self, places: Sequence[Mapping[str, int]]) -> tuple[list[Slice], list[str]]:
-        """Read some slices, and what the whole map says in words, a line each.
+    def slices(self, places: Sequence[Mapping[str, int]]) -> list[Slice]:
+        """Read some slices, all combinations of some values of the further parameters.
 
-        The map is gone through once, a slab at a time. Of a side with more values than a picture
-        has room for some are chosen evenly.
+        Of a side with more values than a picture has room for some are chosen evenly.
         """
         used = dict.fromkeys([*(each.name for each in self.variables), *_BESIDE])
         names = [name for name in used if name in self.dataset.data_vars]
-        shape = (self.y.values.size, self.x.values.size)
-        slices = [
-            Slice(place, {name: np.empty(shape, self.dataset[name].dtype) for name in names})
-            for place in places
-        ]
-        seen = _Seen(self)
-        # The order in which the dataset was computed and is stored.
-        order = [name for name in self._order if name not in _FASTEST]
-        order += [name for name in self._order if name in _FASTEST]
-        sizes = tuple(self.dataset.sizes[name] for name in order)
-        for box in boxes(sizes, 0, math.prod(sizes), _SLAB):
-            there = dict(zip(order, box.slices, strict=True))
-            part = self.dataset[names].isel(there).load()
-            seen.add(part)
-            for each in slices:
-                self._fill(each, part, there)
-        return slices, seen.told()
-
-    def _fill(self, part: Slice, slab: xarray.Dataset, there: Mapping[str, slice]) -> None:
-        """Take over what a slab has of a slice."""
-        held = {name: n - there[name].start for name, n in part.place.items()}
-        if not all(0 <= n < slab.sizes[name] for name, n in held.items()):
-            return
-        chosen, cuts = {}, []
-        for side, places in ((self.y, self._rows), (self.x, self._columns)):
-            cut = there[side.name]
-            first, last = np.searchsorted(places, [cut.start, cut.stop])
-            chosen[side.name] = places[first:last] - cut.start
-            cuts.append(slice(first, last))
-        for name, target in part.columns.items():
-            each = slab[name]
-            kept = [side.name for side in (self.y, self.x) if side.name in each.dims]
-            wanted = {**held, **chosen}
-            values = each.isel({dim: wanted[str(dim)] for dim in each.dims}).transpose(*kept).values
-            shape = [len(chosen[s.name]) if s.name in kept else 1 for s in (self.y, self.x)]
-            target[tuple(cuts)] = values.reshape(shape)
-
-    def above_limit(self, part: Slice) -> Floats | None:
-        """Return ln(v / v_c) over a slice, which is 0 at the limit; None where it has none."""
-        for limit, speed in _LIMITS:
-            if limit not in part.columns:
-                continue
-            side = next((each for each in (self.x, self.y) if each.name == speed), None)
-            if side is None:
-                continue
-            v = np.abs(side.values)
-            v = v[np.newaxis, :] if side is self.x else v[:, np.newaxis]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                ratio = np.log(v / part.columns[limit])
-            # Where the search of a limit has failed there is none to draw.
-            return np.asarray(np.clip(ratio, -30.0, 30.0))
-        return None
+        chosen = {
+            each.name: sorted({place[each.name] for place in places}) for each in self.further
+        }
+        sides = {self.y.name: self._rows, self.x.name: self._columns}
+        read = self.dataset[names].isel({**sides, **chosen}).load()
+        found = []
+        for place in places:
+            # What does not depend on a side is the same all along it.
+            cut = read.isel({name: chosen[name].index(n) for name, n in place.items()})
+            (part,) = need("xarray").broadcast(cut)
+            found.append(Slice(place, part.transpose(*sides)))
+        return found
 
     def border(self, part: Slice) -> Floats | None:
-        """Return what is 0 where stick-slip ends: `above_limit`, else the border of the regime."""
-        exact = self.above_limit(part)
-        if exact is not None or "regime" not in part.columns:
-            return exact
-        return np.where(part.columns["regime"] == Regime.STICKS, -0.5, 0.5)
+        """Return what is 0 where stick-slip ends: ln(v / v_c), else the border of the regime."""
+        for limit, speed in _LIMITS:
+            if limit in part.data and speed in (self.x.name, self.y.name):
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    ratio = abs(part.data[speed]) / part.data[limit]
+                    log = np.log(ratio.transpose(self.y.name, self.x.name).values)
+                # Where the search of a limit has failed there is none to draw.
+                return np.asarray(np.clip(log, -30.0, 30.0))
+        if "regime" not in part.data:
+            return None
+        return np.where(part.data["regime"].values == Regime.STICKS, -0.5, 0.5)
 
     def told(self, place: Mapping[str, int]) -> str:
         """Return the values of the further parameters of a slice, in words."""
@@ -301,75 +283,63 @@ class View:
 
     def summary(self, part: Slice) -> str:
         """Return what a slice shows, in words."""
-        name = self.variables[0].name
-        regime = part.columns.get("regime")
-        told = [] if regime is None else [_shares(Counter(regime.ravel().tolist()))]
-        values = _magnitudes(part.columns[name])
-        if values.max() > 0.0:
-            row, column = np.unravel_index(int(np.argmax(values)), values.shape)
-            at = {self.x.name: float(self.x.values[column]), self.y.name: float(self.y.values[row])}
-            told.append(self.largest(float(values.max()), at))
-        return "; ".join(told)
+        return "; ".join(self._seen([part.data])[1])
 
-    def largest(self, value: float, at: Mapping[str, float]) -> str:
-        """Return in words the largest value of the main variable, and where it is [SI]."""
+    def overall(self) -> list[str]:
+        """Return what the whole map says, a line each; it is read a slab at a time."""
+        names = [self.variables[0].name, "regime", "at_limit"]
+        data = self.dataset[[name for name in names if name in self.dataset]]
+        fast = [name for name in self._order if name in _FASTEST]
+        order = [*(name for name in self._order if name not in fast), *fast]
+        sizes = tuple(data.sizes[name] for name in order)
+        points, (*lines,), at_limit = self._seen(
+            data.isel(dict(zip(order, box.slices, strict=True))).load()
+            for box in boxes(sizes, 0, math.prod(sizes), _SLAB)
+        )
+        first = f"{points} points"
+        if "regime" in data:
+            first += f": {lines.pop(0)}"
+        found = [first, *lines]
+        if at_limit:
+            found.append(f"within 1e-6 of a limit: {at_limit} points, marked at_limit")
+        return found
+
+    def _seen(self, parts: Iterable[xarray.Dataset]) -> tuple[int, list[str], int]:
+        """Return what parts of a map say together: points, regimes and largest value, at limits."""
         main = self.variables[0]
-        units = {each.name: each.unit for each in (self.x, self.y, *self.further)}
-        where = ", ".join(f"{name} = {units[name].told(each)}" for name, each in at.items())
-        unit = unit_of(self.units(main.name), value)
-        return f"largest {main.words.lower()} {unit.told(value)} at {where}"
-
-
-class _Seen:
-    """What slabs of a map say together."""
-
-    def __init__(self, view: View) -> None:
-        self._view, self._name = view, view.variables[0].name
-        self._counts = Counter[int]()
-        self._points = self._at_limit = 0
-        self._largest, self._where = 0.0, dict[str, float]()
-
-    def add(self, slab: xarray.Dataset) -> None:
-        """Look at a slab."""
-        values = _magnitudes(slab[self._name].values)
-        self._points += math.prod(slab.sizes.values())
-        if "regime" in slab:
-            kinds, counts = np.unique(slab["regime"].values, return_counts=True)
-            self._counts.update(dict(zip(kinds.tolist(), counts.tolist(), strict=True)))
-        if "at_limit" in slab:
-            self._at_limit += int(np.count_nonzero(slab["at_limit"].values))
-        if values.max() > self._largest:
-            self._largest = float(values.max())
-            places = np.unravel_index(int(np.argmax(values)), values.shape)
-            self._where = {
-                str(name): float(slab[name].values[place])
-                for name, place in zip(slab[self._name].dims, places, strict=True)
-            }
-
-    def told(self) -> list[str]:
-        """Return it in words."""
-        lines = [f"{self._points} points"]
-        if self._counts:
-            lines[0] += f": {_shares(self._counts)}"
-        if self._largest > 0.0:
-            lines.append(self._view.largest(self._largest, self._where))
-        if self._at_limit:
-            lines.append(f"within 1e-6 of a limit: {self._at_limit} points, marked at_limit")
-        return lines
-
-
-def _shares(counts: Mapping[int, int]) -> str:
-    points = sum(counts.values())
-    return ", ".join(
-        f"{verb} at {100.0 * counts[kind] / points:.1f} %"
-        for kind, verb in _VERBS.items()
-        if counts.get(kind)
-    )
-
-
-def _magnitudes(values: NDArray[Any]) -> Floats:
-    """Return magnitudes, 0 for what is not finite."""
-    return np.abs(np.where(np.isfinite(values), values, 0.0))
+        counts, points, at_limit = Counter[int](), 0, 0
+        largest, where = 0.0, dict[str, float]()
+        for part in parts:
+            points += math.prod(part.sizes.values())
+            if "regime" in part:
+                kinds, numbers = np.unique(part["regime"].values, return_counts=True)
+                counts.update(dict(zip(kinds.tolist(), numbers.tolist(), strict=True)))
+            if "at_limit" in part:
+                at_limit += int(np.count_nonzero(part["at_limit"].values))
+            values = np.abs(np.where(np.isfinite(part[main.name]), part[main.name], 0.0))
+            if values.max() > largest:
+                largest = float(values.max())
+                places = np.unravel_index(int(np.argmax(values)), values.shape)
+                where = {
+                    str(name): float(part[name].values[place])
+                    for name, place in zip(part[main.name].dims, places, strict=True)
+                }
+        lines = []
+        if counts:
+            shares = (
+                f"{verb} at {100.0 * counts[kind] / points:.1f} %"
+                for kind, verb in _VERBS.items()
+                if counts[kind]
+            )
+            lines.append(", ".join(shares))
+        if largest > 0.0:
+            units = {each.name: each.unit for each in (self.x, self.y, *self.further)}
+            at = ", ".join(
+                f"{name} = {units[name].told(where[name])}" for name in self._order if name in where
+            )
+            unit = unit_of(self.units(main.name), largest)
+            lines.append(f"largest {main.words.lower()} {unit.told(largest)} at {at}")
+        return points, lines, at_limit
 
 
 def _thinned(size: int) -> NDArray[np.intp]:
@@ -380,27 +350,19 @@ _VERBS: Final = {
     Regime.STICKS: "sticks and slips",
     Regime.SWINGS: "swings",
     Regime.EVEN: "moves evenly",
-    -1: "unknown",
+    Regime.UNKNOWN: "unknown",
 }
 
 
 class Colours(NamedTuple):
-    """How values of a variable become colours: from `low` to `high` in `unit`."""
+    """How values of a variable become colours: a norm of matplotlib, for values in `unit`."""
 
-    low: float
-    high: float
-    log: bool
+    norm: Normalize
     unit: Unit
 
-    def part(self, values: NDArray[Any]) -> Floats:
-        """Return where values [SI] stand between the ends, 0 to 1."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            shown = np.abs(values) / self.unit.size
-            if self.log:
-                part = np.log(shown / self.low) / math.log(self.high / self.low)
-            else:
-                part = (shown - self.low) / (self.high - self.low)
-        return np.asarray(np.clip(part, 0.0, 1.0))
+    def shown(self, values: NDArray[Any]) -> Floats:
+        """Return magnitudes of values [SI] in the unit."""
+        return np.asarray(np.abs(values) / self.unit.size)
 
 
 def colours(unit: str, samples: Sequence[NDArray[Any]]) -> Colours:
@@ -413,6 +375,8 @@ def colours(unit: str, samples: Sequence[NDArray[Any]]) -> Colours:
     samples
         Its values in the slices that are shown.
     """
+    from matplotlib.colors import LogNorm, Normalize
+
     low, high = math.inf, 0.0
     for each in samples:
         magnitudes = np.abs(each)
@@ -425,7 +389,8 @@ def colours(unit: str, samples: Sequence[NDArray[Any]]) -> Colours:
     log = unit != "1" and high > _FACTOR * low > 0.0
     # Below the largest by more than four powers of ten colours would tell nothing.
     low = max(low, 1e-4 * high) if log else 0.0
-    return Colours(low / shown.size, high / shown.size, log, shown)
+    norm = (LogNorm if log else Normalize)(low / shown.size, high / shown.size, clip=True)
+    return Colours(norm, shown)
 
 
 def contours(field: NDArray[Any], level: float) -> Iterator[Floats]:

@@ -7,8 +7,7 @@ and friction that grows at rest are followed from event to event by the exact bl
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
-from enum import IntEnum
+from contextlib import suppress
 from functools import cache
 from typing import Any, Final
 
@@ -28,35 +27,12 @@ from stickslip_ref import (
 from stickslip_ref import friction_law as reference_law
 
 from . import dwelling, falling
+from .columns import Regime
 from .falling import CURVE, last_coefficient
 from .slips import BESIDE, LEAST_STICK, Floats, Motion, Values
 
 WITHOUT_INFLUENCE: Final = ("F_ext", "x_start", "x_dot_start", "z_start", "age_start")
 """Parameters and inputs that the steady motion does not depend on."""
-
-
-class Regime(IntEnum):
-    """What the mass does: a cycle with a stick where there is one, else by the steady sliding."""
-
-    EVEN = 0
-    STICKS = 1
-    SWINGS = 2
-
-
-COLUMNS: Final = {
-    "delta_x": ("m", "Jump of the mass in a slip; 0 where it never sticks"),
-    "T": ("s", "Period of the stick-slip cycle"),
-    "f": ("Hz", "Frequency of the stick-slip cycle"),
-    "t_stick": ("s", "Length of a stick"),
-    "t_slip": ("s", "Time from break-away to re-stick"),
-    "stick_share": ("1", "Part of the period in which the mass sticks; 0 where it never does"),
-    "regime": ("1", "What the mass does: 0 slides evenly, 1 sticks and slips, 2 swings"),
-    "at_limit": ("1", "Whether a limit is within 1e-6 of the pulling velocity"),
-    "delta_x_simplified": ("m", "Jump as designers write it, 2 (mu_s - mu_k) N/k"),
-    "simplified_error": ("1", "Relative error of that jump"),
-    "v_c": ("m/s", "Critical velocity: the highest at which a cycle with a stick exists"),
-}
-"""SI unit and description of the columns of `block_points`."""
 
 
 @cache
@@ -91,8 +67,8 @@ def block_points(
     Returns
     -------
     dict
-        `COLUMNS` by name, of the common shape of the arrays, read-only, ``v_c`` only with `limit`.
-        ``regime`` (int8) is a `Regime`, ``at_limit`` is a bool. Where the mass never sticks
+        `columns.BLOCK` by name, of the common shape of the arrays, read-only, ``v_c`` only with
+        `limit`. ``regime`` (int8) is a `Regime`, ``at_limit`` a bool. Where the mass never sticks
         ``delta_x`` and ``stick_share`` are 0, and what has no value is NaN: also where, with
         friction that grows at rest, the mass sticks and the sticks do not settle to one length.
 
@@ -108,11 +84,7 @@ def block_points(
     """
     given = _checked(values, law)
     shape = np.broadcast_shapes(*(np.shape(each) for each in values.values()))
-    if has_closed_form(given, law):
-        motion = _coulomb(given)
-    else:
-        follow = dwelling.motion if law == COULOMB_NAME else falling.motion
-        motion = _followed(given, law, follow)
+    motion = _coulomb(given) if has_closed_form(given, law) else _followed(given, law)
     columns = _columns(given, law, motion)
     if limit:
         without = {name: each for name, each in values.items() if name != "v"}
@@ -139,23 +111,17 @@ def critical_speeds(values: Values, law: str = COULOMB_NAME) -> Floats:
     if has_closed_form(given, law):
         return np.asarray(coulomb_limit(_parameters(given)))
     arrays = np.broadcast_arrays(*(np.asarray(each, float) for each in given.values()))
-    found = np.empty(arrays[0].shape)
+    found = np.full(arrays[0].shape, np.nan)
+    friction = reference_law(law)
     for place in np.ndindex(found.shape):
         point = {name: float(each[place]) for name, each in zip(given, arrays, strict=True)}
-        found[place] = _critical_speed(point, law)
+        own = {name: point[name] for name in friction.parameters if name in point}
+        with suppress(RuntimeError):
+            limit = critical_velocity(_parameters(point), friction, own)
+            # The search ends somewhere; a cycle that exists up to there has no end that is known.
+            endless = limit.cycle and limit.highest >= limit.between[1]
+            found[place] = np.inf if endless else limit.highest
     return found
-
-
-def _critical_speed(point: Mapping[str, float], law: str) -> float:
-    of_law = reference_law(law)
-    own = {name: point[name] for name in of_law.parameters if name in point}
-    try:
-        found = critical_velocity(_parameters(point), of_law, own)
-    except RuntimeError:
-        return np.nan
-    high = found.highest
-    # The search ends somewhere; a cycle that exists up to there has no end that is known.
-    return np.inf if found.cycle and high >= found.between[1] else high
 
 
 def _checked(values: Values, law: str) -> dict[str, float | Floats]:
@@ -204,24 +170,25 @@ def _coulomb(given: Values) -> Motion:
     return Motion(sticks, t_stick, np.asarray(cycle.t_slip), even, np.asarray(at_limit))
 
 
-def _followed(
-    given: Values, law: str, motion: Callable[[dict[str, float | Floats], str, int], Motion]
-) -> Motion:
+def _followed(given: Values, law: str) -> Motion:
     """Return motions that are followed from event to event, of a list of blocks."""
     shape = np.broadcast_shapes(*(np.shape(each) for each in given.values()))
     flat = {
         name: np.broadcast_to(each, shape).ravel() if np.ndim(each) else float(each)
         for name, each in given.items()
     }
-    others = [each for name, each in given.items() if name != "v"]
     # A pull backward is the mirror image of one forward.
     flat["v"] = np.broadcast_to(np.abs(given["v"]), shape).ravel()
-    v = np.abs(given["v"])
-    # Whether v, and nothing else, changes along the last dimension.
-    last = np.shape(v)[-1:] == shape[-1:] == (np.size(v),)
-    last = last and not any(np.shape(each)[-1:] == shape[-1:] for each in others)
-    row = v.size if last and np.all(np.diff(v.ravel()) > 0.0) else 1
-    found = motion(flat, law, row)
+    if law == COULOMB_NAME:
+        found = dwelling.motion(flat)
+    else:
+        v = np.abs(given["v"])
+        others = [each for name, each in given.items() if name != "v"]
+        # Whether v, and nothing else, changes along the last dimension.
+        last = np.shape(v)[-1:] == shape[-1:] == (np.size(v),)
+        last = last and not any(np.shape(each)[-1:] == shape[-1:] for each in others)
+        row = v.size if last and np.all(np.diff(v.ravel()) > 0.0) else 1
+        found = falling.motion(flat, law, row)
     return Motion(**{name: each.reshape(shape) for name, each in found._asdict().items()})
 
 
@@ -235,8 +202,13 @@ def _columns(given: Values, law: str, motion: Motion) -> dict[str, NDArray[Any]]
     regime = np.where(
         motion.sticks, Regime.STICKS, np.where(motion.swings, Regime.SWINGS, Regime.EVEN)
     )
+    p = _parameters(given)
+    mu_k = np.asarray(p.mu_k)
+    if law != COULOMB_NAME:
+        # Of a measured curve that of its last point.
+        mu_k = np.where(np.equal(given["shape"], CURVE), last_coefficient(given), mu_k)
     with np.errstate(divide="ignore", invalid="ignore"):
-        simplified = np.copysign(_simplified_jump(given, law), v)
+        simplified = np.copysign(2.0 * (p.mu_s - mu_k) * p.N / p.k, v)
         return {
             "delta_x": delta_x,
             "T": T,
@@ -249,12 +221,3 @@ def _columns(given: Values, law: str, motion: Motion) -> dict[str, NDArray[Any]]
             "delta_x_simplified": simplified,
             "simplified_error": simplified / (v * T) - 1.0,
         }
-
-
-def _simplified_jump(given: Values, law: str) -> Floats:
-    """Return 2 (mu_s - mu_k) N/k [m]; of a measured curve mu_k is that of its last point."""
-    p = _parameters(given)
-    mu_k = np.asarray(p.mu_k)
-    if law != COULOMB_NAME:
-        mu_k = np.where(np.equal(given["shape"], CURVE), last_coefficient(given), mu_k)
-    return np.asarray(2.0 * (p.mu_s - mu_k) * p.N / p.k)

@@ -13,6 +13,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip_fmu.laws.named import COULOMB_NAME
 from stickslip_ref import Parameters, critical_lambda, steady_cycle
 
 from .slips import (
@@ -54,7 +55,6 @@ class _Cycle(NamedTuple):
     z: Floats
     t_stick: Floats
     t_slip: Floats
-    reverses: Flags
 
 
 class _Cycles(NamedTuple):
@@ -68,8 +68,8 @@ class _Cycles(NamedTuple):
 class _Blocks:
     """A list of blocks pulled at ``v > 0``."""
 
-    def __init__(self, values: Values, law: str) -> None:
-        self.law, self.values = law, values
+    def __init__(self, values: Values) -> None:
+        self.values = values
         shape = np.shape(values["v"])
         used = {name: np.broadcast_to(values[name], shape) for name in _USED}
         self.v, self.k = used["v"], used["k"]
@@ -155,9 +155,8 @@ class _Blocks:
     def cycle(self, z: Floats) -> _Cycle:
         """Follow the sticks that begin at these extensions [m] to the next ones; NaN if none."""
         end, t_stick, t_slip = (np.full(z.shape, np.nan) for _ in range(3))
-        reverses = np.zeros(z.shape, bool)
         on = np.flatnonzero(np.isfinite(z))
-        slip = first_slips({**taken(self.values, on), "z_start": z[on]}, self.law)
+        slip = first_slips({**taken(self.values, on), "z_start": z[on]}, COULOMB_NAME)
         t_stick[on], t_slip[on] = slip.t_stick, slip.t_slip
         end[on] = z[on] + self.v[on] * slip.t_stick - slip.spring_drop
         for _ in range(_MOST_SLIPS):
@@ -165,77 +164,74 @@ class _Blocks:
             on = np.flatnonzero(force > self.fresh + REST_SLACK * (force + self.fresh))
             if not on.size:
                 break
-            reverses[on] = True
-            back = first_slips({**taken(self.values, on), "z_start": end[on]}, self.law)
+            back = first_slips({**taken(self.values, on), "z_start": end[on]}, COULOMB_NAME)
             t_slip[on] += back.t_slip
             end[on] -= back.spring_drop
         end[on] = np.nan
-        return _Cycle(end, t_stick, t_slip, reverses)
+        return _Cycle(end, t_stick, t_slip)
 
 
-def motion(values: dict[str, float | Floats], law: str, row: int) -> Motion:
+def motion(values: dict[str, float | Floats]) -> Motion:
     """Return the steady motions of a list of blocks; arguments as of `falling.motion`."""
     v = np.asarray(values["v"])
-    cycles, top, reverses = _cycles(values, law)
+    cycles, top, reverses = _cycles(values)
     with np.errstate(divide="ignore", invalid="ignore"):
         at_limit = np.abs(v / top - 1.0) <= BESIDE
     # Stops that reverse have limits of their own: (23).
     places = np.flatnonzero(reverses)
     for factor in (1.0 - BESIDE, 1.0 + BESIDE):
         beside = {**taken(values, places), "v": v[places] * factor}
-        at_limit[places] |= _cycles(beside, law)[0].sticks != cycles.sticks[places]
+        at_limit[places] |= _cycles(beside)[0].sticks != cycles.sticks[places]
     # Steady sliding under constant friction in slip is stable.
     return Motion(*cycles, np.zeros(v.shape, bool), at_limit)
 
 
-def _cycles(values: Values, law: str) -> tuple[_Cycles, Floats, Flags]:
+def _cycles(values: Values) -> tuple[_Cycles, Floats, Flags]:
     """Return cycles, the speeds [m/s] at which those without reversals end, and which reverse."""
     v = np.asarray(values["v"])
     found = _Cycles(np.zeros(v.shape, bool), *(np.full(v.shape, np.nan) for _ in range(2)))
     reverses = np.zeros(v.shape, bool)
-    low, top = _Blocks(values, law).fastest()
+    low, top = _Blocks(values).fastest()
     places = np.flatnonzero((v > 0.0) & (v < top))
-    blocks = _Blocks(taken(values, places), law)
+    blocks = _Blocks(taken(values, places))
     some = blocks.speed(low[places]) > blocks.v
     places = places[some]
     if not places.size:
         return found, top, reverses
-    blocks = _Blocks(taken(values, places), law)
+    blocks = _Blocks(taken(values, places))
     lambda_ = blocks.lambda_of_cycle(low[places])
     way = blocks.way(lambda_)
     stop = blocks.kinetic - blocks.k * blocks.v / blocks.w * (way - lambda_)
     back = -stop > blocks.fresh + REST_SLACK * (np.abs(stop) + blocks.fresh)
     reverses[places[back]] = True
     ahead = np.flatnonzero(~back & (way >= LEAST_STICK))
-    blocks = _Blocks(taken(values, places[ahead]), law)
+    blocks = _Blocks(taken(values, places[ahead]))
     # The stick that follows is nearer to the cycle than the root of a sum that was rounded.
     cycle = blocks.cycle(blocks.cycle(stop[ahead] / blocks.k).z)
     found.sticks[places[ahead]] = np.isfinite(cycle.z)
     found.t_stick[places[ahead]], found.t_slip[places[ahead]] = cycle.t_stick, cycle.t_slip
-    held = np.maximum(stop[back], -_Blocks(taken(values, places[back]), law).fresh)
-    _settle(values, law, places[back], held, found)
+    held = np.maximum(stop[back], -_Blocks(taken(values, places[back])).fresh)
+    _settle(values, places[back], held, found)
     return found, top, reverses
 
 
-def _settle(
-    values: Values, law: str, places: NDArray[np.intp], force: Floats, found: _Cycles
-) -> None:
+def _settle(values: Values, places: NDArray[np.intp], force: Floats, found: _Cycles) -> None:
     """Follow sticks and slips that reverse until the sticks settle; docs/theory.md (23).
 
     `force` is where the first stick begins [N].
     """
-    z = force / _Blocks(taken(values, places), law).k
+    z = force / _Blocks(taken(values, places)).k
     for _ in range(_MOST_ROUNDS):
         if not places.size:
             return
-        blocks = _Blocks(taken(values, places), law)
+        blocks = _Blocks(taken(values, places))
         first = blocks.cycle(z)
         second = blocks.cycle(first.z)
         rounding = _SETTLED * (first.t_stick + blocks.fresh / (blocks.k * blocks.v))
         settled = np.abs(second.t_stick - first.t_stick) <= rounding
         found.sticks[places[settled]] = True
         steady = np.flatnonzero(settled)
-        steady = steady[_attract(_Blocks(taken(values, places[steady]), law), second, steady)]
+        steady = steady[_attract(_Blocks(taken(values, places[steady])), second, steady)]
         found.t_stick[places[steady]] = second.t_stick[steady]
         found.t_slip[places[steady]] = second.t_slip[steady]
         go_on = np.flatnonzero(~settled & np.isfinite(second.z))

@@ -12,7 +12,6 @@ from typing import Final, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from fmi.model import Spec
 from stickslip_fmu.block import Block
 from stickslip_fmu.laws.named import friction_law
 from stickslip_fmu.spec import spec_of
@@ -142,13 +141,8 @@ def _warn_once() -> None:
     )
 
 
-@cache
-def _spec(law: str) -> Spec:
-    return spec_of(friction_law(law).law)
-
-
 def _by_python_blocks(values: Values, law: str) -> Slips:
-    spec = _spec(law)
+    spec = spec_of(friction_law(law).law)
     names = list(values)
     start = spec.table.start_values()
     columns = np.broadcast_arrays(*(np.atleast_1d(each) for each in values.values()))

@@ -105,8 +105,8 @@ def data(verdict: Verdict) -> dict[str, Any]:
     gain is two lists, ``real`` and ``imag``.
     """
     axis = {"F_s": verdict.axis.F_s, "F_k": verdict.axis.F_k}
-    found: dict[str, Any] = _plain(verdict)
-    found["axis"] |= _plain(axis)
+    found: dict[str, Any] = plain(verdict)
+    found["axis"] |= plain(axis)
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -117,26 +117,27 @@ def data(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return a result as what JSON knows, as of `data`."""
     if isinstance(value, Swing):
-        return _plain({**value._asdict(), "frequency": value.frequency})
+        return plain({**value._asdict(), "frequency": value.frequency})
     if isinstance(value, OperatingPoint):
         shown = {name: getattr(value, name) for name in _OF_POINT}
-        return {**_plain({each.name: getattr(value, each.name) for each in fields(value)}), **shown}
+        return {**plain({each.name: getattr(value, each.name) for each in fields(value)}), **shown}
     if is_dataclass(value) and not isinstance(value, type):
-        return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
+        return {each.name: plain(getattr(value, each.name)) for each in fields(value)}
     if hasattr(value, "_asdict"):
-        return _plain(value._asdict())
+        return plain(value._asdict())
     if isinstance(value, Mapping):
-        return {str(key): _plain(each) for key, each in value.items()}
+        return {str(key): plain(each) for key, each in value.items()}
     if isinstance(value, np.ndarray):
         if np.iscomplexobj(value):
-            return {"real": _plain(value.real), "imag": _plain(value.imag)}
-        return [_plain(each) for each in value.tolist()]
+            return {"real": plain(value.real), "imag": plain(value.imag)}
+        return [plain(each) for each in value.tolist()]
     if isinstance(value, tuple | list):
-        return [_plain(each) for each in value]
+        return [plain(each) for each in value]
     if isinstance(value, np.generic):
-        return _plain(value.item())
+        return plain(value.item())
     if isinstance(value, float):
         return _number(value)
     return value

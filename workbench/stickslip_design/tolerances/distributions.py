@@ -28,7 +28,7 @@ from scipy.special import ndtr, ndtri
 from ..axis import AxisError, AxisFile, Number
 from ..axis.build import key_of
 from ..axis.keys import UNITS
-from ..points.axes import check
+from ..points.axes import check, read_number
 from ..quantity import QuantityError, parts_of
 
 Floats = NDArray[np.float64]
@@ -138,44 +138,30 @@ def varying(
     AxisError
         If the file states no such number, a text is no distribution, or nothing varies.
     """
-    for path, text in vary.items():
+    for path in vary:
         if path.startswith("demand."):
             raise AxisError("is asked of the axis and does not vary", key=path, name=file.name)
-        number = file.values.get(path)
-        check(file, path, number.value if isinstance(number, Number) else 0.0)
-        if not isinstance(text, str) or not text.strip():
-            raise AxisError("has no distribution", key=path, name=file.name, within=_WRITTEN)
+        check(file, path)
     found: dict[str, Distribution] = {}
     for path, number in file.values.items():
         if not isinstance(number, Number) or path.startswith("demand."):
             continue
-        if path in vary:
-            if vary[path].strip() != "fixed":
-                found[path] = _read(file, path, number, vary[path].strip(), spread_is)
-        elif number.spread:
-            found[path] = _around(number.value, number.spread, spread_is)
+        text = vary.get(path, "").strip()
+        if path in vary and text != "fixed":
+            found[path] = _within(file, path, _read(file, path, number, text, spread_is))
+        elif path not in vary and number.spread:
+            found[path] = _within(file, path, _around(number.value, number.spread, spread_is))
     if not found:
         raise AxisError(
             "nothing varies: no number of the file has a ±", name=file.name,
             remedy='write a ± there, or --vary "friction.mu_s=normal 0.2 0.02"',
         )  # fmt: skip
-    for path, each in found.items():
-        found[path] = _within(file, path, each)
     return found
 
 
 def range_of(file: AxisFile, path: str, text: str) -> tuple[float, float]:
-    """Return lowest and highest of a text such as ``36..44 N/um``, in the unit of the file.
-
-    Raises
-    ------
-    AxisError
-        If the file states no such number, or the text is no range of it.
-    """
-    number = file.values.get(path)
-    check(file, path, number.value if isinstance(number, Number) else 0.0)
-    assert isinstance(number, Number)
-    low, high = _read(file, path, number, f"uniform {text}", "uniform").numbers
+    """Return the ends of a text such as ``36..44 N/um`` in the unit of the file; AxisError."""
+    low, high = _read(file, path, check(file, path), f"uniform {text}", "uniform").numbers
     check(file, path, [low, high])
     return low, high
 
@@ -189,33 +175,30 @@ def _around(value: float, spread: float, spread_is: SpreadIs) -> Distribution:
 def _read(
     file: AxisFile, path: str, number: Number, text: str, spread_is: SpreadIs
 ) -> Distribution:
-    def refused(reason: str) -> AxisError:
-        return AxisError(reason, key=path, value=text, name=file.name, within=_WRITTEN)
-
     try:
-        if _PLUS_MINUS.search(text):
-            centre, _, around = _PLUS_MINUS.sub("±", text).partition("±")
-            value = _value(number, centre) if centre.strip() else number.value
-            spread = _scatter(number, value, around.strip(), _unit(centre))
-            if not spread > 0.0:
-                raise QuantityError("has a ± that is not above 0")
-            return _around(value, spread, spread_is)
-        kind, _, rest = text.partition(" ")
-        if kind not in _COUNT:
-            raise QuantityError("is no distribution")
-        parts = _NEXT.split(rest.replace("..", " ").strip())
-        if len(parts) != _COUNT[kind]:
-            raise QuantityError(f"has {len(parts)} numbers in place of {_COUNT[kind]}")
-        return _of_kind(kind, number, parts)
+        if not _PLUS_MINUS.search(text):
+            return _of_kind(number, text)
+        centre, _, around = _PLUS_MINUS.sub("±", text).partition("±")
+        value = read_number(number, centre) if centre.strip() else number.value
+        spread = _scatter(number, value, around.strip(), _unit(centre))
+        if not spread > 0.0:
+            raise QuantityError("has a ± that is not above 0")
+        return _around(value, spread, spread_is)
     except QuantityError as error:
-        raise refused(str(error)) from None
+        raise AxisError(str(error), key=path, value=text, name=file.name, within=_WRITTEN) from None
 
 
-def _of_kind(kind: str, number: Number, parts: list[str]) -> Distribution:
+def _of_kind(number: Number, text: str) -> Distribution:
+    kind, _, rest = text.partition(" ")
+    if kind not in _COUNT:
+        raise QuantityError("is no distribution")
+    parts = _NEXT.split(rest.replace("..", " ").strip())
+    if len(parts) != _COUNT[kind]:
+        raise QuantityError(f"has {len(parts)} numbers in place of {_COUNT[kind]}")
     last = _unit(parts[-1])
     if kind in {"normal", "lognormal"}:
         centre = parts[0] if _unit(parts[0]) or last == "%" else f"{parts[0]} {last}"
-        value = _value(number, centre)
+        value = read_number(number, centre)
         sigma = _scatter(number, value, parts[1], _unit(centre))
         if not sigma > 0.0:
             raise QuantityError("has a standard deviation that is not above 0")
@@ -224,7 +207,7 @@ def _of_kind(kind: str, number: Number, parts: list[str]) -> Distribution:
                 raise QuantityError("has a median that is not above 0")
             return Distribution(kind, (value, sigma / value))
         return Distribution(kind, (value, sigma))
-    values = tuple(_value(number, part if _unit(part) else f"{part} {last}") for part in parts)
+    values = tuple(read_number(number, part if _unit(part) else f"{part} {last}") for part in parts)
     if not values[0] < values[-1] or list(values) != sorted(values):
         raise QuantityError("is empty or reversed")
     return Distribution(kind, values)
@@ -234,28 +217,20 @@ def _unit(text: str) -> str:
     return parts_of(text)[1] if text.strip() else ""
 
 
-def _value(number: Number, text: str) -> float:
-    kind = UNITS.kinds[number.unit]
-    return UNITS.read(text, (kind,), kind if number.unit == "1" else None)[0]
-
-
 def _scatter(number: Number, value: float, text: str, unit_of_value: str) -> float:
     """Return a scatter in the unit of its number; percent are of the value, if that has none."""
     if _unit(text) == "%" != unit_of_value:
         return abs(value) * UNITS.read(text, (UNITS.kinds["1"],), None)[0]
-    return _value(number, text if _unit(text) else f"{text} {unit_of_value}")
+    return read_number(number, text if _unit(text) else f"{text} {unit_of_value}")
 
 
 def _within(file: AxisFile, path: str, found: Distribution) -> Distribution:
     """Return a distribution within the range of its number; raises AxisError if much is outside."""
     within = key_of(path).within
-    if found.kind == "lognormal":
-        check(file, path, found.nominal)
-        return found
+    bounded = found.kind in {"uniform", "triangular"}
+    check(file, path, [found.numbers[0], found.numbers[-1]] if bounded else found.nominal)
     if found.kind != "normal":
-        check(file, path, [found.numbers[0], found.numbers[-1]])
         return found
-    check(file, path, found.nominal)
     low = math.nextafter(within.low, math.inf) if within.strict else within.low
     found = replace(found, low=low, high=within.high)
     if found.cut > _MOST_CUT:

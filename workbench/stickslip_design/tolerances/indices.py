@@ -7,10 +7,9 @@ the series are left out here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,7 @@ from scipy.stats import qmc, sobol_indices
 
 from ..chunks import Columns
 from .probability import CONFIDENCE
-from .samples import Population, answered, in_blocks
+from .samples import Machines
 
 Floats = NDArray[np.float64]
 
@@ -34,10 +33,8 @@ class Indices:
 
     Attributes
     ----------
-    first
-        Part of the variance that a number makes alone [-].
-    total
-        Part that it makes alone and together with others [-].
+    first, total
+        Parts of the variance that a number makes alone, and alone and together with others [-].
     first_range, total_range
         Intervals of confidence of 95 %, shape (numbers, 2), by resampling the rows.
     """
@@ -49,8 +46,8 @@ class Indices:
 
 
 @dataclass(frozen=True)
-class Mixed:
-    """The study of the machines that Sobol indices are made from.
+class Mixed(Machines):
+    """The study of the machines that Sobol indices are made from; columns as of `Samples`.
 
     Attributes
     ----------
@@ -63,7 +60,6 @@ class Mixed:
         of A with one number of B.
     """
 
-    population: Population
     feeds: tuple[float, ...]
     rows: int
 
@@ -72,59 +68,21 @@ class Mixed:
         """Points: rows times the numbers that vary and two."""
         return self.rows * (len(self.population.varied) + 2)
 
-    @property
-    def quantum(self) -> int:
-        """A chunk is a multiple of so many points."""
-        return self.population.block
-
-    @property
-    def identity(self) -> Mapping[str, Any]:
-        """All that the results depend on, but for versions."""
-        return {
-            "study": "scatter: indices",
-            **self.population.identity,
-            "feeds": self.feeds,
-            "rows": self.rows,
-        }
-
-    def compute(self, start: int, stop: int) -> Columns:
-        """Return the columns of `Samples` of the points from `start` up to `stop`."""
-        return in_blocks(start, stop, self.quantum, self._block)
-
     def _block(self, start: int, stop: int) -> Columns:
         count = len(self.population.varied)
         drawn = mixed(self.population.seed, self.rows, count, start, stop)
-        return answered(self.population.file, self.population.at(drawn), self.feeds)
+        return self.population.answered(self.population.at(drawn), self.feeds)
 
 
 def mixed(seed: int, rows: int, count: int, start: int, stop: int) -> Floats:
     """Return the shares of the points from `start` up to `stop`, as `Mixed` numbers them.
 
-    Parameters
-    ----------
-    seed
-        The seed.
-    rows
-        Rows of A and of B, a power of two.
-    count
-        How many numbers vary.
-    start, stop
-        Which points.
-
-    Returns
-    -------
-    array of shape (stop - start, count)
-        Shares, above 0 and below 1 [-].
+    Of `count` numbers that vary: (stop - start, count), above 0 and below 1 [-].
     """
     both = _rows(seed, rows, 2 * count)
     block, row = np.divmod(np.arange(start, stop), rows)
-    drawn = both[row, :count].copy()
-    of_B = block == 1
-    drawn[of_B] = both[row[of_B], count:]
-    for place in range(count):
-        swapped = block == place + 2
-        drawn[swapped, place] = both[row[swapped], count + place]
-    return drawn
+    of_B = (block == 1)[:, np.newaxis] | (block[:, np.newaxis] == np.arange(count) + 2)
+    return np.where(of_B, both[row, count:], both[row, :count])
 
 
 @lru_cache(maxsize=2)

@@ -9,19 +9,20 @@ statistic. The number keeps its relative scatter.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..axis import AxisError, AxisFile, Number
+from ..axis import AxisError, AxisFile
 from ..chunks import Columns, Results, Study
-from ..points.axes import EVEN, axis_points, check
+from ..points.axes import axis_points, check
+from ..points.columns import Regime
 from .distributions import Distribution
 from .probability import Probability, probability, ranks
-from .samples import Population, Samples, in_blocks, scaled
+from .samples import Machines, Population, Samples
 
 Floats = NDArray[np.float64]
 
@@ -32,21 +33,17 @@ _STEPS_CLOSED, _STEPS = 20, 13
 
 
 @dataclass(frozen=True)
-class Turns:
+class Turns(Machines):
     """The study of where each machine turns from jumping to even motion.
 
     Attributes
     ----------
-    population
-        The machines.
+    population, count
+        The machines, and how many.
     feed
         The feed [m/s].
-    count
-        How many machines.
-    path
-        The number of the axis file that is multiplied.
-    low, high
-        The least and the largest factor.
+    path, low, high
+        The number of the axis file that is multiplied, and the least and the largest factor.
 
     Notes
     -----
@@ -54,42 +51,20 @@ class Turns:
     NaN where both ends are alike.
     """
 
-    population: Population
     feed: float
     count: int
     path: str
     low: float
     high: float
 
-    @property
-    def quantum(self) -> int:
-        """A chunk is a multiple of so many points."""
-        return self.population.block
-
-    @property
-    def identity(self) -> Mapping[str, Any]:
-        """All that the results depend on, but for versions."""
-        return {
-            "study": "scatter: turns",
-            **self.population.identity,
-            "feed": self.feed,
-            "count": self.count,
-            "path": self.path,
-            "factors": [self.low, self.high],
-        }
-
-    def compute(self, start: int, stop: int) -> Columns:
-        """Return the columns of the machines from `start` up to `stop`."""
-        return in_blocks(start, stop, self.quantum, self._block)
-
     def _block(self, start: int, stop: int) -> Columns:
         count = stop - start
         drawn = self.population.drawn(start, stop)
 
         def even(factors: Floats) -> NDArray[np.bool_]:
-            changes = scaled(self.population.file, drawn, self.path, factors, count)
+            changes = self.population.scaled(drawn, self.path, factors)
             found = axis_points(self.population.file, changes, self.feed, regimes_only=True)
-            return np.asarray(found["regime"] == EVEN)
+            return np.asarray(found["regime"] == Regime.EVEN)
 
         between = 1.0 if self.low < 1.0 < self.high else math.sqrt(self.low * self.high)
         low, middle, high = (np.full(count, each) for each in (self.low, between, self.high))
@@ -106,6 +81,20 @@ class Turns:
             "turn": np.where(turns, np.where(at_low, low, high), math.nan),
             "turns back": ~turns & (at_middle != at_low),
         }
+
+
+class Hold(NamedTuple):
+    """What must hold: at `feed` [m/s] a `share` of machines runs evenly, by the number `path`.
+
+    The number is looked for between `low` and `high` times its nominal value `now`.
+    """
+
+    share: float
+    feed: float
+    path: str
+    now: float
+    low: float
+    high: float
 
 
 @dataclass(frozen=True)
@@ -154,20 +143,20 @@ class Solved:
     unsolved: str = ""
 
 
-def factors(
-    file: AxisFile, path: str, distribution: Distribution | None,
+def hold_of(
+    file: AxisFile, path: str, distribution: Distribution | None, share: float, feed: float,
     within: tuple[float, float] | None,
-) -> tuple[float, float, float]:  # fmt: skip
-    """Return the nominal value of a number, and the factors on it among which is looked for.
+) -> Hold:  # fmt: skip
+    """Return what must hold, the number looked for `within` a lowest and a highest value.
+
+    None: a tenth to ten times its nominal value, in the SI unit in which the file states it.
 
     Raises
     ------
     AxisError
         If the file states no such number, or the range is not one of its.
     """
-    stated = file.values.get(path)
-    check(file, path, stated.value if isinstance(stated, Number) else 0.0)
-    assert isinstance(stated, Number)
+    stated = check(file, path)
     now = stated.value if distribution is None else distribution.nominal
     if now == 0.0:
         raise AxisError(
@@ -175,7 +164,7 @@ def factors(
             name=file.name,
         )  # fmt: skip
     if within is None:
-        return now, 1.0 / _WIDEST, _WIDEST
+        return Hold(share, feed, path, now, 1.0 / _WIDEST, _WIDEST)
     check(file, path, within)
     low, high = sorted(each / now for each in within)
     if not within[0] < within[1] or not low > 0.0:
@@ -183,17 +172,11 @@ def factors(
             "is looked for in an empty or reversed range, or one that holds 0", key=path,
             value=f"{within[0]:g} to {within[1]:g}", name=file.name,
         )  # fmt: skip
-    return now, low, high
+    return Hold(share, feed, path, now, low, high)
 
 
 def solved(
-    population: Population,
-    path: str,
-    share: float,
-    feed: float,
-    count: int,
-    compute: Callable[[Study, str], Results],
-    within: tuple[float, float] | None = None,
+    population: Population, hold: Hold, count: int, compute: Callable[[Study, str], Results]
 ) -> Solved:
     """Return the nominal value at which a share of machines runs evenly at a feed.
 
@@ -201,33 +184,19 @@ def solved(
     ----------
     population
         The machines.
-    path
-        Name of the number in the axis file; it need not vary.
-    share
-        Which share must run evenly, above 0 and below 1 [-].
-    feed
-        The feed [m/s].
+    hold
+        What must hold.
     count
         How many machines are drawn: the same for each value.
     compute
         Computes a study; the text says what for.
-    within
-        The lowest and the highest value; by default a tenth and ten times the nominal one.
-
-    Raises
-    ------
-    AxisError
-        If the file states no such number, or the range is not one of its.
     """
-    file = population.file
-    now, low, high = factors(file, path, population.varied.get(path), within)
-    stated = file.values[path]
-    assert isinstance(stated, Number)
+    share, feed, path, now, low, high = hold
 
     def even(factor: float, name: str) -> Probability:
-        study = Samples(population, (feed,), count, path, factor, regimes_only=True)
+        study = Samples(population, (feed,), count, (path, factor), regimes_only=True)
         regimes = compute(study, name).read()["regime 1"]
-        return probability(int((regimes == EVEN).sum()), count)
+        return probability(int((regimes == Regime.EVEN).sum()), count)
 
     found = compute(Turns(population, feed, count, path, low, high), "turns").read()
     at_low, at_high = (found[name].astype(np.bool_) for name in ("even at low", "even at high"))
@@ -254,7 +223,7 @@ def solved(
     at_most = at_most == (now > 0.0)
     ends = (now * low, float(at_low.mean())), (now * high, float(at_high.mean()))
     return Solved(
-        path=path, unit=stated.unit, share=share, feed=feed,
+        path=path, unit=check(population.file, path).unit, share=share, feed=feed,
         value=math.nan if unsolved else now * factor,
         low=math.nan if unsolved else bounds[at_most],
         high=math.nan if unsolved else bounds[not at_most],

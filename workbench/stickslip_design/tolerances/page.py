@@ -12,9 +12,10 @@ from stickslip_fmu.release import VERSION
 from stickslip_verification.report.environment import environment, text_of
 from stickslip_verification.report.svg import STYLE, as_part
 
+from ..report.record import plain
 from . import words
 from .pictures import PICTURES, picture
-from .result import Scatter, plain
+from .result import Scatter
 
 _HERE: Final = Path(__file__).parent
 _STYLES: Final = _HERE.parent / "report" / "templates"
@@ -26,25 +27,23 @@ def html(found: Scatter) -> str:
     return environment(_HERE / "templates").get_template("scatter.html.j2").render(
         name=asked.population.file.axis().name,
         sentences=list(words.sentences(found)),
-        pictures=[drawn for name in PICTURES if (drawn := _drawn(found, name)) is not None],
+        pictures=[_drawn(found, name) for name in PICTURES],
         feeds=words.feeds(found),
         parts=words.parts(found),
         numbers=words.numbers(found),
         correlations=words.correlations(found),
         count=asked.count,
-        seed=found.seed,
+        seed=asked.population.seed,
         version=VERSION,
         digest=found.provenance["inputs_digest"],
         style=text_of("report.css", _STYLES),
     )  # fmt: skip
 
 
-def _drawn(found: Scatter, name: str) -> Markup | None:
-    page = picture(found, name)
-    if page is None:
-        return None
+def _drawn(found: Scatter, name: str) -> Markup:
     with mpl.rc_context(STYLE):
-        return Markup(as_part(page, name, f"Scatter: {name}"))
+        page = picture(found, [name])
+        return Markup(as_part(page, name, f"Scatter: {name}") if page is not None else "")
 
 
 def data(found: Scatter) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 import matplotlib as mpl
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stickslip_verification.report.svg import BLUE, GREY, INK, ORANGE, STYLE
 
-from ..points.axes import STICKS
+from ..points.columns import Regime
 from ..shown import EXACT, number
 from .probability import interval
 from .result import Scatter
@@ -61,9 +61,7 @@ def draw_probability(on: Axes, found: Scatter) -> bool:
             color=INK, marker="o", ms=4.5, capsize=3.0, lw=1.2, zorder=3, clip_on=False,
         )  # fmt: skip
     _log_axis(on)
-    on.set_ylim(0.0, 100.0)
-    on.set_xlabel("feed  [mm/s]")
-    on.set_ylabel("machines that jump  [%]")
+    on.set(ylim=(0.0, 100.0), xlabel="feed  [mm/s]", ylabel="machines that jump  [%]")
     on.set_title("How many jump", loc="left")
     on.grid(visible=True)
     return True
@@ -103,14 +101,15 @@ def draw_convergence(on: Axes, found: Scatter) -> bool:
     chosen = (open_ones or [1])[: len(_COLOURS)]
     sizes = np.unique(np.geomspace(min(_FIRST, count), count, _LOOKS).round().astype(np.int64))
     for place, colour, line in zip(chosen, _COLOURS, _LINES, strict=False):
-        hits = np.cumsum(found.columns[f"regime {place}"] == STICKS)[sizes - 1].astype(np.float64)
+        hits = np.cumsum(found.columns[f"regime {place}"] == Regime.STICKS)[sizes - 1].astype(
+            np.float64
+        )
         low, high = interval(hits, sizes.astype(np.float64))
         on.fill_between(sizes, 100.0 * low, 100.0 * high, color=colour, alpha=_BAND, lw=0.0)
         name = feed(found.question.feeds[place - 1])
         on.plot(sizes, 100.0 * hits / sizes, color=colour, ls=line, lw=1.4, label=name)
     _log_axis(on)
-    on.set_xlabel("machines drawn")
-    on.set_ylabel("machines that jump  [%]")
+    on.set(xlabel="machines drawn", ylabel="machines that jump  [%]")
     on.set_title("Convergence", loc="left")
     on.legend(loc="best", fontsize=8.5)
     on.grid(visible=True)
@@ -150,25 +149,16 @@ PICTURES: Final[dict[str, Draw]] = {
 """The pictures by name."""
 
 
-def picture(found: Scatter, name: str) -> Figure | None:
-    """Return a picture; None where there is nothing to draw."""
+def picture(found: Scatter, names: Sequence[str] = tuple(PICTURES)) -> Figure | None:
+    """Return one picture, or four on a page; None where there is nothing to draw."""
+    side = math.isqrt(len(names))
     with mpl.rc_context(STYLE):
-        page = Figure(figsize=(5.2, 3.4), layout="constrained")
-        on = page.add_subplot()
-        on.set_axisbelow(True)
-        return page if PICTURES[name](on, found) else None
-
-
-def overview(found: Scatter) -> Figure:
-    """Return the pictures on one page."""
-    with mpl.rc_context(STYLE):
-        page = Figure(figsize=(10.4, 7.0), layout="constrained")
-        for place, draw in enumerate(PICTURES.values(), 1):
-            on = page.add_subplot(2, 2, place)
+        page = Figure(figsize=(5.2 * side, 3.4 * side), layout="constrained")
+        for place, name in enumerate(names, 1):
+            on = page.add_subplot(side, side, place)
             on.set_axisbelow(True)
-            if not draw(on, found):
-                on.set_visible(False)
-    return page
+            on.set_visible(PICTURES[name](on, found))
+    return page if any(on.get_visible() for on in page.axes) else None
 
 
 def _log_axis(on: Axes) -> None:

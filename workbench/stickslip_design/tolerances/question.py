@@ -12,7 +12,7 @@ from ..axis.keys import BY_PATH, UNITS
 from ..points.axes import has_closed_form
 from ..quantity import QuantityError
 from .distributions import SpreadIs, range_of, varying
-from .nominal import factors
+from .nominal import Hold, hold_of
 from .samples import Population, Samples
 
 SAMPLES_CLOSED, SAMPLES = 100_000, 1_000
@@ -24,31 +24,15 @@ _SEEDS: Final = 2**128
 
 
 @dataclass(frozen=True)
-class Hold:
-    """What must hold: at `feed` [m/s] a `share` of machines runs evenly, by the number `path`.
-
-    The number is looked for `within` a lowest and a highest value, in the SI unit in which the
-    file states it; None: a tenth to ten times its nominal value.
-    """
-
-    share: float
-    feed: float
-    path: str
-    within: tuple[float, float] | None = None
-
-
-@dataclass(frozen=True)
 class Question:
     """What is asked of a series of machines.
 
     Attributes
     ----------
-    population
-        The machines.
+    population, count
+        The machines, and how many are drawn.
     feeds
         Feeds at which each is judged [m/s].
-    count
-        How many are drawn.
     rows
         Rows of the Sobol indices, a power of two; 0: none.
     hold
@@ -65,11 +49,6 @@ class Question:
     def samples(self) -> Samples:
         """The study of the machines."""
         return Samples(self.population, self.feeds, self.count)
-
-    @property
-    def points(self) -> int:
-        """How many variants of the axis are computed, but for those that a `hold` needs."""
-        return self.count + self.rows * (len(self.population.varied) + 2)
 
 
 def question(
@@ -113,8 +92,7 @@ def question(
             raise ValueError(f"a share of {share:g} is out of range; it must be above 0, below 1")
         if isinstance(within, str):
             within = range_of(axis, solve, within)
-        factors(axis, solve, varied.get(solve), within)
-        wanted = Hold(share, _feed(feed), solve, within)
+        wanted = hold_of(axis, solve, varied.get(solve), share, _feed(feed), within)
     elif within is not None:
         raise ValueError("a range to look within goes with a number to solve for")
     return Question(population, found, count, rows, wanted)
@@ -122,16 +100,14 @@ def question(
 
 def _feed(written: float | str) -> float:
     """Return a feed [m/s]; raises ValueError if it is not above 0."""
+    kind = UNITS.kinds["m/s"]
     try:
-        kind = UNITS.kinds["m/s"]
-        value = (
-            UNITS.read(written, (kind,), None)[0] if isinstance(written, str) else float(written)
-        )
+        value = UNITS.read(written, (kind,), None)[0] if isinstance(written, str) else written
     except QuantityError as error:
         raise ValueError(f"feed {written} {error}; expected {kind.expected('above 0')}") from None
     if value not in BY_PATH["demand.feeds"].within:
         raise ValueError(f"feed {written} is out of range; it must be above 0")
-    return value
+    return float(value)
 
 
 def _held(text: str) -> tuple[float, str]:

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ..axis import Number
 from ..chunks import Columns
 from ..datasets import need, provenance
-from ..points.axes import EVEN, STICKS, SWINGS, UNKNOWN
+from ..points.axes import check
+from ..points.columns import AXIS, Regime
+from ..report.record import plain
 from .indices import Indices
 from .nominal import Solved
 from .probability import Probability, probability
@@ -25,15 +26,11 @@ if TYPE_CHECKING:
 
 QUANTILES: Final = (0.05, 0.5, 0.95)
 """The quantiles of the jump that are told."""
-_RESULTS: Final = {
-    "critical_feed": ("m/s", "highest feed that is reached in jumps"),
-    "stable": ("1", "whether the servo loop is stable"),
-    "clamped": ("1", "whether mu_k was above mu_s and taken as that"),
-    "jump": ("m", "jump, 0 where there is none"),
-    "rate": ("1/s", "jumps a second"),
-    "regime": ("1", "0 even, 1 sticks, 2 swings, -1 unknown"),
+_PROBABILITY: Final = {
+    "probability": "probability of jumping",
+    "probability_low": "lower end of its interval of 95 %",
+    "probability_high": "upper end of its interval of 95 %",
 }
-"""Unit and meaning of the columns of a machine."""
 
 
 @dataclass(frozen=True)
@@ -44,14 +41,10 @@ class Outcome:
     ----------
     feed
         The feed [m/s].
-    jumps
-        The probability that a machine jumps there.
-    even
-        The probability that it runs evenly: its jump is 0.
-    swings
-        How many swing without rest, or have an unstable loop.
-    unknown
-        How many could not be computed.
+    jumps, even
+        The probabilities that a machine jumps there, and that it runs evenly: its jump is 0.
+    swings, unknown
+        How many swing without rest, or have an unstable loop; how many could not be computed.
     jump
         The `QUANTILES` of the jump [m] of those that jump; NaN where none does.
     unmeasured
@@ -73,12 +66,10 @@ class Scatter:
 
     Attributes
     ----------
-    question
-        What was asked.
+    question, outcomes
+        What was asked, and what the machines do, by feed.
     columns
         The numbers and results of each machine, as `Samples` describes them.
-    outcomes
-        What the machines do, by feed.
     clamped
         How many had their mu_k above their mu_s, and it was taken as that.
     indices
@@ -97,114 +88,76 @@ class Scatter:
 
     @property
     def provenance(self) -> dict[str, str]:
-        """Versions, inputs, their digest and the command, as attributes of a file."""
-        return {**provenance(self.question.samples.identity), "seed": str(self.seed)}
+        """Versions, inputs, their digest, command and seed, as attributes of a file."""
+        seed = str(self.question.population.seed)
+        return {**provenance(self.question.samples.identity), "seed": seed}
 
-    @property
-    def seed(self) -> int:
-        """The seed of the random numbers."""
-        return self.question.population.seed
+    def _about(self, name: str) -> dict[str, str]:
+        if name in AXIS:
+            return {"units": AXIS[name].unit, "long_name": AXIS[name].description}
+        return {"units": check(self.question.population.file, name).unit}
 
     def dataset(self) -> xarray.Dataset:
         """Return the answer with names and units, by ``sample``, ``feed`` and ``parameter``."""
-        xr = need("xarray")
         feeds = self.question.feeds
+        varied = list(self.question.population.varied)
         data: dict[str, Any] = {}
-        for path in self.question.population.varied:
-            data[path] = ("sample", self.columns[path], {"units": _unit(self, path)})
-        for name, (unit, words) in _RESULTS.items():
+        for name in (*varied, *AXIS):
             if name in self.columns:
-                data[name] = "sample", self.columns[name], {"units": unit, "long_name": words}
+                data[name] = "sample", self.columns[name], self._about(name)
             else:
                 table = [self.columns[f"{name} {place + 1}"] for place in range(len(feeds))]
-                data[name] = (
-                    ("sample", "feed"), np.stack(table, axis=1),
-                    {"units": unit, "long_name": words},
-                )  # fmt: skip
-        for name, words in (
-            ("value", "probability of jumping"),
-            ("low", "lower end of its interval of 95 %"),
-            ("high", "upper end of its interval of 95 %"),
-        ):
-            column = [getattr(each.jumps, name) for each in self.outcomes]
-            key = "probability" if name == "value" else f"probability_{name}"
-            data[key] = "feed", column, {"units": "1", "long_name": words}
-        data["jump_quantile"] = (
-            ("feed", "quantile"), [each.jump for each in self.outcomes],
-            {"units": "m", "long_name": "quantile of the jump of machines that jump"},
-        )  # fmt: skip
-        if self.indices:
-            none = np.full(len(self.question.population.varied), math.nan)
-            for order in ("first", "total"):
-                table = [
-                    getattr(self.indices[key], order) if key in self.indices else none
-                    for key in (f"jump {place + 1}" for place in range(len(feeds)))
-                ]
-                data[f"sobol_{order}"] = (
-                    ("feed", "parameter"), np.array(table),
-                    {"units": "1", "long_name": f"Sobol index of {order} order of the jump"},
-                )  # fmt: skip
+                data[name] = ("sample", "feed"), np.stack(table, axis=1), self._about(name)
+        for place, (name, words) in enumerate(_PROBABILITY.items()):
+            column = [each.jumps[place] for each in self.outcomes]
+            data[name] = "feed", column, {"units": "1", "long_name": words}
+        words = "quantile of the jump of machines that jump"
+        jumps = [each.jump for each in self.outcomes]
+        data["jump_quantile"] = ("feed", "quantile"), jumps, {"units": "m", "long_name": words}
+        none = np.full(len(varied), math.nan)
+        for order in ("first", "total") if self.indices else ():
+            rows = [
+                getattr(self.indices[key], order) if key in self.indices else none
+                for key in (f"jump {place + 1}" for place in range(len(feeds)))
+            ]
+            about = {"units": "1", "long_name": f"Sobol index of {order} order of the jump"}
+            data[f"sobol_{order}"] = ("feed", "parameter"), np.array(rows), about
         coordinates = {
             "sample": np.arange(self.question.count),
             "feed": ("feed", list(feeds), {"units": "m/s"}),
             "quantile": list(QUANTILES),
-            "parameter": list(self.question.population.varied),
+            "parameter": varied,
         }
         attributes: dict[str, Any] = {**self.provenance, "clamped": self.clamped}
         if self.solved is not None:
             attributes["solved"] = json.dumps(plain(self.solved))
-        dataset: xarray.Dataset = xr.Dataset(data, coordinates, attributes)
+        dataset: xarray.Dataset = need("xarray").Dataset(data, coordinates, attributes)
         return dataset
 
     def table(self) -> xarray.Dataset:
         """Return numbers and results of the machines by ``sample`` alone, a column for each."""
-        xr = need("xarray")
         data: dict[str, Any] = {}
         for name, column in self.columns.items():
             kind, _, place = name.partition(" ")
-            unit, words = _RESULTS.get(kind, ("", ""))
-            attributes = {"units": unit or _unit(self, name), "long_name": words}
+            about = self._about(kind)
             if place:
-                attributes["long_name"] += f" at {self.question.feeds[int(place) - 1]:.6g} m/s"
-            data[name.replace(" ", "_")] = "sample", column, attributes
-        table: xarray.Dataset = xr.Dataset(
-            data, {"sample": np.arange(self.question.count)}, self.provenance
-        )
+                about["long_name"] += f" (at {self.question.feeds[int(place) - 1]:.6g} m/s)"
+            data[name.replace(" ", "_")] = "sample", column, about
+        coordinates = {"sample": np.arange(self.question.count)}
+        table: xarray.Dataset = need("xarray").Dataset(data, coordinates, self.provenance)
         return table
 
 
 def outcome(feed: float, regime: NDArray[Any], jump: NDArray[np.float64]) -> Outcome:
     """Return what machines do at a feed [m/s], from regime and jump [m] of each."""
-    sticks = regime == STICKS
+    sticks = regime == Regime.STICKS
     known = jump[sticks & np.isfinite(jump)]
     return Outcome(
         feed=feed,
         jumps=probability(int(sticks.sum()), len(regime)),
-        even=probability(int((regime == EVEN).sum()), len(regime)),
-        swings=int((regime == SWINGS).sum()),
-        unknown=int((regime == UNKNOWN).sum()),
+        even=probability(int((regime == Regime.EVEN).sum()), len(regime)),
+        swings=int((regime == Regime.SWINGS).sum()),
+        unknown=int((regime == Regime.UNKNOWN).sum()),
         jump=tuple(np.quantile(known, QUANTILES).tolist()) if len(known) else (math.nan,) * 3,
         unmeasured=int(sticks.sum()) - len(known),
     )
-
-
-def _unit(found: Scatter, path: str) -> str:
-    number = found.question.population.file.values.get(path)
-    return number.unit if isinstance(number, Number) else ""
-
-
-def plain(value: Any) -> Any:
-    """Return a result as what JSON knows; infinity as a text, what is not a number as null."""
-    if hasattr(value, "_asdict"):
-        return plain(value._asdict())
-    if hasattr(value, "__dataclass_fields__"):
-        return {name: plain(getattr(value, name)) for name in value.__dataclass_fields__}
-    if isinstance(value, Mapping):
-        return {str(key): plain(each) for key, each in value.items()}
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, tuple | list):
-        return [plain(each) for each in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None if math.isnan(value) else "Infinity" if value > 0.0 else "-Infinity"
-    return value

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..axis import AxisFile, Number
+from ..axis import AxisFile
 from ..chunks import Columns
-from ..points.axes import axis_points, has_closed_form
+from ..points.axes import axis_points, check, has_closed_form
+from ..points.columns import WITHOUT_FEED
 from .distributions import Distribution
 from .sampling import Factor, correlated, factor_of, shares
 
@@ -29,10 +30,8 @@ class Population:
 
     Attributes
     ----------
-    file
-        The axis file.
-    varied
-        The distributions by name.
+    file, varied
+        The axis file, and the distributions by name.
     correlation
         Correlations of pairs of them, -1 to 1; others are 0.
     seed
@@ -85,29 +84,73 @@ class Population:
             for place, (path, each) in enumerate(self.varied.items())
         }
 
+    def scaled(
+        self, changes: dict[str, Floats], path: str, by: float | Floats
+    ) -> dict[str, Floats]:
+        """Return changes with one number multiplied, one that does not vary too; "" for none."""
+        if not path:
+            return changes
+        count = len(next(iter(changes.values())))
+        stated = np.full(count, check(self.file, path).value)
+        return {**changes, path: changes.get(path, stated) * by}
 
-def in_blocks(start: int, stop: int, block: int, compute: Callable[[int, int], Columns]) -> Columns:
-    """Return the columns of points that are computed so many at a time."""
-    parts = [compute(each, min(each + block, stop)) for each in range(start, stop, block)]
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    def answered(
+        self, changes: Mapping[str, Floats], feeds: tuple[float, ...], *, regimes_only: bool = False
+    ) -> Columns:
+        """Return numbers and what each machine does at some feeds, as the columns of `Samples`."""
+        count = len(next(iter(changes.values())))
+        table = np.broadcast_to(feeds, (count, len(feeds)))
+        found = axis_points(self.file, changes, table, regimes_only=regimes_only)
+        columns: Columns = {**changes, **{name: found[name] for name in WITHOUT_FEED}}
+        for name in ("jump", "rate", "regime"):
+            for place, column in enumerate(found[name].T, 1):
+                columns[f"{name} {place}"] = np.ascontiguousarray(column)
+        return columns
 
 
 @dataclass(frozen=True)
-class Samples:
+class Machines:
+    """A study of a population, whose other fields say all that its results depend on beside it.
+
+    A subclass computes so many points at a time as `Population.block` says, whatever the chunk.
+    """
+
+    population: Population
+
+    @property
+    def quantum(self) -> int:
+        """A chunk is a multiple of so many points."""
+        return self.population.block
+
+    @property
+    def identity(self) -> Mapping[str, Any]:
+        """All that the results depend on, but for versions."""
+        own = {each.name: getattr(self, each.name) for each in fields(self)[1:]}
+        name = type(self).__name__.lower()
+        return {"study": f"scatter: {name}", **self.population.identity, **own}
+
+    def compute(self, start: int, stop: int) -> Columns:
+        """Return the columns of the machines from `start` up to `stop`."""
+        starts = range(start, stop, self.quantum)
+        parts = [self._block(each, min(each + self.quantum, stop)) for each in starts]
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+    def _block(self, start: int, stop: int) -> Columns:
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Samples(Machines):
     """The study of machines drawn at random.
 
     Attributes
     ----------
-    population
-        The machines.
+    population, count
+        The machines, and how many are drawn.
     feeds
         Feeds at which each is judged [m/s].
-    count
-        How many are drawn.
     scaled
-        A number of the file that is multiplied by a factor in all of them; empty: none.
-    by
-        The factor.
+        A number of the file that is multiplied in all of them, empty for none, and the factor.
     regimes_only
         Whether the regimes alone are asked for.
 
@@ -118,66 +161,12 @@ class Samples:
     describes them.
     """
 
-    population: Population
     feeds: tuple[float, ...]
     count: int
-    scaled: str = ""
-    by: float = 1.0
+    scaled: tuple[str, float] = ("", 1.0)
     regimes_only: bool = False
-
-    @property
-    def quantum(self) -> int:
-        """A chunk is a multiple of so many points."""
-        return self.population.block
-
-    @property
-    def identity(self) -> Mapping[str, Any]:
-        """All that the results depend on, but for versions."""
-        return {
-            "study": "scatter: samples",
-            **self.population.identity,
-            "feeds": self.feeds,
-            "count": self.count,
-            "scaled": [self.scaled, self.by],
-            "regimes_only": self.regimes_only,
-        }
-
-    def compute(self, start: int, stop: int) -> Columns:
-        """Return the columns of the machines from `start` up to `stop`."""
-        return in_blocks(start, stop, self.quantum, self._block)
 
     def _block(self, start: int, stop: int) -> Columns:
         drawn = self.population.drawn(start, stop)
-        changes = scaled(self.population.file, drawn, self.scaled, self.by, stop - start)
-        return answered(self.population.file, changes, self.feeds, regimes_only=self.regimes_only)
-
-
-def scaled(
-    file: AxisFile, changes: Mapping[str, Floats], path: str, by: float | Floats, count: int
-) -> dict[str, Floats]:
-    """Return changes with one number multiplied, one that does not vary too; "" for none."""
-    if not path:
-        return dict(changes)
-    number = file.values[path]
-    assert isinstance(number, Number)
-    return {**changes, path: changes.get(path, np.full(count, number.value)) * by}
-
-
-def answered(
-    file: AxisFile,
-    changes: Mapping[str, Floats],
-    feeds: tuple[float, ...],
-    *,
-    regimes_only: bool = False,
-) -> Columns:
-    """Return the numbers that vary and what each machine does, as the columns of `Samples`."""
-    count = len(next(iter(changes.values())))
-    found = axis_points(
-        file, changes, np.broadcast_to(feeds, (count, len(feeds))), regimes_only=regimes_only
-    )
-    columns: Columns = dict(changes)
-    columns |= {name: found[name] for name in ("critical_feed", "stable", "clamped")}
-    for name in ("jump", "rate", "regime"):
-        for place in range(len(feeds)):
-            columns[f"{name} {place + 1}"] = np.ascontiguousarray(found[name][:, place])
-    return columns
+        changes = self.population.scaled(drawn, *self.scaled)
+        return self.population.answered(changes, self.feeds, regimes_only=self.regimes_only)

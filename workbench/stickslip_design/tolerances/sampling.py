@@ -31,18 +31,7 @@ _HALF: Final = 2.0**-54
 def shares(seed: int, start: int, stop: int, count: int) -> Floats:
     """Return the random shares of samples [-], above 0 and below 1.
 
-    Parameters
-    ----------
-    seed
-        The seed, from 0 to 2^128 - 1.
-    start, stop
-        The samples from `start` up to but not including `stop`.
-    count
-        Shares of a sample.
-
-    Returns
-    -------
-    array of shape (stop - start, count)
+    `count` of them for each sample from `start` up to `stop`; the seed is 0 to 2^128 - 1.
     """
     counts = -(-count // _WORDS)
     generator = np.random.Philox(key=seed)
@@ -87,15 +76,15 @@ def factor_of(names: Sequence[str], correlation: Mapping[tuple[str, str], float]
     for row in range(len(names)):
         for column in range(row + 1):
             rest = R[row, column] - math.fsum(L[row, :column] * L[column, :column])
+            excluded = False
             if row == column:
-                if rest < -_ROUNDING:
-                    raise ValueError(
-                        "the correlations exclude each other: no numbers have all of them"
-                    )
+                excluded = rest < -_ROUNDING
                 L[row, row] = math.sqrt(max(rest, 0.0))
             elif L[column, column] > math.sqrt(_ROUNDING):
                 L[row, column] = rest / L[column, column]
-            elif abs(rest) > math.sqrt(_ROUNDING):
+            else:
+                excluded = abs(rest) > math.sqrt(_ROUNDING)
+            if excluded:
                 raise ValueError("the correlations exclude each other: no numbers have all of them")
     return tuple(tuple(map(float, row[: place + 1])) for place, row in enumerate(L))
 

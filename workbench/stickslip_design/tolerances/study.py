@@ -109,12 +109,8 @@ def answer(asked: Question, computed: Computed) -> Scatter:
             one = indices(values, asked.rows, asked.population.seed)
             if one is not None:
                 found[name] = one
-    held = None
-    if asked.hold is not None:
-        hold = asked.hold
-        held = solved(
-            asked.population, hold.path, hold.share, hold.feed, asked.count, computed, hold.within
-        )
+    hold = asked.hold
+    held = None if hold is None else solved(asked.population, hold, asked.count, computed)
     outcomes = tuple(
         outcome(feed, columns[f"regime {n}"], columns[f"jump {n}"].astype(np.float64))
         for n, feed in enumerate(asked.feeds, 1)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
-from ..axis import Number
+from ..points.axes import check
 from ..report.tables import Grid
 from ..shown import EXACT, NONE, number, told
 from .distributions import Distribution
@@ -36,11 +36,6 @@ def percent(found: Probability) -> str:
     decimals = min(max(math.ceil(1.0 - math.log10(width)), 0), _MOST_DECIMALS)
     value, low, high = (f"{100.0 * each:.{decimals}f}" for each in found)
     return f"{value} % ({low} to {high} %)"
-
-
-def share(found: Probability) -> str:
-    """Return a probability alone, in the digits of `percent`."""
-    return percent(found).partition(" (")[0]
 
 
 def sentences(found: Scatter) -> Iterator[str]:
@@ -75,9 +70,8 @@ def sentences(found: Scatter) -> Iterator[str]:
 
 
 def _of_feed(outcome: Outcome) -> str:
-    text = f"At {feed(outcome.feed)} {share(outcome.jumps)} of machines jump"
-    interval = percent(outcome.jumps).partition(" (")[2].rstrip(")")
-    text += f" ({interval})"
+    share, _, interval = percent(outcome.jumps).partition(" (")
+    text = f"At {feed(outcome.feed)} {share} of machines jump ({interval}"
     if math.isnan(outcome.jump[1]):
         return f"{text}."
     return (
@@ -159,8 +153,7 @@ def numbers(found: Scatter) -> Grid:
     """Return the table of the numbers that vary."""
     rows = []
     for path, each in found.question.population.varied.items():
-        stated = found.question.population.file.values[path]
-        assert isinstance(stated, Number)
+        stated = check(found.question.population.file, path)
         rows.append((path, told(stated.value, stated.unit, EXACT), in_words(each, stated.unit)))
     return Grid(("number", "stated", "distribution"), rows, frozenset({1}))
 
