@@ -11,6 +11,7 @@ import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from typing import Final
 
@@ -170,20 +171,18 @@ def _wires(
         if target.causality != "input":
             raise SweepError(f"{path}: {target.name} is connected and no input of its FMU")
         change = connection.change
-        factor, offset = 1.0, 0.0
-        if change.converts:
+        factor, offset = Fraction(1), Fraction(0)
+        if change.converts and source.unit and target.unit not in ("", source.unit):
             try:
-                found = between(units, source.unit, target.unit)
+                factor, offset = between(units, source.unit, target.unit)
             except QuantityError as error:
-                raise SweepError(f"{path}: {target.name} {error}") from None
-            if found is None:
-                raise SweepError(
-                    f"{path}: {target.name} is in {target.unit!r} and what drives it in "
-                    f"{source.unit!r}, which its FMUs do not define"
-                )
-            factor, offset = found
-        factor, offset = change.factor * factor, change.factor * offset + change.offset
-        yield Wire(source.name, target.name, factor, offset)
+                raise SweepError(f"{path}: what drives {target.name} {error}") from None
+        yield Wire(
+            source.name,
+            target.name,
+            change.factor * float(factor),
+            change.factor * float(offset) + change.offset,
+        )
 
 
 def _bound(
