@@ -23,6 +23,7 @@ from stickslip_verification.drive.fmu.description import (
     read_description,
     unpack,
 )
+from stickslip_verification.model.units import Conversion
 
 from ..quantity import QuantityError
 from .job import FLOATING, Component, Variable, Wire
@@ -31,6 +32,7 @@ from .ssp import System, read_system
 from .units import between, in_unit
 
 _SETTABLE: Final = frozenset({"parameter", "input"})
+_AS_IT_IS: Final = Conversion()
 _AT_START: Final = frozenset({"exact", "approx"})
 
 
@@ -139,20 +141,22 @@ def _variables(component: int, before: str, description: Description) -> Iterato
             obstacle = "is an array"
         yield Variable(
             name=f"{before}{each.name}",
-            component=component,
-            own=each.name,
+            their_name=each.name,
             reference=each.valueReference,
             kind=each.type,
+            unit=each.unit or "",
             causality=each.causality,
             variability=each.variability,
-            unit=each.unit or "",
+            start=None,
+            conversion=_AS_IT_IS,
+            component=component,
             description=each.description,
             obstacle=obstacle,
             # A structural parameter is set in a mode of its own.
             starts=each.variability != "constant"
             and each.causality != "structuralParameter"
             and (each.causality in _SETTABLE or each.initial in _AT_START),
-            start=each.start or "",
+            start_text=each.start or "",
         )
 
 

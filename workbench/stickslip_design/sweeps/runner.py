@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +17,9 @@ from numpy.typing import NDArray
 from stickslip_verification import FmuError
 from stickslip_verification.drive.fmu.instance import FACES, FmuInstance
 from stickslip_verification.drive.fmu.names import Variable
-from stickslip_verification.model.units import Conversion
 
 from .job import Job
 from .reductions import REDUCTIONS
-
-_AS_IT_IS: Final = Conversion()
 
 
 class _File:
@@ -36,19 +32,7 @@ class _File:
         self.token = component.token
         self.model_identifier = component.identifier
         self.variables: Mapping[str, Variable] = {
-            each.name: Variable(
-                name=each.name,
-                their_name=each.own,
-                reference=each.reference,
-                kind=each.kind,
-                unit=None,
-                causality=each.causality,
-                variability=each.variability,
-                start=None,
-                conversion=_AS_IT_IS,
-            )
-            for each in job.variables.values()
-            if each.component == index
+            each.name: each for each in job.variables.values() if each.component == index
         }
 
 
