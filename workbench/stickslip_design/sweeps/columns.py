@@ -9,9 +9,8 @@ A CSV file has one header line of names, each with its unit if that is not the v
 
 from __future__ import annotations
 
-import csv
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeAlias
@@ -19,6 +18,7 @@ from typing import Any, Final, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ..curve_file import csv_lines
 from ..datasets import ExtraMissingError, need
 from .refusal import SweepError
 
@@ -82,7 +82,7 @@ def _numbers(names: Sequence[str], cells: Sequence[Any], where: str) -> list[flo
 
 def _csv(file: Path, content: bytes) -> tuple[list[str], dict[str, str], _Rows]:
     try:
-        lines = _lines(content.decode("utf-8-sig"))
+        lines = csv_lines(content.decode("utf-8-sig"))
         _, header = next(lines)
     except UnicodeDecodeError:
         raise SweepError(f"{file}: is no text in UTF-8") from None
@@ -91,17 +91,6 @@ def _csv(file: Path, content: bytes) -> tuple[list[str], dict[str, str], _Rows]:
     headings = [heading for cell in header if (heading := _HEADING.fullmatch(cell))]
     units = {each["name"]: each["unit"].strip() for each in headings if each["unit"]}
     return [each["name"] for each in headings], units, lines
-
-
-def _lines(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the lines with their numbers, but for blank ones and those that begin with #."""
-    separator = ""
-    for number, line in enumerate(text.splitlines(), 1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        separator = separator or next((mark for mark in ";\t" if mark in line), ",")
-        (cells,) = csv.reader([line], delimiter=separator, skipinitialspace=True)
-        yield number, [cell.strip() for cell in cells]
 
 
 def _parquet(file: Path) -> tuple[list[str], dict[str, str], _Rows]:
