@@ -30,7 +30,7 @@ CURVE: Final = 3
 """The value of the parameter `shape` of the friction law under which it is a curve."""
 
 _HEADING: Final = re.compile(r"(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?")
-_DECIMAL_COMMA: Final = re.compile(r"(\d),(\d)")
+_DECIMAL_COMMA: Final = re.compile(r"^([+-]?\d+),(\d)")
 _REMEDY: Final = (
     "one file holds one direction of motion: leave out the points of the other one, and turn the "
     "signs if all are negative"
@@ -92,7 +92,7 @@ def read_curve(file: Path, normal_force: float | None) -> Curve:
     CurveError
         If the file holds no such curve.
     """
-    lines = list(_lines(file))
+    lines = list(csv_lines(_text(file)))
     if not lines:
         raise CurveError(f"{file}: is empty")
     (number, header), *rows = lines
@@ -145,24 +145,32 @@ def _number(text: str, unit: str, heading: str, where: str) -> float:
     return number
 
 
-def _lines(file: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield the lines with their numbers, but for blank ones and those that begin with #."""
+def _text(file: Path) -> str:
     try:
-        text = file.read_text(encoding="utf-8-sig")
+        return file.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise CurveError(f"{file}: no such file") from None
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
         raise CurveError(f"{file}: cannot be read: {reason}") from None
+
+
+def csv_lines(text: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the lines of a CSV text with their numbers, but for blank ones and those behind #.
+
+    The separator is a semicolon or a tab where the first line has one, and else a comma; beside
+    them a number may have a decimal comma.
+    """
     separator = ""
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         separator = separator or next((mark for mark in ";\t" if mark in line), ",")
         (cells,) = csv.reader([line], delimiter=separator, skipinitialspace=True)
+        cells = [cell.strip() for cell in cells]
         if separator != ",":
             cells = [_DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in cells]
-        yield number, [cell.strip() for cell in cells]
+        yield number, cells
 
 
 def _columns(file: Path, number: int, header: list[str]) -> tuple[_Column, _Column, bool]:

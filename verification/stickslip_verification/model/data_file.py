@@ -251,17 +251,29 @@ class DataFile:
             named = (*named, part)
             name += f"[{part}]" if isinstance(part, int) else f".{part}" if name else part
             data = data.get(part) if isinstance(data, dict) else None
-        lines = (self._line(named[:n]) for n in range(len(named), 0, -1))
-        line = next(filter(None, lines), 0)
+        line = self._lines.of(named)
         return ", ".join(filter(None, (f"line {line}" if line else "", name)))
 
-    def _line(self, place: Place) -> int:
-        """Return the first line up to which the file has a field; 0 where it has none."""
-        return next((n for n, data in self._beginnings.items() if _has(data, place)), 0)
+    @cached_property
+    def _lines(self) -> "Lines":
+        return Lines(self._text)
+
+
+class Lines:
+    """Where the fields of a TOML text stand."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def of(self, place: Place) -> int:
+        """Return the line of a field, else of what it stands in; 0 where the text has neither."""
+        places = [place[:n] for n in range(len(place), 0, -1)]
+        found = (n for each in places for n, data in self._beginnings.items() if _has(data, each))
+        return next(found, 0)
 
     @cached_property
     def _beginnings(self) -> Mapping[int, Any]:
-        """What the first lines of the file say, by their number; what they leave open is closed."""
+        """What the first lines of the text say, by their number; what they leave open is closed."""
         lines = self._text.splitlines()
         beginnings: dict[int, Any] = {}
         for n, end in product(range(1, len(lines) + 1), ("", "]", '"""', "'''")):

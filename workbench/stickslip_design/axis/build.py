@@ -209,7 +209,7 @@ class Builder:
 
     def _fields(self, section: str, fields: tuple[str, ...]) -> dict[str, float]:
         """Return the numbers of fields of a section that are stated or have a default, by field."""
-        names = {key.field.rpartition(".")[2]: key for key in BY_SECTION[section].values()}
+        names = {key.symbol: key for key in BY_SECTION[section].values()}
         return {
             name: self._at_slide(names[name].path)
             for name in fields

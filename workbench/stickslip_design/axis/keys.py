@@ -170,6 +170,11 @@ class Key:
         return f"{self.section}.{self.name}"
 
     @property
+    def symbol(self) -> str:
+        """The field's own name, as ``K_v``."""
+        return self.field.rpartition(".")[2].partition(",")[0]
+
+    @property
     def kinds(self) -> tuple[Kind, ...]:
         """The kinds of quantities that it may be."""
         return tuple(UNITS.kinds[unit] for unit in self.units)

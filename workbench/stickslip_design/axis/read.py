@@ -24,7 +24,6 @@ from stickslip_ref import FloatOrArray
 
 from .build import Builder
 from .keys import BY_SECTION, KEYS, NOT_YET, SECTIONS, Key, Section
-from .lines import Lines
 from .model import Axis
 from .refusal import AxisError
 from .values import Number, Value, as_written, values_of
@@ -52,7 +51,7 @@ class AxisFile:
     values: Mapping[str, Value]
     _sections: tuple[str, ...]
     _written: Mapping[str, str]
-    _lines: Lines
+    _text: str
     _folder: Path
     _is_changed: bool = False
 
@@ -94,7 +93,7 @@ class AxisFile:
         try:
             return builder.axis(capped=self._is_changed)
         except AxisError as error:
-            line = self._lines.of(error.key)
+            line = _line_of(self._text, error.key)
             raise error.at(self.name, line, self._written.get(error.key, "")) from None
 
     def changed(self, numbers: Mapping[str, FloatOrArray]) -> AxisFile:
@@ -174,7 +173,6 @@ def axis_of(text: str, name: str = "axis.toml", folder: Path | None = None) -> A
 
 def axis_file_of(text: str, name: str = "axis.toml", folder: Path | None = None) -> AxisFile:
     """Read what the text of an axis file states; arguments and errors as of `axis_of`."""
-    lines = Lines(text)
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -189,8 +187,18 @@ def axis_file_of(text: str, name: str = "axis.toml", folder: Path | None = None)
                 written[path] = as_written(value)
                 values |= values_of(key, path, value)
     except AxisError as error:
-        raise error.at(name, lines.of(error.key)) from None
-    return AxisFile(name, values, tuple(sections), written, lines, folder or Path())
+        raise error.at(name, _line_of(text, error.key)) from None
+    return AxisFile(name, values, tuple(sections), written, text, folder or Path())
+
+
+def _line_of(text: str, path: str) -> int:
+    """Return the line of a name, else of what it stands in, else the last one."""
+    # It brings pydantic, which a refusal alone needs.
+    from stickslip_verification.model.data_file import Lines
+
+    parts = re.findall(r"[^.\[\]]+", path)
+    place = [int(part) - 1 if part.isdigit() else part for part in parts]
+    return Lines(text).of(place) or max(1, len(text.splitlines()))
 
 
 def _not_toml(message: str, name: str, text: str) -> AxisError:
@@ -261,7 +269,7 @@ def _unknown_section(name: str, value: Any, known: list[str]) -> AxisError:
 
 def _unknown_key(section: Section, path: str, name: str) -> AxisError:
     known = BY_SECTION[section.name]
-    symbols = {key.field.rpartition(".")[2].partition(",")[0]: each for each, key in known.items()}
+    symbols = {key.symbol: each for each, key in known.items()}
     if section.name == "drive":
         symbols |= _NAMES_OF_DRIVES
     lower = {each.lower(): each for each in (*known, *symbols)}

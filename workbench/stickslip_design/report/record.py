@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip_fmu.release import VERSION
 
+from ..axis.keys import KEYS
 from ..loop.stability import Swing
 from ..verdict import OperatingPoint, Verdict
 from .tables import standing
@@ -24,8 +25,8 @@ ABOUT: Final = (
 )
 
 UNITS: Final = {
+    **{key.symbol: key.units[0] for key in KEYS if key.units and key.symbol.isidentifier()},
     "feed": "m/s",
-    "feeds": "m/s",
     "margin": "1",
     "jump": "m",
     "frequency": "Hz",
@@ -44,10 +45,7 @@ UNITS: Final = {
     "from_rest": "m/s; of a regime the motion that a start from rest reaches",
     "damping": "1",
     "w": "rad/s",
-    "K_v": "1/s",
-    "bandwidth": "rad/s",
     "period": "s",
-    "dead_band": "m",
     "real": "1",
     "imag": "1",
     "gain_margin": "1",
@@ -60,36 +58,12 @@ UNITS: Final = {
     "effort": "1",
     "now": "that of `unit` beside it",
     "then": "that of `unit` beside it",
-    "m": "kg",
-    "k": "N/m",
-    "c": "N.s/m",
-    "g": "m/s2",
-    "load": "N",
-    "along": "N",
     "F_s": "N",
     "F_k": "N",
     "stiffest": "N/m",
     "spread": "SI, as the number that it belongs to",
     "own": "SI, as the parameters of the friction law",
-    "mu_s": "1",
-    "mu_k": "1",
-    "inertia": "kg",
-    "d": "N.s/m",
-    "dry": "N",
-    "T_n": "s",
-    "T_s": "s",
-    "lag": "s",
-    "dead_time": "s",
     "depth": "1",
-    "velocity_feedforward": "1",
-    "friction_feedforward": "N",
-    "F_max": "N",
-    "resolution_motor": "m",
-    "resolution_table": "m",
-    "pitch": "m",
-    "acceleration": "m/s2",
-    "largest_jump": "m",
-    "largest_error": "m",
 }
 """The unit of every number, by its key."""
 

@@ -1,19 +1,20 @@
 """The process that holds the FMUs of a sweep: started, given runs, and replaced where it ends.
 
-A run that crashes it, or takes longer than the plan allows, costs that run alone: what each run
-gave is in a file that both processes have in memory.
+A run that crashes it, or takes longer than the plan allows, costs that run alone: the runs that it
+was given with are done one by one.
 """
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import shutil
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from multiprocessing.connection import wait
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,23 +29,13 @@ from .runner import Runner
 
 _STARTING: Final = 60.0
 """Seconds that loading the FMUs may take, beside the time limit of a run."""
-_ATTEMPTS: Final = 3
-"""Processes that are started for a run until one begins it."""
 _ENDING: Final = 2.0
 """Seconds in which the FMUs have to be freed."""
-_WAITS, _BEGUN, _DONE = range(3)
-"""States of a run."""
 _LONGEST_REASON: Final = 300
 """Characters of a reason that are kept."""
 
-
-def _table(folder: Path, job: Job, mode: Any, runs: int | None = None) -> NDArray[Any]:
-    """Return state, reason of failure and results of each run, in the memory of two processes."""
-    results = ("values", np.float64, (len(job.columns),))
-    record = np.dtype([("state", "u1"), ("failure", f"U{_LONGEST_REASON}"), results])
-    table = np.memmap(folder / "runs", record, mode, shape=runs and (runs,))
-    # Of a plain array a value is written in a tenth of the time.
-    return table.view(np.ndarray)
+_Result: TypeAlias = tuple[list[float], str]
+"""Results and reason of failure of a run, NaN and empty where there is none."""
 
 
 class Host:
@@ -63,7 +54,6 @@ class Host:
     def __init__(self, job: Job, content: bytes, is_system: bool, time_limit: float) -> None:
         self._job, self._limit = job, time_limit
         self._worker: Worker | None = None
-        self._is_fresh = False
         try:
             self._folder = new_folder()
             try:
@@ -87,32 +77,26 @@ class Host:
         SweepError
             If the FMUs cannot be loaded.
         """
-        table = _table(self._folder, self._job, "w+", len(rows))
-        done = lost = 0
-        while done < len(rows):
-            limit = _STARTING + self._limit * (len(rows) - done)
-            worker, was_fresh = self._loaded(), self._is_fresh
-            self._is_fresh = False
-            end = self._ask(worker, limit, _run, rows[done:], done)
-            begun, done = done, int(np.count_nonzero(table["state"] == _DONE))
-            if end is None:
-                break
-            if done > begun or not was_fresh:
-                # What an earlier run left behind must not decide: it is done again on its own.
-                lost = 0
-            elif table["state"][done] == _BEGUN:
-                table[done] = (_DONE, end, np.nan)
-                done, lost = done + 1, 0
-            else:
-                lost += 1
-                if lost == _ATTEMPTS:
-                    raise SweepError(f"the process of the model {end}, {lost} times before a run")
-        return np.array(table["values"]), table["failure"].tolist()
+        values, failures = zip(*self._results(rows), strict=True)
+        return np.array(values), list(failures)
+
+    def _results(self, rows: NDArray[np.float64]) -> Iterable[_Result]:
+        is_fresh = self._worker is None
+        worker = self._worker or self._loaded()
+        try:
+            results: list[_Result] = self._ask(worker, self._limit * len(rows), _run, rows)
+        except LostError as error:
+            if len(rows) == 1 and is_fresh:
+                return [([np.nan] * len(self._job.columns), str(error))]
+            # What an earlier run left behind must not decide: each is done on its own.
+            return [result for row in rows for result in self._results(row[np.newaxis])]
+        return results
 
     def close(self) -> None:
         """End the process, after its FMUs are freed, and remove the unpacked FMUs."""
         if self._worker is not None:
-            self._ask(self._worker, _ENDING, _free)
+            with contextlib.suppress(LostError):
+                self._ask(self._worker, _ENDING - _STARTING, _free)
         self.drop()
         shutil.rmtree(self._folder, ignore_errors=True)
 
@@ -123,36 +107,34 @@ class Host:
             worker.end()
 
     def _loaded(self) -> Worker:
-        """Return the process, ready for runs."""
-        if self._worker is None:
-            # A nanny of dask forbids its worker to have children: they would outlive it, and these
-            # end with their connection.
-            multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]
-            begin = (self._job, self._folder, self._limit)
-            self._worker = Worker(_begin, begin, sys.maxsize, self._folder)
-            failure = self._ask(self._worker, _STARTING + self._limit, _load, self._folders)
-            if failure is not None:
-                self.drop()
-                raise SweepError(failure)
-            self._is_fresh = True
-        return self._worker
+        """Return a new process, ready for runs."""
+        # A nanny of dask forbids its worker to have children: they would outlive it, and these
+        # end with their connection.
+        multiprocessing.current_process()._config["daemon"] = False  # type: ignore[attr-defined]
+        self._worker = worker = Worker(_begin, (self._limit,), sys.maxsize, self._folder)
+        try:
+            failure = self._ask(worker, self._limit, _load, self._job, self._folders)
+        except LostError as error:
+            failure = str(error)
+        if failure:
+            self.drop()
+            raise SweepError(failure)
+        return worker
 
     def _ask(
-        self, worker: Worker, seconds: float, task: Callable[..., str | None], *arguments: Any
-    ) -> str | None:
-        """Return what a task answers, or how the process ended."""
+        self, worker: Worker, seconds: float, task: Callable[..., Any], *arguments: Any
+    ) -> Any:
+        """Return what a task answers; a `LostError` says how the process ended."""
         worker.give(task, arguments)
-        if not wait(worker.handles, seconds):
-            self.drop()
-            return f"took longer than {self._limit:g} s"
-        try:
-            answer: str | None = worker.answer()
-        except LostError as error:
-            self.drop()
-            if "SIGALRM" in str(error):
-                return f"took longer than {self._limit:g} s"
-            return str(error)
-        return answer
+        ended = ""
+        if wait(worker.handles, _STARTING + seconds):
+            try:
+                return worker.answer()
+            except LostError as error:
+                ended = str(error)
+        self.drop()
+        is_late = not ended or "SIGALRM" in ended
+        raise LostError(f"took longer than {self._limit:g} s" if is_late else ended)
 
 
 def _unpacked(job: Job, content: bytes, is_system: bool, folder: Path) -> list[Path]:
@@ -171,39 +153,36 @@ def _unpacked(job: Job, content: bytes, is_system: bool, folder: Path) -> list[P
     return folders
 
 
-_JOB: list[Any] = []
-"""In the process of the FMUs: the job, its folder, the time limit, and what does the runs."""
+_STATE: list[Any] = []
+"""In the process of the FMUs: the time limit, and what does the runs."""
 
 
-def _begin(*job: Any) -> None:
-    _JOB[:] = job
+def _begin(limit: float) -> None:
+    _STATE[:] = [limit]
     if sys.platform != "win32":
         signal.signal(signal.SIGALRM, signal.SIG_DFL)
 
 
-def _load(folders: Sequence[Path]) -> str | None:
+def _load(job: Job, folders: Sequence[Path]) -> str:
     try:
-        _JOB.append(Runner(_JOB[0], folders))
+        _STATE.append(Runner(job, folders))
     except FmuError as error:
         return str(error)
-    return None
+    return ""
 
 
-def _run(rows: NDArray[np.float64], first: int) -> None:
-    job, folder, limit, runner = _JOB
-    table = _table(folder, job, "r+")
-    states, failures, results = (table[name] for name in ("state", "failure", "values"))
-    for place, row in enumerate(rows, first):
-        states[place] = _BEGUN
+def _run(rows: NDArray[np.float64]) -> list[_Result]:
+    limit, runner = _STATE
+    results = []
+    for row in rows:
         _end_after(limit)
         try:
-            results[place] = runner.run(row)
+            results.append((runner.run(row), ""))
         except FmuError as error:
-            said = " ".join(str(error).split())
-            cut = said if len(said) <= _LONGEST_REASON else f"{said[: _LONGEST_REASON - 3]}..."
-            failures[place], results[place] = cut, np.nan
-        states[place] = _DONE
+            said = " ".join(str(error).split())[:_LONGEST_REASON]
+            results.append(([np.nan] * len(runner.job.columns), said))
     _end_after(0.0)
+    return results
 
 
 def _end_after(seconds: float) -> None:
@@ -213,4 +192,4 @@ def _end_after(seconds: float) -> None:
 
 
 def _free() -> None:
-    _JOB[-1].close()
+    _STATE[-1].close()

@@ -8,29 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip_verification.drive.fmu import names
 from stickslip_verification.drive.fmu.instance import FLOATING as FLOATING
 
 
 @dataclass(frozen=True)
-class Variable:
-    """A variable of the model, `name`; as the FMU of a component declares it, `own`.
+class Variable(names.Variable):
+    """A variable of the model, `name`, with the numbers that the FMU of a component has.
 
     Texts are empty where it declares nothing. An `obstacle` says why it is no number that can be
     set and read; one that `starts` can be set before a run.
     """
 
-    name: str
-    component: int
-    own: str
-    reference: int
-    kind: str
-    causality: str
-    variability: str
     unit: str
+    component: int
     description: str
     obstacle: str
     starts: bool
-    start: str
+    start_text: str
 
     @property
     def changes(self) -> bool:

@@ -11,6 +11,7 @@ import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from typing import Final
 
@@ -22,6 +23,7 @@ from stickslip_verification.drive.fmu.description import (
     read_description,
     unpack,
 )
+from stickslip_verification.model.units import Conversion
 
 from ..quantity import QuantityError
 from .job import FLOATING, Component, Variable, Wire
@@ -30,6 +32,7 @@ from .ssp import System, read_system
 from .units import between, in_unit
 
 _SETTABLE: Final = frozenset({"parameter", "input"})
+_AS_IT_IS: Final = Conversion()
 _AT_START: Final = frozenset({"exact", "approx"})
 
 
@@ -138,20 +141,22 @@ def _variables(component: int, before: str, description: Description) -> Iterato
             obstacle = "is an array"
         yield Variable(
             name=f"{before}{each.name}",
-            component=component,
-            own=each.name,
+            their_name=each.name,
             reference=each.valueReference,
             kind=each.type,
+            unit=each.unit or "",
             causality=each.causality,
             variability=each.variability,
-            unit=each.unit or "",
+            start=None,
+            conversion=_AS_IT_IS,
+            component=component,
             description=each.description,
             obstacle=obstacle,
             # A structural parameter is set in a mode of its own.
             starts=each.variability != "constant"
             and each.causality != "structuralParameter"
             and (each.causality in _SETTABLE or each.initial in _AT_START),
-            start=each.start or "",
+            start_text=each.start or "",
         )
 
 
@@ -170,20 +175,18 @@ def _wires(
         if target.causality != "input":
             raise SweepError(f"{path}: {target.name} is connected and no input of its FMU")
         change = connection.change
-        factor, offset = 1.0, 0.0
-        if change.converts:
+        factor, offset = Fraction(1), Fraction(0)
+        if change.converts and source.unit and target.unit not in ("", source.unit):
             try:
-                found = between(units, source.unit, target.unit)
+                factor, offset = between(units, source.unit, target.unit)
             except QuantityError as error:
-                raise SweepError(f"{path}: {target.name} {error}") from None
-            if found is None:
-                raise SweepError(
-                    f"{path}: {target.name} is in {target.unit!r} and what drives it in "
-                    f"{source.unit!r}, which its FMUs do not define"
-                )
-            factor, offset = found
-        factor, offset = change.factor * factor, change.factor * offset + change.offset
-        yield Wire(source.name, target.name, factor, offset)
+                raise SweepError(f"{path}: what drives {target.name} {error}") from None
+        yield Wire(
+            source.name,
+            target.name,
+            change.factor * float(factor),
+            change.factor * float(offset) + change.offset,
+        )
 
 
 def _bound(

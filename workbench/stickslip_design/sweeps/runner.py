@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +17,9 @@ from numpy.typing import NDArray
 from stickslip_verification import FmuError
 from stickslip_verification.drive.fmu.instance import FACES, FmuInstance
 from stickslip_verification.drive.fmu.names import Variable
-from stickslip_verification.model.units import Conversion
 
 from .job import Job
 from .reductions import REDUCTIONS
-
-_AS_IT_IS: Final = Conversion()
 
 
 class _File:
@@ -36,19 +32,7 @@ class _File:
         self.token = component.token
         self.model_identifier = component.identifier
         self.variables: Mapping[str, Variable] = {
-            each.name: Variable(
-                name=each.name,
-                their_name=each.own,
-                reference=each.reference,
-                kind=each.kind,
-                unit=None,
-                causality=each.causality,
-                variability=each.variability,
-                start=None,
-                conversion=_AS_IT_IS,
-            )
-            for each in job.variables.values()
-            if each.component == index
+            each.name: each for each in job.variables.values() if each.component == index
         }
 
 
@@ -56,7 +40,7 @@ class Runner:
     """Does the runs of a job, whose FMUs are in folders; `FmuError` if one cannot be loaded."""
 
     def __init__(self, job: Job, folders: Sequence[Path]) -> None:
-        self._job = job
+        self.job = job
         self._folders = folders
         self._files = [_File(job, index, folder) for index, folder in enumerate(folders)]
         self._instances: list[FmuInstance] = []
@@ -73,7 +57,7 @@ class Runner:
         that its result depends on its values alone, as does the text of an `FmuError`.
         """
         if self._used:
-            if self._job.reset:
+            if self.job.reset:
                 with contextlib.suppress(FmuError):
                     for each in self._instances:
                         each.reset()
@@ -96,10 +80,10 @@ class Runner:
 
     def _instantiate(self) -> None:
         self.close()
-        for file, component in zip(self._files, self._job.components, strict=True):
+        for file, component in zip(self._files, self.job.components, strict=True):
             self._instances.append(FACES[component.fmi_version](file))
         self._used = False
-        job = self._job
+        job = self.job
         self._set_start = self._writer([*job.fixed, *job.swept])
         self._set_tables = self._writer([*job.tables])
         self._set_wired = self._writer([each.input for each in job.wires])
@@ -108,7 +92,7 @@ class Runner:
 
     def _parts(self, names: Sequence[str]) -> list[tuple[FmuInstance, list[int]]]:
         """Return the instances that have some of these variables, with the places of the names."""
-        homes = [self._job.variables[name].component for name in names]
+        homes = [self.job.variables[name].component for name in names]
         return [
             (instance, [place for place, home in enumerate(homes) if home == index])
             for index, instance in enumerate(self._instances)
@@ -143,7 +127,7 @@ class Runner:
         return read
 
     def _run(self, values: NDArray[np.float64]) -> list[float]:
-        job = self._job
+        job = self.job
         self._set_start([*job.fixed.values(), *values.tolist()])
         if job.tables:
             self._set_tables([float(values[0]) for values in job.tables.values()])
@@ -174,22 +158,22 @@ class Runner:
 
     def _hand_on(self) -> None:
         given = self._read_wired()
-        wires = self._job.wires
+        wires = self.job.wires
         self._set_wired(
             [w.factor * value + w.offset for w, value in zip(wires, given, strict=True)]
         )
 
     def _reduced(self, samples: NDArray[np.float64]) -> list[float]:
-        times = self._job.times[-len(samples) :]
+        times = self.job.times[-len(samples) :]
         return [
             REDUCTIONS[reduction].of(times, samples[:, place])
-            for place, all_of in enumerate(self._job.outputs.values())
+            for place, all_of in enumerate(self.job.outputs.values())
             for reduction in all_of
         ]
 
     def _without_names(self, said: str) -> str:
         """Return a message without what differs from process to process."""
-        for instance, component in zip(self._instances, self._job.components, strict=True):
+        for instance, component in zip(self._instances, self.job.components, strict=True):
             said = said.replace(instance._name, component.name)
         for folder in self._folders:
             said = said.replace(str(folder), "")

@@ -6,18 +6,20 @@ System Structure and Parameterization 1.0; `SystemStructure.ssd` in a zip archiv
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Final, NamedTuple
-from xml.etree import ElementTree
+from typing import Final, NamedTuple, NoReturn
+from xml.etree.ElementTree import Element, fromstring
 
 from .refusal import SweepError
 
 _STRUCTURE: Final = "SystemStructure.ssd"
 _SSP: Final = "http://ssp-standard.org/SSP1/SystemStructure"
-_SPACE: Final = {"ssd": f"{_SSP}Description", "ssc": f"{_SSP}Common"}
+_SPACE: Final = {
+    "ssd": f"{_SSP}Description", "ssc": f"{_SSP}Common", "ssv": f"{_SSP}ParameterValues"
+}  # fmt: skip
 _OF_FMU: Final = (None, "application/x-fmu-sharedlibrary")
 
 
@@ -90,92 +92,139 @@ def read_system(path: Path) -> System:
     with zipfile.ZipFile(path) as archive:
         if _STRUCTURE not in archive.namelist():
             raise SweepError(f"{path}: not an SSP file (no {_STRUCTURE} in it)")
-        structure = archive.read(_STRUCTURE)
-    try:
-        # It leaves the file open where it fails.
-        root = read_ssd(BytesIO(path.read_bytes())).system
-    except Exception as error:
-        raise SweepError(f"{path}: not an SSP file ({' '.join(str(error).split())})") from None
-    described = ElementTree.fromstring(structure)
-    system = described.find("ssd:System", _SPACE)
-    assert system is not None
-    components: dict[str, str] = {}
-    sources: dict[_Node, tuple[_Node, Change]] = {}
-    values: dict[str, tuple[str, str]] = {}
-    _collect(path, root, system, "", components, sources, values)
-    if not components:
-        raise SweepError(f"{path}: has no component")
-    connections = [
-        connection
-        for node in sources
-        if node[0] in components and (connection := _traced(path, node, sources, components))
-    ]
-    return System(components, tuple(connections), values, _experiment(described))
+        try:
+            # It checks the schemas; of connections and the experiment it reads not all. Where it
+            # fails, it leaves a file open.
+            read_ssd(BytesIO(path.read_bytes()))
+        except Exception as error:
+            raise SweepError(f"{path}: not an SSP file ({' '.join(str(error).split())})") from None
+        return _Reader(path, archive).read()
 
 
-def _collect(
-    path: Path,
-    system: Any,
-    described: ElementTree.Element,
-    place: str,
-    components: dict[str, str],
-    sources: dict[_Node, tuple[_Node, Change]],
-    values: dict[str, tuple[str, str]],
-) -> None:
-    """Add what is in a system at a place, such as ``inner.``, to what was found.
+class _Reader:
+    """What was found in a valid SSP file, by the names of `System`."""
 
-    FMPy knows its elements; of its connections it knows not all.
-    """
-    from fmpy.ssp.ssd import Component, System
+    def __init__(self, path: Path, archive: zipfile.ZipFile) -> None:
+        self._path, self._archive = path, archive
+        self._components: dict[str, str] = {}
+        self._sources: dict[_Node, tuple[_Node, Change]] = {}
+        self._values: dict[str, tuple[str, str]] = {}
 
-    kinds = {("", each.name): each.kind for each in system.connectors}
-    for element in system.elements:
-        name = f"{place}{element.name}"
-        kinds |= {(element.name, each.name): each.kind for each in element.connectors}
-        if isinstance(element, System):
-            its = next(
-                each
-                for each in described.iterfind("ssd:Elements/ssd:System", _SPACE)
-                if each.get("name") == element.name
-            )
-            _collect(path, element, its, f"{name}.", components, sources, values)
-        elif isinstance(element, Component):
-            if element.type not in _OF_FMU:
-                raise SweepError(f"{path}: the component {name} is no FMU, but {element.type}")
-            components[name] = str(element.source)
-            values |= _given(path, element, f"{name}.")
-        else:
-            raise SweepError(f"{path}: {name} is a signal dictionary, which a sweep does not read")
-    for each in described.iterfind("ssd:Connections/ssd:Connection", _SPACE):
-        one = (each.get("startElement", ""), each.get("startConnector", ""))
-        other = (each.get("endElement", ""), each.get("endConnector", ""))
+    def read(self) -> System:
+        root = fromstring(self._archive.read(_STRUCTURE))
+        for system in root.iterfind("ssd:System", _SPACE):
+            self._collect(system, "")
+        if not self._components:
+            self._refuse("has no component")
+        inputs = [node for node in self._sources if node[0] in self._components]
+        connections = (each for node in inputs for each in self._traced(node))
+        experiment = {
+            name: float(stated.attrib[their])
+            for stated in root.iterfind("ssd:DefaultExperiment", _SPACE)
+            for name, their in (("start_time", "startTime"), ("stop_time", "stopTime"))
+            if their in stated.attrib
+        }
+        return System(self._components, tuple(connections), self._values, experiment)
+
+    def _refuse(self, reason: str) -> NoReturn:
+        raise SweepError(f"{self._path}: {reason}")
+
+    def _collect(self, system: Element, place: str) -> None:
+        """Add what is in a system at a place, such as ``inner.``, to what was found."""
+        kinds = _connectors("", system)
+        for element in system.iterfind("ssd:Elements/*", _SPACE):
+            own = element.get("name", "")
+            name = f"{place}{own}"
+            kinds |= _connectors(own, element)
+            if element.tag.endswith("}System"):
+                self._collect(element, f"{name}.")
+            elif element.tag.endswith("}Component"):
+                if element.get("type") not in _OF_FMU:
+                    self._refuse(f"the component {name} is no FMU, but {element.get('type')}")
+                self._components[name] = element.attrib["source"]
+                self._add_values(element, f"{name}.")
+            else:
+                self._refuse(f"{name} is a signal dictionary, which a sweep does not read")
+        for each in system.iterfind("ssd:Connections/ssd:Connection", _SPACE):
+            self._connect(each, place, kinds)
+        # What a system says of the values of its components counts before what they say.
+        self._add_values(system, place)
+
+    def _connect(self, connection: Element, place: str, kinds: Mapping[_Node, str]) -> None:
+        one, other = (
+            (connection.get(f"{end}Element", ""), connection.get(f"{end}Connector", ""))
+            for end in ("start", "end")
+        )
         for element, connector in (one, other):
             if (element, connector) not in kinds:
                 where = f"{place}{element}".rstrip(".") or "the system"
-                raise SweepError(f"{path}: {where} has no connector {connector}")
+                self._refuse(f"{where} has no connector {connector}")
         if not _gives(one, kinds):
             one, other = other, one
         if not _gives(one, kinds) or _gives(other, kinds):
-            raise SweepError(
-                f"{path}: connects {'.'.join(one)} with {'.'.join(other)}; one has to be an output"
-            )
-        sources[_placed(place, other)] = _placed(place, one), _change(path, each)
-    # What a system says of the values of its components counts before what they say.
-    values |= _given(path, system, place)
+            pair = f"{'.'.join(one)} with {'.'.join(other)}"
+            self._refuse(f"connects {pair}; one has to be an output")
+        linear: Mapping[str, str] = {}
+        for each in connection:
+            if each.tag.endswith("MappingTransformation"):
+                self._refuse(f"maps the values of {other[1]}, which a sweep does not read")
+            if each.tag.endswith("LinearTransformation"):
+                linear = each.attrib
+        self._sources[_placed(place, other)] = (
+            _placed(place, one),
+            Change(
+                float(linear.get("factor", "1")),
+                float(linear.get("offset", "0")),
+                connection.get("suppressUnitConversion") not in ("true", "1"),
+            ),
+        )
+
+    def _traced(self, node: _Node) -> Iterator[Connection]:
+        """Yield the connection of a component's input with the output that drives it.
+
+        Nothing where it ends at an input of the whole system that nothing drives.
+        """
+        at, change = self._sources[node]
+        seen = {node}
+        while at[0] not in self._components:
+            if at not in self._sources:
+                return
+            if at in seen:
+                self._refuse(f"{'.'.join(node)} is driven by itself")
+            seen.add(at)
+            at, more = self._sources[at]
+            change = change.after(more)
+        yield Connection(f"{at[0]}.{at[1]}", f"{node[0]}.{node[1]}", change)
+
+    def _add_values(self, element: Element, place: str) -> None:
+        for binding in element.iterfind("ssd:ParameterBindings/ssd:ParameterBinding", _SPACE):
+            if binding.find("ssd:ParameterMapping", _SPACE) is not None:
+                self._refuse("maps parameters, which a sweep does not read")
+            sets = binding.findall("ssd:ParameterValues/ssv:ParameterSet", _SPACE)
+            if source := binding.get("source"):
+                sets.insert(0, fromstring(self._archive.read(source)))
+            for each in (
+                parameter
+                for found in sets
+                for parameter in found.iterfind("ssv:Parameters/ssv:Parameter", _SPACE)
+            ):
+                name = f"{place}{binding.get('prefix', '')}{each.get('name')}"
+                written = each[0].get("value", "")
+                text = {"true": "1", "false": "0"}.get(written, written)
+                try:
+                    float(text)
+                except ValueError:
+                    self._refuse(
+                        f"gives {name} the value {written!r}, and a sweep sets numbers only"
+                    )
+                self._values[name] = text, each[0].get("unit", "")
 
 
-def _change(path: Path, connection: ElementTree.Element) -> Change:
-    for each in connection:
-        if each.tag.endswith("MappingTransformation"):
-            where = connection.get("endConnector")
-            raise SweepError(f"{path}: maps the values of {where}, which a sweep does not read")
-    linear = connection.find("ssc:LinearTransformation", _SPACE)
-    stated: Mapping[str, str] = {} if linear is None else linear.attrib
-    return Change(
-        float(stated.get("factor", "1")),
-        float(stated.get("offset", "0")),
-        connection.get("suppressUnitConversion") not in ("true", "1"),
-    )
+def _connectors(element: str, described: Element) -> dict[_Node, str]:
+    return {
+        (element, each.get("name", "")): each.get("kind", "")
+        for each in described.iterfind("ssd:Connectors/ssd:Connector", _SPACE)
+    }
 
 
 def _gives(node: _Node, kinds: Mapping[_Node, str]) -> bool:
@@ -186,58 +235,3 @@ def _gives(node: _Node, kinds: Mapping[_Node, str]) -> bool:
 def _placed(place: str, node: _Node) -> _Node:
     element, connector = node
     return (f"{place}{element}" if element else place.rstrip("."), connector)
-
-
-def _traced(
-    path: Path,
-    node: _Node,
-    sources: Mapping[_Node, tuple[_Node, Change]],
-    components: Mapping[str, str],
-) -> Connection | None:
-    """Return the connection of a component's input with the output that drives it.
-
-    None where it ends at an input of the whole system that nothing drives.
-    """
-    at, change = sources[node]
-    seen = {node}
-    while at[0] not in components:
-        if at not in sources:
-            return None
-        if at in seen:
-            raise SweepError(f"{path}: {'.'.join(node)} is driven by itself")
-        seen.add(at)
-        at, more = sources[at]
-        change = change.after(more)
-    return Connection(f"{at[0]}.{at[1]}", f"{node[0]}.{node[1]}", change)
-
-
-def _given(path: Path, element: Any, place: str) -> dict[str, tuple[str, str]]:
-    found: dict[str, tuple[str, str]] = {}
-    for binding in element.parameterBindings:
-        if binding.parameterMapping:
-            raise SweepError(f"{path}: maps parameters, which a sweep does not read")
-        before = f"{place}{binding.prefix or ''}"
-        for each in binding.parameterValues:
-            for parameter in each.parameters:
-                text = {"true": "1", "false": "0"}.get(parameter.value, parameter.value)
-                found[f"{before}{parameter.name}"] = text, parameter.unit or ""
-                try:
-                    float(text)
-                except ValueError:
-                    raise SweepError(
-                        f"{path}: gives {before}{parameter.name} the value {parameter.value!r}, "
-                        "and a sweep sets numbers only"
-                    ) from None
-    return found
-
-
-def _experiment(described: ElementTree.Element) -> dict[str, float]:
-    stated = described.find("ssd:DefaultExperiment", _SPACE)
-    if stated is None:
-        return {}
-    names = {"start_time": "startTime", "stop_time": "stopTime"}
-    return {
-        name: float(stated.get(their, ""))
-        for name, their in names.items()
-        if their in stated.attrib
-    }

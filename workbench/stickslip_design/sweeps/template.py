@@ -59,7 +59,7 @@ def template(model: Model) -> str:
 
 def _entries(variables: Iterable[Variable], bound: Mapping[str, float]) -> Iterator[str]:
     for each in variables:
-        start = repr(bound[each.name]) if each.name in bound else each.start or "0.0"
+        start = repr(bound[each.name]) if each.name in bound else each.start_text or "0.0"
         yield f"# {_quoted(each.name)} = {start}{_about(each)}"
 
 

@@ -29,35 +29,27 @@ def in_unit(units: Mapping[str, Unit], number: str, symbol: str, unit: str) -> f
         return float(number)
     if not unit:
         raise QuantityError(f"has the unit {symbol!r}, and the model declares none")
-    typed, wanted = units.get(symbol) or on_data_sheet(symbol), units.get(unit)
-    wanted = wanted or on_data_sheet(unit)
-    if typed is None:
-        raise QuantityError(f"has the unknown unit {symbol!r}; the model's is {unit!r}")
-    if wanted is None:
-        raise QuantityError(f"has the unit {symbol!r}; only the model's {unit!r} is understood")
-    if typed.dimension != wanted.dimension:
-        raise QuantityError(f"has the unit {symbol!r}, which is no unit like the model's {unit!r}")
+    factor, offset = between(units, symbol, unit)
     # A number that is 0 as a double may have an exponent that a fraction must not expand.
     exact = Fraction(number) if float(number) != 0.0 else Fraction(0)
     try:
-        return float((exact * typed.factor + typed.offset - wanted.offset) / wanted.factor)
+        return float(exact * factor + offset)
     except OverflowError:
         raise QuantityError("is larger than a double can hold") from None
 
 
-def between(units: Mapping[str, Unit], source: str, target: str) -> tuple[float, float] | None:
-    """Return factor and offset from numbers in one unit to those in another, None if unknown.
+def between(units: Mapping[str, Unit], source: str, target: str) -> tuple[Fraction, Fraction]:
+    """Return factor and offset from numbers in one unit to those in another.
 
-    `QuantityError` if they are of different dimensions.
+    `QuantityError` if one of them is unknown, or they are of different dimensions.
     """
-    if source == target or not source or not target:
-        return 1.0, 0.0
-    one, other = units.get(source), units.get(target)
-    if one is None or other is None:
-        return None
+    one, other = (units.get(each) or on_data_sheet(each) for each in (source, target))
+    if one is None:
+        raise QuantityError(f"has the unknown unit {source!r}; the model's is {target!r}")
+    if other is None:
+        raise QuantityError(f"has the unit {source!r}; only the model's {target!r} is understood")
     if one.dimension != other.dimension:
-        raise QuantityError(f"has the unit {target!r}, and what drives it {source!r}")
-    return (
-        float(one.factor / other.factor),
-        float((one.offset - other.offset) / other.factor),
-    )
+        raise QuantityError(
+            f"has the unit {source!r}, which is no unit like the model's {target!r}"
+        )
+    return one.factor / other.factor, (one.offset - other.offset) / other.factor
