@@ -220,7 +220,7 @@ def test_a_design_is_a_summary_a_report_and_json(
     expected = ("judders", verdicts.rigid().critical_feed)
     assert (found["standing"], found["critical_feed"]) == expected
     # A report that cannot be made leaves the old one.
-    monkeypatch.setattr("stickslip_design.report.record._plain", lambda verdict: 1 / 0)
+    monkeypatch.setattr("stickslip_design.report.record.plain", lambda verdict: 1 / 0)
     assert command("design", "axis.toml", "--json", "other.json").code == 70
     assert Path("axis.html").read_text(encoding="utf-8") == written
     assert not Path("other.json").exists()
