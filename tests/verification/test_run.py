@@ -115,6 +115,14 @@ def test_where_nothing_applies_nothing_passes() -> None:
     assert not verdict.passed
 
 
+def test_an_fmu_that_fails_in_every_run_is_judged() -> None:
+    verdict = judged(misbehaving("raise"), "default", "heavy")
+    assert not verdict.passed
+    assert not verdict.questions[0].good
+    assert "the slider has had enough" in str([result.failure for result in verdict.checks])
+
+
+
 def test_an_fmu_that_fails_takes_only_its_case_with_it() -> None:
     verdict = judged(misbehaving("crash"), "one-step", "heavy", contract="exact")
     ends = {r.case: r for r in verdict.checks if r.check == "runs-to-the-end" and r.side == "fmu"}
