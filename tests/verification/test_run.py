@@ -122,7 +122,6 @@ def test_an_fmu_that_fails_in_every_run_is_judged() -> None:
     assert "the slider has had enough" in str([result.failure for result in verdict.checks])
 
 
-
 def test_an_fmu_that_fails_takes_only_its_case_with_it() -> None:
     verdict = judged(misbehaving("crash"), "one-step", "heavy", contract="exact")
     ends = {r.case: r for r in verdict.checks if r.check == "runs-to-the-end" and r.side == "fmu"}

@@ -202,12 +202,19 @@ def simulate(
     return Run(**{each.name: getattr(run, each.name) for each in fields(run)})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Cycle(Shown):
     """The steady cycle [SI], exact and as designers write it; NaN where there is none."""
 
     exact: stickslip_ref.Cycle
     simplified: stickslip_ref.SimplifiedCycle
+
+    def __repr__(self) -> str:
+        exact = self.exact
+        return (
+            f"<Cycle: jump {exact.delta_x:.6g} m, stick {exact.t_stick:.6g} s, "
+            f"slip {exact.t_slip:.6g} s, simplified jump {self.simplified.delta_x:.6g} m>"
+        )
 
     def table(self) -> RenderableType:
         """Return both columns, for rich."""
@@ -242,7 +249,7 @@ def _reference(p: Parameters) -> stickslip_ref.Parameters:
         return reference_parameters(p)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Limits(Shown):
     """Where stick-slip ends.
 
@@ -260,6 +267,13 @@ class Limits(Shown):
     velocities: stickslip_ref.CriticalVelocity
     regime: stickslip_ref.Regime | None
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        ranges = (
+            ", ".join(f"{each.low:.6g} to {each.high:.6g} m/s" for each in found) or "nowhere"
+            for found in (self.velocities.cycle, self.velocities.unstable)
+        )
+        return "<Limits: a cycle with a stick at {}; steady sliding unstable at {}>".format(*ranges)
 
     def table(self) -> RenderableType:
         """Return the intervals, for rich."""
@@ -372,7 +386,7 @@ def build(
     return compiled(place, files, fmi, this_machine, law)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FmuVerdict(Shown):
     """A verdict on an FMU: `verdict` has all of it, and `meanings` what a failed check means."""
 
@@ -546,7 +560,7 @@ def score(
     return CurveVerdict(scored(read, {name: values[name] for name in names}))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Design(Shown):
     """Whether an axis judders, and what is measured against it; `verdict` has all figures."""
 
