@@ -11,6 +11,7 @@ import json
 import math
 import tempfile
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -46,16 +47,16 @@ _WIDTH = 110
 """Characters in a line of a notebook."""
 
 
-class Shown:
+class Shown(ABC):
     """A result that shows itself: in a terminal by its repr, in a notebook as a table."""
 
+    @abstractmethod
     def table(self) -> RenderableType:
         """Return the table that the command prints, for rich."""
-        raise NotImplementedError
 
+    @abstractmethod
     def to_dict(self) -> dict[str, Any]:
         """Return the figures in SI, as JSON knows them."""
-        raise NotImplementedError
 
     def to_json(self) -> str:
         """Return the figures in SI as JSON; what is not finite is null."""

@@ -9,6 +9,7 @@ import signal
 import threading
 import time
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
     CancelledError,
@@ -44,7 +45,7 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-class Workers:
+class Workers(ABC):
     """An executor, and who is behind it.
 
     Attributes
@@ -62,7 +63,7 @@ class Workers:
         self.count = self.at_once = count
         self.note = ""
 
-    def look(self) -> None:
+    def look(self) -> None:  # noqa: B027 - nothing to look at is right for processes
         """Bring the attributes up to date; `CancelledError` if there are no workers any more."""
 
     def submit(self, function: Callable[..., T], *arguments: object) -> Future[T]:
@@ -75,9 +76,9 @@ class Workers:
             broken.set_exception(error)
             return broken
 
+    @abstractmethod
     def renew(self) -> None:
         """Go on after the executor broke."""
-        raise NotImplementedError
 
 
 class _Processes(Workers):

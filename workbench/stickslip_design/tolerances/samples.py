@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -109,7 +110,7 @@ class Population:
 
 
 @dataclass(frozen=True)
-class Machines:
+class Machines(ABC):
     """A study of a population, whose other fields say all that its results depend on beside it.
 
     A subclass computes so many points at a time as `Population.block` says, whatever the chunk.
@@ -135,8 +136,9 @@ class Machines:
         parts = [self._block(each, min(each + self.quantum, stop)) for each in starts]
         return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
+    @abstractmethod
     def _block(self, start: int, stop: int) -> Columns:
-        raise NotImplementedError
+        """Return the columns of the machines of one quantum."""
 
 
 @dataclass(frozen=True)
