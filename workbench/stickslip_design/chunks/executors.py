@@ -9,7 +9,6 @@ import signal
 import threading
 import time
 import warnings
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
     CancelledError,
@@ -45,7 +44,7 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-class Workers(ABC):
+class Workers:
     """An executor, and who is behind it.
 
     Attributes
@@ -63,7 +62,7 @@ class Workers(ABC):
         self.count = self.at_once = count
         self.note = ""
 
-    def look(self) -> None:  # noqa: B027 - nothing to look at is right for processes
+    def look(self) -> None:
         """Bring the attributes up to date; `CancelledError` if there are no workers any more."""
 
     def submit(self, function: Callable[..., T], *arguments: object) -> Future[T]:
@@ -76,9 +75,8 @@ class Workers(ABC):
             broken.set_exception(error)
             return broken
 
-    @abstractmethod
     def renew(self) -> None:
-        """Go on after the executor broke."""
+        """Go on after the executor broke; that of a cluster goes on by itself."""
 
 
 class _Processes(Workers):
