@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
@@ -156,14 +156,25 @@ def begun(store: Store, new: Manifest, *, fresh: bool) -> Iterator[None]:
                 f"{store.address} holds results of another study: {old.changes(new)}; --fresh "
                 "throws them away, another folder keeps them"
             )
-        for name in store.names():
-            # A part is what a killed process left.
-            if _is_part(name) or (fresh and chunk_of(name) is not None):
+        _remove_parts(store)
+        if fresh:
+            for name in filter(chunk_of, store.names()):
                 store.remove(name)
         if old is None or fresh:
             content = {"format": _FORMAT, **asdict(new)}
             store.write(MANIFEST, json.dumps(content, indent=2).encode() + b"\n")
-        yield
+        try:
+            yield
+        finally:
+            # What is in its way must not hide why the study ended.
+            with suppress(OSError):
+                _remove_parts(store)
+
+
+def _remove_parts(store: Store) -> None:
+    """Remove what a process left that was ended while it wrote."""
+    for name in filter(_is_part, store.names()):
+        store.remove(name)
 
 
 def _is_ours(name: str) -> bool:
