@@ -39,9 +39,9 @@ dist: $(VENV)/ready-with-compiler
 # The suite on trial as well: every planted fault must fail a check named in advance.
 faults: $(VENV)/ready
 	$(BIN)/stickslip build --bare
-	$(BIN)/python -m stickslip_verification faults build/StickSlip.fmu
+	$(BIN)/python -m stickslip_verification faults build/StickSlip.fmu -o report/faults
 	$(BIN)/stickslip build --bare --law stribeck
-	$(BIN)/python -m stickslip_verification faults build/StickSlipStribeck.fmu
+	$(BIN)/python -m stickslip_verification faults build/StickSlipStribeck.fmu -o report/faults/stribeck
 
 # On all cores, each worker in its own part of the tests till another one has nothing left to do.
 # TESTS may name a part of the tests, and options: --gate adds what the gate adds. It ends with the
@@ -94,11 +94,15 @@ docs: $(VENV)/ready
 docs-check: $(VENV)/ready
 	$(MAKE) --jobs 2 --output-sync check-generated check-study check-suite
 
+# With REPORTS of both FMUs, as `make verify` and `make faults` write them, it verifies none anew.
+REPORTS ?=
 check-generated: $(VENV)/ready
-	$(BIN)/python docs/generate.py --check
+	$(BIN)/python docs/generate.py --check $(REPORTS)
 
+# The pictures and two rows of each table; `make soak` checks all of them.
+STUDY ?= --variant 'as it is' --variant 'position on the motor'
 check-study: $(VENV)/ready
-	$(BIN)/python -m examples.feed_axis study --check
+	$(BIN)/python -m examples.feed_axis study --check $(STUDY)
 
 check-suite: $(VENV)/ready
 	$(BIN)/python -m stickslip_verification lint

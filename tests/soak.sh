@@ -23,7 +23,7 @@ part "$bin/python" -m tests.bare none tests
 # Every planted fault on every check, all tables and pictures.
 part "$bin/stickslip" build --bare
 part "$bin/python" -m stickslip_verification faults build/StickSlip.fmu --whole
-part make docs-check
+part make docs-check STUDY=
 
 echo
 printf '%s\n' "${spent[@]}"
