@@ -13,7 +13,7 @@ if __name__ == "__main__":
     print(ss.score("run.csv", p).score.explanation)
     print(ss.design("axis.toml").report("axis.html"))
     chart = ss.map({"v": "1..200 mm/s log 12", "k": "0.1..10 kN/m log 8"}, p)
-    chart.delta_x.plot()
+    chart.stickslip.plot().savefig("chart.png")
     print(ss.scatter("axis.toml", samples=1000, vary={"axis.mass": "± 10 %"}).probability)
     plan = {"stop_time": "2 s", "parameters": {"mu_s": [0.4, 0.5]}, "outputs": {"x": ["jump"]}}
     print(ss.sweep(fmu, plan)["x.jump"])

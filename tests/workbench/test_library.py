@@ -67,15 +67,19 @@ def test_block_reference_and_closed_form_give_one_cycle() -> None:
 def test_a_result_shows_itself_in_few_lines_and_prints_nothing(
     name: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    result = RESULTS[name]()
+    shows_itself(RESULTS[name]())
+    assert capfd.readouterr() == ("", "")
+
+
+def shows_itself(result: Any) -> None:
     assert 0 < len(repr(result).splitlines()) <= 12
     assert len(repr(result)) < 1000
     if isinstance(result, ss.library.Shown):
         assert "<pre>" in result._repr_html_()
         json.loads(result.to_json())
-    if hasattr(result, "plot"):
-        assert result.plot().axes
-    assert capfd.readouterr() == ("", "")
+        drawn = result.plot()
+        assert drawn is not None
+        assert drawn.axes
 
 
 @needs("studies")
@@ -90,6 +94,7 @@ def test_a_run_and_a_map_carry_their_units() -> None:
     assert found.delta_x.attrs["units"] == "m"
     exact = ss.cycle(ss.Parameters(c=2, v=1e-3, k=1e4)).exact
     assert float(found.delta_x.sel(v=1e-3, k=1e4)) == exact.delta_x
+    assert found.stickslip.plot().axes[0].get_xlabel() == "v [mm/s]"
 
 
 def test_an_axis_of_a_dictionary_is_that_of_the_file(tmp_path: Path) -> None:
@@ -110,6 +115,8 @@ def test_an_fmu_is_built_verified_and_reported(tmp_path: Path) -> None:
     ss.simulate(stop_time="5 s", engine=fmu).write_csv(tmp_path / "run.csv")
     scored = ss.score(tmp_path / "run.csv")
     assert scored.score.cause == "exact"
+    for result in (found, scored):
+        shows_itself(result)
 
 
 @pytest.mark.gate

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from stickslip.runs.run import Floats
     from stickslip_design.axis import AxisFile
     from stickslip_design.verdict import Verdict as AxisVerdict
+    from stickslip_score import Curve
     from stickslip_score import Score as CurveScore
 
 _MOST_SLIPS = (1_000_000, 10_000)
@@ -53,6 +54,10 @@ class Shown(ABC):
     @abstractmethod
     def table(self) -> RenderableType:
         """Return the table that the command prints, for rich."""
+
+    @abstractmethod
+    def plot(self) -> Figure | None:
+        """Draw it; None where there is nothing to draw."""
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
@@ -207,6 +212,7 @@ def simulate(
 class Cycle(Shown):
     """The steady cycle [SI], exact and as designers write it; NaN where there is none."""
 
+    parameters: Parameters
     exact: stickslip_ref.Cycle
     simplified: stickslip_ref.SimplifiedCycle
 
@@ -225,7 +231,14 @@ class Cycle(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Return both columns [SI]."""
-        return asdict(self)
+        return {"exact": asdict(self.exact), "simplified": asdict(self.simplified)}
+
+    def plot(self) -> Figure:
+        """Draw the start from rest, and three cycles or as many periods of the free block."""
+        p = self.parameters
+        period = self.exact.T if math.inf > self.exact.T else 2.0 * math.pi * math.sqrt(p.m / p.k)
+        load_up = p.mu_s * (p.m * p.g + p.load) / (p.k * abs(p.v)) if p.v else 0.0
+        return simulate(p, float(load_up + 3.0 * period), engine="reference", drawn=True).plot()
 
 
 def cycle(p: Parameters | None = None) -> Cycle:
@@ -240,7 +253,7 @@ def cycle(p: Parameters | None = None) -> Cycle:
     if p.law != COULOMB_NAME:
         raise ValueError(f"the friction law {p.law} has no closed form of its cycle: simulate it")
     reference = _reference(p)
-    return Cycle(stickslip_ref.steady_cycle(reference), stickslip_ref.simplified(reference))
+    return Cycle(p, stickslip_ref.steady_cycle(reference), stickslip_ref.simplified(reference))
 
 
 def _reference(p: Parameters) -> stickslip_ref.Parameters:
@@ -286,6 +299,16 @@ class Limits(Shown):
         """Return intervals and regime [SI]."""
         regime = None if self.regime is None else self.regime.words
         return {**self.velocities._asdict(), "at_v": regime}
+
+    def plot(self) -> Figure:
+        """Draw the intervals over the pulling velocity."""
+        from stickslip.show.plot import bars
+
+        rows = {
+            "cycle with a stick": self.velocities.cycle,
+            "unstable sliding": self.velocities.unstable,
+        }
+        return bars(rows, self.velocities.between)
 
 
 def critical(
@@ -422,6 +445,12 @@ class FmuVerdict(Shown):
 
         return as_json(self.verdict)
 
+    def plot(self) -> Figure | None:
+        """Draw the first case that failed, else the first one: motion, force, errors."""
+        from stickslip_verification.report.plots import figure_of
+
+        return figure_of(self.verdict)
+
     def report(self, folder: Path | str, *, full: bool = False) -> Path:
         """Write the report into a folder, every comparison on paper if `full`; return its page."""
         from stickslip_verification import write_report
@@ -506,11 +535,27 @@ def load_cases(wanted: str | Path | None = None) -> list[suite.Case]:
     return suite.load_cases(None if wanted is None else str(wanted))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CurveVerdict(Shown):
     """What a curve came to beside the exact cycle."""
 
     score: CurveScore
+    curve: Curve
+
+    def __repr__(self) -> str:
+        return f"<CurveVerdict: {self.score.cause}, {self.score.explanation}>"
+
+    @property
+    def passed(self) -> bool:
+        """Whether the curve is the exact one, within its noise or the tolerance of its solver."""
+        return self.score.cause in ("exact", "noisy", "solver_tolerance")
+
+    def plot(self) -> Figure:
+        """Draw position and spring force of the curve over time, as far as it has them."""
+        from stickslip.show.plot import panels
+
+        curve = self.curve
+        return panels(curve.t, {"x": curve.x, "F": curve.F}, str(self.score.cause))
 
     def table(self) -> RenderableType:
         """Return the comparison, for rich."""
@@ -558,7 +603,7 @@ def score(
     names = ("m", "g", "k", "c", "mu_s", "mu_k", "v", "load", "F_ext")
     columns = {"t": time, "x": x, "x_dot": x_dot, "F": force}
     read = read_curve(Path(curve), {k: name for k, name in columns.items() if name is not None})
-    return CurveVerdict(scored(read, {name: values[name] for name in names}))
+    return CurveVerdict(scored(read, {name: values[name] for name in names}), read)
 
 
 @dataclass(frozen=True, repr=False)

@@ -132,6 +132,13 @@ def draw_cases(verdict: Verdict) -> dict[str, str]:
     }
 
 
+def figure_of(verdict: Verdict) -> Figure | None:
+    """Draw the first case that failed, else the first one; None where no motion was compared."""
+    failed = {result.case for result in verdict.checks if result.failed}
+    shown = sorted(verdict.motions, key=lambda motion: motion.case not in failed)
+    return next((_case(of, _course_tolerances(verdict.checks, of.case)) for of in shown), None)
+
+
 def draw_case(motion: Motion, tolerances: Mapping[str, float]) -> str:
     """Draw a case as SVG: positions, spring force, and the errors of both sides below.
 
@@ -139,6 +146,12 @@ def draw_case(motion: Motion, tolerances: Mapping[str, float]) -> str:
     and F, each over the largest magnitude of the exact course, on a logarithmic scale, with the
     `tolerances` of the course of x by side.
     """
+    with mpl.rc_context(STYLE):
+        page = _case(motion, tolerances)
+        return as_part(page, f"plot-{motion.case}", f"{motion.case}: motion, force and errors")
+
+
+def _case(motion: Motion, tolerances: Mapping[str, float]) -> Figure:
     with mpl.rc_context(STYLE):
         page = Figure(figsize=(SIZE[0] / 72.0, SIZE[1] / 72.0))
         place = {"left": 0.112, "right": 0.94, "bottom": 0.088, "top": 0.942, "hspace": 0.16}
@@ -159,7 +172,7 @@ def draw_case(motion: Motion, tolerances: Mapping[str, float]) -> str:
         panels[2].set_xlabel(f"time  [{prefix}s]", loc="left", labelpad=2.0)
         said = _what_is_marked(motion, line)
         page.text(place["right"], 0.012, said, ha="right", fontsize=8.0, color=SOFT)
-        return as_part(page, f"plot-{motion.case}", f"{motion.case}: motion, force and errors")
+        return page
 
 
 def draw_order(order: ObservedOrder, number: int) -> str:

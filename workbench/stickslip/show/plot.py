@@ -13,8 +13,13 @@ from stickslip.show.curve import Curve, curve, points, stick_phases
 from stickslip.show.scales import FORCES, LENGTHS, STIFFNESSES, TIMES, VELOCITIES, Scale, scale_for
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from stickslip.runs.run import Floats
+    from stickslip_ref import Interval
 
 FORMATS: Final = ("png", "svg", "pdf")
 
@@ -97,6 +102,47 @@ def figure(run: Run) -> "Figure":
 
     with matplotlib.rc_context(_STYLE):
         return _drawn(run, Figure(figsize=(10.0, 6.4), layout="constrained"))
+
+
+def bars(rows: "Mapping[str, Sequence[Interval]]", between: tuple[float, float]) -> "Figure":
+    """Draw intervals of the pulling velocity [m/s], a row each, in the range searched."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context(_STYLE):
+        page = Figure(figsize=(10.0, 2.4), layout="constrained")
+        panel = page.add_subplot()
+        highest = [each.high for row in rows.values() for each in row if each.high < np.inf]
+        # A closed form answers for all velocities.
+        most = between[1] if between[1] < np.inf else 1.5 * max(highest, default=1.0)
+        scale = scale_for(most, VELOCITIES)
+        low, high = between[0] / scale.size, most / scale.size
+        for row, intervals in enumerate(rows.values()):
+            for each in intervals:
+                begin = max(each.low / scale.size, low)
+                panel.barh(row, min(each.high / scale.size, high) - begin, 0.5, begin, color=_BLUE)
+        panel.set(xlim=(low, high), ylim=(len(rows) - 0.5, -0.5), yticks=range(len(rows)))
+        panel.set_yticklabels(rows)
+        panel.set_xlabel(f"pulling velocity  [{scale.symbol}]")
+        return page
+
+
+def panels(time: "Floats", columns: "Mapping[str, Floats | None]", title: str) -> "Figure":
+    """Draw columns [SI] over time [s], a panel each."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    drawn = {name: column for name, column in columns.items() if column is not None}
+    with matplotlib.rc_context(_STYLE):
+        page = Figure(figsize=(10.0, 3.2 * len(drawn)), layout="constrained")
+        axes = page.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
+        for panel, (name, column) in zip(axes, drawn.items(), strict=True):
+            scale = scale_for(float(np.max(np.abs(column))), LENGTHS if name == "x" else FORCES)
+            panel.plot(time, column / scale.size, color=_BLUE)
+            panel.set_ylabel(f"{name}  [{scale.symbol}]")
+        axes[-1].set_xlabel("time  [s]")
+        page.suptitle(title, x=0.012, ha="left", fontsize=11)
+        return page
 
 
 def _drawn(run: Run, page: "Figure") -> "Figure":

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import io
+from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip_verification.report.svg import STYLE
+
+from ..datasets import need
 from ..points.columns import Regime
 from ..shown import number
 from .views import VALID, Side, Slice, View, colours, contours
 
 if TYPE_CHECKING:
+    import xarray
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 COLOUR_MAP: Final = "cividis"
 """Alike for every colour vision, and rising in grey."""
@@ -32,28 +38,55 @@ _DOTS: Final = 150
 _SIMPLIFIED: Final = "simplified_error"
 
 
-def picture(view: View, part: Slice) -> bytes:
-    """Draw a slice of a map as PNG.
+class Accessor:
+    """``dataset.stickslip``, where the dataset of xarray is that of a map."""
 
-    Parameters
-    ----------
-    view, part
-        The map and the slice. The first parameter is drawn to the right, the second one upward.
-    """
+    def __init__(self, dataset: xarray.Dataset) -> None:
+        self._dataset = dataset
+
+    def plot(self) -> Figure:
+        """Draw the jump over the first two parameters, further ones as the block or axis has them.
+
+        Raises
+        ------
+        ValueError
+            If the dataset is not that of a map.
+        """
+        if "over" not in self._dataset.attrs:
+            raise ValueError("the dataset is not that of a map; its variables have .plot()")
+        view = View(self._dataset)
+        (part,) = view.slices([view.nearest()])
+        return figure(view, part)
+
+
+@cache
+def register() -> None:
+    """Give the datasets of xarray their `Accessor`."""
+    need("xarray").register_dataset_accessor("stickslip")(Accessor)
+
+
+def picture(view: View, part: Slice) -> bytes:
+    """Draw a slice of a map as PNG; `figure`."""
+    import matplotlib as mpl
+
+    stream = io.BytesIO()
+    drawn = figure(view, part)
+    with mpl.rc_context(STYLE):
+        drawn.savefig(stream, format="png", dpi=_DOTS, metadata={"Software": None})
+    return stream.getvalue()
+
+
+def figure(view: View, part: Slice) -> Figure:
+    """Draw a slice of a map, the first parameter to the right, the second one upward."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from stickslip_verification.report.svg import STYLE
-
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=_SIZE, layout="constrained")
-        FigureCanvasAgg(figure)
-        axes = figure.add_subplot()
-        _draw(axes, view, part)
-        stream = io.BytesIO()
-        figure.savefig(stream, format="png", dpi=_DOTS, metadata={"Software": None})
-    return stream.getvalue()
+        drawn = Figure(figsize=_SIZE, layout="constrained")
+        FigureCanvasAgg(drawn)
+        _draw(drawn.add_subplot(), view, part)
+    return drawn
 
 
 def _draw(axes: Axes, view: View, part: Slice) -> None:

@@ -18,6 +18,7 @@ from ..datasets import need, provenance, read_grid
 from ..points.columns import FEED
 from .grid import GridStudy, boxes
 from .over import Dimension, OverError, dimensions
+from .pictures import register
 from .sources import axis_quantities, axis_source, block_quantities, block_source
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ def computed(
     study: GridStudy, *, folder: Path | str | None, run: Callable[[str | None], Results]
 ) -> xarray.Dataset:
     """Return the dataset of a study that `run` computes in the folder that it is given."""
+    register()
     zarr = need("zarr")
     # A store gives its arrays back in any order.
     names = [*(each.name for each in study.over), *study.source.columns]
