@@ -50,7 +50,8 @@ def build(
         FmiVersion, typer.Option(help="The standard: 2.0, or 3.0 as StickSlip_fmi3.fmu.")
     ] = FmiVersion.TWO,
     bare: Annotated[
-        bool, typer.Option("--bare", help="Leave out the evidence (extra/); saves a second.")
+        bool,
+        typer.Option("--bare", help="Leave out the evidence (extra/), which takes seconds."),
     ] = False,
     law: FrictionLaw = COULOMB,
     native: Annotated[
@@ -87,7 +88,7 @@ def build(
 
 
 def _verdict(fmu: Path) -> "Verdict":
-    from stickslip_verification import load_cases, verify
+    from stickslip.library import verify
 
     with long_work("Verifying the default experiment") as progress:
-        return verify(fmu, load_cases(_CASE), progress)
+        return verify(fmu, cases=_CASE, progress=progress).verdict
