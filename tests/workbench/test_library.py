@@ -52,6 +52,14 @@ def test_parameters_refuse_what_the_block_refuses(given: dict[str, Any], reason:
     assert str(refusal.value).startswith(reason)
 
 
+def test_no_other_refusal_is_of_another_kind(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(ValueError, match=r"fmi 4: the standard is 2 or 3"):
+        ss.build(tmp_path, fmi=4)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"target .*: cannot make the folder"):
+        ss.build(tmp_path / "file" / "new")
+
+
 def test_block_reference_and_closed_form_give_one_cycle() -> None:
     p = ss.Parameters(c=2)
     exact = ss.cycle(p).exact

@@ -389,12 +389,14 @@ def build(
     Raises
     ------
     OSError, ValueError
-        If the file cannot be written, or the friction law is not known.
+        If the file cannot be written, or friction law or version is not known.
     CompilerError
         If there is no compiler.
     """
     from stickslip.handbook import parts
 
+    if fmi not in (2, 3):
+        raise ParameterError("fmi", f" {fmi}: the standard is 2 or 3")
     place = Path(target)
     folder = place.parent if place.suffix == ".fmu" else place
     if not native:
