@@ -14,7 +14,13 @@ from stickslip_verification.drive import solvers
 from stickslip_verification.drive.exact import OFF, changes, exact_motion, kept, spreads
 from stickslip_verification.drive.probes.calls import keeps_its_cycle
 from stickslip_verification.drive.solvers import SOLVERS, Solver
-from stickslip_verification.judge.accuracy import STANDS_OUT, Ruler, matched, wrong_parameter
+from stickslip_verification.judge.accuracy import (
+    STANDS_OUT,
+    Ruler,
+    large_offset,
+    matched,
+    wrong_parameter,
+)
 from stickslip_verification.model.run import Run
 from stickslip_verification.run.comparisons import Plain, Solution
 from stickslip_verification.run.questions import Shown, cause
@@ -249,10 +255,30 @@ def test_a_parameter_that_acts_as_another_value_is_named_with_it(name: str, part
 
 
 @pytest.mark.gate
+@pytest.mark.parametrize("name", ["mu_s", "mu_k", "m", "k", "v"])
+@pytest.mark.parametrize("part", [0.05, -0.1])
+def test_an_offset_that_no_motion_is_linear_in_is_named_too(name: str, part: float) -> None:
+    wrong = scaled(**{name: 1.0 + part})
+    solver = SOLVERS["semi-implicit Euler, 1 ms"]
+    runs = {each: solver.run(wrong(case)) for each, case in cases().items()}
+    rulers = {each: ruler(each) for each in runs}
+    found = large_offset(rulers, runs, [*cases().values()], moved())
+    assert found is not None
+    assert found.name == name
+    assert found.part == pytest.approx(part, rel=0.05)
+
+
+ROUGH = ("Heun, 1 in a step", "BDF, 0.0001", "switch model, 0.01 mm/s")
+
+
+@pytest.mark.gate
 @pytest.mark.parametrize("name", [*SOLVERS][::3])
 def test_the_errors_of_an_honest_solver_are_no_wrong_parameter(name: str) -> None:
     runs = runs_of(SOLVERS[name])
-    assert wrong_parameter({each: ruler(each) for each in runs}, runs, moved()) is None
+    rulers = {each: ruler(each) for each in runs}
+    assert wrong_parameter(rulers, runs, moved()) is None
+    if name in ROUGH:
+        assert large_offset(rulers, runs, [*cases().values()], moved()) is None
 
 
 @pytest.mark.gate

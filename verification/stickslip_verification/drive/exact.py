@@ -112,7 +112,7 @@ def spreads(case: Case) -> dict[str, Series]:
 
 def changes(case: Case) -> dict[str, dict[str, Series]]:
     """Return what each parameter that a case gives a value moves of `MOTION`, for a part of it."""
-    plain = _shifted(case, "", 0.0)
+    plain = shifted(case, "", 0.0)
     values = {**{n: 0.0 for step in case.steps for n in step.changes}, **case.start}
     chosen = {each.name for each in case.own if each.chosen}
     moved = {}
@@ -120,15 +120,15 @@ def changes(case: Case) -> dict[str, dict[str, Series]]:
         all_values = [values[name], *(step.changes.get(name, 0.0) for step in case.steps)]
         if any(all_values) and name not in chosen and not name.endswith("_start"):
             with contextlib.suppress(ValueError):
-                run = _shifted(case, name, PART)
+                run = shifted(case, name, PART)
                 moved[name] = {
                     n: (run.outputs[n] - plain.outputs[n]) / PART for n in ("x", "x_dot", "F")
                 }
     return moved
 
 
-def _shifted(case: Case, name: str, part: float) -> Run:
-    """Follow a case with one of its numbers larger by a part, at the start and at every change."""
+def shifted(case: Case, name: str, part: float) -> Run:
+    """Follow a case exactly with one of its numbers larger by a part, at the start and later."""
 
     def larger(values: Mapping[str, float]) -> dict[str, float]:
         return {n: value * (1.0 + part) if n == name else value for n, value in values.items()}

@@ -8,7 +8,7 @@ cases (`matched`): where one is `STANDS_OUT` times what they are, the FMU solves
 """
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -16,10 +16,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip_verification.drive.exact import OFF, Exact
+from stickslip_verification.drive.exact import OFF, Exact, shifted
 from stickslip_verification.drive.solvers import LATE
 from stickslip_verification.model.quantities import OUTPUTS, QUANTITIES
 from stickslip_verification.model.run import Run, Series, Transition
+from stickslip_verification.suite.cases import Case
 
 Mask = NDArray[np.bool_]
 
@@ -162,6 +163,11 @@ REPEATS: Final = 0.25
 parameters off by 0.1 to 1 % in an accurate one: below 0.18 (measured)."""
 LEFT: Final = 0.4  # what an offset may leave of the deviation in the middle case
 _ENOUGH: Final = 5  # fewest cases that an offset is taken from
+LARGE: Final = 0.01  # offset from which on motions are compared, as they are not linear in it
+_BRACKETS: Final = (0.15, 0.05, 0.02)  # half widths of what is searched for a large offset
+_SLIPS: Final = 3  # that are compared then: more of them are out of step
+_SHORTEST: Final = 16  # cases that are compared then
+_EXPLAINED: Final = 0.6  # part of the cases that a large offset has to explain
 _NEAR: Final = 6
 """Points count that are not saturated at this one of `OFF`: there the motion is nearly linear."""
 _MOVES: Final = 1e-3
@@ -434,3 +440,59 @@ def _offset(ruler: Ruler, run: Run, change: Mapping[str, Series]) -> tuple[float
     part = float(error @ move / (move @ move))
     size = float(np.linalg.norm(error))
     return part, float(np.linalg.norm(error - part * move)) / size if size else 1.0
+
+
+def large_offset(
+    rulers: Mapping[str, Ruler],
+    runs: Mapping[str, Run],
+    cases: Sequence[Case],
+    names: Collection[tuple[str, str]],
+) -> WrongParameter | None:
+    """Return the parameter that is off by `LARGE` or more and explains the runs, if there is one.
+
+    In the first slips the area between two such motions is nearly linear in the offset, which
+    their distance at a point is not. ``names`` are the parameters that matter, by case.
+    """
+    moving = [each for each in cases if rulers[each.id].exact.facts.slips >= _SLIPS - 1]
+    shortest = sorted(moving, key=lambda case: len(case.steps))[:_SHORTEST]
+    found = []
+    for name in dict.fromkeys(name for _, name in names):
+        of = [case for case in shortest if (case.id, name) in names]
+        fits = [_by_area(case, rulers[case.id], runs[case.id], name) for case in of]
+        known = [fit for fit in fits if fit is not None]
+        offsets = np.array([part for part, left in known if left <= LEFT])
+        if offsets.size < max(_ENOUGH, _EXPLAINED * len(known)):
+            continue
+        low, part, high = np.quantile(offsets, (0.25, 0.5, 0.75))
+        if high - low <= REPEATS * abs(part) and abs(part) >= LARGE:
+            median = float(np.median([left for _, left in known]))
+            found.append((median, WrongParameter(name, float(part))))
+    return min(found, key=lambda each: each[0])[1] if found else None
+
+
+def _by_area(case: Case, ruler: Ruler, run: Run, name: str) -> tuple[float, float] | None:
+    """Return the part by which a parameter is off that fits a run, and what that leaves behind."""
+    exact, outputs = ruler.exact.record, [each for each in ("x", "F") if each in run.outputs]
+    read = np.searchsorted(exact.times, run.times)
+    read = read[exact.outputs["n_slips"][read] < _SLIPS]
+
+    def apart(one: Run, other: Run) -> float:
+        parts = [
+            np.abs(one.outputs[each][: read.size] - other.outputs[each][read])
+            / (ruler.band.largest(each) or 1.0)
+            for each in outputs
+        ]
+        return float(np.mean(parts)) if read.size else 0.0
+
+    part = 0.0
+    whole = apart(run, exact)
+    if not 0.0 < whole < np.inf:
+        return None
+    try:
+        for bracket in _BRACKETS:
+            low, high = (apart(run, shifted(case, name, part + b)) for b in (-bracket, bracket))
+            part += bracket * (low - high) / (low + high)
+        return part, apart(run, shifted(case, name, part)) / whole
+    except ValueError:
+        # The case does not allow it: the mass would lift off.
+        return None

@@ -17,10 +17,12 @@ import numpy as np
 from stickslip_verification.drive.solvers import SHARES, SOLVERS, Acceleration, Slider, Solver
 from stickslip_verification.drive.workers import NOT_MADE
 from stickslip_verification.judge.accuracy import (
+    LARGE,
     LEAST,
     STANDS_OUT,
     Matched,
     WrongParameter,
+    large_offset,
     wrong_parameter,
 )
 from stickslip_verification.model.run import Run, Series
@@ -312,13 +314,17 @@ def questions(
         for name, moved in (each.changes.value or {}).items()
     }
     rulers = {case: plain.ruler for case, plain in solved.plain.items()}
-    wrong = wrong_parameter(rulers, {case: of.run for case, of in solved.plain.items()}, changes)
+    plain = {case: of.run for case, of in solved.plain.items()}
+    middle = float(np.median([of.motion.delta for of in solved.plain.values()] or [0.0]))
+    wrong = wrong_parameter(rulers, plain, changes)
+    if wrong is None and middle > LARGE / STANDS_OUT:
+        cases = [of.case for of in solved.plain.values()]
+        wrong = large_offset(rulers, plain, cases, changes)
     if wrong is not None and abs(wrong.part) <= max(LEAST * STANDS_OUT, 1e-9):
         # It is no more than the error of the solver.
         wrong = None
     failed = [each for each in results if each.failed]
     errors = cycle_errors(solved)
-    middle = float(np.median([plain.motion.delta for plain in solved.plain.values()] or [0.0]))
     cycle = max((of.middle for of in errors if of.quantity in ("jump", "period")), default=0.0)
     rough = middle > TOO_ROUGH or cycle > ROUGH_CYCLE
     off = max(middle, cycle) if rough else 0.0
