@@ -1,8 +1,7 @@
-"""CONTRIBUTING.md done as it says: a case and two faults added to a copy of the suite."""
+"""CONTRIBUTING.md done as it says: a case, an invariant and faults added to a copy of the suite."""
 
 import re
 import shutil
-import tomllib
 from functools import partial
 from pathlib import Path
 
@@ -43,14 +42,30 @@ def test_a_case_is_added_as_it_says(suite: Path, tmp_path: Path, fmu_path: Path)
     assert [each for each in found if name in each] == []
 
 
+def test_an_invariant_is_added_as_it_says(suite: Path, tmp_path: Path, fmu_path: Path) -> None:
+    run = partial(walk, folder=tmp_path, PYTHONPATH=str(tmp_path), COLUMNS="100")
+    (metric,), (invariant, fault) = (
+        blocks("Add an invariant", each) for each in ("python", "toml")
+    )
+    metrics = suite.parent / "judge" / "metrics.py"
+    head, table, tail = metrics.read_text("utf-8").partition("Metric]] = {\n")
+    metrics.write_text(head + table + metric + tail, "utf-8")
+    for name, text in (("invariants/outputs", invariant), ("faults/meter", fault)):
+        with (suite / f"{name}.toml").open("a", encoding="utf-8") as file:
+            file.write(f"\n{text}")
+    (commands,) = blocks("Add an invariant", "bash")
+    _, verify, faults, lint = commands.replace("build/StickSlip.fmu", str(fmu_path)).splitlines()
+    assert "passed, 0 failed" in run(f"{verify} -o r.json")
+    assert "1 of 1 planted faults detected by" in run(f"{faults} --cases default")
+    assert not re.search("slips.(are-)?counted", run(f"{lint} --cases no-cases || true"))
+
+
 def test_a_fault_is_planted_as_it_says(suite: Path, tmp_path: Path, fmu_path: Path) -> None:
     run = partial(walk, folder=tmp_path, PYTHONPATH=str(tmp_path), COLUMNS="100")
-    (command,) = blocks("Plant a fault", "bash")
-    text = "\n".join(blocks("Plant a fault", "toml"))
-    faults = tomllib.loads(text)
+    _, command = blocks("Plant a fault", "bash")[0].splitlines()
+    (text,) = blocks("Plant a fault", "toml")
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
-    said = run(f"{command.strip().replace('build/StickSlip.fmu', str(fmu_path))} --cases one-step")
-    assert "2 of 2 planted faults detected by a check named in advance" in said
+    said = run(f"{command.replace('build/StickSlip.fmu', str(fmu_path))} --cases one-step")
+    assert "1 of 1 planted faults detected by a check named in advance" in said
     (tmp_path / "mine.toml").rename(suite / "faults" / "mine.toml")
-    findings = run("python -m stickslip_verification lint || true").splitlines()
-    assert [each for each in findings if any(name in each for name in faults)] == []
+    assert "strong-friction" not in run("python -m stickslip_verification lint || true")
