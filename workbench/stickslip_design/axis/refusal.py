@@ -20,32 +20,25 @@ class AxisError(ValueError):
         What is allowed there, in words.
     remedy
         What to do.
+    name
+        The file.
     line
         Number of the line, from 1; 0 where the file cannot be read at all.
     """
 
     def __init__(
-        self,
-        reason: str,
-        *,
-        key: str = "",
-        value: str = "",
-        within: str = "",
-        remedy: str = "",
-        name: str = "",
-        line: int = 0,
-    ) -> None:
-        self.reason, self.key, self.value = reason, key, value
-        self.within, self.remedy, self.line = within, remedy, line
-        place = f"{name}: line {line}: " if line else f"{name}: " if name else ""
-        subject = " = ".join(part for part in (key, value) if part)
-        first = f"{place}{subject} {reason}" if subject else f"{place}{reason}"
-        expected = f"expected {within}" if within else ""
-        super().__init__("; ".join(part for part in (first, expected, remedy) if part))
+        self, reason: str, *, key: str = "", value: str = "", within: str = "", remedy: str = "",
+        name: str = "", line: int = 0,
+    ) -> None:  # fmt: skip
+        super().__init__(reason)
+        self.reason, self.key, self.value, self.within = reason, key, value, within
+        self.remedy, self.name, self.line = remedy, name, line
 
-    def at(self, name: str, line: int, value: str = "") -> AxisError:
-        """Return the error with the name of its file, its line and what is written there."""
-        return AxisError(
-            self.reason, key=self.key, value=self.value or value, within=self.within,
-            remedy=self.remedy, name=name, line=line,
-        )  # fmt: skip
+    def __str__(self) -> str:
+        place = f"line {self.line}" if self.line else ""
+        what = " ".join(
+            filter(None, (" = ".join(filter(None, (self.key, self.value))), self.reason))
+        )
+        expected = f"expected {self.within}" if self.within else ""
+        first = ": ".join(filter(None, (self.name, place, what)))
+        return "; ".join(filter(None, (first, expected, self.remedy)))
