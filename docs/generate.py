@@ -153,7 +153,7 @@ The axis of [feed-axis.md](feed-axis.md):
 ```toml""".splitlines()
     yield from example().rstrip().splitlines()
     yield "```"
-    for section in SECTIONS:
+    for section in SECTIONS.values():
         yield from ("", f"## `{section.header}`", "", section.meaning, "")
         if section.otherwise:
             yield from (f"Without it: {section.otherwise}; {section.reason}.", "")

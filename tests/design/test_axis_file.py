@@ -190,7 +190,7 @@ REFUSALS = [
     ('curve = "none.csv"', 5, "is no friction curve: none.csv: no such file"),
     ('mass = "1e-300 kg"\nstiffness = "1e300 N/m"', 1, "numbers that do not go together"),
     (f'{FILTER}"low pass"\nfrequency = "2 kHz"', 16, "expected below 2000 Hz, half the sampling"),
-    ("[drives]", 14, "expected [axis], [friction], [drive], [demand]; [drive] is the nearest"),
+    ("[drives]", 14, "drives is no section of an axis file; nearest: [drive]"),
     ("feed = 1", 14, "demand.feed is an unknown key; nearest: feeds"),
     ("[friction]\nmu_s = 0,2\n", 2, "a number has a decimal point, such as mu_s = 0.2"),
 ]

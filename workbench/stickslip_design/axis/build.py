@@ -24,18 +24,9 @@ _AT_MOTOR: Final = {"N.m": 1, "kg.m2": 2, "N.m.s/rad": 2, "N.m.s": 2}
 
 
 class Builder:
-    """The axis of a file.
+    """The axis of a file, from its values by name and the places of its sections.
 
-    Parameters
-    ----------
-    name
-        Name of the axis where the file gives none.
-    values
-        What the file states, by name.
-    sections
-        The sections that the file has; of an array of tables ``drive.filter[1]`` and so on.
-    folder
-        Where the file of a measured curve is looked for.
+    Its name is `name` where it states none; a measured curve is looked for in `folder`.
     """
 
     def __init__(
@@ -51,18 +42,10 @@ class Builder:
         self._assumed: list[Assumed] = []
 
     def axis(self, *, capped: bool = False) -> Axis:
-        """Return the axis.
+        """Return the axis; AxisError if something is missing, or values do not go together.
 
-        Parameters
-        ----------
-        capped
-            Whether a kinetic friction above the static one is taken as that, and not refused: the
-            ± of two numbers may overlap.
-
-        Raises
-        ------
-        AxisError
-            If something is missing, or values do not go together.
+        If `capped`, a kinetic friction above the static one is taken as that, and not refused: the
+        ± of two numbers may overlap.
         """
         self._complete()
         stiffness = [self._number(path) for path in self._paths("axis.stiffness")]
@@ -179,7 +162,8 @@ class Builder:
         elif f"{path}.width" in self._values:
             damping = self._number(f"{path}.width") / (2.0 * frequency)
         elif self._text(f"{path}.kind") == "notch":
-            raise _missing(f"{path}.damping", ", or width in its place")
+            path = f"{path}.damping"
+            raise key_of(path).refusal(path, "is missing, or width in its place")
         else:
             self._assume(f"{path}.damping", "first order", "none is stated")
         if self._text(f"{path}.kind") == "low pass":
@@ -228,7 +212,7 @@ class Builder:
 
     def _needed(self, path: str, by: str) -> float:
         if path not in self._values:
-            raise _missing(path, f"; {by} is stated in terms of it")
+            raise key_of(path).refusal(path, f"is missing; {by} is stated in terms of it")
         return self._number(path)
 
     def _number(self, path: str) -> float:
@@ -237,9 +221,7 @@ class Builder:
         return number.value
 
     def _text(self, path: str) -> str:
-        text = self._values.get(path, "")
-        assert isinstance(text, str)
-        return text
+        return str(self._values.get(path, ""))
 
     def _paths(self, path: str) -> list[str]:
         """Return the names of the values of a key that may be a list."""
@@ -250,7 +232,7 @@ class Builder:
 
     def _complete(self) -> None:
         """Take what is not stated; raises AxisError where it must be, or must not."""
-        for section in SECTIONS:
+        for section in SECTIONS.values():
             tables = [each for each in self._sections if each.partition("[")[0] == section.name]
             keys: Iterable[Key] = BY_SECTION[section.name].values()
             if section.name == "drive" and tables and not self._is_servo:
@@ -281,8 +263,8 @@ class Builder:
                 )  # fmt: skip
         elif goes and not beside and not others:
             if key.required:
-                place = f", or {' or '.join(key.unless)} in its place" if key.unless else ""
-                raise _missing(path, place)
+                instead = f", or {' or '.join(key.unless)} in its place" if key.unless else ""
+                raise key.refusal(path, f"is missing{instead}")
             if key.default:
                 self._values |= values_of(key, path, json.loads(key.default))
             if key.reason:
@@ -307,9 +289,3 @@ def _least(first: Any, *others: Any) -> Any:
 def _plain(value: Any) -> Any:
     """Return a result of NumPy, as a plain float where it is one number."""
     return value if np.ndim(value) else float(value)
-
-
-def _missing(path: str, others: str) -> AxisError:
-    key = key_of(path)
-    remedy = f"write such as {key.name} = {key.example}"
-    return AxisError(f"is missing{others}", key=path, within=key.expected, remedy=remedy)

@@ -15,6 +15,7 @@ from stickslip_ref import COULOMB, STRIBECK, OwnParameter
 
 from ..quantity import KINDS, Kind, Units, on_data_sheet
 from .model import STANDARD_GRAVITY
+from .refusal import AxisError
 
 _AT_MOTOR: Final = (
     Kind("an inertia", "kg.m2", "60 kg cm2"),
@@ -123,18 +124,14 @@ class Key:
     """A key of its section and the texts of it, one of which it needs; no text: any value."""
     in_example: bool = False
     """Whether the axis of docs/feed-axis.md states it."""
-    path: str = ""
-    """Its name with that of its section: ``axis.mass``."""
+    section: str = ""
+    name: str = ""
+    """Where it stands: `KEYS` states it."""
 
     @property
-    def section(self) -> str:
-        """The name of its section."""
-        return self.path.rpartition(".")[0]
-
-    @property
-    def name(self) -> str:
-        """Its name in its section."""
-        return self.path.rpartition(".")[2]
+    def path(self) -> str:
+        """Its name with that of its section: ``axis.mass``."""
+        return f"{self.section}.{self.name}"
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
@@ -170,6 +167,11 @@ class Key:
         marks = [f'{quote}"{choice}"{quote}' for choice in self.choices]
         return marks + [str(self.within)] * (self.within != ANY) + ["±"] * self.spread
 
+    def refusal(self, path: str, reason: str, value: str = "", remedy: str = "") -> AxisError:
+        """Return the refusal of what stands at a path, or of what is missing there."""
+        remedy = remedy or f"write such as {self.name} = {self.example}"
+        return AxisError(reason, key=path, value=value, within=self.expected, remedy=remedy)
+
     @property
     def needs(self) -> str:
         """What it goes with, as it stands in a file."""
@@ -182,29 +184,26 @@ class Key:
         return self.default.strip('"') or self.otherwise
 
 
-SECTIONS: Final = (
+_ALL: Final = (
     Section("axis", "The table on its guideway, and the screw that moves it."),
     Section("friction", "The friction of the guideway: one of the ways to say it."),
     Section(
         "drive",
         "Motor and controller. Forces, dampings and the inertia are stated at the slide (N, "
         "N s/m, kg) or at the motor (N m, N m s/rad, kg cm2).",
-        otherwise="a rigid drive",
-        reason="the nut is taken to move at the feed, whatever the force",
+        "a rigid drive", "the nut is taken to move at the feed, whatever the force",
     ),
     Section(
-        "drive.filter",
-        "A filter of the motor's force or current; one such section for each.",
-        otherwise="no filter",
-        reason="none is stated",
+        "drive.filter", "A filter of the motor's force or current; one such section for each.",
+        "no filter", "none is stated",
     ),
     Section(
-        "demand",
-        "What is asked of the axis.",
-        otherwise="nothing is asked",
-        reason="the critical feed is told, without a verdict on a feed",
+        "demand", "What is asked of the axis.", "nothing is asked",
+        "the critical feed is told, without a verdict on a feed",
     ),
-)
+)  # fmt: skip
+SECTIONS: Final = {section.name: section for section in _ALL}
+"""The sections by name, in the order of the template."""
 
 _COULOMB: Final = ("law", "coulomb")
 _STRIBECK: Final = ("law", "stribeck")
@@ -445,15 +444,15 @@ _KEYS: Final = {
     ),
 }  # fmt: skip
 
-KEYS: Final = {path: replace(key, path=path) for path, key in _KEYS.items()}
+KEYS: Final = {
+    path: replace(key, section=section, name=name)
+    for path, key in _KEYS.items()
+    for section, _, name in [path.rpartition(".")]
+}
 """The keys by path, in the order of the template."""
 BY_SECTION: Final = {
-    section.name: {key.name: key for key in KEYS.values() if key.section == section.name}
-    for section in SECTIONS
+    name: {key.name: key for key in KEYS.values() if key.section == name} for name in SECTIONS
 }
-
-NOT_YET: Final = ("linear motor", "rack")
-"""Kinds of drives that are known and not yet computed."""
 
 
 def key_of(path: str) -> Key:

@@ -23,13 +23,11 @@ import numpy as np
 from stickslip_ref import FloatOrArray
 
 from .build import Builder
-from .keys import BY_SECTION, KEYS, NOT_YET, SECTIONS, Key, Section
+from .keys import BY_SECTION, KEYS, SECTIONS, Section, key_of
 from .model import Axis
 from .refusal import AxisError
 from .values import Number, Value, as_written, values_of
 
-_SECTIONS: Final = {section.name: section for section in SECTIONS}
-_TOPS: Final = [section.name for section in SECTIONS if not section.is_array]
 _NAMES_OF_DRIVES: Final = {"j": "inertia", "k_p": "velocity_gain", "lead": "pitch"}
 """Names that catalogues and parameter lists of drives have for keys."""
 _DECIMAL_COMMA: Final = re.compile(r"=\s*-?\d+,\d")
@@ -183,13 +181,12 @@ def axis_file_of(text: str, name: str = "axis.toml", folder: Path | None = None)
     written: dict[str, str] = {}
     sections: list[str] = []
     try:
-        for table, section, entries in _tables(data):
-            sections.append(table)
-            for each, value in entries.items():
-                path = f"{table}.{each}"
-                key = _key(section, path, each, value)
+        for path, value in _stated(data, ""):
+            if value is None:
+                sections.append(path)
+            else:
                 written[path] = as_written(value)
-                values |= values_of(key, path, value)
+                values |= values_of(key_of(path), path, value)
     except AxisError as error:
         error.name, error.line = name, _line_of(text, error.key)
         raise
@@ -217,67 +214,43 @@ def _not_toml(error: tomllib.TOMLDecodeError, name: str, text: str) -> AxisError
     return AxisError(reason, name=name, line=line, remedy=remedy)
 
 
-def _tables(data: Mapping[str, Any]) -> Iterator[tuple[str, Section, Mapping[str, Any]]]:
-    """Yield the tables of a file by their names, those of an array each with its number."""
-    for name, table in data.items():
-        if name not in _TOPS:
-            raise _unknown_section(name, table)
-        section = _SECTIONS[name]
-        _check(section, name, table, dict)
-        arrays = [key for key in table if f"{name}.{key}" in _SECTIONS]
-        yield name, section, {key: value for key, value in table.items() if key not in arrays}
-        for key in arrays:
-            section = _SECTIONS[f"{name}.{key}"]
-            _check(section, section.name, table[key], list)
-            for place, each in enumerate(table[key], 1):
-                path = f"{section.name}[{place}]"
-                _check(section, path, each, dict)
-                yield path, section, each
+def _stated(table: Any, path: str, section: Section | None = None) -> Iterator[tuple[str, Any]]:
+    """Yield the sections of a table by place, without value, and what its keys say."""
+    if section:
+        if not isinstance(table, dict) or section.is_array != path.endswith("]"):
+            remedy = f"write {section.header} on a line of its own, and its keys below"
+            raise AxisError("is no section", key=path, value=as_written(table), remedy=remedy)
+        yield path, None
+    for name, value in table.items():
+        place = f"{path}.{name}" if section else name
+        inner = SECTIONS.get(place)
+        if inner and inner.is_array and isinstance(value, list):
+            for number, each in enumerate(value, 1):
+                yield from _stated(each, f"{place}[{number}]", inner)
+        elif inner:
+            yield from _stated(value, place, inner)
+        elif section and name in BY_SECTION[section.name]:
+            yield place, value
+        else:
+            raise _unknown(place, name, section)
 
 
-def _check(section: Section, path: str, value: Any, kind: type) -> None:
-    if not isinstance(value, kind):
-        remedy = f"write {section.header} on a line of its own, and its keys below"
-        raise AxisError("is no section", key=path, value=as_written(value), remedy=remedy)
-
-
-def _key(section: Section, path: str, name: str, value: Any) -> Key:
-    key = BY_SECTION[section.name].get(name)
-    if key is None:
-        raise _unknown_key(section, path, name)
-    if path == "drive.kind" and isinstance(value, str) and value.lower() in NOT_YET:
-        raise AxisError(
-            "is not computed yet", key=path, value=as_written(value), within=key.expected,
-            remedy='with kind = "rigid" the axis is judged without its loop',
-        )  # fmt: skip
-    return key
-
-
-def _unknown_section(name: str, value: Any) -> AxisError:
-    owner = next((key.section for key in KEYS.values() if key.name == name), None)
-    if owner and not isinstance(value, dict):
-        remedy = f"write it below {_SECTIONS[owner].header}"
-        value = as_written(value)
-        return AxisError("stands outside a section", key=name, value=value, remedy=remedy)
-    near = get_close_matches(name, _TOPS, 1, 0.5)
-    remedy = f"[{near[0]}] is the nearest" if near else ""
-    headers = ", ".join(f"[{each}]" for each in _TOPS)
-    return AxisError("is no section of an axis file", key=name, within=headers, remedy=remedy)
-
-
-def _unknown_key(section: Section, path: str, name: str) -> AxisError:
-    known = BY_SECTION[section.name]
-    pairs = [(each, key.name) for key in known.values() for each in (key.symbol, key.name)]
-    lower = {each.lower(): name for each, name in pairs}
-    if section.name == "drive":
-        lower |= _NAMES_OF_DRIVES
-    most = 1 if name.lower() in lower else 3
-    near = dict.fromkeys(lower[each] for each in get_close_matches(name.lower(), lower, most, 0.6))
-    others = [key.section for key in KEYS.values() if key.name == name]
-    if others:
-        remedy = f"{name} stands in {_SECTIONS[others[0]].header}"
-    elif near:
-        remedy = f"nearest: {', '.join(near)}"
+def _unknown(path: str, name: str, section: Section | None) -> AxisError:
+    if section:
+        known = BY_SECTION[section.name].values()
+        names = {each.lower(): key.name for key in known for each in (key.symbol, key.name)}
+        names |= _NAMES_OF_DRIVES if section.name == "drive" else {}
     else:
-        remedy = f"{section.header} has {', '.join(known)}"
-    return AxisError("is an unknown key", key=path, remedy=remedy)
+        names = {each.name: each.header for each in SECTIONS.values() if not each.is_array}
+    most = 1 if name.lower() in names else 3
+    near = [names[each] for each in get_close_matches(name.lower(), names, most, 0.6)]
+    others = [SECTIONS[key.section].header for key in KEYS.values() if key.name == name]
+    if others:
+        remedy = f"{name} stands in {others[0]}"
+    elif near:
+        remedy = f"nearest: {', '.join(dict.fromkeys(near))}"
+    else:
+        remedy = f"there are {', '.join(dict.fromkeys(names.values()))}"
+    outside = "stands outside a section" if others else "is no section of an axis file"
+    reason = "is an unknown key" if section else outside
+    return AxisError(reason, key=path, remedy=remedy)

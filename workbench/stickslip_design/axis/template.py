@@ -23,7 +23,7 @@ _HOW: Final = (
 def template() -> str:
     """Return an axis file with all keys; those that may be left out are commented out."""
     lines = _comment(_HEAD + _HOW)
-    for section in SECTIONS:
+    for section in SECTIONS.values():
         mark = "# " if section.is_array else ""
         without = f" Without it: {section.otherwise}." if section.otherwise else ""
         lines += ["", *_comment(section.meaning + without), f"{mark}{section.header}"]
@@ -38,7 +38,7 @@ def template() -> str:
 def example() -> str:
     """Return the axis file of the axis of docs/feed-axis.md."""
     lines = _comment(_HEAD)
-    for section in SECTIONS:
+    for section in SECTIONS.values():
         keys = [key for key in BY_SECTION[section.name].values() if key.in_example]
         if keys:
             lines += ["", section.header, *(f"{key.name} = {key.example}" for key in keys)]
